@@ -1,0 +1,103 @@
+# Every target sets up what it needs: Python 3.11 or newer, make and pip are enough.
+
+PYTHON ?= $(shell python3.11 -c '' 2>/dev/null && echo python3.11 || echo python3)
+VENV := .venv
+PY := $(VENV)/bin/python
+READY := $(VENV)/.ready
+INSTALL = -m pip install --disable-pip-version-check --no-compile --quiet
+FREEZE = -m pip freeze --disable-pip-version-check --exclude-editable
+
+# What in models/ is not the declaration of a machine.
+NOT_MODELS := models/__init__.py models/__main__.py models/demo.py models/figures.py
+MODELS = $(filter-out $(NOT_MODELS) $(wildcard models/_*.py),$(sort $(wildcard models/*.py)))
+NOTEBOOKS = $(sort $(wildcard notebooks/*.ipynb))
+
+WORKERS ?= 2
+PYTEST = -m pytest -n $(WORKERS)
+
+DEMO = $(PY) -m models.demo
+FIGURES = $(PY) -m models.figures
+BENCH = $(PY) -m benchmarks
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help install demo test test-oldest lint format types imports check build figures notebooks \
+	bench lock clean
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+install: $(READY) ## set up .venv from the locked versions
+
+# A change of the requirements brings the environment up to date; a second call does nothing.
+$(READY): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Linkwright needs Python 3.11 or newer; this is " + sys.version.split()[0] + ". Name one: make PYTHON=/path/to/python3.11")'
+	@echo "Setting up $(VENV) with $(PYTHON); this takes about a minute." >&2
+	@$(PYTHON) -m venv $(VENV)
+	@$(PY) $(INSTALL) --constraint constraints.txt --editable '.[all]'
+	@touch $@
+
+demo: $(READY) ## build the compressor, simulate it, print the table, draw into figures/
+	$(DEMO)
+
+test: $(READY) ## run the tests; every warning is an error
+	$(PY) $(PYTEST)
+
+.venv-oldest/.ready: pyproject.toml constraints-oldest.txt
+	@$(PYTHON) -m venv .venv-oldest
+	@.venv-oldest/bin/python $(INSTALL) --constraint constraints-oldest.txt --editable '.[all]'
+	@touch $@
+
+test-oldest: .venv-oldest/.ready ## run the tests with the lowest versions that pyproject.toml allows
+	.venv-oldest/bin/python $(PYTEST)
+
+lint: $(READY) ## formatting and lint rules
+	@status=0; \
+	$(PY) -m ruff format --check . || status=1; \
+	$(PY) -m ruff check . || status=1; \
+	exit $$status
+
+format: $(READY) ## bring the files into the form that `make lint` asks for
+	$(PY) -m ruff format .
+	$(PY) -m ruff check --fix .
+
+types: $(READY) ## mypy --strict over codegen and runtime
+	$(PY) -m mypy
+
+imports: $(READY) ## who may import whom
+	$(VENV)/bin/lint-imports
+
+# Goes through all the models, and fails at the end where one was stale.
+check: $(READY) ## is every module in generated/ what its declaration says today?
+	@test -n "$(MODELS)" || { echo "models/ declares no machine" >&2; exit 1; }
+	@failed=; for model in $(MODELS); do \
+		$(PY) -W error -m codegen build --check $$model || failed="$$failed $$model"; \
+	done; \
+	if [ -n "$$failed" ]; then echo "stale or failing:$$failed; run make build and look at the difference" >&2; exit 1; fi
+
+build: $(READY) ## bring generated/ up to date
+	@set -e; for model in $(MODELS); do $(PY) -m codegen build $$model; done
+
+figures: $(READY) ## draw the book's figures into figures/
+	$(FIGURES)
+
+notebooks: $(READY) ## run every notebook from top to bottom
+	@set -e; for notebook in $(NOTEBOOKS); do \
+		echo $$notebook; $(VENV)/bin/jupyter-execute --inplace $$notebook; \
+	done
+
+bench: $(READY) ## measure
+	$(BENCH)
+
+lock: ## resolve every requirement anew and write constraints.txt
+	$(PYTHON) -m venv --clear .venv-lock
+	.venv-lock/bin/python $(INSTALL) --editable '.[all]'
+	{ echo '# Written by `make lock`: the versions that `make` installs.'; \
+	  .venv-lock/bin/python $(FREEZE); } > constraints.txt.new
+	mv constraints.txt.new constraints.txt
+	rm -rf .venv-lock
+
+clean: ## remove the environments, the caches and what the targets wrote
+	rm -rf .venv .venv-* .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis \
+		build dist figures results
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,174 @@
+"""Everything that can be wrong with a model and a scene, found before anything is derived.
+
+Each finding is a sentence that names the element, shows the numbers and says what to do. All of
+them are reported together.
+"""
+
+from collections.abc import Iterator
+
+import sympy
+
+from codegen.declare.element import Constraint, Effect
+from codegen.declare.names import nearest
+from codegen.declare.scene import Scene
+from codegen.declare.symbols import Coordinate, Given, Parameter, Time, Velocity
+from codegen.model import Model
+
+
+def check_model(model: Model) -> list[str]:
+    """Problems of the declaration, whatever the scene."""
+    found = list(model.problems)
+    if not model.bodies:
+        found.append(f"model '{model.name}' has no body; declare one with model.body(...).")
+    elements: list[Constraint | Effect] = [*model.joints.values(), *model.drivers.values()]
+    elements += model.effects.values()
+    for element in elements:
+        found += _bodies(model, element)
+        found += element.problems()
+    for constraint in (*model.joints.values(), *model.drivers.values()):
+        statement = constraint.statement()
+        expressions = (*statement.phi, *statement.bindings.values())
+        for symbol in _strangers(model, constraint, expressions):
+            found.append(_unknown(model, constraint, symbol))
+    for effect in model.effects.values():
+        for symbol in _strangers(model, effect, _effect_expressions(model, effect)):
+            found.append(_unknown(model, effect, symbol))
+    found += _masses(model)
+    found += filter(None, (p.problem(p.value) for p in model.parameters.values()))
+    found += _collisions(model)
+    return list(dict.fromkeys(found))
+
+
+def check_scene(model: Model, scene: Scene) -> list[str]:
+    """Problems of one scene of a sound model."""
+    where = f"scene '{scene.name}'"
+    found = []
+    if scene.analysis == "dynamics":
+        for name in scene.bodies:
+            missing = [w for w in ("mass", "inertia") if getattr(model.bodies[name], w) is None]
+            if missing:
+                found.append(
+                    f"{where}: body '{name}' has no {' and no '.join(missing)}; give it in "
+                    f"model.body('{name}', mass=..., inertia=...), or declare the scene with "
+                    "analysis='kinematics'."
+                )
+    for kind, names, elements in (
+        ("effect", scene.effects, model.effects),
+        ("driver", scene.drivers, model.drivers),
+    ):
+        for name in names:
+            absent = [
+                b.name for b in elements[name].bodies if not b.fixed and b.name not in scene.bodies
+            ]
+            found += [
+                f"{where}: {kind} '{name}' needs body '{body}', which takes no part; "
+                f"leave '{name}' out, or take '{body}' in."
+                for body in absent
+            ]
+    for name, _ in (*scene.start, *scene.guess):
+        if name.rpartition(".")[0] not in scene.bodies:
+            found.append(f"{where}: {name} has a start value, but its body takes no part.")
+    for name, value in scene.parameters:
+        if problem := model.parameters[name].problem(value):
+            found.append(f"{where}: {problem}")
+    return found
+
+
+def _bodies(model: Model, element: Constraint | Effect) -> Iterator[str]:
+    where = f"{element.kind} '{element.name}'"
+    for body in element.bodies:
+        if body.model is not model.token:
+            yield (
+                f"{where}: body '{body.name}' belongs to another model; "
+                f"use a body of '{model.name}'."
+            )
+        elif not body.fixed and model.bodies.get(body.name) is not body:
+            yield f"{where}: body '{body.name}' is not declared in '{model.name}'."
+    pair = element.bodies if isinstance(element, Constraint) else ()
+    if len(pair) == 2 and pair[0] is pair[1]:
+        yield f"{where} connects body '{pair[0].name}' with itself; give two different bodies."
+
+
+def _effect_expressions(model: Model, effect: Effect) -> list[sympy.Basic]:
+    bodies = tuple(b for b in model.bodies.values())
+    potential = effect.potential(bodies)
+    forces = effect.forces(bodies)
+    found: list[sympy.Basic] = [*forces, *forces.values()]
+    return found if potential is None else [potential, *found]
+
+
+def _strangers(
+    model: Model,
+    element: Constraint | Effect,
+    expressions: list[sympy.Basic] | tuple[sympy.Basic, ...],
+) -> list[sympy.Symbol]:
+    """Symbols that mean nothing in the model."""
+    known: set[sympy.Symbol] = {Parameter(name, real=True) for name in model.parameters}
+    for body in (*model.bodies.values(), *element.bodies):
+        known.update(body.coordinates)
+        known.update(q.rate for q in body.coordinates)
+    placeholders: set[sympy.Symbol] = set()
+    if isinstance(element, Constraint):
+        placeholders = set(element.statement().bindings)
+    symbols = set().union(*(e.free_symbols for e in expressions)) - known - placeholders
+    allowed = isinstance(element, Constraint)
+    return sorted(
+        (s for s in symbols if not isinstance(s, Time) and not (allowed and isinstance(s, Given))),
+        key=lambda s: s.name,
+    )
+
+
+def _unknown(model: Model, element: Constraint | Effect, symbol: sympy.Symbol) -> str:
+    where = f"{element.kind} '{element.name}'"
+    if isinstance(symbol, Coordinate | Velocity):
+        owner = symbol.name.rpartition("_")[0]
+        return (
+            f"{where} uses {symbol.name}, but there is no body '{owner}' in '{model.name}'; "
+            f"{nearest(owner, model.bodies)}"
+        )
+    if symbol.name in model.parameters:
+        return (
+            f"{where}: the symbol '{symbol}' has the name of a parameter but is another symbol; "
+            "use the object that model.parameter(...) returned."
+        )
+    if symbol.name == "t":
+        return f"{where}: the symbol 't' is not the time; use the t of 'from codegen import t'."
+    return (
+        f"{where}: unknown symbol '{symbol}'; declare it with model.parameter('{symbol}', ...), "
+        f"or {nearest(symbol.name, model.parameters)}"
+    )
+
+
+def _masses(model: Model) -> Iterator[str]:
+    defaults = {Parameter(p.name, real=True): p.value for p in model.parameters.values()}
+    for body in model.bodies.values():
+        for word, unit in (("mass", "kg"), ("inertia", "kg m^2")):
+            value = getattr(body, word)
+            if value is None:
+                continue
+            strangers = [s.name for s in value.free_symbols if s not in defaults]
+            if strangers:
+                yield (
+                    f"{word} of body '{body.name}': unknown symbol "
+                    f"{', '.join(map(repr, sorted(strangers)))}; "
+                    "a mass is a number or an expression of parameters."
+                )
+                continue
+            number = float(value.subs(defaults))
+            if not 0 < number < float("inf"):
+                yield (
+                    f"{word} of body '{body.name}' is {number:g} {unit}; it must be positive and "
+                    "finite (leave it out where the scene is kinematic)."
+                )
+
+
+def _collisions(model: Model) -> Iterator[str]:
+    """Two things that would have one name in the generated text."""
+    owners: dict[str, str] = {"t": "the time"}
+    for body in model.bodies.values():
+        for q in body.coordinates:
+            for symbol in (q, q.rate):
+                owners[symbol.name] = f"a coordinate or velocity of body '{body.name}'"
+    for name in model.parameters:
+        if name in owners:
+            yield f"parameter '{name}' has the name of {owners[name]}; rename it."

@@ -1,0 +1,155 @@
+"""The command line: ``python -m codegen build`` and ``python -m codegen explain``."""
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict
+from functools import wraps
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from codegen.errors import InputError, ParameterError
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    help="Compile a declared mechanism to numba kernels.",
+)
+errors = Console(stderr=True, soft_wrap=True, highlight=False)
+output = Console(soft_wrap=True, highlight=False)
+
+ModelArgument = Annotated[str, typer.Argument(help="Path, or a bare name for models/NAME.py.")]
+SceneOption = Annotated[str | None, typer.Option(help="One scene; all by default.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")]
+
+
+def answers_errors(command: Callable[..., None]) -> Callable[..., None]:
+    """Wrong input: every problem on a line of stderr, and exit status 2."""
+
+    @wraps(command)
+    def guarded(*arguments: Any, **options: Any) -> None:
+        try:
+            command(*arguments, **options)
+        except InputError as error:
+            for problem in error.problems:
+                errors.print(f"[bold red]error:[/] {escaped(problem)}")
+            raise typer.Exit(2) from None
+
+    return guarded
+
+
+def escaped(text: str) -> str:
+    """Text that rich prints as it stands."""
+    from rich.markup import escape
+
+    return escape(text)
+
+
+def parse_settings(settings: list[str]) -> dict[str, float]:
+    """``NAME=VALUE`` pairs of ``--set``."""
+    found, problems = {}, []
+    for setting in settings:
+        name, sign, value = setting.partition("=")
+        try:
+            found[name.strip()] = float(value)
+        except ValueError:
+            sign = ""
+        if not sign:
+            problems.append(f"--set {setting!r}: write NAME=VALUE with a number, like J1=900.")
+    if problems:
+        raise ParameterError(problems)
+    return found
+
+
+@app.command()
+@answers_errors
+def build(
+    model: ModelArgument,
+    scene: SceneOption = None,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", help="NAME=VALUE: another default; repeatable.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the generated files.")] = None,
+    check: Annotated[
+        bool, typer.Option("--check", help="Write nothing; fail if a file is out of date.")
+    ] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Derive, lower, emit and compile the kernels of a model's scenes."""
+    from codegen.driver import build as run
+
+    with errors.status("starting", spinner="dots") as status:
+        done = run(
+            model,
+            scene,
+            out,
+            settings=parse_settings(settings or []),
+            check=check,
+            progress=lambda message: status.update(escaped(message)),
+        )
+    if as_json:
+        scenes = [{**asdict(s), "path": str(s.path)} for s in done.scenes]
+        typer.echo(json.dumps({"scenes": scenes, "stale": [str(p) for p in done.stale]}))
+    else:
+        _print_build(done, check)
+    for path in done.stale:
+        errors.print(
+            f"[bold red]stale:[/] {escaped(str(path))} is missing or not what the model gives; "
+            f"run: python -m codegen build {escaped(model)}"
+        )
+    if done.stale:
+        raise typer.Exit(1)
+
+
+def _print_build(done: Any, check: bool) -> None:
+    for s in done.scenes:
+        state = "checked" if check else "written" if s.changed else "unchanged, nothing written"
+        output.print(f"[bold]{s.model}[/], scene [bold]{s.scene}[/]: {state}")
+        output.print(f"  file          {escaped(str(s.path))}")
+        output.print(f"  bodies        {', '.join(s.bodies)}")
+        output.print(
+            f"  equations     {s.coordinates} coordinates, {s.constraints} constraints, "
+            f"{s.degrees_of_freedom} degrees of freedom"
+        )
+        output.print(f"  effects       {', '.join(s.effects) or 'none'}")
+        output.print(f"  left out      {', '.join(s.left_out) or 'nothing'}")
+        kernels = ", ".join(f"{name} {count}" for name, count in s.operations.items())
+        output.print(f"  operations    {kernels}")
+        stages = ", ".join(f"{name} {seconds:.2f}" for name, seconds in s.seconds.items())
+        output.print(f"  seconds       {stages}")
+
+
+@app.command()
+@answers_errors
+def explain(model: ModelArgument, scene: SceneOption = None, as_json: JsonOption = False) -> None:
+    """What is compiled into a scene, what is left out, and what each part costs."""
+    from codegen.explain import explain as run
+
+    with errors.status("deriving", spinner="dots"):
+        ledgers = run(model, scene)
+    if as_json:
+        typer.echo(json.dumps([asdict(ledger) for ledger in ledgers]))
+        return
+    for ledger in ledgers:
+        table = Table(title=f"{ledger.model}, scene {ledger.scene}: operations")
+        table.add_column("part")
+        table.add_column("kind")
+        for kernel in ledger.kernels:
+            table.add_column(kernel, justify="right")
+        for part in ledger.parts:
+            counts = (str(part.operations.get(k, "")) for k in ledger.kernels)
+            table.add_row(part.name, part.kind, *counts)
+        table.add_section()
+        table.add_row("total", "", *(str(ledger.totals[k]) for k in ledger.kernels))
+        output.print(table)
+        for name, kind in ledger.left_out:
+            output.print(f"  left out: {name} ({kind}): the scene does not name it")
+
+
+def main() -> None:
+    """Entry point."""
+    app(prog_name="python -m codegen")

@@ -1,0 +1,1 @@
+"""What a modeller writes: models, bodies, joints, drivers, effects, scenes."""

@@ -1,0 +1,151 @@
+"""What every joint, driver and force answers; the library's and a user's own on equal terms."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar, Protocol, runtime_checkable
+
+import sympy
+
+from codegen.declare.body import Body, Point
+from codegen.declare.symbols import Coordinate, given
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A body inside an element's own equations: its coordinates before any model is known."""
+
+    name: str
+
+    @property
+    def x(self) -> Coordinate:
+        """Horizontal position of the centre of mass."""
+        return Coordinate(f"{self.name}_x", real=True)
+
+    @property
+    def y(self) -> Coordinate:
+        """Vertical position of the centre of mass."""
+        return Coordinate(f"{self.name}_y", real=True)
+
+    @property
+    def phi(self) -> Coordinate:
+        """Orientation."""
+        return Coordinate(f"{self.name}_phi", real=True)
+
+    @property
+    def r(self) -> sympy.Matrix:
+        """Position of the centre of mass, 2 × 1."""
+        return sympy.Matrix([self.x, self.y])
+
+    @property
+    def A(self) -> sympy.Matrix:
+        """Rotation matrix from the body's frame to the global one, 2 × 2 (Haug 2.4.4)."""
+        c, s = sympy.cos(self.phi), sympy.sin(self.phi)
+        return sympy.Matrix([[c, -s], [s, c]])
+
+    @property
+    def s(self) -> sympy.Matrix:
+        """Placeholder for a point s' of the body, 2 × 1."""
+        return sympy.Matrix([given(f"{self.name}_sx"), given(f"{self.name}_sy")])
+
+    @property
+    def point(self) -> sympy.Matrix:
+        """Global position of the point: r + A s'."""
+        return self.r + self.A * self.s
+
+    def bind(self, point: Point) -> dict[sympy.Symbol, sympy.Expr]:
+        """Placeholders of this frame → what they are for a point of a body in a model."""
+        x, y, phi = point.body.pose
+        sx, sy = self.s
+        return {self.x: x, self.y: y, self.phi: phi, sx: point.sx, sy: point.sy}
+
+
+I, J = Frame("i"), Frame("j")  # noqa: E741 (Haug's names for the two bodies of a joint)
+
+
+@dataclass(frozen=True)
+class JointReaction:
+    """The multipliers of a joint as a force and a torque that the first body exerts on the second.
+
+    Attributes
+    ----------
+    direction
+        The joint's x axis in the global frame, 2 × 1, of unit length, in placeholders.
+    on
+        The frame, `I` or `J`, whose body the reaction is computed on.
+    sign
+        +1 to report the reaction on that body, -1 for its opposite.
+    """
+
+    direction: sympy.Matrix
+    on: Frame = J
+    sign: int = 1
+
+
+@dataclass(frozen=True)
+class ConjugateReaction:
+    """Each multiplier as the generalized force -λ along the expression that its row constrains.
+
+    Attributes
+    ----------
+    components
+        One (name, unit) a row.
+    """
+
+    components: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One symbolic statement Φ(q, t) = 0, from which everything else about a constraint follows.
+
+    Attributes
+    ----------
+    phi
+        The equations, written with placeholders or with coordinates of a model.
+    rows
+        A word for each equation (``"x"``, ``"angle"`` …).
+    bindings
+        Placeholder → number, parameter or coordinate of the model.
+    reaction
+        How the multipliers are reported as forces.
+    """
+
+    phi: tuple[sympy.Expr, ...]
+    rows: tuple[str, ...]
+    reaction: JointReaction | ConjugateReaction
+    bindings: dict[sympy.Symbol, sympy.Expr] = field(default_factory=dict)
+
+
+class Element(Protocol):
+    """What joints, drivers and effects have in common."""
+
+    kind: ClassVar[str]
+
+    @property
+    def name(self) -> str:
+        """The modeller's name, an identifier."""
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The bodies that the element takes hold of; empty: all of the scene (gravity)."""
+
+    def problems(self) -> list[str]:
+        """What is wrong with the element by itself; one sentence each."""
+
+
+@runtime_checkable
+class Constraint(Element, Protocol):
+    """A joint or driver: brings equations Φ(q, t) = 0."""
+
+    def statement(self) -> Statement:
+        """The equations."""
+
+
+@runtime_checkable
+class Effect(Element, Protocol):
+    """A force: brings a potential V or generalized forces Q."""
+
+    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+        """V in joule, if the effect has a potential."""
+
+    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+        """Generalized forces Q that have no potential."""

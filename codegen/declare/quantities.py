@@ -1,0 +1,78 @@
+"""Numbers with units: converted to SI where they are declared, and nowhere else."""
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import sympy
+
+if TYPE_CHECKING:
+    import pint
+
+METRE, KILOGRAM, RADIAN, NEWTON, NEWTON_METRE = "m", "kg", "rad", "N", "N m"
+INERTIA, ACCELERATION = "kg m^2", "m/s^2"
+
+
+@lru_cache(maxsize=1)
+def registry() -> "pint.UnitRegistry[Any]":
+    """The unit registry (pint's application registry, so that a user's quantities fit)."""
+    import pint
+
+    shared: pint.UnitRegistry[Any] = pint.application_registry.get()  # type: ignore[no-untyped-call]
+    return shared
+
+
+def pint_form(unit: str) -> str:
+    """`unit` as pint reads it: products may be written with spaces (``kg m^2``)."""
+    factors, _, divisor = unit.partition("/")
+    numerator = "*".join(factors.split()) or "1"
+    return f"{numerator}/({'*'.join(divisor.split())})" if divisor else numerator
+
+
+def known_unit(unit: str) -> bool:
+    """Whether `unit` is a unit at all (the empty text means a pure number)."""
+    try:
+        registry().parse_units(pint_form(unit)) if unit else None
+    except Exception:  # pint raises several kinds, among them tokenizer errors
+        return False
+    return True
+
+
+def is_quantity(value: object) -> bool:
+    """Whether `value` is a pint quantity."""
+    return hasattr(value, "magnitude") and hasattr(value, "dimensionality")
+
+
+def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
+    """`value` as a number or expression in `unit`; a wrong dimension is added to `problems`.
+
+    Parameters
+    ----------
+    value
+        A number, a SymPy expression (both are taken to be in `unit`) or a pint quantity.
+    unit
+        The SI unit wanted, such as ``"kg m^2"``; empty for a pure number.
+    where
+        What the number is for, such as ``"mass of body 'crank'"``; begins the message.
+    problems
+        Receives one sentence when the dimension does not fit.
+    """
+    if not is_quantity(value):
+        return value
+    target = registry().parse_units(pint_form(unit)) if unit else registry().dimensionless
+    if not value.is_compatible_with(target):
+        wanted = unit or "a pure number"
+        problems.append(
+            f"{where}: {value} has the dimension {value.dimensionality}, but {wanted} is needed; "
+            f"give a quantity that converts to {wanted}."
+        )
+        return float(value.magnitude)
+    return float(value.to(target).magnitude)
+
+
+def expression(value: Any) -> sympy.Expr:
+    """`value` as a SymPy expression."""
+    if isinstance(value, sympy.Basic):
+        return value
+    if isinstance(value, bool | str) or value is None:
+        raise TypeError(f"{value!r} is no number or expression")
+    return sympy.sympify(value)

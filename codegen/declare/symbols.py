@@ -1,0 +1,60 @@
+"""The symbols that a declaration is written in, told apart by class instead of by name."""
+
+from typing import Any
+
+import sympy
+
+RATES = {"x": "vx", "y": "vy", "phi": "omega"}
+
+
+class Coordinate(sympy.Symbol):  # type: ignore[misc]
+    """A generalized coordinate; `rate` is its velocity."""
+
+    @property
+    def rate(self) -> "Velocity":
+        """The velocity symbol that belongs to this coordinate (``crank_phi`` → ``crank_omega``)."""
+        owner, _, letter = self.name.rpartition("_")
+        return Velocity(f"{owner}_{RATES[letter]}", real=True)
+
+
+class Velocity(sympy.Symbol):  # type: ignore[misc]
+    """The time derivative of a generalized coordinate."""
+
+
+class Acceleration(sympy.Symbol):  # type: ignore[misc]
+    """The second time derivative of a coordinate; occurs in rates of switching functions."""
+
+
+class Multiplier(sympy.Symbol):  # type: ignore[misc]
+    """A Lagrange multiplier."""
+
+
+class Time(sympy.Symbol):  # type: ignore[misc]
+    """The time, in seconds."""
+
+
+class Given(sympy.Symbol):  # type: ignore[misc]
+    """A placeholder in an element's own equations, bound to a number or parameter in a model."""
+
+
+class Parameter(sympy.Symbol):  # type: ignore[misc]
+    """A number that may change between runs without a new build."""
+
+
+t = Time("t", real=True)
+
+
+def coordinate(owner: str, letter: str) -> Coordinate:
+    """Coordinate `letter` (``x``, ``y`` or ``phi``) of the body `owner`."""
+    return Coordinate(f"{owner}_{letter}", real=True)
+
+
+def given(name: str) -> Given:
+    """Placeholder called `name` for a real number."""
+    return Given(name, real=True)
+
+
+def kinds(expression: sympy.Basic, *classes: type[Any]) -> list[Any]:
+    """Symbols of the given classes in an expression, in the order of their names."""
+    found = [s for s in expression.free_symbols if isinstance(s, classes)]
+    return sorted(found, key=lambda s: s.name)

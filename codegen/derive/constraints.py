@@ -1,0 +1,112 @@
+"""One constraint element → its Jacobian and right sides, derived once for each statement.
+
+All elements of a type state the same placeholder equations, so a machine of a thousand revolute
+joints differentiates one of them.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import sympy
+
+from codegen.declare.element import ConjugateReaction, Constraint, Frame, JointReaction, Statement
+from codegen.declare.symbols import Coordinate, Multiplier, kinds, t
+
+
+@dataclass(frozen=True)
+class ConstraintTerms:
+    """What one element brings, in placeholders or in coordinates of the model.
+
+    Attributes
+    ----------
+    coordinates
+        The columns of the Jacobian.
+    phi, nu, gamma
+        Φ, ν = -Φ_t and γ = -(Φ_q q̇)_q q̇ - 2 Φ_qt q̇ - Φ_tt (Haug 3.6.7, 3.6.10), one a row.
+    jacobian
+        Φ_q, row by row.
+    reactions
+        (component, unit, expression in `multipliers`).
+    multipliers
+        The symbols λ of the rows.
+    """
+
+    coordinates: tuple[Coordinate, ...]
+    phi: tuple[sympy.Expr, ...]
+    jacobian: tuple[tuple[sympy.Expr, ...], ...]
+    nu: tuple[sympy.Expr, ...]
+    gamma: tuple[sympy.Expr, ...]
+    reactions: tuple[tuple[str, str, sympy.Expr], ...]
+    multipliers: tuple[Multiplier, ...]
+
+
+def constraint_terms(element: Constraint) -> tuple[Statement, ConstraintTerms]:
+    """The element's statement, and everything that follows from it."""
+    statement = element.statement()
+    reaction = statement.reaction
+    if isinstance(reaction, JointReaction):
+        key = (tuple(reaction.direction), reaction.on, reaction.sign)
+        return statement, _derive(statement.phi, key, None)
+    return statement, _derive(statement.phi, None, reaction)
+
+
+@cache
+def _derive(
+    phi: tuple[sympy.Expr, ...],
+    joint: tuple[tuple[sympy.Expr, ...], Frame, int] | None,
+    conjugate: ConjugateReaction | None,
+) -> ConstraintTerms:
+    coordinates = tuple(kinds(sympy.Tuple(*phi), Coordinate))
+    jacobian = tuple(tuple(sympy.diff(e, q) for q in coordinates) for e in phi)
+    multipliers = tuple(Multiplier(f"lambda_{k}", real=True) for k in range(len(phi)))
+    if joint is not None:
+        reactions = _joint_reaction(phi, multipliers, *joint)
+    else:
+        assert conjugate is not None
+        reactions = tuple(
+            (name, unit, -lam)
+            for (name, unit), lam in zip(conjugate.components, multipliers, strict=True)
+        )
+    return ConstraintTerms(
+        coordinates,
+        phi,
+        jacobian,
+        tuple(-sympy.diff(e, t) for e in phi),
+        tuple(_gamma(e, row, coordinates) for e, row in zip(phi, jacobian, strict=True)),
+        reactions,
+        multipliers,
+    )
+
+
+def _gamma(
+    phi: sympy.Expr, row: tuple[sympy.Expr, ...], coordinates: tuple[Coordinate, ...]
+) -> sympy.Expr:
+    """γ of one equation; mixed second derivatives are taken once and doubled."""
+    terms = [sympy.diff(phi, t, 2)]
+    for k, (entry, p) in enumerate(zip(row, coordinates, strict=True)):
+        terms.append(2 * sympy.diff(entry, t) * p.rate)
+        terms.append(sympy.diff(entry, p) * p.rate**2)
+        terms += [2 * sympy.diff(entry, q) * p.rate * q.rate for q in coordinates[k + 1 :]]
+    return sympy.Add(*(-term for term in terms))
+
+
+def _joint_reaction(
+    phi: tuple[sympy.Expr, ...],
+    multipliers: tuple[Multiplier, ...],
+    direction: tuple[sympy.Expr, ...],
+    frame: Frame,
+    sign: int,
+) -> tuple[tuple[str, str, sympy.Expr], ...]:
+    """F = -Φ_rᵀ λ and T = (s'ᵀ Bᵀ Φ_rᵀ - Φ_φᵀ) λ at the joint's point (Haug 6.6.9), in its axes."""
+    fx, fy, couple = (
+        -sign * sum(sympy.diff(e, c) * lam for e, lam in zip(phi, multipliers, strict=True))
+        for c in (frame.x, frame.y, frame.phi)
+    )
+    arm = frame.A * frame.s
+    torque = sympy.expand(couple - (arm[0] * fy - arm[1] * fx))
+    ux, uy = direction
+    return (
+        ("fx", "N", ux * fx + uy * fy),
+        ("fy", "N", ux * fy - uy * fx),
+        ("torque", "N m", torque),
+    )

@@ -1,0 +1,144 @@
+"""A model and one of its scenes → all equations, element by element, as immutable values."""
+
+from dataclasses import dataclass
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.element import Constraint, Element, Statement
+from codegen.declare.parameter import ParameterDeclaration
+from codegen.declare.scene import Scene
+from codegen.declare.symbols import Acceleration, Coordinate, Velocity, kinds, t
+from codegen.derive.constraints import ConstraintTerms, constraint_terms
+from codegen.derive.effects import EffectTerms, effect_terms
+from codegen.derive.switching import conditions, switching_function
+from codegen.model import Model
+
+
+@dataclass(frozen=True)
+class ConstraintEquations:
+    """The equations of one joint or driver in a scene."""
+
+    name: str
+    kind: str
+    driver: bool
+    statement: Statement
+    terms: ConstraintTerms
+
+
+@dataclass(frozen=True)
+class EffectEquations:
+    """The equations of one effect in a scene."""
+
+    name: str
+    kind: str
+    terms: EffectTerms
+
+
+@dataclass(frozen=True)
+class Switch:
+    """A switching function g of an effect and its rate dg/dt along the motion."""
+
+    effect: str
+    text: str
+    g: sympy.Expr
+    rate: sympy.Expr
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Everything that a scene is made of; nothing downstream looks at the declaration.
+
+    Attributes
+    ----------
+    masses
+        The diagonal of M, one entry a coordinate: constants of a body in planar motion about its
+        centre of mass. Empty in kinematic scenes.
+    """
+
+    model: str
+    scene: Scene
+    bodies: tuple[str, ...]
+    coordinates: tuple[Coordinate, ...]
+    parameters: tuple[ParameterDeclaration, ...]
+    masses: tuple[sympy.Expr, ...]
+    constraints: tuple[ConstraintEquations, ...]
+    effects: tuple[EffectEquations, ...]
+    switches: tuple[Switch, ...]
+    left_out: tuple[tuple[str, str], ...]
+
+
+def active_joints(model: Model, scene: Scene) -> dict[str, Constraint]:
+    """Joints whose bodies all take part; links that stand for a body, where this body does not."""
+    present = {"ground", *scene.bodies}
+    chosen = {}
+    for name, joint in model.joints.items():
+        stands_for = getattr(joint, "instead_of", None)
+        replaced = stands_for is None or stands_for.name not in present
+        if replaced and all(body.name in present for body in joint.bodies):
+            chosen[name] = joint
+    return chosen
+
+
+def derive(model: Model, scene: Scene) -> Equations:
+    """Instantiate every element that takes part in `scene`."""
+    bodies = tuple(model.bodies[name] for name in scene.bodies)
+    joints = active_joints(model, scene)
+    drivers = {name: model.drivers[name] for name in scene.drivers}
+    constraints = tuple(
+        ConstraintEquations(e.name, e.kind, e.name in drivers, *constraint_terms(e))
+        for e in (*joints.values(), *drivers.values())
+    )
+    dynamic = scene.analysis == "dynamics"
+    effects = tuple(
+        EffectEquations(name, model.effects[name].kind, effect_terms(model.effects[name], bodies))
+        for name in (scene.effects if dynamic else ())
+    )
+    overrides = dict(scene.parameters)
+    parameters = tuple(
+        ParameterDeclaration(p.name, overrides.get(p.name, p.value), p.unit, p.sign)
+        for p in model.parameters.values()
+    )
+    taking_part = {*joints, *drivers, *(e.name for e in effects)}
+    everything: list[Element] = [*model.joints.values(), *model.drivers.values()]
+    everything += model.effects.values()
+    return Equations(
+        model=model.name,
+        scene=scene,
+        bodies=scene.bodies,
+        coordinates=tuple(q for body in bodies for q in body.coordinates),
+        parameters=parameters,
+        masses=_masses(bodies) if dynamic else (),
+        constraints=constraints,
+        effects=effects,
+        switches=_switches(effects),
+        left_out=tuple((e.name, e.kind) for e in everything if e.name not in taking_part),
+    )
+
+
+def _masses(bodies: tuple[Body, ...]) -> tuple[sympy.Expr, ...]:
+    return tuple(m for body in bodies for m in (body.mass, body.mass, body.inertia))
+
+
+def _switches(effects: tuple[EffectEquations, ...]) -> tuple[Switch, ...]:
+    """One switch a condition; a condition and its opposite share one."""
+    found: dict[sympy.Expr, Switch] = {}
+    for effect in effects:
+        terms = effect.terms
+        expressions = [e for _, e in (*terms.gradient, *terms.forces)]
+        if terms.potential is not None:
+            expressions.append(terms.potential)
+        for condition in conditions(expressions):
+            g = switching_function(condition)
+            if g not in found and -g not in found:
+                found[g] = Switch(effect.name, str(condition), g, rate(g))
+    return tuple(found.values())
+
+
+def rate(g: sympy.Expr) -> sympy.Expr:
+    """dg/dt = g_t + g_q q̇ + g_q̇ q̈."""
+    terms = [sympy.diff(g, t)]
+    terms += [sympy.diff(g, q) * q.rate for q in kinds(g, Coordinate)]
+    for v in kinds(g, Velocity):
+        terms.append(sympy.diff(g, v) * Acceleration(f"{v.name}_rate", real=True))
+    return sympy.Add(*terms)

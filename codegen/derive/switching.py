@@ -1,0 +1,62 @@
+"""Conditions → switching functions: every smooth piece of a force gets a mode of its own.
+
+`Abs`, `Max`, `Min`, `sign` and `Heaviside` are written as pieces first, so that each step of an
+integration sees a smooth function.
+"""
+
+from collections.abc import Iterable
+from functools import partial
+
+import sympy
+from sympy.core.relational import Relational
+from sympy.logic.boolalg import Boolean
+
+from codegen.errors import ModelError
+
+KINKED = (sympy.Abs, sympy.Max, sympy.Min, sympy.sign, sympy.Heaviside)
+
+
+def as_pieces(expression: sympy.Expr) -> sympy.Expr:
+    """The same function with every kink spelled out as a Piecewise."""
+    for function in KINKED:
+        if expression.has(function):
+            expression = expression.replace(function, partial(_pieces, function))
+    return expression
+
+
+def _pieces(function: type[sympy.Function], *arguments: sympy.Expr) -> sympy.Expr:
+    first = arguments[0]
+    if function is sympy.Abs:
+        return sympy.Piecewise((first, first > 0), (-first, True))
+    if function is sympy.sign:
+        return sympy.Piecewise((1, first > 0), (-1, True))
+    if function is sympy.Heaviside:
+        return sympy.Piecewise((1, first > 0), (0, True))
+    result = first
+    for other in arguments[1:]:
+        larger = other > result if function is sympy.Max else other < result
+        result = sympy.Piecewise((other, larger), (result, True))
+    return result
+
+
+def switching_function(condition: Relational) -> sympy.Expr:
+    """g with `condition` ⇔ g > 0; a condition and its negation give g and -g."""
+    if isinstance(condition, sympy.Eq | sympy.Ne):
+        raise ModelError(
+            f"the condition {condition} is an equality, which no motion meets for a time; "
+            "use an inequality."
+        )
+    return condition.gts - condition.lts
+
+
+def conditions(expressions: Iterable[sympy.Expr]) -> tuple[Relational, ...]:
+    """Every inequality in the expressions, each once, in the order of its first appearance."""
+    found: dict[Relational, None] = {}
+    for expression in expressions:
+        for piece in sympy.preorder_traversal(expression):
+            if isinstance(piece, Relational):
+                found[piece] = None
+            elif isinstance(piece, Boolean) and piece.has(sympy.Eq, sympy.Ne):
+                for atom in piece.atoms(sympy.Eq, sympy.Ne):
+                    switching_function(atom)
+    return tuple(found)

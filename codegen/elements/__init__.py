@@ -1,0 +1,1 @@
+"""The library of joints, drivers and forces, one file each."""

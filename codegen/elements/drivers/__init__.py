@@ -1,0 +1,1 @@
+"""Drivers: constraints that prescribe a motion in time."""

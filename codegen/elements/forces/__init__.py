@@ -1,0 +1,1 @@
+"""Effects: potentials, applied forces and torques."""

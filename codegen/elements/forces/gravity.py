@@ -1,0 +1,37 @@
+"""Uniform gravity on every body of the scene."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.symbols import Coordinate
+
+
+@dataclass(frozen=True, eq=False)
+class Gravity:
+    """V = -Σ m (g_x x + g_y y)."""
+
+    kind: ClassVar[str] = "gravity"
+    name: str
+    gx: sympy.Expr
+    gy: sympy.Expr
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """Gravity names no body: it acts on all."""
+        return ()
+
+    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+        """Potential energy of the bodies, zero at the global origin."""
+        terms = (b.mass * (self.gx * b.x + self.gy * b.y) for b in bodies if b.mass is not None)
+        return -sympy.Add(*terms)
+
+    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+        """None beside the potential's."""
+        return {}
+
+    def problems(self) -> list[str]:
+        """Nothing can be wrong with a vector."""
+        return []

@@ -1,0 +1,1 @@
+"""Joints: constraints between two bodies, or between a body and the ground."""

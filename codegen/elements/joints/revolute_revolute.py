@@ -1,0 +1,47 @@
+"""Composite revolute-revolute joint: a massless link between two points (Haug 3.3.6)."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import sympy
+
+from codegen.declare.body import Body, Point
+from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.symbols import given
+
+LENGTH = given("length")
+SPAN = J.point - I.point
+PHI = (SPAN.dot(SPAN) - LENGTH**2,)
+
+
+@dataclass(frozen=True, eq=False)
+class RevoluteRevolute:
+    """(r_j^P - r_i^P)ᵀ (r_j^P - r_i^P) - L² = 0; the reaction's x axis points along the link.
+
+    `instead_of` names the body that the link stands for: the joint acts in the scenes that leave
+    this body out.
+    """
+
+    kind: ClassVar[str] = "revolute-revolute"
+    name: str
+    i: Point
+    j: Point
+    length: sympy.Expr
+    instead_of: Body | None = None
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The two bodies that the link connects."""
+        return (self.i.body, self.j.body)
+
+    def statement(self) -> Statement:
+        """One equation: the squared distance of the two points."""
+        bindings = I.bind(self.i) | J.bind(self.j) | {LENGTH: self.length}
+        return Statement(PHI, ("length",), JointReaction(SPAN / LENGTH), bindings)
+
+    def problems(self) -> list[str]:
+        """A link of length 0 is a revolute joint, and singular as a distance."""
+        if self.length.is_number and not self.length > 0:
+            where = f"revolute-revolute '{self.name}'"
+            return [f"{where}: the length {self.length} m is not positive; use a revolute joint."]
+        return []

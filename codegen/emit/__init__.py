@@ -1,0 +1,1 @@
+"""Program → text of a numba module that a person can read."""

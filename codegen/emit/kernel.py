@@ -1,0 +1,206 @@
+"""One kernel → the text of one numba function."""
+
+from collections.abc import Iterator
+
+from codegen.emit.formula import formula
+from codegen.emit.placement import Path, Placement, place
+from codegen.lower.ledger import operations
+from codegen.lower.program import LEAVES, Input, Kernel, Op, Output, Program, Value
+
+SIGN, PRODUCT, SUM, LOGIC = 3, 2, 1, 0
+BINARY = {
+    Op.ADD: ("+", SUM, 0),
+    Op.SUB: ("-", SUM, 1),
+    Op.MUL: ("*", PRODUCT, 1),
+    Op.DIV: ("/", PRODUCT, 1),
+    Op.AND: ("and", LOGIC, 1),
+    Op.OR: ("or", LOGIC, 1),
+}
+RESERVED = {
+    *("t", "q", "v", "p", "w", "a", "g", "dq", "dv", "nu", "phi", "lam", "out", "rate", "gamma"),
+    *("Q", "modes", "values", "math", "numba", "and", "or", "not", "if", "else", "return", "in"),
+    *("is", "for", "def", "pass", "del", "as", "WEAK_PIVOT"),
+}
+TITLES = {
+    "factorization": "Factorization of M, Φ_q",
+    "correction": "Factorization of Φ_q W Φ_qᵀ",
+    "masses": "Masses",
+    "": "Sums",
+}
+NOTE_WIDTH = 60
+SHORT = {"factorization": "f", "correction": "c", "masses": "m", "": "s"}
+
+
+class KernelText:
+    """Writes one kernel.
+
+    Parameters
+    ----------
+    program, kernel
+        What to write.
+    declared
+        Number of declared parameters, behind which the constants stand in ``p``.
+    """
+
+    def __init__(self, program: Program, kernel: Kernel, declared: int) -> None:
+        self.program, self.kernel = program, kernel
+        self.plan: Placement = place(program, kernel)
+        slots = (
+            {}
+            if kernel.name == "constants"
+            else {number: declared + k for k, number in enumerate(program.constants)}
+        )
+        self.constants: dict[int, int] = {n: slots[n] for n in self.plan.numbers if n in slots}
+        self.names: dict[int, str] = {}
+        self._taken: set[str] = set(RESERVED)
+        self._counts: dict[str, int] = {}
+        self._wanted = {out.value for out in kernel.outputs}
+
+    def lines(self) -> list[str]:
+        """The function, line by line."""
+        kernel = self.kernel
+        count = operations(self.program, kernel)
+        text = [
+            f'@numba.njit("{signature(kernel)}", **OPTIONS)',
+            f"def {kernel.name}({', '.join(kernel.arguments)}):",
+            f'    """{kernel.summary}',
+            "",
+            f"    {count} operation{'' if count == 1 else 's'}.",
+            '    """',
+        ]
+        loads = list(self._loads())
+        body = [*loads, *self._block((), 1), *self._stores(), *self._watch()]
+        return text + (body or ["    pass"])
+
+    # -- parts -------------------------------------------------------------------------------
+
+    def _loads(self) -> Iterator[str]:
+        for number in self.plan.numbers:
+            literal = self.program.values[number].literal
+            if number in self.constants:
+                name = self.names[number] = self._free(f"p_{self.constants[number]}")
+                meaning = formula(self.program, number)
+                note = f"  # {meaning}" if len(meaning) <= NOTE_WIDTH else ""
+                yield f"    {name} = p[{self.constants[number]}]{note}"
+            elif isinstance(literal, Input):
+                wanted = "t" if literal.array == "t" else literal.name
+                self.names[number] = name = "t" if wanted == "t" else self._free(wanted)
+                if literal.array != "t":
+                    yield f"    {name} = {literal.array}[{literal.slot}]"
+
+    def _block(self, path: Path, depth: int) -> Iterator[str]:
+        serves = None
+        indent = "    " * depth
+        for number in self.plan.numbers:
+            value = self.program.values[number]
+            if self.plan.home[number] != path or value.op in LEAVES or number in self.constants:
+                continue
+            if number in self.plan.inlined:
+                continue
+            if depth == 1 and value.serves != serves:
+                serves = value.serves
+                yield f"{indent}# {TITLES.get(serves, serves)}"
+            if value.op is Op.SELECT:
+                yield from self._choice(number, value, path, depth)
+            else:
+                text = self._expression(number)
+                self.names[number] = self._name(value)
+                yield f"{indent}{self.names[number]} = {text}"
+
+    def _choice(self, number: int, value: Value, path: Path, depth: int) -> Iterator[str]:
+        condition, yes, no = value.args
+        indent = "    " * depth
+        test = self._text(condition, LOGIC)
+        blocks = {}
+        sides = {}
+        for side, branch in ((True, yes), (False, no)):
+            blocks[side] = list(self._block((*path, (number, side)), depth + 1))
+            sides[side] = self._text(branch, LOGIC)
+        name = self.names[number] = self._name(value)
+        if not blocks[True] and not blocks[False]:
+            yield f"{indent}{name} = {sides[True]} if {test} else {sides[False]}"
+            return
+        yield f"{indent}if {test}:"
+        yield from blocks[True]
+        yield f"{indent}    {name} = {sides[True]}"
+        yield f"{indent}else:"
+        yield from blocks[False]
+        yield f"{indent}    {name} = {sides[False]}"
+
+    def _stores(self) -> Iterator[str]:
+        stores = [out for out in self.kernel.outputs if out.array != "return"]
+        if stores:
+            yield "    # Outputs"
+        for out in stores:
+            yield f"    {out.array}[{out.slot}] = {self._text(out.value, LOGIC)}{_note(out)}"
+        for out in self.kernel.outputs:
+            if out.array == "return":
+                yield f"    return {self._text(out.value, LOGIC)}"
+
+    def _watch(self) -> Iterator[str]:
+        if not self.kernel.watched:
+            return
+        for check in self.kernel.checks:
+            pivot, reference = self.names[check.pivot], self._text(check.reference, PRODUCT)
+            yield f"    if not {pivot} > WEAK_PIVOT * {reference}:"
+            yield f"        return {1 + check.constraint}"
+        yield "    return 0"
+
+    # -- expressions -------------------------------------------------------------------------
+
+    def _text(self, number: int, outer: int) -> str:
+        if number in self.names:
+            return self.names[number]
+        if number in self.plan.inlined or self.program.values[number].op in (Op.CONST, Op.MODE):
+            return self._expression(number, outer)
+        raise KeyError(f"value {number} of kernel {self.kernel.name} is used before it is computed")
+
+    def _expression(self, number: int, outer: int = LOGIC) -> str:
+        value = self.program.values[number]
+        if value.op is Op.CONST:
+            text, level = repr(value.literal), SIGN
+            level = SUM if text.startswith("-") else SIGN
+        elif value.op is Op.MODE:
+            text, level = f"modes[{value.literal}]", SIGN
+        elif value.op in (Op.NOT, Op.NEG):
+            word, inner = ("not ", LOGIC + 1) if value.op is Op.NOT else ("-", SIGN)
+            text, level = f"{word}{self._text(value.args[0], inner)}", LOGIC if word != "-" else SUM
+        elif value.op in BINARY:
+            sign, level, tighter = BINARY[value.op]
+            left, right = (self._text(a, level + k * tighter) for k, a in enumerate(value.args))
+            text = f"{left} {sign} {right}"
+        else:
+            arguments = ", ".join(self._text(a, LOGIC) for a in value.args)
+            text, level = f"math.{value.op.value}({arguments})", SIGN
+        return f"({text})" if level < outer else text
+
+    # -- names -------------------------------------------------------------------------------
+
+    def _name(self, value: Value) -> str:
+        if value.op in (Op.SIN, Op.COS) and value.args[0] in self.names:
+            return self._free(f"{value.op.value}_{self.names[value.args[0]]}")
+        stem = SHORT.get(value.serves, value.serves)
+        while True:
+            self._counts[stem] = self._counts.get(stem, 0) + 1
+            name = f"{stem}_{self._counts[stem]}"
+            if name not in self._taken:
+                return self._free(name)
+
+    def _free(self, name: str) -> str:
+        while name in self._taken:
+            name += "_"
+        self._taken.add(name)
+        return name
+
+
+def signature(kernel: Kernel) -> str:
+    """Numba's signature of a kernel."""
+    kinds = {"t": "f8", "modes": "i8[::1]"}
+    result = "i8" if kernel.watched else "void"
+    if any(out.array == "return" for out in kernel.outputs):
+        result = "f8"
+    return f"{result}({', '.join(kinds.get(a, 'f8[::1]') for a in kernel.arguments)})"
+
+
+def _note(out: Output) -> str:
+    return f"  # {out.note}" if out.note else ""

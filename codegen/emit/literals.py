@@ -1,0 +1,36 @@
+"""Python literals laid out as a formatter would."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+WIDTH = 100
+
+
+def assignment(name: str, value: Any) -> list[str]:
+    """``NAME = literal``, on one line if it fits, else one element a line."""
+    line = f"{name} = {literal(value)}"
+    if len(line) <= WIDTH:
+        return [line]
+    if all(isinstance(item, int) for item in value):
+        return [f"{name} = (", "    # fmt: off", *_rows(value), "    # fmt: on", ")"]
+    return [f"{name} = (", *(f"    {literal(item)}," for item in value), ")"]
+
+
+def literal(value: Any) -> str:
+    """A number, text, or tuple of them."""
+    if isinstance(value, str):
+        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    if isinstance(value, Sequence):
+        inside = ", ".join(literal(item) for item in value)
+        return f"({inside},)" if len(value) == 1 else f"({inside})"
+    return repr(value)
+
+
+def _rows(numbers: Iterable[int]) -> list[str]:
+    rows, line = [], "   "
+    for number in numbers:
+        if len(line) + len(str(number)) + 2 > WIDTH:
+            rows.append(line)
+            line = "   "
+        line += f" {number},"
+    return [*rows, line]

@@ -1,0 +1,131 @@
+"""Where each value of a kernel is computed: in which branch, on which line.
+
+A value that only one side of a choice needs is computed on that side. A value with one user
+becomes part of that user's line while the line stays short.
+"""
+
+from collections import defaultdict
+from dataclasses import dataclass
+
+from codegen.lower.program import LEAVES, LOGICAL, Kernel, Op, Program
+
+Path = tuple[tuple[int, bool], ...]
+"""The choices, outermost first, inside which something stands."""
+
+WIDTH = 76
+NAME_WIDTH = 12
+
+
+@dataclass(frozen=True)
+class Placement:
+    """The plan of one kernel.
+
+    Attributes
+    ----------
+    numbers
+        Values needed, in order; constants of ``p`` are leaves here.
+    home
+        Value → the branch that it stands in.
+    inlined
+        Values written inside their only user.
+    """
+
+    numbers: tuple[int, ...]
+    home: dict[int, Path]
+    inlined: frozenset[int]
+
+
+def place(program: Program, kernel: Kernel) -> Placement:
+    """Decide the place of every value that `kernel` needs."""
+    numbers = program.reachable(kernel)
+    hoisted = set(program.constants) if kernel.name != "constants" else set()
+    uses = _uses(program, kernel, numbers, hoisted)
+    home = _homes(program, numbers, hoisted, uses)
+    return Placement(numbers, home, _inlined(program, kernel, numbers, hoisted, home))
+
+
+def _operands(program: Program, number: int, hoisted: set[int]) -> tuple[int, ...]:
+    return () if number in hoisted else program.values[number].args
+
+
+def _uses(
+    program: Program, kernel: Kernel, numbers: tuple[int, ...], hoisted: set[int]
+) -> dict[int, list[int | None]]:
+    """Value → its users; None stands for an output or a check, which are outside all branches."""
+    uses: dict[int, list[int | None]] = defaultdict(list)
+    for out in kernel.outputs:
+        uses[out.value].append(None)
+    for check in kernel.checks:
+        uses[check.pivot].append(None)
+        uses[check.reference].append(None)
+    for number in numbers:
+        for a in _operands(program, number, hoisted):
+            uses[a].append(number)
+    return uses
+
+
+def _homes(
+    program: Program,
+    numbers: tuple[int, ...],
+    hoisted: set[int],
+    uses: dict[int, list[int | None]],
+) -> dict[int, Path]:
+    home: dict[int, Path] = {}
+    for number in reversed(numbers):
+        paths: list[Path] = []
+        for user in set(uses[number]):
+            if user is None:
+                paths.append(())
+            elif program.values[user].op is Op.SELECT:
+                condition, yes, no = program.values[user].args
+                sides = ((condition, ()), (yes, ((user, True),)), (no, ((user, False),)))
+                paths += [home[user] + side for a, side in sides if a == number]
+            else:
+                paths.append(home[user])
+        home[number] = _common(paths)
+    return home
+
+
+def _common(paths: list[Path]) -> Path:
+    first = min(paths, key=len)
+    for depth, choice in enumerate(first):
+        if any(path[depth] != choice for path in paths):
+            return first[:depth]
+    return first
+
+
+def _inlined(
+    program: Program,
+    kernel: Kernel,
+    numbers: tuple[int, ...],
+    hoisted: set[int],
+    home: dict[int, Path],
+) -> frozenset[int]:
+    uses = _uses(program, kernel, numbers, hoisted)
+    watched = {v for check in kernel.checks for v in (check.pivot, check.reference)}
+    inlined: set[int] = set()
+    width: dict[int, int] = {}
+    for number in numbers:
+        value = program.values[number]
+        if number in hoisted or value.op in LEAVES:
+            width[number] = len(str(value.literal)) if value.op is Op.CONST else NAME_WIDTH
+            continue
+        inside = [a for a in value.args if a in inlined]
+        shown = {a: width[a] if a in inlined else NAME_WIDTH for a in value.args}
+        while inside and sum(shown.values()) + 5 * len(value.args) > WIDTH:
+            longest = max(inside, key=lambda a: (shown[a], a))
+            inside.remove(longest)
+            inlined.discard(longest)
+            shown[longest] = NAME_WIDTH
+        width[number] = sum(shown.values()) + 5 * len(value.args)
+        users = uses[number]
+        if value.op in LOGICAL:
+            inlined.add(number)
+        elif len(users) == 1 and value.op is not Op.SELECT and number not in watched:
+            user = users[0]
+            same = user is None or (
+                home[user] == home[number] and program.values[user].op is not Op.SELECT
+            )
+            if same:
+                inlined.add(number)
+    return frozenset(inlined)

@@ -1,0 +1,62 @@
+"""Every way in which a user's input can be wrong, under one base class.
+
+This module imports nothing, so that the runtime can raise the same errors without loading SymPy.
+"""
+
+from collections.abc import Iterable
+
+
+class LinkwrightError(Exception):
+    """Base of every error that Linkwright raises on purpose."""
+
+
+class InputError(LinkwrightError):
+    """The user's input is wrong; the command line answers it with exit status 2.
+
+    Parameters
+    ----------
+    problems
+        One sentence a problem: what is wrong, where, the numbers that show it, what to do.
+    """
+
+    def __init__(self, problems: str | Iterable[str]) -> None:
+        self.problems: tuple[str, ...] = (
+            (problems,) if isinstance(problems, str) else tuple(problems)
+        )
+        super().__init__("\n".join(self.problems))
+
+
+class ModelError(InputError):
+    """The declaration of a model contradicts itself or is incomplete."""
+
+
+class ModelFileError(InputError):
+    """A model file is missing, does not import, or declares no model."""
+
+
+class SceneError(InputError):
+    """A scene names something that the model does not have."""
+
+
+class ParameterError(InputError):
+    """A parameter does not exist, is not finite, or has the wrong sign."""
+
+
+class UnitError(InputError):
+    """A quantity has another dimension than the place it was given to."""
+
+
+class GeneratedFileError(InputError):
+    """A generated module is missing, stale, edited by hand, or cannot be written."""
+
+
+class AssemblyError(InputError):
+    """The bodies cannot be put together as the joints and the start values demand."""
+
+
+class RedundancyError(AssemblyError):
+    """More constraints than the motion can obey independently; names those to remove."""
+
+
+class AnalysisError(InputError):
+    """The analysis asked for does not fit the scene (drivers, degrees of freedom, masses)."""

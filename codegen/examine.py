@@ -1,0 +1,112 @@
+"""A look at a mechanism before it is compiled: whether its constraints can be independent.
+
+The equations are evaluated by the interpreter, near the start values; the constraints are closed
+by Gauss-Newton steps of least norm; then Gaussian elimination with full pivoting finds the rows
+of Φ_q that depend on others (Haug 3.4). Drivers stand last, so that a driver that repeats a
+joint is the one named.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.derive.equations import Equations
+from codegen.lower.interpret import evaluate
+from codegen.lower.kernels import Lowered
+
+Array = npt.NDArray[np.float64]
+TOLERANCE = 1e-8
+PROBES = 3
+
+
+def examine(equations: Equations, lowered: Lowered) -> list[str]:
+    """Sentences about constraints that are too many; empty when all can be independent."""
+    rows = [(c.name, c.kind, row) for c in equations.constraints for row in c.statement.rows]
+    n = len(equations.coordinates)
+    if not rows:
+        return []
+    guess = np.zeros(n)
+    for k, q in enumerate(equations.coordinates):
+        owner, _, letter = q.name.rpartition("_")
+        named = dict((*equations.scene.guess, *equations.scene.start))
+        guess[k] = named.get(f"{owner}.{letter}", 0.0)
+    dependent = min(
+        (_dependent_rows(_jacobian_near(equations, lowered, guess, k)) for k in range(PROBES)),
+        key=len,
+    )
+    if not dependent:
+        return []
+    redundant = ", ".join(
+        f"{name}.{row} ({kind})" for name, kind, row in (rows[i] for i in dependent)
+    )
+    elements = sorted({rows[i][0] for i in dependent})
+    independent = len(rows) - len(dependent)
+    sentence = (
+        f"scene '{equations.scene.name}': {len(rows)} constraints on {n} coordinates, of which "
+        f"only {independent} are independent; redundant: {redundant}. Remove or relax "
+        f"{' or '.join(repr(e) for e in elements)}: no motion is left for them to prevent."
+    )
+    return [sentence]
+
+
+def _jacobian_near(equations: Equations, lowered: Lowered, guess: Array, probe: int) -> Array:
+    """Φ_q at a position that satisfies the constraints, or as near as a few steps come."""
+    random = np.random.default_rng(probe)
+    q = guess + (0.0 if probe == 0 else 0.1) * random.standard_normal(len(guess))
+    jacobian = _jacobian(equations, lowered, q)
+    for _ in range(25):
+        phi = _flat(equations, lowered, "constraints", "phi", q)
+        step = np.linalg.lstsq(jacobian, -phi, rcond=1e-10)[0]
+        length = float(np.linalg.norm(step))
+        q = q + step * min(1.0, 1.0 / length if length > 0 else 1.0)
+        jacobian = _jacobian(equations, lowered, q)
+        if length < 1e-12:
+            break
+    if not np.all(np.isfinite(jacobian)):
+        return random.standard_normal(jacobian.shape)
+    return jacobian
+
+
+def _jacobian(equations: Equations, lowered: Lowered, q: Array) -> Array:
+    m = sum(len(c.statement.rows) for c in equations.constraints)
+    dense = np.zeros((m, len(equations.coordinates)))
+    pattern = lowered.jacobian
+    dense[list(pattern.rows), list(pattern.columns)] = _flat(
+        equations, lowered, "jacobian", "values", q
+    )
+    return dense
+
+
+def _flat(equations: Equations, lowered: Lowered, kernel: str, array: str, q: Array) -> Array:
+    arguments = {
+        "t": 0.0,
+        "q": q.tolist(),
+        "p": [p.value for p in equations.parameters],
+    }
+    try:
+        slots = evaluate(lowered.program, kernel, arguments, math).get(array, {})
+    except (ZeroDivisionError, ValueError, OverflowError):
+        slots = {}
+        (wanted,) = (k for k in lowered.program.kernels if k.name == kernel)
+        return np.full(len(wanted.outputs), np.nan)
+    return np.array([slots[k] for k in range(len(slots))])
+
+
+def _dependent_rows(jacobian: Array) -> Sequence[int]:
+    """Rows that depend on earlier ones, by elimination with pivots from the first rows on."""
+    work = jacobian / np.maximum(np.linalg.norm(jacobian, axis=1, keepdims=True), 1e-300)
+    basis: list[Array] = []
+    dependent = []
+    for i, row in enumerate(work):
+        rest = row.copy()
+        for _ in range(2):
+            for b in basis:
+                rest -= (b @ rest) * b
+        size = float(np.linalg.norm(rest))
+        if size > TOLERANCE:
+            basis.append(rest / size)
+        else:
+            dependent.append(i)
+    return dependent

@@ -1,0 +1,197 @@
+"""The static factorization: which unknown to eliminate when is decided here, at build time.
+
+The unknowns of dynamics solve
+
+    [ M    Φ_qᵀ ] [ q̈ ]   [ Q ]
+    [ Φ_q  0    ] [ λ ] = [ γ ] .
+
+Eliminating all accelerations first leaves S = Φ_q M⁻¹ Φ_qᵀ, to be factored LDLᵀ. That is one of
+the orders tried. Another uses that many constraints give a coordinate outright: where an entry
+of Φ_q is a number, the pair (coordinate, constraint) is a pivot of two rows that is as good as a
+substitution, and what is left shrinks to the closures of the loops. Both pivots are stable in
+any position, as M is positive definite: a coordinate's pivot is positive, a constraint's
+negative, and a pair's determinant at most -b². So the order is free, and the cheapest is taken.
+"""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from codegen.lower.graph import Graph
+from codegen.lower.program import Check
+
+DIVISION = 8
+"""What a division counts in the choice of an order, in products."""
+
+Strategy = Literal["substitute", "mixed", "schur"]
+"""Pairs while there are any; whatever is cheapest now; accelerations, then multipliers."""
+
+
+@dataclass(frozen=True)
+class Single:
+    """An eliminated unknown: x = inverse · right - Σ scaled · x_j."""
+
+    unknown: int
+    inverse: int
+    scaled: dict[int, int]
+    right: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A coordinate k and a constraint c that gives it: b x_k + Σ b across · x_j = b right_c."""
+
+    k: int
+    c: int
+    a: int
+    over_b: int
+    along: dict[int, int]
+    across: dict[int, int]
+    right_k: tuple[int, ...]
+    right_c: tuple[int, ...]
+
+
+@dataclass
+class Elimination:
+    """A symmetric sparse system of graph values, reduced pivot by pivot.
+
+    Attributes
+    ----------
+    entries
+        (i, j) → value, both triangles, structural non-zeros only.
+    right
+        Right sides, one list a column.
+    duals
+        The unknowns that are multipliers.
+    references
+        Unknown → the size that its pivot is held against; the others are not watched.
+    """
+
+    graph: Graph
+    entries: dict[tuple[int, int], int]
+    right: list[list[int]]
+    duals: frozenset[int] = frozenset()
+    references: dict[int, int] = field(default_factory=dict)
+    checks: list[Check] = field(default_factory=list, init=False)
+
+    def __post_init__(self) -> None:
+        self._neighbours: dict[int, set[int]] = {i: set() for i in range(len(self.right[0]))}
+        for i, j in self.entries:
+            if i != j:
+                self._neighbours[i].add(j)
+
+    def solve(self, strategy: Strategy) -> list[list[int]]:
+        """Values of the unknowns, one list a right side."""
+        steps: list[Single | Pair] = []
+        while self._neighbours:
+            step = self._cheapest(strategy)
+            steps.append(self._pair(*step) if len(step) == 2 else self._single(*step))
+        return [self._back_substitute(steps, n) for n in range(len(self.right))]
+
+    # -- order -------------------------------------------------------------------------------
+
+    def _cheapest(self, strategy: Strategy) -> tuple[int, ...]:
+        """The pivot that causes the least work now; ties go to the smaller number."""
+        left = self._neighbours
+        primals = [i for i in left if i not in self.duals]
+        ready = [i for i in left if i in self.duals and not left[i] - self.duals]
+        singles = [(self._single_cost(i), (i,)) for i in primals]
+        if strategy == "schur":
+            return min(singles or [(self._single_cost(c), (c,)) for c in ready])[1]
+        pairs = [(self._pair_cost(*pair), pair) for pair in self._pairs()]
+        if strategy == "substitute" and pairs:
+            return min(pairs)[1]
+        return min(singles + pairs + [(self._single_cost(c), (c,)) for c in ready])[1]
+
+    def _pairs(self) -> list[tuple[int, int]]:
+        """Coordinate and constraint with a number between them, the constraint untouched yet."""
+        return [
+            (k, c)
+            for c in self._neighbours
+            if c in self.duals and self._at(c, c) == self.graph.zero
+            for k in self._neighbours[c] - self.duals
+            if self.graph.number(self._at(k, c)) is not None
+        ]
+
+    def _single_cost(self, i: int) -> int:
+        degree = len(self._neighbours[i])
+        division = 0 if self.graph.settled[self._at(i, i)] else DIVISION
+        return division + degree * (degree + 3) // 2
+
+    def _pair_cost(self, k: int, c: int) -> int:
+        along, across = len(self._neighbours[k]) - 1, len(self._neighbours[c]) - 1
+        mass = 0 if self._at(k, k) == self.graph.zero else across * (across + 1) // 2
+        return across * along + mass + along + across
+
+    # -- pivots ------------------------------------------------------------------------------
+
+    def _at(self, i: int, j: int) -> int:
+        return self.entries.get((i, j), self.graph.zero)
+
+    def _subtract(self, i: int, j: int, value: int) -> None:
+        if value == self.graph.zero:
+            return
+        self.entries[i, j] = self.entries[j, i] = self.graph.sub(self._at(i, j), value)
+        if i != j:
+            self._neighbours[i].add(j)
+            self._neighbours[j].add(i)
+
+    def _detach(self, *unknowns: int) -> list[int]:
+        """Take unknowns out of the system; returns those that they were coupled with."""
+        around = set().union(*(self._neighbours.pop(u) for u in unknowns)) - {*unknowns}
+        for j in around:
+            self._neighbours[j] -= {*unknowns}
+        return sorted(around)
+
+    def _single(self, i: int) -> Single:
+        graph, pivot = self.graph, self._at(i, i)
+        if i in self.references:
+            size = graph.neg(pivot) if i in self.duals else pivot
+            if size != self.references[i]:
+                self.checks.append(Check(size, self.references[i], i))
+        inverse = graph.div(graph.one, pivot)
+        around = self._detach(i)
+        row = {j: self._at(i, j) for j in around}
+        scaled = {j: graph.mul(inverse, row[j]) for j in around}
+        for n, j in enumerate(around):
+            for k in around[n:]:
+                self._subtract(j, k, graph.mul(scaled[j], row[k]))
+            for right in self.right:
+                right[j] = graph.sub(right[j], graph.mul(scaled[j], right[i]))
+        return Single(i, inverse, scaled, tuple(right[i] for right in self.right))
+
+    def _pair(self, k: int, c: int) -> Pair:
+        graph = self.graph
+        a, over_b = self._at(k, k), graph.div(graph.one, self._at(k, c))
+        around = self._detach(k, c)
+        along = {j: self._at(k, j) for j in around}
+        across = {j: graph.mul(over_b, self._at(c, j)) for j in around}
+        rest = {j: graph.sub(along[j], graph.mul(a, across[j])) for j in around}
+        right_k = tuple(right[k] for right in self.right)
+        right_c = tuple(graph.mul(over_b, right[c]) for right in self.right)
+        for n, i in enumerate(around):
+            for j in around[n:]:
+                both = graph.mul(along[i], across[j]), graph.mul(across[i], rest[j])
+                self._subtract(i, j, graph.add(*both))
+            for right, r_k, r_c in zip(self.right, right_k, right_c, strict=True):
+                inner = graph.sub(r_k, graph.mul(a, r_c))
+                both = graph.mul(along[i], r_c), graph.mul(across[i], inner)
+                right[i] = graph.sub(right[i], graph.add(*both))
+        return Pair(k, c, a, over_b, along, across, right_k, right_c)
+
+    def _back_substitute(self, steps: list[Single | Pair], column: int) -> list[int]:
+        graph = self.graph
+        x: dict[int, int] = {}
+        for step in reversed(steps):
+            if isinstance(step, Single):
+                first = graph.mul(step.inverse, step.right[column])
+                x[step.unknown] = self._less(first, step.scaled, x)
+            else:
+                x[step.k] = self._less(step.right_c[column], step.across, x)
+                force = graph.sub(step.right_k[column], graph.mul(step.a, x[step.k]))
+                x[step.c] = graph.mul(step.over_b, self._less(force, step.along, x))
+        return [x[i] for i in range(len(x))]
+
+    def _less(self, start: int, row: dict[int, int], x: dict[int, int]) -> int:
+        for j, factor in row.items():
+            start = self.graph.sub(start, self.graph.mul(factor, x[j]))
+        return start

@@ -1,0 +1,244 @@
+"""Value numbering: builds values, each once, folding constants and structural zeros on the way."""
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from codegen.lower.program import COMMUTATIVE, Input, Op, Value
+
+UNARY: dict[Op, Callable[[float], float]] = {
+    Op.SIN: math.sin,
+    Op.COS: math.cos,
+    Op.TAN: math.tan,
+    Op.ASIN: math.asin,
+    Op.ACOS: math.acos,
+    Op.ATAN: math.atan,
+    Op.SINH: math.sinh,
+    Op.COSH: math.cosh,
+    Op.TANH: math.tanh,
+    Op.EXP: math.exp,
+    Op.LOG: math.log,
+    Op.SQRT: math.sqrt,
+}
+ODD = frozenset({Op.SIN, Op.TAN, Op.ASIN, Op.ATAN, Op.SINH, Op.TANH})
+EVEN = frozenset({Op.COS, Op.COSH})
+
+
+class Graph:
+    """A growing list of values in which equal values are one value.
+
+    Signs are carried outside: -a is represented once, so that entries of Φ_q that differ in sign
+    only share their work.
+
+    Attributes
+    ----------
+    values
+        In order of their numbers.
+    settled
+        For each value, whether numbers and parameters alone determine it.
+    """
+
+    def __init__(self) -> None:
+        self.values: list[Value] = []
+        self.settled: list[bool] = []
+        self._numbers: dict[tuple[Op, tuple[int, ...], object], int] = {}
+        self._serves = ""
+        self.zero = self.constant(0.0)
+        self.one = self.constant(1.0)
+
+    @contextmanager
+    def serving(self, name: str) -> Iterator[None]:
+        """Values first needed inside are credited to `name`."""
+        before, self._serves = self._serves, name
+        try:
+            yield
+        finally:
+            self._serves = before
+
+    def _add(
+        self, op: Op, args: tuple[int, ...], literal: float | int | Input | None = None
+    ) -> int:
+        if op in COMMUTATIVE:
+            args = tuple(sorted(args))
+        key = (op, args, literal)
+        if key not in self._numbers:
+            self._numbers[key] = len(self.values)
+            self.values.append(Value(op, args, literal, self._serves))
+            self.settled.append(
+                literal.array == "p"
+                if isinstance(literal, Input)
+                else op is not Op.MODE and all(self.settled[a] for a in args)
+            )
+        return self._numbers[key]
+
+    # -- leaves ------------------------------------------------------------------------------
+
+    def constant(self, number: float) -> int:
+        """A number."""
+        return self._add(Op.CONST, (), float(number) + 0.0)  # no negative zero
+
+    def input(self, array: str, index: int, name: str) -> int:
+        """A slot of an argument."""
+        return self._add(Op.INPUT, (), Input(array, index, name))
+
+    def mode(self, index: int) -> int:
+        """Whether the condition of switching function `index` holds."""
+        return self._add(Op.MODE, (), index)
+
+    def number(self, a: int) -> float | None:
+        """The number that `a` is, or None if it is only known at run time."""
+        value = self.values[a]
+        return value.literal if value.op is Op.CONST else None  # type: ignore[return-value]
+
+    # -- arithmetic --------------------------------------------------------------------------
+
+    def neg(self, a: int) -> int:
+        """-a."""
+        value = self.values[a]
+        if value.op is Op.CONST:
+            return self.constant(-self.number(a))  # type: ignore[operator]
+        if value.op is Op.NEG:
+            return value.args[0]
+        if value.op is Op.SUB:
+            return self.sub(value.args[1], value.args[0])
+        return self._add(Op.NEG, (a,))
+
+    def add(self, a: int, b: int) -> int:
+        """a + b."""
+        x, y = self.number(a), self.number(b)
+        if x is not None and y is not None:
+            return self.constant(x + y)
+        if x == 0.0:
+            return b
+        if y == 0.0:
+            return a
+        if x is not None and x < 0.0:
+            return self.sub(b, self.constant(-x))
+        if y is not None and y < 0.0:
+            return self.sub(a, self.constant(-y))
+        if self.values[b].op is Op.NEG:
+            return self.sub(a, self.values[b].args[0])
+        if self.values[a].op is Op.NEG:
+            return self.sub(b, self.values[a].args[0])
+        return self._add(Op.ADD, (a, b))
+
+    def sub(self, a: int, b: int) -> int:
+        """a - b."""
+        x, y = self.number(a), self.number(b)
+        if x is not None and y is not None:
+            return self.constant(x - y)
+        if y == 0.0:
+            return a
+        if x == 0.0:
+            return self.neg(b)
+        if a == b:
+            return self.zero
+        if y is not None and y < 0.0:
+            return self.add(a, self.constant(-y))
+        if x is not None and x < 0.0:
+            return self.neg(self.add(self.constant(-x), b))
+        if self.values[b].op is Op.NEG:
+            return self.add(a, self.values[b].args[0])
+        if self.values[a].op is Op.NEG:
+            return self.neg(self.add(self.values[a].args[0], b))
+        return self._add(Op.SUB, (a, b))
+
+    def mul(self, a: int, b: int) -> int:
+        """a b; a structural zero annihilates, a sign moves outside."""
+        x, y = self.number(a), self.number(b)
+        if x is not None and y is not None:
+            return self.constant(x * y)
+        if y is not None:
+            a, b, x, y = b, a, y, x
+        if x is not None:
+            if x == 0.0:
+                return self.zero
+            if x == 1.0:
+                return b
+            if x < 0.0:
+                return self.neg(self.mul(self.constant(-x), b))
+            inner = self.values[b]
+            if inner.op is Op.MUL and (z := self.number(inner.args[0])) is not None:
+                return self.mul(self.constant(x * z), inner.args[1])
+        for one, other in ((a, b), (b, a)):
+            if self.values[one].op is Op.NEG:
+                return self.neg(self.mul(self.values[one].args[0], other))
+        return self._add(Op.MUL, (a, b))
+
+    def div(self, a: int, b: int) -> int:
+        """a / b; a division by what is known before the run becomes a product."""
+        x, y = self.number(a), self.number(b)
+        if x is not None and y is not None and y != 0.0:
+            return self.constant(x / y)
+        if x == 0.0:
+            return self.zero
+        if y is not None and y != 0.0:
+            return self.mul(self.constant(1.0 / y), a)
+        if x is not None and x < 0.0:
+            return self.neg(self.div(self.constant(-x), b))
+        for k, value in enumerate((self.values[a], self.values[b])):
+            if value.op is Op.NEG:
+                inner = value.args[0]
+                return self.neg(self.div(inner, b) if k == 0 else self.div(a, inner))
+        if self.settled[b] and not self.settled[a]:
+            return self.mul(self.div(self.one, b), a)
+        return self._add(Op.DIV, (a, b))
+
+    def power(self, base: int, exponent: float) -> int:
+        """base ** exponent; small whole and half exponents by products and a square root."""
+        if exponent < 0:
+            return self.div(self.one, self.power(base, -exponent))
+        if exponent == 0.5:
+            return self.function(Op.SQRT, base)
+        whole = int(exponent)
+        if exponent == whole + 0.5 and whole < 16:
+            return self.mul(self.power(base, whole), self.function(Op.SQRT, base))
+        if exponent != whole or whole > 64:
+            return self.function(Op.POW, base, self.constant(exponent))
+        result, square = self.one, base
+        while whole:
+            if whole & 1:
+                result = self.mul(result, square)
+            whole >>= 1
+            if whole:
+                square = self.mul(square, square)
+        return result
+
+    def function(self, op: Op, *args: int) -> int:
+        """An elementary function; numbers are folded, sin(-x) = -sin(x), cos(-x) = cos(x)."""
+        numbers = [self.number(a) for a in args]
+        if all(n is not None for n in numbers):
+            if op in UNARY:
+                return self.constant(UNARY[op](numbers[0]))  # type: ignore[arg-type]
+            two = math.atan2 if op is Op.ATAN2 else math.pow
+            return self.constant(two(*numbers))  # type: ignore[arg-type]
+        if op in ODD | EVEN and self.values[args[0]].op is Op.NEG:
+            inner = self._add(op, self.values[args[0]].args)
+            return self.neg(inner) if op in ODD else inner
+        return self._add(op, args)
+
+    def total(self, terms: list[int]) -> int:
+        """The sum of `terms`, from the left."""
+        result = self.zero
+        for term in terms:
+            result = self.add(result, term)
+        return result
+
+    # -- choice ------------------------------------------------------------------------------
+
+    def negation(self, a: int) -> int:
+        """Not a."""
+        value = self.values[a]
+        return value.args[0] if value.op is Op.NOT else self._add(Op.NOT, (a,))
+
+    def logical(self, op: Op, a: int, b: int) -> int:
+        """a and b, a or b."""
+        return a if a == b else self._add(op, (a, b))
+
+    def select(self, condition: int, yes: int, no: int) -> int:
+        """`yes` where `condition` holds, else `no`; only the one needed is computed."""
+        if yes == no:
+            return yes
+        if self.values[condition].op is Op.NOT:
+            return self._add(Op.SELECT, (self.values[condition].args[0], no, yes))
+        return self._add(Op.SELECT, (condition, yes, no))

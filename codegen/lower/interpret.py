@@ -1,0 +1,76 @@
+"""Evaluates a program without compiling it, in any arithmetic: floats, complex numbers, mpmath.
+
+The complex step through this interpreter differentiates the very operations that are compiled,
+and the build uses it to look at a mechanism before there is any machine code.
+"""
+
+import cmath
+import operator
+from collections.abc import Callable, Mapping, Sequence
+from types import ModuleType
+from typing import Any
+
+from codegen.lower.program import FUNCTIONS, Input, Kernel, Op, Program
+
+ARITHMETIC: dict[Op, Callable[..., Any]] = {
+    Op.ADD: operator.add,
+    Op.SUB: operator.sub,
+    Op.MUL: operator.mul,
+    Op.DIV: operator.truediv,
+    Op.NEG: operator.neg,
+    Op.NOT: operator.not_,
+    Op.POW: operator.pow,
+    Op.AND: lambda a, b: a and b,
+    Op.OR: lambda a, b: a or b,
+    Op.SELECT: lambda condition, yes, no: yes if condition else no,
+}
+
+
+def evaluate(
+    program: Program,
+    name: str,
+    arguments: Mapping[str, Any],
+    functions: ModuleType = cmath,
+) -> dict[str, dict[int, Any]]:
+    """Outputs of the kernel `name`: array → slot → number.
+
+    Parameters
+    ----------
+    arguments
+        ``t`` a number, the other inputs sequences. ``p`` may hold the declared parameters only:
+        what follows from them is computed here.
+    functions
+        Where sin, cos … come from: `cmath`, `math` or an mpmath context.
+    """
+    (kernel,) = (k for k in program.kernels if k.name == name)
+    numbers = _needed(program, kernel)
+    known: dict[int, Any] = {}
+    for number in numbers:
+        value = program.values[number]
+        if value.op is Op.CONST:
+            known[number] = value.literal
+        elif isinstance(value.literal, Input):
+            known[number] = _slot(arguments, value.literal)
+        elif value.op is Op.MODE:
+            known[number] = bool(arguments["modes"][value.literal])
+        else:
+            operands = [known[a] for a in value.args]
+            function = ARITHMETIC.get(value.op)
+            if function is None:
+                assert value.op in FUNCTIONS
+                function = getattr(functions, value.op.value)
+            known[number] = function(*operands)
+    outputs: dict[str, dict[int, Any]] = {}
+    for out in kernel.outputs:
+        outputs.setdefault(out.array, {})[out.slot] = known[out.value]
+    return outputs
+
+
+def _slot(arguments: Mapping[str, Any], slot: Input) -> Any:
+    values: Any = arguments[slot.array]
+    return values[slot.slot] if isinstance(values, Sequence) or hasattr(values, "shape") else values
+
+
+def _needed(program: Program, kernel: Kernel) -> list[int]:
+    whole = Program(program.values, program.kernels, (), program.weak_pivot)
+    return list(whole.reachable(kernel))

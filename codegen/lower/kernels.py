@@ -1,0 +1,188 @@
+"""Equations of a scene → the program of all its kernels."""
+
+from dataclasses import dataclass
+
+from codegen.derive.equations import Equations
+from codegen.lower.factorization import Strategy
+from codegen.lower.hoist import with_constants
+from codegen.lower.program import STATE, Kernel, Output, Program, store
+from codegen.lower.scene_graph import SceneGraph
+from codegen.lower.solutions import accelerations, correction
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Where the structural non-zeros of a matrix stand."""
+
+    rows: tuple[int, ...]
+    columns: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Lowered:
+    """A program with the patterns and row names that its flat outputs need.
+
+    Attributes
+    ----------
+    jacobian, mass
+        Patterns of Φ_q and M.
+    reactions
+        (element, component, unit) of each entry of the reactions.
+    powers
+        (source, ``"effect"`` or ``"driver"``).
+    strategy
+        The order of elimination that was cheapest.
+    """
+
+    program: Program
+    jacobian: Pattern
+    mass: Pattern
+    reactions: tuple[tuple[str, str, str], ...]
+    powers: tuple[tuple[str, str], ...]
+    strategy: Strategy
+
+
+def lower(equations: Equations) -> Lowered:
+    """Translate every equation into one graph, and arrange its values in kernels."""
+    scene = SceneGraph(equations)
+    kernels = [
+        Kernel("constraints", "Φ(q, t).", ("t", "q", "p", "phi"), _named(scene, "phi", scene.phi)),
+        Kernel(
+            "jacobian",
+            "Structural non-zeros of Φ_q, at JACOBIAN_ROWS, JACOBIAN_COLUMNS.",
+            ("t", "q", "p", "values"),
+            store("values", list(scene.jacobian.values()), _jacobian_notes(scene)),
+        ),
+        Kernel(
+            "velocity_rhs",
+            "ν = -Φ_t, so that Φ_q q̇ = ν.",
+            ("t", "q", "p", "nu"),
+            _named(scene, "nu", scene.nu),
+        ),
+        Kernel(
+            "acceleration_rhs",
+            "γ = -(Φ_q q̇)_q q̇ - 2 Φ_qt q̇ - Φ_tt, so that Φ_q q̈ = γ.",
+            (*STATE, "gamma"),
+            _named(scene, "gamma", scene.gamma),
+        ),
+    ]
+    fused, strategy = accelerations(scene)
+    kernels += [fused, correction(scene)]
+    powers: list[tuple[str, str, int]] = []
+    if equations.masses:
+        powers = _powers(scene)
+        kernels += _dynamic_kernels(scene, powers)
+    if equations.switches:
+        kernels += _switching_kernels(scene)
+    program = with_constants(scene.graph, tuple(kernels), len(equations.parameters))
+    rows, columns = zip(*scene.jacobian, strict=True) if scene.jacobian else ((), ())
+    diagonal = tuple(range(len(equations.masses)))
+    return Lowered(
+        program,
+        Pattern(tuple(rows), tuple(columns)),
+        Pattern(diagonal, diagonal),
+        tuple((name, part, unit) for name, part, unit, _ in scene.reactions),
+        tuple((source, kind) for source, kind, _ in powers),
+        strategy,
+    )
+
+
+def _dynamic_kernels(scene: SceneGraph, powers: list[tuple[str, str, int]]) -> list[Kernel]:
+    coordinates = [q.name for q in scene.equations.coordinates]
+    graph = scene.graph
+    energies = [
+        graph.mul(mass, graph.mul(v, v)) for mass, v in zip(scene.masses, scene.v, strict=True)
+    ]
+    kinetic = graph.mul(graph.constant(0.5), graph.total(energies))
+    names = [f"{element} {part}, {unit}" for element, part, unit, _ in scene.reactions]
+    reactions = [value for *_, value in scene.reactions]
+    return [
+        Kernel(
+            "mass",
+            "Structural non-zeros of M, at MASS_ROWS, MASS_COLUMNS.",
+            ("q", "p", "values"),
+            store("values", scene.masses, coordinates),
+        ),
+        Kernel(
+            "applied_forces",
+            "Generalized forces Q, those of the potential included.",
+            (*STATE, "modes", "Q"),
+            store("Q", scene.applied, coordinates),
+        ),
+        Kernel(
+            "potential",
+            "Potential energy V, J.",
+            ("t", "q", "p", "modes"),
+            (Output("return", 0, scene.potential),),
+        ),
+        Kernel(
+            "potential_gradient",
+            "∂V/∂q.",
+            ("t", "q", "p", "modes", "g"),
+            store("g", scene.gradient, coordinates),
+        ),
+        Kernel(
+            "kinetic_energy",
+            "T = q̇ᵀ M q̇ / 2, J.",
+            ("q", "v", "p"),
+            (Output("return", 0, kinetic),),
+        ),
+        Kernel(
+            "powers",
+            "Power of each effect without a potential and of each driver, W.",
+            (*STATE, "modes", "lam", "out"),
+            store("out", [w for *_, w in powers], [source for source, *_ in powers]),
+        ),
+        Kernel(
+            "reactions",
+            "Joint forces on the second body, in the joint's axes, and what drivers exert.",
+            (*STATE, "lam", "out"),
+            store("out", reactions, names),
+        ),
+    ]
+
+
+def _switching_kernels(scene: SceneGraph) -> list[Kernel]:
+    switches = scene.equations.switches
+    notes = [f"{switch.effect}: {switch.text}" for switch in switches]
+    g, rates = [], []
+    for switch in switches:
+        with scene.graph.serving(switch.effect):
+            g.append(scene.translate(switch.g))
+            rates.append(scene.translate(switch.rate))
+    return [
+        Kernel(
+            "switching",
+            "Switching functions g: a condition holds where its g > 0.",
+            (*STATE, "g"),
+            store("g", g, notes),
+        ),
+        Kernel(
+            "switching_rates",
+            "dg/dt along the motion.",
+            ("t", "q", "v", "a", "p", "rate"),
+            store("rate", rates, notes),
+        ),
+    ]
+
+
+def _powers(scene: SceneGraph) -> list[tuple[str, str, int]]:
+    """Q·q̇ of each effect; λ Φ_t of each driver (its force -Φ_qᵀ λ on velocities Φ_q q̇ = ν)."""
+    found = [(name, "effect", power) for name, power in scene.powers]
+    row = 0
+    for element in scene.equations.constraints:
+        rows = range(row, row + len(element.terms.phi))
+        row = rows.stop
+        if element.driver:
+            terms = [scene.graph.mul(scene.nu[k], scene.lam[k]) for k in rows]
+            found.append((element.name, "driver", scene.graph.neg(scene.graph.total(terms))))
+    return found
+
+
+def _named(scene: SceneGraph, array: str, values: list[int]) -> tuple[Output, ...]:
+    return store(array, values, scene.row_names())
+
+
+def _jacobian_notes(scene: SceneGraph) -> list[str]:
+    rows = scene.row_names()
+    return [f"{rows[i]}, {scene.equations.coordinates[k].name}" for i, k in scene.jacobian]

@@ -1,0 +1,39 @@
+"""What a program costs: operations a kernel, and the element that each of them serves."""
+
+from collections import Counter
+
+from codegen.lower.program import FUNCTIONS, LEAVES, LOGICAL, Kernel, Op, Program
+
+WEIGHTS = {Op.DIV: 5, Op.SQRT: 5, Op.NEG: 0, Op.SELECT: 1}
+"""Operations whose time is far from that of a product; elementary functions count 20."""
+
+
+def operations(program: Program, kernel: Kernel) -> int:
+    """Arithmetic operations of a kernel, each counted once."""
+    return sum(by_element(program, kernel).values())
+
+
+def by_element(program: Program, kernel: Kernel) -> Counter[str]:
+    """Operations of a kernel by the element for which they were first needed."""
+    counts: Counter[str] = Counter()
+    for number in _computed(program, kernel):
+        counts[program.values[number].serves] += 1
+    return counts
+
+
+def cost(program: Program, kernel: Kernel) -> int:
+    """Operations weighted by their time, to compare two programs for the same question."""
+    total = 0
+    for number in _computed(program, kernel):
+        op = program.values[number].op
+        total += 20 if op in FUNCTIONS and op is not Op.SQRT else WEIGHTS.get(op, 1)
+    return total + 2 * len(kernel.checks)
+
+
+def _computed(program: Program, kernel: Kernel) -> list[int]:
+    hoisted = set(program.constants) if kernel.name != "constants" else set()
+    return [
+        number
+        for number in program.reachable(kernel)
+        if number not in hoisted and program.values[number].op not in LEAVES | LOGICAL
+    ]

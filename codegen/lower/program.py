@@ -1,0 +1,183 @@
+"""The intermediate representation: values, kernels, a program. Plain data, no mathematics.
+
+A *value* is one scalar operation on earlier values; values are numbered, and equal values have
+one number. A *kernel* is a named list of (output slot, value). There is no control flow but
+``select``, whose condition depends on modes alone, and no memory but inputs and outputs.
+"""
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple
+
+
+class Op(Enum):
+    """What a value can be."""
+
+    CONST = "const"
+    INPUT = "input"
+    ADD = "+"
+    SUB = "-"
+    MUL = "*"
+    DIV = "/"
+    NEG = "neg"
+    SIN = "sin"
+    COS = "cos"
+    TAN = "tan"
+    ASIN = "asin"
+    ACOS = "acos"
+    ATAN = "atan"
+    ATAN2 = "atan2"
+    SINH = "sinh"
+    COSH = "cosh"
+    TANH = "tanh"
+    EXP = "exp"
+    LOG = "log"
+    SQRT = "sqrt"
+    POW = "pow"
+    LESS = "<"
+    MODE = "mode"
+    NOT = "not"
+    AND = "and"
+    OR = "or"
+    SELECT = "select"
+
+
+LEAVES = frozenset({Op.CONST, Op.INPUT, Op.MODE})
+COMMUTATIVE = frozenset({Op.ADD, Op.MUL, Op.AND, Op.OR})
+LOGICAL = frozenset({Op.MODE, Op.NOT, Op.AND, Op.OR, Op.LESS})
+FUNCTIONS = frozenset(
+    {
+        Op.SIN,
+        Op.COS,
+        Op.TAN,
+        Op.ASIN,
+        Op.ACOS,
+        Op.ATAN,
+        Op.ATAN2,
+        Op.SINH,
+        Op.COSH,
+        Op.TANH,
+        Op.EXP,
+        Op.LOG,
+        Op.SQRT,
+        Op.POW,
+    }
+)
+
+
+class Input(NamedTuple):
+    """Slot `slot` of the argument `array` (``t`` has one slot), called `name` in the text."""
+
+    array: str
+    slot: int
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Value:
+    """One operation.
+
+    Attributes
+    ----------
+    op
+        The operation.
+    args
+        Numbers of the values that it takes.
+    literal
+        The float of a constant, the slot of an input, the number of a mode.
+    serves
+        Name of the element for which the value was first needed; a comment in the text.
+    """
+
+    op: Op
+    args: tuple[int, ...] = ()
+    literal: float | int | Input | None = None
+    serves: str = ""
+
+
+class Output(NamedTuple):
+    """Store `value` in slot `slot` of the argument `array`; `note` says what it is."""
+
+    array: str
+    slot: int
+    value: int
+    note: str = ""
+
+
+class Check(NamedTuple):
+    """`pivot` is weak when it is not above `reference` times the tolerance of the program."""
+
+    pivot: int
+    reference: int
+    constraint: int
+
+
+@dataclass(frozen=True, slots=True)
+class Kernel:
+    """One function of the generated module.
+
+    Attributes
+    ----------
+    name, summary
+        What it is called and what it answers.
+    arguments
+        Names in order; ``t`` is a float, ``modes`` integers, the rest float arrays.
+    outputs
+        What is stored; an output to the array ``"return"`` is returned.
+    checks
+        Pivots to watch; a kernel with `watched` returns 0 or 1 + the first weak constraint.
+    """
+
+    name: str
+    summary: str
+    arguments: tuple[str, ...]
+    outputs: tuple[Output, ...]
+    checks: tuple[Check, ...] = ()
+    watched: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """All kernels of a scene over one numbering of values.
+
+    Attributes
+    ----------
+    values
+        In order: a value's arguments have smaller numbers.
+    kernels
+        In the order of the text.
+    constants
+        Values that depend on parameters alone, in the order of their slots behind the
+        declared parameters in ``p``.
+    weak_pivot
+        The tolerance of the checks.
+    """
+
+    values: tuple[Value, ...]
+    kernels: tuple[Kernel, ...]
+    constants: tuple[int, ...]
+    weak_pivot: float
+
+    def reachable(self, kernel: Kernel) -> tuple[int, ...]:
+        """Numbers of the values that `kernel` computes, in order; constants of p are leaves."""
+        hoisted = frozenset(self.constants) if kernel.name != "constants" else frozenset()
+        roots = [out.value for out in kernel.outputs]
+        roots += [v for check in kernel.checks for v in (check.pivot, check.reference)]
+        found: set[int] = set()
+        while roots:
+            number = roots.pop()
+            if number not in found:
+                found.add(number)
+                if number not in hoisted:
+                    roots.extend(self.values[number].args)
+        return tuple(sorted(found))
+
+
+STATE = ("t", "q", "v", "p")
+"""The arguments that most kernels begin with."""
+
+
+def store(array: str, values: list[int], notes: list[str]) -> tuple[Output, ...]:
+    """Outputs that fill `array` in order."""
+    pairs = zip(values, notes, strict=True)
+    return tuple(Output(array, k, value, note) for k, (value, note) in enumerate(pairs))

@@ -1,0 +1,114 @@
+"""The kernels that solve: accelerations with multipliers, and the recovery of coordinates."""
+
+from itertools import combinations_with_replacement
+
+from codegen.lower.factorization import Elimination, Strategy
+from codegen.lower.hoist import with_constants
+from codegen.lower.ledger import cost
+from codegen.lower.program import STATE, Check, Kernel, store
+from codegen.lower.scene_graph import SceneGraph
+
+
+def accelerations(scene: SceneGraph) -> tuple[Kernel, Strategy]:
+    """The fused kernel, by the order of elimination that costs least."""
+    strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
+    if not scene.equations.masses:
+        strategies = ("schur",)
+    trials = []
+    for strategy in strategies:
+        kernel = _dynamics(scene, strategy) if scene.equations.masses else _kinematics(scene)
+        program = with_constants(scene.graph, (kernel,), len(scene.equations.parameters))
+        trials.append((cost(program, program.kernels[-1]), kernel, strategy))
+    _, kernel, strategy = min(trials, key=lambda trial: trial[0])
+    return kernel, strategy
+
+
+def _dynamics(scene: SceneGraph, strategy: Strategy) -> Kernel:
+    n, graph = scene.n, scene.graph
+    entries = {(k, k): mass for k, mass in enumerate(scene.masses)}
+    references: dict[int, int] = {}
+    with graph.serving("factorization"):
+        for (i, k), entry in scene.jacobian.items():
+            entries[n + i, k] = entries[k, n + i] = entry
+            part = graph.div(graph.mul(entry, entry), scene.masses[k])
+            references[n + i] = graph.add(references.get(n + i, graph.zero), part)
+        system = Elimination(
+            graph,
+            entries,
+            [scene.applied + scene.gamma],
+            frozenset(range(n, n + scene.m)),
+            references,
+        )
+        (solution,) = system.solve(strategy)
+    outputs = store("a", solution[:n], [q.rate.name for q in scene.equations.coordinates])
+    outputs += store("lam", solution[n:], scene.row_names())
+    checks = tuple(check._replace(constraint=check.constraint - n) for check in system.checks)
+    return Kernel(
+        "accelerations",
+        "q̈ and λ of M q̈ + Φ_qᵀ λ = Q, Φ_q q̈ = γ.",
+        (*STATE, "modes", "a", "lam"),
+        outputs,
+        checks,
+        watched=True,
+    )
+
+
+def _kinematics(scene: SceneGraph) -> Kernel:
+    """Accelerations that the constraints alone determine."""
+    ((solution,), checks) = _least(scene, [scene.gamma], [scene.graph.one] * scene.n)
+    names = [q.rate.name for q in scene.equations.coordinates]
+    return Kernel(
+        "accelerations",
+        "q̈ of Φ_q q̈ = γ (of least norm while drivers are missing).",
+        (*STATE, "modes", "a", "lam"),
+        store("a", solution, names),
+        checks,
+        watched=True,
+    )
+
+
+def correction(scene: SceneGraph) -> Kernel:
+    """The changes of q and q̇ that meet the constraints, least in the norm of the weights w."""
+    graph = scene.graph
+    with graph.serving("correction"):
+        rates = [graph.neg(nu) for nu in scene.nu]
+        for (i, k), entry in scene.jacobian.items():
+            rates[i] = graph.add(rates[i], graph.mul(entry, scene.v[k]))
+        right = [[graph.neg(phi) for phi in scene.phi], [graph.neg(rate) for rate in rates]]
+        (dq, dv), checks = _least(scene, right, scene.w)
+    names = [q.name for q in scene.equations.coordinates]
+    outputs = store("dq", dq, names) + store("dv", dv, names)
+    return Kernel(
+        "correction",
+        "W Φ_qᵀ (Φ_q W Φ_qᵀ)⁻¹ times -Φ and -(Φ_q q̇ + Φ_t): w = 0 holds a coordinate.",
+        (*STATE, "w", "dq", "dv"),
+        outputs,
+        checks,
+        watched=True,
+    )
+
+
+def _least(
+    scene: SceneGraph, right: list[list[int]], weights: list[int]
+) -> tuple[list[list[int]], tuple[Check, ...]]:
+    """Solutions d of Φ_q d = right that are least in the norm dᵀ W⁻¹ d."""
+    graph = scene.graph
+    by_row: dict[int, dict[int, int]] = {}
+    for (i, k), entry in scene.jacobian.items():
+        by_row.setdefault(i, {})[k] = entry
+    entries: dict[tuple[int, int], int] = {}
+    for i, j in combinations_with_replacement(range(scene.m), 2):
+        shared = [k for k in by_row.get(i, {}) if k in by_row.get(j, {})]
+        if shared or i == j:
+            terms = [graph.mul(graph.mul(by_row[i][k], weights[k]), by_row[j][k]) for k in shared]
+            entries[i, j] = entries[j, i] = graph.total(terms)
+    references = {i: entries[i, i] for i in range(scene.m)}
+    system = Elimination(graph, entries, [list(r) for r in right], references=references)
+    multipliers = system.solve("schur")
+    solutions = []
+    for mu in multipliers:
+        d = [graph.zero] * scene.n
+        for (i, k), entry in scene.jacobian.items():
+            d[k] = graph.add(d[k], graph.mul(entry, mu[i]))
+        solutions.append([graph.mul(w, x) for w, x in zip(weights, d, strict=True)])
+    return solutions, tuple(system.checks)

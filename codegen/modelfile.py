@@ -1,0 +1,128 @@
+"""A model file → the `Model` in it, and the files that it is made of."""
+
+import ast
+import hashlib
+import importlib.util
+import sys
+import traceback
+from dataclasses import dataclass
+from pathlib import Path
+
+from codegen.declare.names import nearest
+from codegen.errors import InputError, ModelFileError
+from codegen.model import Model
+
+
+@dataclass(frozen=True)
+class ModelFile:
+    """A model, its file, and the SHA-256 of every local file that declares it."""
+
+    model: Model
+    path: Path
+    sources: tuple[tuple[Path, str], ...]
+
+
+def library_folder() -> Path:
+    """The folder that holds the library's packages `models` and `generated`."""
+    return Path(__file__).resolve().parent.parent
+
+
+def find_model_file(model: str | Path) -> Path:
+    """The file that MODEL means: a path, or a bare name for ``models/NAME.py``.
+
+    Raises
+    ------
+    ModelFileError
+        If there is no such file.
+    """
+    given = Path(model)
+    if given.suffix == ".py" or len(given.parts) > 1:
+        candidates = [given]
+    else:
+        folders = (Path.cwd() / "models", library_folder() / "models")
+        candidates = [folder / f"{given}.py" for folder in folders]
+    for path in candidates:
+        if path.is_file():
+            return path.resolve()
+    folder = candidates[-1].parent
+    stems = [p.stem for p in folder.glob("[!_]*.py")] if folder.is_dir() else []
+    raise ModelFileError(
+        f"no model file {' or '.join(str(c) for c in candidates)}; {nearest(given.stem, stems)}"
+    )
+
+
+def read_model(path: Path) -> ModelFile:
+    """Run a model file and take the model that it declares.
+
+    Raises
+    ------
+    ModelFileError
+        If the file fails, or declares no model or several without calling one `model`.
+    """
+    namespace = _execute(path)
+    declared = namespace.get("model")
+    found = {id(v): v for v in namespace.values() if isinstance(v, Model)}
+    if not isinstance(declared, Model):
+        if len(found) != 1:
+            names = ", ".join(repr(m.name) for m in found.values())
+            raise ModelFileError(
+                f"{path} declares {f'several models ({names})' if found else 'no model'}; "
+                "assign the one to build to the name 'model': model = Model(...)."
+            )
+        (declared,) = found.values()
+    return ModelFile(declared, path, tuple((p, file_hash(p)) for p in local_files(path)))
+
+
+def file_hash(path: Path) -> str:
+    """SHA-256 of a file's bytes."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def local_files(path: Path) -> list[Path]:
+    """The file itself, then the files beside it that it imports, directly or not."""
+    found: dict[Path, None] = {}
+    waiting = [path.resolve()]
+    while waiting:
+        current = waiting.pop(0)
+        if current in found:
+            continue
+        found[current] = None
+        for name in _imported_names(current):
+            relative = Path(*name.split(".")).with_suffix(".py")
+            for base in (current.parent, current.parent.parent):
+                candidate = (base / relative).resolve()
+                if candidate.is_file() and candidate.is_relative_to(path.resolve().parent):
+                    waiting.append(candidate)
+    return list(found)
+
+
+def _imported_names(path: Path) -> list[str]:
+    names = []
+    for node in ast.walk(ast.parse(path.read_bytes())):
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names.append(node.module)
+            names += [f"{node.module}.{alias.name}" for alias in node.names]
+    return sorted(set(names))
+
+
+def _execute(path: Path) -> dict[str, object]:
+    spec = importlib.util.spec_from_file_location(f"_linkwright_model_{path.stem}", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.path.insert(0, str(path.parent))
+    try:
+        spec.loader.exec_module(module)
+    except InputError:
+        raise
+    except Exception as error:
+        frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
+        line = f", line {frames[-1].lineno}" if frames else ""
+        raise ModelFileError(
+            f"{path}{line}: the model file fails with {type(error).__name__}: {error}"
+        ) from error
+    finally:
+        sys.path.remove(str(path.parent))
+    return vars(module)

@@ -1,0 +1,39 @@
+"""Files appear whole or not at all, and are touched only when their bytes change."""
+
+import os
+import tempfile
+from pathlib import Path
+
+from codegen.errors import GeneratedFileError
+
+
+def write_if_changed(path: Path, text: str) -> bool:
+    """Put `text` at `path` in one step; False if it was there already.
+
+    Two builds of the same model write the same bytes, so the later rename changes nothing.
+
+    Raises
+    ------
+    GeneratedFileError
+        If the folder cannot be made or written.
+    """
+    content = text.encode()
+    try:
+        if path.is_file() and path.read_bytes() == content:
+            return False
+        path.parent.mkdir(parents=True, exist_ok=True)
+        descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-")
+        try:
+            with os.fdopen(descriptor, "wb") as stream:
+                stream.write(content)
+            Path(temporary).chmod(0o644)
+            Path(temporary).replace(path)
+        except BaseException:
+            Path(temporary).unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise GeneratedFileError(
+            f"cannot write {path}: {error.strerror or error}; choose another folder with --out, "
+            "or make this one writable."
+        ) from error
+    return True

@@ -1,0 +1,130 @@
+"""Who imports whom: in a fresh process, in the generated modules, and by rule."""
+
+import ast
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+
+def fresh(code: str, cwd: Path) -> str:
+    """What a new interpreter prints, every warning being an error."""
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize(
+    ("statement", "absent"),
+    [
+        ("import runtime", {"sympy", "matplotlib", "netCDF4"}),
+        ("from runtime import load", {"sympy", "matplotlib", "netCDF4"}),
+        ("import codegen.errors", {"sympy", "numba", "numpy", "runtime"}),
+        ("from codegen import Model", {"numba", "runtime", "matplotlib"}),
+    ],
+)
+def test_an_import_loads_no_more_than_it_needs(
+    root: Path, statement: str, absent: set[str]
+) -> None:
+    code = f"{statement}\nimport json, sys\nprint(json.dumps(sorted(sys.modules)))"
+    loaded = set(json.loads(fresh(code, root)))
+    assert not loaded & absent
+
+
+@pytest.mark.parametrize("first", ["import codegen", "import codegen.build", "import codegen.cli"])
+def test_build_is_the_function_whatever_was_imported_first(root: Path, first: str) -> None:
+    code = f"{first}\nfrom codegen import build\nprint(callable(build))"
+    assert fresh(code, root).strip() == "True"
+
+
+def test_generated_modules_import_numba_and_nothing_of_ours(root: Path) -> None:
+    modules = [path for path in (root / "generated").glob("*.py") if path.name != "__init__.py"]
+    assert modules
+    for path in modules:
+        imported = set()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                imported |= {alias.name.partition(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom):
+                assert node.level == 0, path.name
+                imported.add((node.module or "").partition(".")[0])
+        assert imported <= {"math", "numba", "numpy"}, path.name
+
+
+def lint_imports(tree: Path) -> subprocess.CompletedProcess[str]:
+    command = Path(sys.executable).with_name("lint-imports")
+    return subprocess.run(
+        [command, "--no-cache"], cwd=tree, capture_output=True, text=True, check=False
+    )
+
+
+@pytest.fixture
+def skeleton(root: Path, tmp_path: Path) -> Path:
+    """The project's modules with nothing in them, and its import rules."""
+    for package in ("codegen", "generated", "models", "runtime"):
+        for path in (root / package).rglob("*.py"):
+            copy = tmp_path / path.relative_to(root)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.touch()
+    (tmp_path / "models" / "example.py").touch()
+    (tmp_path / "generated" / "example.py").touch()
+    shutil.copy(root / ".importlinter", tmp_path)
+    return tmp_path
+
+
+def test_the_rules_hold_where_nothing_is_imported(skeleton: Path) -> None:
+    done = lint_imports(skeleton)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    ("module", "statement", "rule"),
+    [
+        ("codegen/build.py", "import runtime", "The compiler knows nothing"),
+        ("codegen/declare/__init__.py", "import codegen.derive", "Data goes one way"),
+        ("codegen/lower/__init__.py", "from codegen import emit", "Data goes one way"),
+        ("codegen/lower/__init__.py", "from codegen import declare", "Lowering sees"),
+        ("codegen/emit/__init__.py", "import sympy", "Emitting sees programs"),
+        ("runtime/load.py", "def f():\n    import sympy", "The runtime knows"),
+        ("runtime/load.py", "from codegen import lower", "The runtime knows"),
+        ("runtime/integrate/__init__.py", "from runtime import machine", "Integrators and"),
+        ("models/example.py", "import codegen.elements", "A model is written"),
+        ("models/example.py", "from runtime import load", "Only the demonstration"),
+        ("generated/example.py", "import scipy.linalg", "A generated module stands"),
+    ],
+)
+def test_a_forbidden_import_is_found(
+    skeleton: Path, module: str, statement: str, rule: str
+) -> None:
+    (skeleton / module).write_text(statement + "\n", encoding="utf-8")
+    done = lint_imports(skeleton)
+    assert done.returncode == 1, done.stderr
+    plain = re.sub(r"\x1b\[[0-9;]*m", "", done.stdout)  # older versions colour what they print
+    (broken,) = [line for line in plain.splitlines() if line.endswith("BROKEN")]
+    assert broken.startswith(rule)
+
+
+@pytest.mark.parametrize(
+    ("module", "statement"),
+    [
+        ("runtime/load.py", "from codegen import build"),
+        ("runtime/load.py", "from codegen.errors import InputError"),
+        ("models/example.py", "from codegen import Model"),
+        ("models/demo.py", "from runtime import load"),
+        ("generated/example.py", "import math, numba, numpy"),
+    ],
+)
+def test_an_allowed_import_is_allowed(skeleton: Path, module: str, statement: str) -> None:
+    (skeleton / module).write_text(statement + "\n", encoding="utf-8")
+    done = lint_imports(skeleton)
+    assert done.returncode == 0, done.stdout + done.stderr

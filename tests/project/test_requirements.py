@@ -1,0 +1,80 @@
+"""pyproject.toml, the lock and the lower bounds agree."""
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
+from packaging.utils import canonicalize_name
+from packaging.version import Version
+
+import codegen
+
+
+@pytest.fixture(scope="module")
+def project(root: Path) -> dict[str, Any]:
+    return tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+
+@pytest.fixture(scope="module")
+def requirements(project: dict[str, Any]) -> dict[str, SpecifierSet]:
+    """All that the project requires of others, extras included."""
+    lines = [*project["dependencies"]]
+    for extra in project["optional-dependencies"].values():
+        lines += extra
+    parsed = [Requirement(line) for line in lines]
+    return {
+        canonicalize_name(entry.name): entry.specifier
+        for entry in parsed
+        if entry.name != project["name"]
+    }
+
+
+def pins(path: Path) -> dict[str, Version]:
+    lines = [
+        line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")
+    ]
+    unpinned = [line for line in lines if not re.fullmatch(r"[\w.-]+==[\w.!+]+", line)]
+    assert not unpinned, f"{path.name}: not of the form name==version: {unpinned}"
+    pairs = [line.split("==") for line in lines]
+    return {canonicalize_name(name): Version(version) for name, version in pairs}
+
+
+def test_lower_bounds_are_those_that_are_tested(
+    root: Path, requirements: dict[str, SpecifierSet]
+) -> None:
+    oldest = pins(root / "constraints-oldest.txt")
+    assert {name: str(bound) for name, bound in requirements.items()} == {
+        name: f">={version}" for name, version in oldest.items()
+    }
+
+
+def test_the_lock_has_a_version_of_everything(
+    root: Path, requirements: dict[str, SpecifierSet]
+) -> None:
+    lock = pins(root / "constraints.txt")
+    assert not requirements.keys() - lock.keys()
+    assert not [name for name, bound in requirements.items() if lock[name] not in bound]
+
+
+def test_all_extras_are_in_all(project: dict[str, Any]) -> None:
+    extras = project["optional-dependencies"]
+    (everything,) = extras["all"]
+    assert Requirement(everything).extras == extras.keys() - {"all"}
+
+
+def test_version_is_stated_once(project: dict[str, Any]) -> None:
+    assert project["version"] == codegen.__version__
+
+
+def test_supported_pythons_are_named(project: dict[str, Any]) -> None:
+    named = [
+        match[1] for entry in project["classifiers"] if (match := re.search(r":: (3\.\d+)$", entry))
+    ]
+    supported = SpecifierSet(project["requires-python"])
+    assert named[0] == "3.11"
+    assert all(version in supported for version in named)
+    assert "3.10" not in supported
