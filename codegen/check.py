@@ -8,10 +8,12 @@ from collections.abc import Iterator
 
 import sympy
 
+from codegen.compilable import constraint_problems, expression_problems
+from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import Coordinate, Given, Parameter, Time, Velocity
+from codegen.declare.symbols import Coordinate, Given, Parameter, Time, Velocity, kinds
 from codegen.model import Model
 
 
@@ -30,9 +32,16 @@ def check_model(model: Model) -> list[str]:
         expressions = (*statement.phi, *statement.bindings.values())
         for symbol in _strangers(model, constraint, expressions):
             found.append(_unknown(model, constraint, symbol))
+        found += constraint_problems(constraint)
     for effect in model.effects.values():
-        for symbol in _strangers(model, effect, _effect_expressions(model, effect)):
+        if any(body.fixed for body in effect.bodies):
+            continue
+        expressions = _effect_expressions(effect, tuple(model.bodies.values()))
+        for symbol in _strangers(model, effect, expressions):
             found.append(_unknown(model, effect, symbol))
+        for expression in expressions:
+            where = f"{effect.kind} '{effect.name}'"
+            found += expression_problems(where, expression, may_switch=True)
     found += _masses(model)
     found += filter(None, (p.problem(p.value) for p in model.parameters.values()))
     found += _collisions(model)
@@ -43,6 +52,8 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
     """Problems of one scene of a sound model."""
     where = f"scene '{scene.name}'"
     found = []
+    if not scene.bodies:
+        found.append(f"{where}: no body takes part; leave one in.")
     if scene.analysis == "dynamics":
         for name in scene.bodies:
             missing = [w for w in ("mass", "inertia") if getattr(model.bodies[name], w) is None]
@@ -52,18 +63,13 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
                     f"model.body('{name}', mass=..., inertia=...), or declare the scene with "
                     "analysis='kinematics'."
                 )
-    for kind, names, elements in (
-        ("effect", scene.effects, model.effects),
-        ("driver", scene.drivers, model.drivers),
-    ):
+    for kind, names in (("effect", scene.effects), ("driver", scene.drivers)):
         for name in names:
-            absent = [
-                b.name for b in elements[name].bodies if not b.fixed and b.name not in scene.bodies
-            ]
             found += [
                 f"{where}: {kind} '{name}' needs body '{body}', which takes no part; "
                 f"leave '{name}' out, or take '{body}' in."
-                for body in absent
+                for body in _needed_bodies(model, scene, name)
+                if body not in scene.bodies
             ]
     for name, _ in (*scene.start, *scene.guess):
         if name.rpartition(".")[0] not in scene.bodies:
@@ -89,8 +95,19 @@ def _bodies(model: Model, element: Constraint | Effect) -> Iterator[str]:
         yield f"{where} connects body '{pair[0].name}' with itself; give two different bodies."
 
 
-def _effect_expressions(model: Model, effect: Effect) -> list[sympy.Basic]:
-    bodies = tuple(b for b in model.bodies.values())
+def _needed_bodies(model: Model, scene: Scene, name: str) -> list[str]:
+    """The bodies that an effect or driver acts on or looks at."""
+    element: Constraint | Effect = model.drivers.get(name) or model.effects[name]
+    needed = [body.name for body in element.bodies if not body.fixed]
+    if isinstance(element, Effect):
+        bodies = tuple(model.bodies[b] for b in scene.bodies)
+        for expression in _effect_expressions(element, bodies):
+            owners = (s.name.rpartition("_")[0] for s in kinds(expression, Coordinate, Velocity))
+            needed += owners
+    return list(dict.fromkeys(needed))
+
+
+def _effect_expressions(effect: Effect, bodies: tuple[Body, ...]) -> list[sympy.Basic]:
     potential = effect.potential(bodies)
     forces = effect.forces(bodies)
     found: list[sympy.Basic] = [*forces, *forces.values()]
@@ -154,10 +171,11 @@ def _masses(model: Model) -> Iterator[str]:
                     "a mass is a number or an expression of parameters."
                 )
                 continue
-            number = float(value.subs(defaults))
-            if not 0 < number < float("inf"):
+            number = value.subs(defaults).evalf()
+            if not (number.is_real and 0 < number < sympy.oo):
+                shown = f"{float(number):g}" if number.is_real else str(number)
                 yield (
-                    f"{word} of body '{body.name}' is {number:g} {unit}; it must be positive and "
+                    f"{word} of body '{body.name}' is {shown} {unit}; it must be positive and "
                     "finite (leave it out where the scene is kinematic)."
                 )
 

@@ -11,9 +11,6 @@ compile   file                  → machine code in numba's cache
 """
 
 import hashlib
-import importlib.util
-import os
-import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -22,18 +19,19 @@ from time import perf_counter
 
 import codegen
 from codegen.check import check_model, check_scene
+from codegen.compiling import compile_modules
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
 from codegen.emit.module import Origin, module_text
-from codegen.errors import GeneratedFileError, ModelError, ParameterError, SceneError
+from codegen.errors import ModelError, ParameterError, SceneError
 from codegen.examine import examine
 from codegen.fingerprint import fingerprint
 from codegen.lower.kernels import Lowered, lower
 from codegen.lower.ledger import operations
 from codegen.model import Model
-from codegen.modelfile import ModelFile, find_model_file, library_folder, read_model
-from codegen.write import write_if_changed
+from codegen.modelfile import ModelFile, library_folder, read_model
+from codegen.write import is_current, write_if_changed
 
 Progress = Callable[[str], None]
 
@@ -81,7 +79,7 @@ class BuildReport:
 
 
 def build(
-    model: str | Path,
+    model: str | Path | Model,
     scene: str | None = None,
     out: str | Path | None = None,
     *,
@@ -95,7 +93,7 @@ def build(
     Parameters
     ----------
     model
-        Path of a model file, or a bare name for ``models/NAME.py``.
+        Path of a model file, a bare name for ``models/NAME.py``, or a `Model`.
     scene
         One scene; None builds all of them.
     out
@@ -115,32 +113,33 @@ def build(
     InputError
         If anything is wrong with the file, the model or a scene: all problems at once.
     """
-    progress(f"reading {model}")
+    progress("reading the model")
     started = perf_counter()
-    file = read_model(find_model_file(model))
+    file = read_model(model)
     declared = with_settings(file.model, settings or {})
     reading = perf_counter() - started
     scenes = sound_scenes(declared, scene)
-    folder = Path(out) if out is not None else default_folder(file.path)
+    folder = Path(out) if out is not None else default_folder(file)
     prepared = []
     for chosen in scenes:
         clock = Clock({"read": reading}, progress, f"{declared.name}, scene {chosen.name}")
         prepared.append((*translate(declared, chosen, clock), clock))
-    reports, stale = [], []
+    paths, changes = [], []
     for equations, lowered, clock in prepared:
-        path = folder / file_name(equations, settings or {})
+        path = folder / file_name(file.stem, equations, settings or {})
         with clock("emit"):
             text = module_text(equations, lowered, origin(file, equations, path, settings or {}))
-        if check:
-            current = path.is_file() and path.read_text() == text
-            stale += [] if current else [path]
-            changed = not current
-        else:
-            changed = write_if_changed(path, text)
-            if compile:
-                with clock("compile"):
-                    compile_module(path)
-        reports.append(report(equations, lowered, path, changed, clock.seconds))
+        changes.append(not is_current(path, text) if check else write_if_changed(path, text))
+        paths.append(path)
+    if compile and not check:
+        progress(f"{declared.name}: compile")
+        for (*_, clock), seconds in zip(prepared, compile_modules(paths), strict=True):
+            clock.seconds["compile"] = seconds
+    reports = (
+        report(equations, lowered, path, changed, clock.seconds)
+        for (equations, lowered, clock), path, changed in zip(prepared, paths, changes, strict=True)
+    )
+    stale = (path for path, changed in zip(paths, changes, strict=True) if check and changed)
     return BuildReport(tuple(reports), tuple(stale))
 
 
@@ -217,16 +216,16 @@ def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
     return model
 
 
-def default_folder(path: Path) -> Path:
-    """Where the generated files of the model file at `path` belong."""
+def default_folder(file: ModelFile) -> Path:
+    """Where the generated files of a model belong."""
     library = library_folder()
-    home = library if path.is_relative_to(library / "models") else Path.cwd()
-    return home / "generated"
+    ours = file.path is not None and file.path.is_relative_to(library / "models")
+    return (library if ours else Path.cwd()) / "generated"
 
 
-def file_name(equations: Equations, settings: Mapping[str, float]) -> str:
-    """``model__scene.py``, with a tail for a build with other defaults."""
-    stem = f"{equations.model}__{equations.scene.name}"
+def file_name(stem: str, equations: Equations, settings: Mapping[str, float]) -> str:
+    """``model__scene.py`` after the model file, with a tail for a build with other defaults."""
+    stem = f"{stem}__{equations.scene.name}"
     if settings:
         text = ",".join(f"{name}={value!r}" for name, value in sorted(settings.items()))
         stem += f"__{hashlib.sha256(text.encode()).hexdigest()[:8]}"
@@ -240,29 +239,15 @@ def origin(
     base = path.resolve().parent.parent
     named = [(_relative(source, base), digest) for source, digest in file.sources]
     options = "".join(f" --set {name}={value!r}" for name, value in sorted(settings.items()))
-    command = f"python -m codegen build {named[0][0]} --scene {equations.scene.name}{options}"
+    command = f"build({file.model.name}, scene='{equations.scene.name}')"
+    if named:
+        command = f"python -m codegen build {named[0][0]} --scene {equations.scene.name}{options}"
     generator = f"linkwright {codegen.__version__}"
     return Origin(generator, tuple(named), fingerprint(equations), command)
 
 
 def _relative(source: Path, base: Path) -> str:
     return (source.relative_to(base) if source.is_relative_to(base) else source).as_posix()
-
-
-def compile_module(path: Path) -> None:
-    """Import a generated file, which compiles its kernels into numba's cache."""
-    if not os.access(path, os.R_OK):
-        raise GeneratedFileError(f"cannot read {path}; make it readable.")
-    name = f"_linkwright_build_{path.stem}"
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-    finally:
-        del sys.modules[name]
 
 
 def report(

@@ -7,7 +7,7 @@ from codegen.derive.equations import derive
 from codegen.driver import sound_scenes
 from codegen.lower.kernels import lower
 from codegen.lower.ledger import by_element
-from codegen.modelfile import find_model_file, read_model
+from codegen.modelfile import read_model
 
 SHARED = {"factorization": "solution of M q̈ + Φ_qᵀ λ = Q", "correction": "recovery of q and q̇"}
 
@@ -41,7 +41,7 @@ def explain(model: str | Path, scene: str | None = None) -> tuple[Ledger, ...]:
     InputError
         As `build` does.
     """
-    declared = read_model(find_model_file(model)).model
+    declared = read_model(model).model
     ledgers = []
     for chosen in sound_scenes(declared, scene):
         equations = derive(declared, chosen)

@@ -114,6 +114,8 @@ class Model:
         """
         symbol = Parameter(str(name), real=True)
         where = f"parameter '{name}'"
+        unit = " ".join(unit.split())
+        sign = self._read.choice(sign, ("", "positive", "nonnegative"), f"{where}, sign")
         if not quantities.known_unit(unit):
             self._note(f"{where}: the unit {unit!r} is not known; use SI names, 'kg m^2'.")
             unit = ""
@@ -165,6 +167,7 @@ class Model:
         self, name: str, on: Point | Body, letter: Literal["x", "y", "phi"], value: Any
     ) -> Constraint:
         """A point's global x or y, or a body's φ, keeps `value`."""
+        letter = self._read.choice(letter, ("x", "y", "phi"), f"absolute '{name}'")
         number = self._read.value(value, LENGTHS[letter], f"value of '{name}'")
         point = self._point(name, on)
         return self._joint(Absolute(name, self.ground, point, letter, number))
@@ -197,15 +200,16 @@ class Model:
         on: Point | Body,
         fx: Any = 0,
         fy: Any = 0,
-        when: Any = True,
+        when: Any = None,
         frame: Literal["ground", "body"] = "ground",
     ) -> Effect:
         """A force (fx, fy) in N at a point, while the condition `when` holds."""
         fx, fy = (self._read.gated(f, "N", f"force '{name}'", when) for f in (fx, fy))
         point = self._point(name, on)
+        frame = self._read.choice(frame, ("ground", "body"), f"force '{name}', frame")
         return self._effect(AppliedForce(name, point, fx, fy, frame))
 
-    def torque(self, name: str, on: Body, value: Any, when: Any = True) -> Effect:
+    def torque(self, name: str, on: Body, value: Any, when: Any = None) -> Effect:
         """A torque in N m on a body, while the condition `when` holds."""
         gated = self._read.gated(value, "N m", f"torque '{name}'", when)
         return self._effect(AppliedTorque(name, on, gated))
@@ -216,14 +220,17 @@ class Model:
         return self._effect(Potential(name, v, self._bodies_in(v)))
 
     def generalized_force(
-        self, name: str, components: Mapping[Coordinate, Any], when: Any = True
+        self, name: str, components: Mapping[Coordinate, Any], when: Any = None
     ) -> Effect:
         """Generalized forces Q: coordinate → plain expression (N for lengths, N m for angles)."""
         pairs = []
         for coordinate, force in components.items():
+            if not isinstance(coordinate, Coordinate):
+                self._note(f"force '{name}': {coordinate!r} is no coordinate; write body.x.")
+                continue
             unit = "N m" if coordinate.name.endswith("_phi") else "N"
             pairs.append((coordinate, self._read.gated(force, unit, f"force '{name}'", when)))
-        bodies = self._bodies_in(*components)
+        bodies = self._bodies_in(*(coordinate for coordinate, _ in pairs))
         return self._effect(GeneralizedForce(name, tuple(pairs), bodies))
 
     def add(self, element: Constraint | Effect) -> Constraint | Effect:
@@ -279,7 +286,7 @@ class Model:
             guess=self._states(where, guess or {}),
             parameters=self._overrides(where, parameters or {}),
             frozen=frozen,
-            analysis=analysis,
+            analysis=self._read.choice(analysis, ("dynamics", "kinematics"), f"{where}, analysis"),
         )
         if problem := name_problem("scene", name):
             self._note(problem)
@@ -345,7 +352,7 @@ class Model:
         self, where: str, kind: str, wanted: Names, known: Mapping[str, Any]
     ) -> tuple[str, ...]:
         found = []
-        for item in wanted:
+        for item in (wanted,) if isinstance(wanted, str) else wanted:
             name = item if isinstance(item, str) else item.name
             if name in known:
                 found.append(name)
@@ -364,7 +371,7 @@ class Model:
                 )
                 continue
             place = f"{where}, {name}"
-            found[name] = self._read.number(value, known[name], place)
+            found[name] = self._read.finite(value, known[name], place)
         return tuple(found.items())
 
     def _overrides(self, where: str, values: Values) -> tuple[tuple[str, float], ...]:

@@ -1,10 +1,12 @@
 """A model file → the `Model` in it, and the files that it is made of."""
 
 import ast
+import contextlib
 import hashlib
 import importlib.util
 import sys
 import traceback
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,11 +17,19 @@ from codegen.model import Model
 
 @dataclass(frozen=True)
 class ModelFile:
-    """A model, its file, and the SHA-256 of every local file that declares it."""
+    """A model, its file, and the SHA-256 of every local file that declares it.
+
+    A model that was declared in a running program has no file; it goes by its own name.
+    """
 
     model: Model
-    path: Path
+    path: Path | None
     sources: tuple[tuple[Path, str], ...]
+
+    @property
+    def stem(self) -> str:
+        """What the names of the generated files begin with."""
+        return self.path.stem if self.path else self.model.name
 
 
 def library_folder() -> Path:
@@ -51,7 +61,20 @@ def find_model_file(model: str | Path) -> Path:
     )
 
 
-def read_model(path: Path) -> ModelFile:
+def read_model(model: str | Path | Model) -> ModelFile:
+    """The model that a path or bare name means; a `Model` means itself.
+
+    Raises
+    ------
+    ModelFileError
+        As `find_model_file` and `execute_model_file`.
+    """
+    if isinstance(model, Model):
+        return ModelFile(model, None, ())
+    return execute_model_file(find_model_file(model))
+
+
+def execute_model_file(path: Path) -> ModelFile:
     """Run a model file and take the model that it declares.
 
     Raises
@@ -112,17 +135,39 @@ def _execute(path: Path) -> dict[str, object]:
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    sys.path.insert(0, str(path.parent))
     try:
-        spec.loader.exec_module(module)
+        with _fresh_imports(path.parent), contextlib.redirect_stdout(sys.stderr):
+            spec.loader.exec_module(module)
     except InputError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
         line = f", line {frames[-1].lineno}" if frames else ""
+        if isinstance(error, SyntaxError) and error.filename == str(path):
+            line = f", line {error.lineno}"
         raise ModelFileError(
             f"{path}{line}: the model file fails with {type(error).__name__}: {error}"
         ) from error
-    finally:
-        sys.path.remove(str(path.parent))
     return vars(module)
+
+
+@contextlib.contextmanager
+def _fresh_imports(folder: Path) -> Iterator[None]:
+    """Files of `folder` are imported as they are now, and forgotten afterwards.
+
+    Byte code is neither kept, as it is dated to the second, nor are modules: another folder may
+    hold another file of the same name, and this one may be edited before the next build.
+    """
+    before, writes = set(sys.modules), sys.dont_write_bytecode
+    sys.path.insert(0, str(folder))
+    sys.dont_write_bytecode = True
+    importlib.invalidate_caches()
+    try:
+        yield
+    finally:
+        sys.path.remove(str(folder))
+        sys.dont_write_bytecode = writes
+        for name in set(sys.modules) - before:
+            origin = getattr(sys.modules[name], "__file__", None)
+            if origin and Path(origin).is_relative_to(folder):
+                del sys.modules[name]

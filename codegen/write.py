@@ -17,15 +17,14 @@ def write_if_changed(path: Path, text: str) -> bool:
     GeneratedFileError
         If the folder cannot be made or written.
     """
-    content = text.encode()
     try:
-        if path.is_file() and path.read_bytes() == content:
+        if is_current(path, text):
             return False
         path.parent.mkdir(parents=True, exist_ok=True)
         descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-")
         try:
             with os.fdopen(descriptor, "wb") as stream:
-                stream.write(content)
+                stream.write(text.encode())
             Path(temporary).chmod(0o644)
             Path(temporary).replace(path)
         except BaseException:
@@ -37,3 +36,8 @@ def write_if_changed(path: Path, text: str) -> bool:
             "or make this one writable."
         ) from error
     return True
+
+
+def is_current(path: Path, text: str) -> bool:
+    """Whether `path` holds `text`."""
+    return path.is_file() and path.read_bytes() == text.encode()

@@ -70,9 +70,16 @@ def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
 
 
 def expression(value: Any) -> sympy.Expr:
-    """`value` as a SymPy expression."""
-    if isinstance(value, sympy.Basic):
-        return value
-    if isinstance(value, bool | str) or value is None:
+    """`value` as a SymPy expression.
+
+    Raises
+    ------
+    TypeError
+        If it is something else: text, a truth value, a condition, a list, a matrix.
+    """
+    if isinstance(value, bool | str):
         raise TypeError(f"{value!r} is no number or expression")
-    return sympy.sympify(value)
+    read = sympy.sympify(value)
+    if not isinstance(read, sympy.Expr) or read.is_Matrix:
+        raise TypeError(f"{value!r} is no number or expression")
+    return read

@@ -1,8 +1,10 @@
 """Values as a modeller writes them → SymPy expressions in SI units; what is wrong is noted."""
 
+import math
 from typing import Any
 
 import sympy
+from sympy.core.relational import Relational
 
 from codegen.declare.quantities import expression, in_unit
 
@@ -30,17 +32,39 @@ class Reader:
             return sympy.S.Zero
 
     def gated(self, value: Any, unit: str, where: str, when: Any) -> Any:
-        """A value while the condition `when` holds, else zero."""
+        """A value while the condition `when` holds, else zero; None holds always."""
         force = self.value(value, unit, where)
-        condition = sympy.sympify(when)
-        if condition == sympy.true or force == 0:
+        if when is None:
             return force
-        return sympy.Piecewise((force, condition), (0, True))
+        if not isinstance(when, Relational | sympy.And | sympy.Or | sympy.Not):
+            reason = "never changes" if str(when) in ("True", "False") else "is no condition"
+            self.problems.append(
+                f"{where}: when={when!r} {reason}; compare coordinates, velocities, parameters or "
+                "t by <, <=, > or >=, joined by And, Or and Not, or leave it out."
+            )
+            return force
+        return sympy.S.Zero if force == 0 else sympy.Piecewise((force, when), (0, True))
 
     def number(self, value: Any, unit: str, where: str) -> float:
         """A plain number in `unit`."""
         try:
             return float(in_unit(value, unit, where, self.problems))
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             self.problems.append(f"{where}: {value!r} is not a number.")
             return 1.0
+
+    def finite(self, value: Any, unit: str, where: str) -> float:
+        """A plain number that is neither infinite nor undefined."""
+        number = self.number(value, unit, where)
+        if math.isfinite(number):
+            return number
+        self.problems.append(f"{where}: the value is {number}; give a finite number.")
+        return 0.0
+
+    def choice(self, value: Any, allowed: tuple[str, ...], where: str) -> Any:
+        """One of a few words."""
+        if value in allowed:
+            return value
+        words = ", ".join(map(repr, allowed))
+        self.problems.append(f"{where}: {value!r} is none of {words}.")
+        return allowed[0]

@@ -28,6 +28,7 @@ TITLES = {
     "": "Sums",
 }
 NOTE_WIDTH = 60
+LINE = 88
 SHORT = {"factorization": "f", "correction": "c", "masses": "m", "": "s"}
 
 
@@ -69,8 +70,7 @@ class KernelText:
             '    """',
         ]
         loads = list(self._loads())
-        body = [*loads, *self._block((), 1), *self._stores(), *self._watch()]
-        return text + (body or ["    pass"])
+        return [*text, *loads, *self._block((), 1), *self._stores(), *self._watch()]
 
     # -- parts -------------------------------------------------------------------------------
 
@@ -101,31 +101,45 @@ class KernelText:
                 serves = value.serves
                 yield f"{indent}# {TITLES.get(serves, serves)}"
             if value.op is Op.SELECT:
-                yield from self._choice(number, value, path, depth)
+                self.names[number] = self._name(value)
+                yield from self._choice(number, self.names[number], depth)
             else:
                 text = self._expression(number)
                 self.names[number] = self._name(value)
                 yield f"{indent}{self.names[number]} = {text}"
 
-    def _choice(self, number: int, value: Value, path: Path, depth: int) -> Iterator[str]:
-        condition, yes, no = value.args
-        indent = "    " * depth
-        test = self._text(condition, LOGIC)
-        blocks = {}
-        sides = {}
-        for side, branch in ((True, yes), (False, no)):
-            blocks[side] = list(self._block((*path, (number, side)), depth + 1))
-            sides[side] = self._text(branch, LOGIC)
-        name = self.names[number] = self._name(value)
-        if not blocks[True] and not blocks[False]:
-            yield f"{indent}{name} = {sides[True]} if {test} else {sides[False]}"
+    def _choice(self, number: int, name: str, depth: int) -> Iterator[str]:
+        """Lines that set `name` to the value of a choice."""
+        value = self.program.values[number]
+        path, indent = self.plan.home[number], "    " * depth
+        test = self._text(value.args[0], LOGIC)
+        yes, no = (
+            list(self._side(branch, (*path, (number, side)), name, depth + 1))
+            for side, branch in ((True, value.args[1]), (False, value.args[2]))
+        )
+        short = f"{indent}{name} = {_tail(yes)} if {test} else {_tail(no)}"
+        if len(yes) == len(no) == 1 and len(short) <= LINE:
+            yield short
             return
         yield f"{indent}if {test}:"
-        yield from blocks[True]
-        yield f"{indent}    {name} = {sides[True]}"
-        yield f"{indent}else:"
-        yield from blocks[False]
-        yield f"{indent}    {name} = {sides[False]}"
+        yield from yes
+        if no[0].startswith(f"{indent}    if ") and self._is_choice(value.args[2]):
+            yield f"{indent}el{no[0].strip()}"
+            yield from (line.removeprefix("    ") for line in no[1:])
+        else:
+            yield f"{indent}else:"
+            yield from no
+
+    def _side(self, number: int, path: Path, name: str, depth: int) -> Iterator[str]:
+        """One side of a choice: what it needs, then `name` set to its value."""
+        yield from self._block(path, depth)
+        if self._is_choice(number) and number in self.plan.inlined:
+            yield from self._choice(number, name, depth)
+        else:
+            yield f"{'    ' * depth}{name} = {self._text(number, LOGIC)}"
+
+    def _is_choice(self, number: int) -> bool:
+        return self.program.values[number].op is Op.SELECT
 
     def _stores(self) -> Iterator[str]:
         stores = [out for out in self.kernel.outputs if out.array != "return"]
@@ -141,7 +155,8 @@ class KernelText:
         if not self.kernel.watched:
             return
         for check in self.kernel.checks:
-            pivot, reference = self.names[check.pivot], self._text(check.reference, PRODUCT)
+            pivot = self._text(check.pivot, SUM)
+            reference = self._text(check.reference, SIGN)
             yield f"    if not {pivot} > WEAK_PIVOT * {reference}:"
             yield f"        return {1 + check.constraint}"
         yield "    return 0"
@@ -200,6 +215,10 @@ def signature(kernel: Kernel) -> str:
     if any(out.array == "return" for out in kernel.outputs):
         result = "f8"
     return f"{result}({', '.join(kinds.get(a, 'f8[::1]') for a in kernel.arguments)})"
+
+
+def _tail(lines: list[str]) -> str:
+    return lines[-1].partition(" = ")[2]
 
 
 def _note(out: Output) -> str:

@@ -1,5 +1,6 @@
 """Python literals laid out as a formatter would."""
 
+import json
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -19,7 +20,7 @@ def assignment(name: str, value: Any) -> list[str]:
 def literal(value: Any) -> str:
     """A number, text, or tuple of them."""
     if isinstance(value, str):
-        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+        return json.dumps(value, ensure_ascii=False)
     if isinstance(value, Sequence):
         inside = ", ".join(literal(item) for item in value)
         return f"({inside},)" if len(value) == 1 else f"({inside})"

@@ -27,7 +27,7 @@ class Placement:
     home
         Value → the branch that it stands in.
     inlined
-        Values written inside their only user.
+        Values written inside their only user; a choice inside another is a branch of it.
     """
 
     numbers: tuple[int, ...]
@@ -110,7 +110,8 @@ def _inlined(
         if number in hoisted or value.op in LEAVES:
             width[number] = len(str(value.literal)) if value.op is Op.CONST else NAME_WIDTH
             continue
-        inside = [a for a in value.args if a in inlined]
+        # A choice has lines of its own for each side.
+        inside = [] if value.op is Op.SELECT else [a for a in value.args if a in inlined]
         shown = {a: width[a] if a in inlined else NAME_WIDTH for a in value.args}
         while inside and sum(shown.values()) + 5 * len(value.args) > WIDTH:
             longest = max(inside, key=lambda a: (shown[a], a))
@@ -119,13 +120,14 @@ def _inlined(
             shown[longest] = NAME_WIDTH
         width[number] = sum(shown.values()) + 5 * len(value.args)
         users = uses[number]
-        if value.op in LOGICAL:
+        sign = value.op is Op.NEG and program.values[value.args[0]].op in LEAVES
+        if value.op in LOGICAL or sign:
             inlined.add(number)
-        elif len(users) == 1 and value.op is not Op.SELECT and number not in watched:
+        elif len(users) == 1 and number not in watched:
             user = users[0]
-            same = user is None or (
-                home[user] == home[number] and program.values[user].op is not Op.SELECT
-            )
-            if same:
+            if user is not None and program.values[user].op is Op.SELECT:
+                if home[number] != home[user]:  # the last line of one of its sides
+                    inlined.add(number)
+            elif value.op is not Op.SELECT and (user is None or home[user] == home[number]):
                 inlined.add(number)
     return frozenset(inlined)

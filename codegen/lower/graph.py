@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from codegen.lower.program import COMMUTATIVE, Input, Op, Value
 
@@ -208,10 +208,9 @@ class Graph:
         """An elementary function; numbers are folded, sin(-x) = -sin(x), cos(-x) = cos(x)."""
         numbers = [self.number(a) for a in args]
         if all(n is not None for n in numbers):
-            if op in UNARY:
-                return self.constant(UNARY[op](numbers[0]))  # type: ignore[arg-type]
-            two = math.atan2 if op is Op.ATAN2 else math.pow
-            return self.constant(two(*numbers))  # type: ignore[arg-type]
+            fold = UNARY.get(op) or {Op.ATAN2: math.atan2, Op.POW: math.pow}[op]
+            with suppress(ValueError, OverflowError):  # left to the run: log(0) is -inf there
+                return self.constant(fold(*numbers))  # type: ignore[operator]
         if op in ODD | EVEN and self.values[args[0]].op is Op.NEG:
             inner = self._add(op, self.values[args[0]].args)
             return self.neg(inner) if op in ODD else inner

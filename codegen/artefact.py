@@ -1,0 +1,96 @@
+"""What a generated file is to its readers: how it is signed, checked, named and imported.
+
+Both sides of the compiler use this module, the driver to compile a file that it has written and
+the runtime to load one. It imports nothing of the compiler.
+"""
+
+import hashlib
+import importlib.util
+import re
+import sys
+from importlib.machinery import SourceFileLoader
+from pathlib import Path
+from types import ModuleType
+
+from codegen.errors import GeneratedFileError
+
+MARK = "# content-sha256: "
+UNSIGNED = "0" * 64
+_SIGNATURE = re.compile(rf"^{MARK}([0-9a-f]{{64}})$", re.MULTILINE)
+
+
+def signed(text: str) -> str:
+    """`text` with the hash of its content put where ``UNSIGNED`` stands."""
+    digest = hashlib.sha256(text.encode()).hexdigest()
+    return text.replace(MARK + UNSIGNED, MARK + digest, 1)
+
+
+def check_signature(path: Path, text: str, rebuild: str) -> None:
+    """Compare the hash in the header with that of the text.
+
+    Raises
+    ------
+    GeneratedFileError
+        If there is none, or the text is not the one that was signed.
+    """
+    match = _SIGNATURE.search(text[:4000])
+    if match is None:
+        raise GeneratedFileError(
+            f"{path} has no content-sha256 line in its header, so it was not written by Linkwright "
+            f"or was edited by hand. Delete it, or rebuild it: {rebuild}"
+        )
+    blank = text[: match.start(1)] + UNSIGNED + text[match.end(1) :]
+    actual = hashlib.sha256(blank.encode()).hexdigest()
+    if actual != match.group(1):
+        raise GeneratedFileError(
+            f"{path} was edited by hand: its text hashes to {actual[:12]}..., its header says "
+            f"{match.group(1)[:12]}.... Change the model instead, and rebuild: {rebuild}"
+        )
+
+
+def import_generated(path: Path) -> ModuleType:
+    """Import a generated file, compiling what numba's cache does not hold.
+
+    The module's name follows from the file's content: numba's cache asks for it by name, in the
+    process that compiled and in those that load, and a rebuilt module is never mistaken for the
+    one that it replaces.
+
+    Raises
+    ------
+    GeneratedFileError
+        If the file cannot be read or does not compile.
+    """
+    try:
+        digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    except OSError as error:
+        raise GeneratedFileError(f"cannot read {path}: {error.strerror or error}.") from error
+    name = f"linkwright_generated_{path.stem}_{digest[:16]}"
+    if name in sys.modules:
+        return sys.modules[name]
+    loader = _ContentLoader(name, str(path))
+    spec = importlib.util.spec_from_file_location(name, path, loader=loader)
+    assert spec is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        loader.exec_module(module)
+    except Exception as error:
+        del sys.modules[name]
+        raise GeneratedFileError(
+            f"{path} does not load: {type(error).__name__}: {error}. "
+            "Delete it and load the model again to rebuild it."
+        ) from error
+    return module
+
+
+class _ContentLoader(SourceFileLoader):
+    """Python's own loader, with byte code dated by the source's content instead of its clock.
+
+    A module rebuilt within the same second with the same length must not meet old byte code.
+    """
+
+    def path_stats(self, path: str) -> dict[str, int]:
+        """Size of the source and, in place of its time, 32 bits of its hash."""
+        source = Path(path).read_bytes()
+        stamp = int.from_bytes(hashlib.sha256(source).digest()[:4], "little")
+        return {"mtime": stamp, "size": len(source)}

@@ -1,0 +1,1 @@
+"""Studies: the questions that the book asks of its machines, answered and drawn."""

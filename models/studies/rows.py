@@ -1,0 +1,30 @@
+"""A line of the table that sets our numbers beside the exact ones and the book's."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Row:
+    """One quantity.
+
+    Attributes
+    ----------
+    section, quantity, unit
+        What it is, and where the book has it.
+    ours
+        What this program computed just now.
+    exact
+        From an independent solution in extended precision, or a closed form.
+    book
+        As printed; None where the book prints no number.
+    reason
+        Why the book's number differs from the exact one, if it does.
+    """
+
+    section: str
+    quantity: str
+    unit: str
+    ours: float
+    exact: float
+    book: float | None = None
+    reason: str = ""
