@@ -8,15 +8,15 @@ INSTALL = -m pip install --disable-pip-version-check --no-compile --quiet
 FREEZE = -m pip freeze --disable-pip-version-check --exclude-editable
 
 # What in models/ is not the declaration of a machine.
-NOT_MODELS := models/__init__.py models/__main__.py models/demo.py models/figures.py
+NOT_MODELS := models/__init__.py models/__main__.py
 MODELS = $(filter-out $(NOT_MODELS) $(wildcard models/_*.py),$(sort $(wildcard models/*.py)))
 NOTEBOOKS = $(sort $(wildcard notebooks/*.ipynb))
 
 WORKERS ?= 2
 PYTEST = -m pytest -n $(WORKERS)
 
-DEMO = $(PY) -m models.demo
-FIGURES = $(PY) -m models.figures
+DEMO = $(PY) -m models.studies
+FIGURES = $(PY) -m models.studies --only-figures
 BENCH = $(PY) -m benchmarks
 
 .DEFAULT_GOAL := help

@@ -36,10 +36,10 @@ def check_model(model: Model) -> list[str]:
     for effect in model.effects.values():
         if any(body.fixed for body in effect.bodies):
             continue
-        expressions = _effect_expressions(effect, tuple(model.bodies.values()))
-        for symbol in _strangers(model, effect, expressions):
+        terms = _effect_expressions(effect, tuple(model.bodies.values()))
+        for symbol in _strangers(model, effect, terms):
             found.append(_unknown(model, effect, symbol))
-        for expression in expressions:
+        for expression in terms:
             where = f"{effect.kind} '{effect.name}'"
             found += expression_problems(where, expression, may_switch=True)
     found += _masses(model)

@@ -132,7 +132,7 @@ def explain(model: ModelArgument, scene: SceneOption = None, as_json: JsonOption
     with errors.status("deriving", spinner="dots"):
         ledgers = run(model, scene)
     if as_json:
-        typer.echo(json.dumps([asdict(ledger) for ledger in ledgers]))
+        typer.echo(json.dumps({"scenes": [asdict(ledger) for ledger in ledgers]}))
         return
     for ledger in ledgers:
         table = Table(title=f"{ledger.model}, scene {ledger.scene}: operations")

@@ -53,7 +53,7 @@ def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -
         elif isinstance(node, Relational):
             yield from _condition_problems(where, node, may_switch)
             waiting += node.args
-        elif isinstance(node, sympy.And | sympy.Or | sympy.Not):
+        elif isinstance(node, sympy.And | sympy.Or | sympy.Not | sympy.ITE):
             waiting += node.args
         elif node.func in KINKED and not may_switch:
             yield f"{where}: {node} has a kink; constraints and motions are smooth expressions."

@@ -128,7 +128,7 @@ def build(
     for equations, lowered, clock in prepared:
         path = folder / file_name(file.stem, equations, settings or {})
         with clock("emit"):
-            text = module_text(equations, lowered, origin(file, equations, path, settings or {}))
+            text = module_text(lowered, origin(file, equations, path, settings or {}))
         changes.append(not is_current(path, text) if check else write_if_changed(path, text))
         paths.append(path)
     if compile and not check:

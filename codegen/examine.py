@@ -72,7 +72,7 @@ def _jacobian_near(equations: Equations, lowered: Lowered, guess: Array, probe: 
 def _jacobian(equations: Equations, lowered: Lowered, q: Array) -> Array:
     m = sum(len(c.statement.rows) for c in equations.constraints)
     dense = np.zeros((m, len(equations.coordinates)))
-    pattern = lowered.jacobian
+    pattern = lowered.description.jacobian
     dense[list(pattern.rows), list(pattern.columns)] = _flat(
         equations, lowered, "jacobian", "values", q
     )

@@ -220,7 +220,7 @@ class Model:
         return self._effect(Potential(name, v, self._bodies_in(v)))
 
     def generalized_force(
-        self, name: str, components: Mapping[Coordinate, Any], when: Any = None
+        self, name: str, components: Mapping[Any, Any], when: Any = None
     ) -> Effect:
         """Generalized forces Q: coordinate → plain expression (N for lengths, N m for angles)."""
         pairs = []

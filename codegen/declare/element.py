@@ -55,7 +55,8 @@ class Frame:
         """Placeholders of this frame → what they are for a point of a body in a model."""
         x, y, phi = point.body.pose
         sx, sy = self.s
-        return {self.x: x, self.y: y, self.phi: phi, sx: point.sx, sy: point.sy}
+        at = sympy.sympify(point.sx), sympy.sympify(point.sy)
+        return {self.x: x, self.y: y, self.phi: phi, sx: at[0], sy: at[1]}
 
 
 I, J = Frame("i"), Frame("j")  # noqa: E741 (Haug's names for the two bodies of a joint)

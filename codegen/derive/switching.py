@@ -21,7 +21,12 @@ def as_pieces(expression: sympy.Expr) -> sympy.Expr:
     for function in KINKED:
         if expression.has(function):
             expression = expression.replace(function, partial(_pieces, function))
-    return expression
+    return expression.replace(sympy.ITE, _alternatives)
+
+
+def _alternatives(condition: Boolean, yes: Boolean, no: Boolean) -> Boolean:
+    """What SymPy makes of a kink inside a condition, in terms of And, Or and Not."""
+    return sympy.Or(sympy.And(condition, yes), sympy.And(sympy.Not(condition), no))
 
 
 def _pieces(function: type[sympy.Function], *arguments: sympy.Expr) -> sympy.Expr:
@@ -32,11 +37,12 @@ def _pieces(function: type[sympy.Function], *arguments: sympy.Expr) -> sympy.Exp
         return sympy.Piecewise((1, first > 0), (-1, True))
     if function is sympy.Heaviside:
         return sympy.Piecewise((1, first > 0), (0, True))
-    result = first
-    for other in arguments[1:]:
-        larger = other > result if function is sympy.Max else other < result
-        result = sympy.Piecewise((other, larger), (result, True))
-    return result
+    *firsts, last = arguments
+    pieces: list[tuple[sympy.Expr, Boolean | bool]] = []
+    for k, one in enumerate(firsts):
+        beats = sympy.Gt if function is sympy.Max else sympy.Lt
+        pieces.append((one, sympy.And(*(beats(one, other) for other in arguments[k + 1 :]))))
+    return sympy.Piecewise(*pieces, (last, True))
 
 
 def switching_function(condition: Relational) -> sympy.Expr:

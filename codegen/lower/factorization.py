@@ -146,7 +146,7 @@ class Elimination:
         graph, pivot = self.graph, self._at(i, i)
         if i in self.references:
             size = graph.neg(pivot) if i in self.duals else pivot
-            if size != self.references[i]:
+            if size != self.references[i] or not graph.settled[size]:
                 self.checks.append(Check(size, self.references[i], i))
         inverse = graph.div(graph.one, pivot)
         around = self._detach(i)

@@ -20,6 +20,7 @@ UNARY: dict[Op, Callable[[float], float]] = {
     Op.LOG: math.log,
     Op.SQRT: math.sqrt,
 }
+BINARY: dict[Op, Callable[[float, float], float]] = {Op.ATAN2: math.atan2, Op.POW: math.pow}
 ODD = frozenset({Op.SIN, Op.TAN, Op.ASIN, Op.ATAN, Op.SINH, Op.TANH})
 EVEN = frozenset({Op.COS, Op.COSH})
 
@@ -157,9 +158,11 @@ class Graph:
                 return b
             if x < 0.0:
                 return self.neg(self.mul(self.constant(-x), b))
-            inner = self.values[b]
-            if inner.op is Op.MUL and (z := self.number(inner.args[0])) is not None:
-                return self.mul(self.constant(x * z), inner.args[1])
+            if self.values[b].op is Op.MUL:
+                one, other = self.values[b].args
+                for inner, rest in ((one, other), (other, one)):
+                    if (z := self.number(inner)) is not None:
+                        return self.mul(self.constant(x * z), rest)
         for one, other in ((a, b), (b, a)):
             if self.values[one].op is Op.NEG:
                 return self.neg(self.mul(self.values[one].args[0], other))
@@ -208,9 +211,9 @@ class Graph:
         """An elementary function; numbers are folded, sin(-x) = -sin(x), cos(-x) = cos(x)."""
         numbers = [self.number(a) for a in args]
         if all(n is not None for n in numbers):
-            fold = UNARY.get(op) or {Op.ATAN2: math.atan2, Op.POW: math.pow}[op]
+            fold: Callable[..., float] = UNARY.get(op) or BINARY[op]
             with suppress(ValueError, OverflowError):  # left to the run: log(0) is -inf there
-                return self.constant(fold(*numbers))  # type: ignore[operator]
+                return self.constant(fold(*numbers))
         if op in ODD | EVEN and self.values[args[0]].op is Op.NEG:
             inner = self._add(op, self.values[args[0]].args)
             return self.neg(inner) if op in ODD else inner

@@ -6,7 +6,7 @@ and the build uses it to look at a mechanism before there is any machine code.
 
 import cmath
 import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from types import ModuleType
 from typing import Any
 
@@ -67,8 +67,8 @@ def evaluate(
 
 
 def _slot(arguments: Mapping[str, Any], slot: Input) -> Any:
-    values: Any = arguments[slot.array]
-    return values[slot.slot] if isinstance(values, Sequence) or hasattr(values, "shape") else values
+    values = arguments[slot.array]
+    return values if slot.array == "t" else values[slot.slot]
 
 
 def _needed(program: Program, kernel: Kernel) -> list[int]:

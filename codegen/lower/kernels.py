@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from codegen.derive.equations import Equations
+from codegen.lower.description import Description, describe
 from codegen.lower.factorization import Strategy
 from codegen.lower.hoist import with_constants
 from codegen.lower.program import STATE, Kernel, Output, Program, store
@@ -11,34 +12,21 @@ from codegen.lower.solutions import accelerations, correction
 
 
 @dataclass(frozen=True)
-class Pattern:
-    """Where the structural non-zeros of a matrix stand."""
-
-    rows: tuple[int, ...]
-    columns: tuple[int, ...]
-
-
-@dataclass(frozen=True)
 class Lowered:
-    """A program with the patterns and row names that its flat outputs need.
+    """A scene ready to be emitted.
 
     Attributes
     ----------
-    jacobian, mass
-        Patterns of Φ_q and M.
-    reactions
-        (element, component, unit) of each entry of the reactions.
-    powers
-        (source, ``"effect"`` or ``"driver"``).
+    program
+        All kernels.
+    description
+        The tables that go with them.
     strategy
         The order of elimination that was cheapest.
     """
 
     program: Program
-    jacobian: Pattern
-    mass: Pattern
-    reactions: tuple[tuple[str, str, str], ...]
-    powers: tuple[tuple[str, str], ...]
+    description: Description
     strategy: Strategy
 
 
@@ -75,16 +63,7 @@ def lower(equations: Equations) -> Lowered:
     if equations.switches:
         kernels += _switching_kernels(scene)
     program = with_constants(scene.graph, tuple(kernels), len(equations.parameters))
-    rows, columns = zip(*scene.jacobian, strict=True) if scene.jacobian else ((), ())
-    diagonal = tuple(range(len(equations.masses)))
-    return Lowered(
-        program,
-        Pattern(tuple(rows), tuple(columns)),
-        Pattern(diagonal, diagonal),
-        tuple((name, part, unit) for name, part, unit, _ in scene.reactions),
-        tuple((source, kind) for source, kind, _ in powers),
-        strategy,
-    )
+    return Lowered(program, describe(equations, scene, powers), strategy)
 
 
 def _dynamic_kernels(scene: SceneGraph, powers: list[tuple[str, str, int]]) -> list[Kernel]:
@@ -167,13 +146,16 @@ def _switching_kernels(scene: SceneGraph) -> list[Kernel]:
 
 
 def _powers(scene: SceneGraph) -> list[tuple[str, str, int]]:
-    """Q·q̇ of each effect; λ Φ_t of each driver (its force -Φ_qᵀ λ on velocities Φ_q q̇ = ν)."""
+    """Q·q̇ of each effect; λ Φ_t of each driver (its force -Φ_qᵀ λ on velocities Φ_q q̇ = ν).
+
+    An equation of one's own that contains the time does work as a driver does.
+    """
     found = [(name, "effect", power) for name, power in scene.powers]
     row = 0
     for element in scene.equations.constraints:
         rows = range(row, row + len(element.terms.phi))
         row = rows.stop
-        if element.driver:
+        if element.driver or any(scene.nu[k] != scene.graph.zero for k in rows):
             terms = [scene.graph.mul(scene.nu[k], scene.lam[k]) for k in rows]
             found.append((element.name, "driver", scene.graph.neg(scene.graph.total(terms))))
     return found

@@ -12,8 +12,7 @@ from math import asin, pi, sqrt
 import numpy as np
 
 from models.studies.rows import Row
-from runtime import load
-from runtime.results.result import Result
+from runtime import Result, load
 
 FLYWHEELS = (225.0, 450.0, 900.0)
 ROD_LENGTHS = (3.5, 2.5, 2.2, 2.1, 1.9)

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from models.studies.compressor import FLYWHEELS, Study, study
-from runtime.results.result import Result
+from runtime import Result
 
 STYLE = {
     "font.size": 9,

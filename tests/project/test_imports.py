@@ -41,7 +41,7 @@ def test_an_import_loads_no_more_than_it_needs(
     assert not loaded & absent
 
 
-@pytest.mark.parametrize("first", ["import codegen", "import codegen.build", "import codegen.cli"])
+@pytest.mark.parametrize("first", ["import codegen", "import codegen.driver", "import codegen.cli"])
 def test_build_is_the_function_whatever_was_imported_first(root: Path, first: str) -> None:
     code = f"{first}\nfrom codegen import build\nprint(callable(build))"
     assert fresh(code, root).strip() == "True"
@@ -90,7 +90,7 @@ def test_the_rules_hold_where_nothing_is_imported(skeleton: Path) -> None:
 @pytest.mark.parametrize(
     ("module", "statement", "rule"),
     [
-        ("codegen/build.py", "import runtime", "The compiler knows nothing"),
+        ("codegen/driver.py", "import runtime", "The compiler knows nothing"),
         ("codegen/declare/__init__.py", "import codegen.derive", "Data goes one way"),
         ("codegen/lower/__init__.py", "from codegen import emit", "Data goes one way"),
         ("codegen/lower/__init__.py", "from codegen import declare", "Lowering sees"),
@@ -99,7 +99,7 @@ def test_the_rules_hold_where_nothing_is_imported(skeleton: Path) -> None:
         ("runtime/load.py", "from codegen import lower", "The runtime knows"),
         ("runtime/integrate/__init__.py", "from runtime import machine", "Integrators and"),
         ("models/example.py", "import codegen.elements", "A model is written"),
-        ("models/example.py", "from runtime import load", "Only the demonstration"),
+        ("models/example.py", "from runtime import load", "Only the studies"),
         ("generated/example.py", "import scipy.linalg", "A generated module stands"),
     ],
 )
@@ -120,7 +120,7 @@ def test_a_forbidden_import_is_found(
         ("runtime/load.py", "from codegen import build"),
         ("runtime/load.py", "from codegen.errors import InputError"),
         ("models/example.py", "from codegen import Model"),
-        ("models/demo.py", "from runtime import load"),
+        ("models/studies/compressor.py", "from runtime import load"),
         ("generated/example.py", "import math, numba, numpy"),
     ],
 )

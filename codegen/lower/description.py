@@ -1,0 +1,105 @@
+"""What a generated module says about itself: tables of plain values, for the runtime and people."""
+
+from dataclasses import dataclass
+
+from codegen.derive.equations import Equations
+from codegen.lower.scene_graph import SceneGraph
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Where the structural non-zeros of a matrix stand."""
+
+    rows: tuple[int, ...]
+    columns: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Description:
+    """The tables of one scene.
+
+    Attributes
+    ----------
+    coordinates
+        (name, name of the velocity, unit).
+    constraints
+        (element, kind, row), one an equation.
+    parameters, folded
+        (name, default, unit, sign rule) of those that a run may change, and of those that a frozen
+        scene holds as numbers.
+    effects, left_out
+        (name, kind) of what acts, and of what is declared but does not.
+    drivers
+        The elements among the constraints that are drivers.
+    switches
+        (effect, condition).
+    reactions
+        (element, component, unit) of each entry of the kernel `reactions`.
+    powers
+        (source, ``"effect"`` or ``"driver"``) of each entry of the kernel `powers`.
+    start
+        (coordinate or velocity, value, ``"fixed"`` or ``"guess"``).
+    jacobian, mass
+        Patterns of Φ_q and M.
+    """
+
+    model: str
+    scene: str
+    analysis: str
+    bodies: tuple[str, ...]
+    coordinates: tuple[tuple[str, str, str], ...]
+    constraints: tuple[tuple[str, str, str], ...]
+    parameters: tuple[tuple[str, float, str, str], ...]
+    folded: tuple[tuple[str, float, str, str], ...]
+    effects: tuple[tuple[str, str], ...]
+    left_out: tuple[tuple[str, str], ...]
+    drivers: tuple[str, ...]
+    switches: tuple[tuple[str, str], ...]
+    reactions: tuple[tuple[str, str, str], ...]
+    powers: tuple[tuple[str, str], ...]
+    start: tuple[tuple[str, float, str], ...]
+    jacobian: Pattern
+    mass: Pattern
+
+
+def describe(
+    equations: Equations, scene: SceneGraph, powers: list[tuple[str, str, int]]
+) -> Description:
+    """The tables of a scene whose equations stand in a graph."""
+    named = equations.scene
+    rows, columns = zip(*scene.jacobian, strict=True) if scene.jacobian else ((), ())
+    diagonal = tuple(range(len(equations.masses)))
+    start = [(name, value, "fixed") for name, value in named.start]
+    start += [(name, value, "guess") for name, value in named.guess]
+    parameters = tuple((p.name, p.value, p.unit, p.sign) for p in equations.parameters)
+    reactions = scene.reactions if equations.masses else []
+    return Description(
+        model=equations.model,
+        scene=named.name,
+        analysis=named.analysis,
+        bodies=equations.bodies,
+        coordinates=tuple(
+            (_dotted(q.name), _dotted(q.rate.name), "rad" if q.name.endswith("_phi") else "m")
+            for q in equations.coordinates
+        ),
+        constraints=tuple(
+            (c.name, c.kind, row) for c in equations.constraints for row in c.statement.rows
+        ),
+        parameters=() if named.frozen else parameters,
+        folded=parameters if named.frozen else (),
+        effects=tuple((e.name, e.kind) for e in equations.effects),
+        left_out=equations.left_out,
+        drivers=tuple(c.name for c in equations.constraints if c.driver),
+        switches=tuple((s.effect, s.text) for s in equations.switches),
+        reactions=tuple((name, part, unit) for name, part, unit, _ in reactions),
+        powers=tuple((source, kind) for source, kind, _ in powers),
+        start=tuple(start),
+        jacobian=Pattern(tuple(rows), tuple(columns)),
+        mass=Pattern(diagonal, diagonal),
+    )
+
+
+def _dotted(name: str) -> str:
+    """``crank_phi`` → ``crank.phi``."""
+    owner, _, letter = name.rpartition("_")
+    return f"{owner}.{letter}"

@@ -1,0 +1,210 @@
+"""Dynamics: how the machine moves under the forces that act on it."""
+
+import time as clock
+from typing import TYPE_CHECKING, Literal, NamedTuple, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.errors import AnalysisError
+from runtime.analyses.assemble import Assembly, assemble
+from runtime.analyses.equations import Equations, FloatArray
+from runtime.analyses.kinematics import instants
+from runtime.analyses.outputs import evaluate
+from runtime.integrate.problem import Options, Problem, System, Trajectory
+from runtime.integrate.run import integrate
+from runtime.outcomes import Outcome
+from runtime.progress import Progress, silent
+from runtime.results.result import Result
+
+if TYPE_CHECKING:
+    from runtime.machine import Machine, Values
+
+
+class Event(NamedTuple):
+    """A switching condition changed.
+
+    Attributes
+    ----------
+    name
+        `effect: condition`.
+    time
+        In s.
+    direction
+        1: it began to hold; -1: it ceased; 0: the motion stays on its boundary.
+    q, v
+        State, shape (n,).
+    """
+
+    name: str
+    time: float
+    direction: int
+    q: FloatArray
+    v: FloatArray
+
+    @property
+    def state(self) -> FloatArray:
+        """q and v in one array, shape (2 n,)."""
+        return np.concatenate([self.q, self.v])
+
+
+def simulate(
+    machine: "Machine",
+    t_end: float,
+    t_eval: npt.ArrayLike | None = None,
+    *,
+    t_start: float = 0.0,
+    method: str = "dop853",
+    rtol: float = 1e-8,
+    atol: float | None = None,
+    parameters: "Values | None" = None,
+    guess: "Values | None" = None,
+    start: Assembly | None = None,
+    correction: Literal["step", "stage"] = "step",
+    first_step: float | None = None,
+    max_step: float | None = None,
+    max_steps: int = 100_000_000,
+    progress: Progress = silent,
+) -> Result:
+    """Integrate the equations of motion from the assembled start.
+
+    Parameters
+    ----------
+    t_end
+        Last instant in s.
+    t_eval
+        Output instants in s, increasing; without them, the end of every step.
+    t_start
+        First instant in s; that of `start` where one is given.
+    method
+        "dop853" or "dopri5".
+    rtol, atol
+        Tolerances of a step; `atol` in m, rad, m/s, rad/s, equal to `rtol` unless given.
+    guess
+        Start values by name, over those of the scene.
+    start
+        An assembled state to start from, in place of the scene's start.
+    correction
+        Return onto the constraints once a step, or at every stage.
+    first_step, max_step
+        Lengths in s; chosen unless given.
+    """
+    began = clock.perf_counter()
+    told = machine.description
+    if not told.has_masses:
+        raise AnalysisError(
+            f"{told.title}: a simulation needs masses, and this scene has a body without. Give "
+            f"every body a mass and an inertia, or ask for kinematics."
+        )
+    times = None if t_eval is None else instants(t_eval)
+    p = machine.parameter_values(parameters)
+    begin = start if start is not None else assemble(machine, guess, parameters, t_start)
+    equations = Equations(machine, p)
+    inertia = np.diag(equations.mass(begin.q))
+    trajectory = integrate(
+        system_of(machine),
+        Problem(
+            begin.t,
+            float(t_end),
+            np.ascontiguousarray(begin.q),
+            np.ascontiguousarray(begin.v),
+            p,
+            1.0 / np.sqrt(inertia),
+        ),
+        # An unknown method is refused there, together with all else that is wrong.
+        Options(
+            method=cast(Literal["dopri5", "dop853"], method),
+            rtol=rtol,
+            atol_q=rtol if atol is None else atol,
+            atol_v=rtol if atol is None else atol,
+            t_eval=times,
+            correction=correction,
+            first_step=first_step,
+            h_max=max_step,
+            max_steps=max_steps,
+        ),
+        lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
+    )
+    return _result(machine, trajectory, p, began)
+
+
+def system_of(machine: "Machine") -> System:
+    """The kernels and sizes that the integrator asks for."""
+    told, kernels = machine.description, machine.kernels
+    return System(
+        accelerations=kernels.accelerations,
+        correction=kernels.correction,
+        jacobian=kernels.jacobian,
+        jacobian_rows=told.jacobian_rows.astype(np.int64),
+        jacobian_columns=told.jacobian_columns.astype(np.int64),
+        coordinates=len(told.coordinates),
+        constraints=len(told.constraints),
+        switches=len(told.switches),
+        switching=kernels.switching,
+        switching_rates=kernels.switching_rates,
+    )
+
+
+def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) -> Result:
+    """Outputs at the samples; a run that stopped early gets its last state as one more."""
+    t, q, v, modes = run.t, run.q, run.v, run.modes
+    if run.outcome is not Outcome.OK and (len(t) == 0 or run.final_t > t[-1]):
+        t = np.append(t, run.final_t)
+        q, v = np.vstack([q, run.final_q]), np.vstack([v, run.final_v])
+        modes = np.vstack([modes, run.final_modes[None, :]])
+    samples = evaluate(machine, p, t, q, v, modes)
+    counts = run.statistics
+    stats = {
+        "steps": counts.steps,
+        "rejected": counts.rejected,
+        "retakes": counts.retakes,
+        "rhs_evaluations": counts.rhs,
+        "corrections": counts.corrections,
+        "newton_iterations": counts.newton,
+        "dense_outputs": counts.dense_outputs,
+        "repartitions": counts.repartitions,
+        "events": counts.events,
+        "largest_correction": counts.largest_dq,
+        "integration_seconds": counts.seconds,
+        "wall_seconds": clock.perf_counter() - began,
+    }
+    switches = machine.description.switches
+    events = [
+        Event(
+            f"{switches[int(index)].name}: {switches[int(index)].condition}",
+            float(time),
+            int(direction),
+            at_q,
+            at_v,
+        )
+        for time, index, direction, at_q, at_v in zip(
+            run.events.t, run.events.index, run.events.direction, run.events.q, run.events.v,
+            strict=True,
+        )
+    ]  # fmt: skip
+    return Result(
+        machine,
+        samples,
+        p,
+        analysis="simulation",
+        outcome=run.outcome,
+        message=_message(machine, run),
+        stats=stats,
+        events=events,
+    )
+
+
+def _message(machine: "Machine", run: Trajectory) -> str:
+    """How the run ended, with its time and the element concerned."""
+    if run.outcome is Outcome.OK:
+        return f"Reached t = {run.final_t:g} s in {run.statistics.steps} steps."
+    told = machine.description
+    where = ""
+    if run.index >= 0:
+        if run.outcome in {Outcome.SLIDING, Outcome.ZENO}:
+            switch = told.switches[run.index]
+            where = f", condition {switch.condition} of {switch.name}"
+        else:
+            row = told.constraints[run.index]
+            where = f", {'driver' if row.element in told.drivers else 'joint'} {row.name}"
+    return f"Stopped at t = {run.final_t:.9g} s{where}. {run.outcome.meaning} {run.outcome.advice}"

@@ -1,0 +1,169 @@
+"""Follow a driven motion from instant to instant: a compiled loop.
+
+Each step predicts q from position, velocity and acceleration and corrects it by Newton's method.
+A step is halved where the prediction is poor, so that the machine stays on its branch however far
+apart the instants lie, and where Newton's method fails, so that a lock-up is approached to the
+last position at which the machine still assembles.
+"""
+
+from typing import Any
+
+from numba import types
+
+from runtime.integrate.signatures import compiled
+from runtime.kernels import MATRIX, MODES, SCALAR, TYPES, VECTOR
+
+DONE, STUCK = 0, 1
+# Places in the record that a walk leaves behind.
+T, STEP, REASON, STEPS, REJECTED, NEWTON, MARK, RECORD = 0, 1, 2, 3, 4, 5, 6, 7
+
+_PREDICTED = 0.05  # largest scaled error of a prediction that is trusted to name the branch
+_TRAVEL = 0.5  # largest scaled motion of one step
+
+
+@compiled(
+    types.int64(
+        TYPES["correction"], SCALAR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR
+    ),
+)
+def settle(
+    correction: Any, t: Any, q: Any, v: Any, p: Any, w: Any, scale: Any, dq: Any, dv: Any, info: Any
+) -> int:
+    """Newton's method for q(t), then v, from a prediction.
+
+    Returns 0, 1 + the constraint whose pivot is weak, or -1 where it does not contract. `info`
+    receives the first scaled change of q, of v, and the number of iterations.
+    """
+    n = len(q)
+    previous = 0.0
+    converged = False
+    info[2] = 0.0
+    for iteration in range(30):
+        weak = correction(t, q, v, p, w, dq, dv)
+        info[2] += 1.0
+        if weak != 0:
+            return int(weak)
+        size = 0.0
+        largest = 1.0
+        for i in range(n):
+            size = max(size, abs(dq[i]) / scale[i])
+            largest = max(largest, abs(q[i]) / scale[i])
+        if not size < 1e6:
+            return -1
+        if iteration == 0:
+            info[0] = size
+        elif size > 0.5 * previous and size > 1e-9:
+            return -1
+        for i in range(n):
+            q[i] += dq[i]
+        if size <= 4e-16 * largest or (iteration > 0 and size <= 1e-9 and size > 0.25 * previous):
+            converged = True
+            break
+        previous = size
+    if not converged:
+        return -1
+    info[1] = 0.0
+    for iteration in range(2):
+        weak = correction(t, q, v, p, w, dq, dv)
+        if weak != 0:
+            return int(weak)
+        for i in range(n):
+            if iteration == 0:
+                info[1] = max(info[1], abs(dv[i]) / scale[i])
+            v[i] += dv[i]
+    return 0
+
+
+@compiled(
+    types.int64(
+        TYPES["correction"],
+        TYPES["accelerations"],
+        VECTOR,
+        VECTOR,
+        VECTOR,
+        VECTOR,
+        VECTOR,
+        VECTOR,
+        VECTOR,
+        MODES,
+        VECTOR,
+        MATRIX,
+        MATRIX,
+        MATRIX,
+        VECTOR,
+        MATRIX,
+    ),
+)
+def walk(
+    correction: Any,
+    accelerations: Any,
+    times: Any,
+    p: Any,
+    w: Any,
+    scale: Any,
+    q: Any,
+    v: Any,
+    a: Any,
+    modes: Any,
+    lam: Any,
+    q_out: Any,
+    v_out: Any,
+    a_out: Any,
+    record: Any,
+    work: Any,
+) -> int:
+    """Advance the state (q, v, a, at record[T]) through `times` and store it at each.
+
+    record[MARK] counts the instants done. Returns DONE, or STUCK with the state at the last
+    position reached and the reason in record[REASON].
+    """
+    n = len(q)
+    q_new, v_new, dq, dv, info = work[0], work[1], work[2], work[3], work[4]
+    done = int(record[MARK])
+    while done < len(times):
+        target = times[done]
+        t = record[T]
+        if t == target:
+            for i in range(n):
+                q_out[done, i] = q[i]
+                v_out[done, i] = v[i]
+                a_out[done, i] = a[i]
+            done += 1
+            record[MARK] = done
+            continue
+        speed = 0.0
+        for i in range(n):
+            speed = max(speed, abs(v[i]) / scale[i])
+        sign = 1.0 if target > t else -1.0
+        step = min(record[STEP], _TRAVEL / max(speed, 1e-300))
+        last = step >= abs(target - t)
+        new = target if last else t + sign * step
+        h = new - t
+        if abs(h) <= 8e-16 * max(abs(t), 1e-3 * abs(target)) and not last:
+            return STUCK
+        for i in range(n):
+            q_new[i] = q[i] + h * (v[i] + 0.5 * h * a[i])
+            v_new[i] = v[i] + h * a[i]
+        reason = settle(correction, new, q_new, v_new, p, w, scale, dq, dv, info)
+        record[NEWTON] += info[2]
+        good = reason == 0 and info[0] <= _PREDICTED and abs(h) * info[1] <= 4.0 * _PREDICTED
+        if good:
+            reason = accelerations(new, q_new, v_new, p, modes, a, lam)
+            if reason != 0:
+                accelerations(t, q, v, p, modes, a, lam)
+                good = False
+        if not good:
+            record[REASON] = reason
+            record[REJECTED] += 1.0
+            record[STEP] = 0.5 * abs(h)
+            if abs(h) <= 1e-15 * max(abs(t), abs(target)):
+                return STUCK
+            continue
+        for i in range(n):
+            q[i] = q_new[i]
+            v[i] = v_new[i]
+        record[T] = new
+        record[STEPS] += 1.0
+        if info[0] < 0.2 * _PREDICTED:
+            record[STEP] = max(record[STEP], 2.0 * abs(h))
+    return DONE

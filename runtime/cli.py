@@ -1,0 +1,282 @@
+"""The command line: `python -m runtime simulate | kinematics | equilibrium | inverse MODEL`.
+
+Exit status: 0 done, 1 the run failed (the message says at which t, and what was saved), 2 the
+user's input is wrong. Messages and progress go to stderr; with --json, stdout holds one object.
+"""
+
+import json
+import math
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+
+import typer
+
+from codegen.errors import InputError, LinkwrightError
+
+if TYPE_CHECKING:
+    from runtime.machine import Machine
+    from runtime.results.result import Result
+
+app = typer.Typer(
+    name="runtime",
+    help="Analyse a mechanism: how it moves, how it must move, where it rests, what that takes.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+Model = Annotated[str, typer.Argument(help="Path of a model file, or a name: models/NAME.py.")]
+Scene = Annotated[str | None, typer.Option(help="Scene of the model; the first unless given.")]
+Settings = Annotated[
+    list[str] | None, typer.Option("--set", help="NAME=VALUE: a parameter, in its declared unit.")
+]
+Guess = Annotated[
+    list[str] | None, typer.Option("--guess", help="NAME=VALUE: a start value, in SI units.")
+]
+Out = Annotated[Path | None, typer.Option(help="File for the result: .nc, .csv or .parquet.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
+TEnd = Annotated[float, typer.Option("--t-end", help="Last instant in s.")]
+TStart = Annotated[
+    float, typer.Option("--t-start", help="First instant in s; the start values belong to t = 0.")
+]
+Points = Annotated[int, typer.Option(min=2, help="Number of output instants, ends included.")]
+
+
+@app.command()
+def simulate(
+    model: Model,
+    t_end: TEnd,
+    scene: Scene = None,
+    settings: Settings = None,
+    guess: Guess = None,
+    points: Points = 501,
+    method: Annotated[str, typer.Option(help="Integration method: dop853 or dopri5.")] = "dop853",
+    rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 1e-8,
+    atol: Annotated[float | None, typer.Option(help="Absolute tolerance in SI units.")] = None,
+    out: Out = None,
+    as_json: Json = False,
+) -> None:
+    """Dynamics: how the machine moves under the forces that act on it."""
+
+    def analyse(machine: "Machine") -> "Result":
+        extra: dict[str, Any] = {} if atol is None else {"atol": atol}
+        return machine.simulate(
+            t_end=t_end,
+            t_eval=_instants(0.0, t_end, points),
+            method=method,
+            rtol=rtol,
+            parameters=_pairs(settings, "--set"),
+            guess=_pairs(guess, "--guess"),
+            **extra,
+        )
+
+    _run(analyse, model, scene, out, as_json)
+
+
+@app.command()
+def kinematics(
+    model: Model,
+    t_end: TEnd,
+    t_start: TStart = 0.0,
+    scene: Scene = None,
+    settings: Settings = None,
+    guess: Guess = None,
+    points: Points = 501,
+    out: Out = None,
+    as_json: Json = False,
+) -> None:
+    """Kinematics: how the machine must move, with drivers for all its freedom."""
+    _run(
+        lambda machine: machine.kinematics(
+            _instants(t_start, t_end, points),
+            parameters=_pairs(settings, "--set"),
+            guess=_pairs(guess, "--guess"),
+        ),
+        model,
+        scene,
+        out,
+        as_json,
+    )
+
+
+@app.command()
+def inverse(
+    model: Model,
+    t_end: TEnd,
+    t_start: TStart = 0.0,
+    scene: Scene = None,
+    settings: Settings = None,
+    guess: Guess = None,
+    points: Points = 501,
+    out: Out = None,
+    as_json: Json = False,
+) -> None:
+    """Inverse dynamics: what it takes to move the machine as its drivers say."""
+    _run(
+        lambda machine: machine.inverse_dynamics(
+            _instants(t_start, t_end, points),
+            parameters=_pairs(settings, "--set"),
+            guess=_pairs(guess, "--guess"),
+        ),
+        model,
+        scene,
+        out,
+        as_json,
+    )
+
+
+@app.command()
+def equilibrium(
+    model: Model,
+    scene: Scene = None,
+    settings: Settings = None,
+    guess: Guess = None,
+    method: Annotated[str, typer.Option(help="energy or settling.")] = "energy",
+    t: Annotated[float, typer.Option(help="Instant at which the drivers are held, in s.")] = 0.0,
+    out: Out = None,
+    as_json: Json = False,
+) -> None:
+    """Equilibrium: where the machine rests, and whether it would stay there."""
+    _run(
+        lambda machine: machine.equilibrium(
+            method,
+            parameters=_pairs(settings, "--set"),
+            guess=_pairs(guess, "--guess"),
+            t=t,
+        ),
+        model,
+        scene,
+        out,
+        as_json,
+    )
+
+
+def main() -> None:
+    """Entry point."""
+    app(prog_name="python -m runtime")
+
+
+def _run(
+    analyse: Callable[["Machine"], "Result"],
+    model: str,
+    scene: str | None,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """Load, analyse, save, and say how it went; ends the process with the exit status."""
+    try:
+        if out is not None:
+            from runtime.results.files import check_ending
+
+            check_ending(out)
+        from runtime.load import load
+
+        result = analyse(load(model, scene))
+        saved = None if out is None else result.save(out)
+    except InputError as error:
+        _refuse(error.problems, 2, as_json)
+    except (LinkwrightError, OSError) as error:
+        _refuse((str(error),), 1, as_json)
+    failed = result.failed
+    _say(repr(result))
+    if saved is not None:
+        count = len(result.t)
+        upto = f" up to t = {result.t[-1]:g} s" if failed and count else ""
+        _say(f"  {'What was computed' if failed else 'Saved'}: {count} instants{upto} in {saved}")
+    elif failed:
+        _say("  Nothing was saved; give --out FILE to keep what was computed.")
+    if as_json:
+        _print_json(_summary(result, saved))
+    elif not failed:
+        for line in _last_values(result):
+            sys.stdout.write(line + "\n")
+    raise typer.Exit(1 if failed else 0)
+
+
+def _refuse(problems: tuple[str, ...], status: int, as_json: bool) -> NoReturn:
+    """Say what is wrong and end."""
+    for problem in problems:
+        _say(f"error: {problem}")
+    if as_json:
+        _print_json({"ok": False, "status": status, "problems": list(problems)})
+    raise typer.Exit(status)
+
+
+def _summary(result: "Result", saved: Path | None) -> dict[str, Any]:
+    """The JSON object of a run."""
+    told = result.description
+    last = result.samples
+    names = told.coordinates
+    some = len(result.t) > 0
+    summary: dict[str, Any] = {
+        "ok": not result.failed,
+        "model": told.model,
+        "scene": told.scene,
+        "analysis": result.analysis,
+        "outcome": result.outcome.name,
+        "message": result.message,
+        "instants": len(result.t),
+        "t": [float(result.t[0]), float(result.t[-1])] if some else [],
+        "q": {row.name: _plain(last.q[-1, i]) for i, row in enumerate(names)} if some else {},
+        "v": {row.velocity: _plain(last.v[-1, i]) for i, row in enumerate(names)} if some else {},
+        "parameters": result.parameters,
+        "stats": {name: _plain(value) for name, value in result.stats.items()},
+        "events": len(result.events),
+        "saved": None if saved is None else str(saved),
+    }
+    stability = getattr(result, "stability", None)
+    if stability is not None:
+        summary["stability"] = str(stability)
+        summary["frequencies"] = [_plain(value) for value in getattr(result, "frequencies", ())]
+    return summary
+
+
+def _last_values(result: "Result") -> list[str]:
+    """The last state, a line a coordinate."""
+    width = max((len(row.name) for row in result.description.coordinates), default=0)
+    return [
+        f"{row.name:<{width}}  {result.samples.q[-1, i]: .9g} {row.unit}"
+        for i, row in enumerate(result.description.coordinates)
+    ]
+
+
+def _plain(value: Any) -> Any:
+    """A number as JSON knows it; not a number becomes null."""
+    number = float(value)
+    if not math.isfinite(number):
+        return None
+    return int(number) if isinstance(value, int) else number
+
+
+def _pairs(given: list[str] | None, option: str) -> dict[str, float]:
+    """NAME=VALUE texts as a mapping."""
+    pairs, problems = {}, []
+    for text in given or []:
+        name, equals, value = text.partition("=")
+        try:
+            pairs[name.strip()] = float(value)
+        except ValueError:
+            equals = ""
+        if not equals:
+            problems.append(f"{option} {text}: write NAME=VALUE with a number.")
+    if problems:
+        raise InputError(problems)
+    return pairs
+
+
+def _instants(first: float, last: float, count: int) -> list[float]:
+    """Equally spaced instants, ends included."""
+    if not (math.isfinite(first) and math.isfinite(last) and last > first):
+        raise InputError(f"The time span from {first:g} to {last:g} s must be finite and positive.")
+    step = (last - first) / (count - 1)
+    return [first + index * step for index in range(count - 1)] + [last]
+
+
+def _say(text: str) -> None:
+    sys.stderr.write(text + "\n")
+
+
+def _print_json(content: dict[str, Any]) -> None:
+    sys.stdout.write(json.dumps(content) + "\n")

@@ -1,0 +1,1 @@
+"""Choice of independent coordinates and return of the others onto the constraints."""

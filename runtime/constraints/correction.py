@@ -1,0 +1,55 @@
+"""Newton's return of a state onto the constraints, positions and velocities together.
+
+Which coordinates move is data: the weights are zero on the independent ones, so that these are held
+and the dependent ones follow (Haug's coordinate partitioning), each in proportion to its scale.
+"""
+
+import numpy as np
+
+from runtime.integrate.signatures import CORRECT, Kernel, Vector, compiled
+from runtime.integrate.views import view
+from runtime.integrate.workspace import DELTA, PARTITION, ROWS, SIZE
+
+ITERATIONS = 10
+WEAK = 64  # a converged result of WEAK * c + i: i iterations, constraint c - 1 has a weak pivot
+FAILED = -1_000_000  # negative also when iterations of other stages are added to it
+_POSITION = 3e-14  # relative change of a position below which the velocities are right too
+_VELOCITY = 1e-8  # relative change of a velocity that one linear solve brings to rounding
+
+
+@compiled(CORRECT)
+def correct(correction: Kernel, t: float, index: int, w: Vector, p: Vector) -> int:
+    """Bring the state in row `index` of the workspace onto the constraints at time `t`.
+
+    Returns
+    -------
+    int
+        Calls of `correction`, plus `WEAK` times (1 + index of a constraint with a weak pivot);
+        `FAILED` where the iteration does not converge.
+    """
+    n = w.size // (2 * ROWS)
+    q = view(w, index * 2 * n, n)
+    v = view(w, index * 2 * n + n, n)
+    dq = view(w, DELTA * 2 * n, n)
+    dv = view(w, DELTA * 2 * n + n, n)
+    weights = view(w, PARTITION * 2 * n, n)
+    size = view(w, SIZE * 2 * n, 2 * n)
+    previous = np.inf
+    weak = 0
+    for iteration in range(1, ITERATIONS + 1):
+        weak = int(correction(t, q, v, p, weights, dq, dv))
+        moved = 0.0
+        turned = 0.0
+        for j in range(n):
+            q[j] += dq[j]
+            v[j] += dv[j]
+            moved = max(moved, abs(dq[j]) / (0.01 * abs(q[j]) + size[j]))
+            turned = max(turned, abs(dv[j]) / (abs(v[j]) + size[n + j]))
+        if not (np.isfinite(moved) and np.isfinite(turned)):
+            return FAILED
+        settled = moved <= _POSITION and turned <= _VELOCITY
+        at_rounding = previous < 1e-10 and moved > 0.25 * previous
+        if settled or at_rounding:
+            return iteration + WEAK * weak
+        previous = moved
+    return FAILED

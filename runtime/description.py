@@ -1,0 +1,216 @@
+"""What a generated module says about itself, typed: the only place that knows its layout."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+from types import ModuleType
+from typing import NamedTuple, Protocol, SupportsIndex, TypeVar, overload
+
+import numpy as np
+import numpy.typing as npt
+
+
+class Row(Protocol):
+    """A line of a table: it has a name."""
+
+    @property
+    def name(self) -> str:
+        """The name by which the line is found."""
+        ...
+
+
+RowT = TypeVar("RowT", bound=Row)
+
+
+class Table(tuple[RowT, ...]):
+    """A tuple of named rows; a row is found by its position or by its name."""
+
+    __slots__ = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names, in order."""
+        return tuple(row.name for row in self)
+
+    def __contains__(self, item: object) -> bool:
+        """Whether a row, or a row of that name, is here."""
+        return item in self.names if isinstance(item, str) else super().__contains__(item)
+
+    @overload
+    def __getitem__(self, item: SupportsIndex | str) -> RowT: ...
+    @overload
+    def __getitem__(self, item: slice) -> tuple[RowT, ...]: ...
+    def __getitem__(self, item: SupportsIndex | str | slice) -> RowT | tuple[RowT, ...]:
+        """Row by position or name."""
+        if isinstance(item, str):
+            return super().__getitem__(self.index(item))
+        return super().__getitem__(item)
+
+    def index(self, item: object, *bounds: SupportsIndex) -> int:
+        """Position of a row, or of the row of that name."""
+        if isinstance(item, str):
+            try:
+                return self.names.index(item, *bounds)
+            except ValueError:
+                raise KeyError(unknown("name", item, self.names)) from None
+        return super().index(item, *bounds)
+
+
+class Coordinate(NamedTuple):
+    """A generalized coordinate, the name of its velocity, and its unit."""
+
+    name: str
+    velocity: str
+    unit: str
+
+
+class Constraint(NamedTuple):
+    """One scalar equation of a joint or a driver."""
+
+    element: str
+    kind: str
+    row: str
+
+    @property
+    def name(self) -> str:
+        """`element.row`."""
+        return f"{self.element}.{self.row}"
+
+
+class Parameter(NamedTuple):
+    """A declared parameter; `sign` is "", "positive" or "nonnegative"."""
+
+    name: str
+    default: float
+    unit: str
+    sign: str
+
+
+class Effect(NamedTuple):
+    """Something that acts on the bodies: gravity, a force, a spring, a driver."""
+
+    name: str
+    kind: str
+
+
+class Switch(NamedTuple):
+    """A condition on which an effect depends; it holds where its function is positive."""
+
+    name: str
+    condition: str
+
+
+class ReactionRow(NamedTuple):
+    """One component of what a joint or driver transmits."""
+
+    element: str
+    component: str
+    unit: str
+
+    @property
+    def name(self) -> str:
+        """`element.component`."""
+        return f"{self.element}.{self.component}"
+
+
+class PowerSource(NamedTuple):
+    """An effect or a driver whose power on the machine is reported."""
+
+    name: str
+    kind: str
+
+
+class StartValue(NamedTuple):
+    """Where a coordinate or velocity starts: "fixed" must hold, "guess" is a first try."""
+
+    name: str
+    value: float
+    role: str
+
+
+class Description(NamedTuple):
+    """The literals of a generated module."""
+
+    generator: str
+    model: str
+    scene: str
+    formulation: str
+    sources: tuple[tuple[str, str], ...]
+    bodies: tuple[str, ...]
+    coordinates: Table[Coordinate]
+    constraints: Table[Constraint]
+    parameters: Table[Parameter]
+    constants: tuple[str, ...]
+    effects: Table[Effect]
+    left_out: Table[Effect]
+    drivers: tuple[str, ...]
+    switches: Table[Switch]
+    reactions: Table[ReactionRow]
+    powers: Table[PowerSource]
+    start: Table[StartValue]
+    jacobian_rows: npt.NDArray[np.intp]
+    jacobian_columns: npt.NDArray[np.intp]
+    mass_rows: npt.NDArray[np.intp]
+    mass_columns: npt.NDArray[np.intp]
+    operations: tuple[tuple[str, int], ...]
+    has_masses: bool
+
+    @property
+    def title(self) -> str:
+        """`model/scene`, as messages name it."""
+        return f"{self.model}/{self.scene}"
+
+    @property
+    def driver_rows(self) -> npt.NDArray[np.bool_]:
+        """Which constraints belong to drivers, shape (m,)."""
+        return np.array([row.element in self.drivers for row in self.constraints], dtype=np.bool_)
+
+    @property
+    def is_angle(self) -> npt.NDArray[np.bool_]:
+        """Which coordinates are angles, shape (n,)."""
+        return np.array([row.unit == "rad" for row in self.coordinates], dtype=np.bool_)
+
+
+def describe(module: ModuleType) -> Description:
+    """Read the literals of a loaded generated module."""
+
+    def indices(name: str) -> npt.NDArray[np.intp]:
+        return np.array(getattr(module, name, ()), dtype=np.intp)
+
+    return Description(
+        generator=module.GENERATOR,
+        model=module.MODEL,
+        scene=module.SCENE,
+        formulation=module.FORMULATION,
+        sources=tuple(module.SOURCES),
+        bodies=tuple(module.BODIES),
+        coordinates=Table(Coordinate(*row) for row in module.COORDINATES),
+        constraints=Table(Constraint(*row) for row in module.CONSTRAINTS),
+        parameters=Table(
+            Parameter(name, float(default), unit, sign)
+            for name, default, unit, sign in module.PARAMETERS
+        ),
+        constants=tuple(module.CONSTANTS),
+        effects=Table(Effect(*row) for row in module.EFFECTS),
+        left_out=Table(Effect(*row) for row in module.LEFT_OUT),
+        drivers=tuple(module.DRIVERS),
+        switches=Table(Switch(*row) for row in module.SWITCHES),
+        reactions=Table(ReactionRow(*row) for row in module.REACTIONS),
+        powers=Table(PowerSource(*row) for row in module.POWERS),
+        start=Table(StartValue(name, float(value), role) for name, value, role in module.START),
+        jacobian_rows=indices("JACOBIAN_ROWS"),
+        jacobian_columns=indices("JACOBIAN_COLUMNS"),
+        mass_rows=indices("MASS_ROWS"),
+        mass_columns=indices("MASS_COLUMNS"),
+        operations=tuple(module.OPERATIONS),
+        has_masses=hasattr(module, "mass"),
+    )
+
+
+def unknown(what: str, name: str, names: Iterable[str]) -> str:
+    """Sentence saying that a name does not exist, with the nearest that do."""
+    names = tuple(names)
+    near = get_close_matches(name, names, n=3, cutoff=0.5)
+    if near:
+        return f"There is no {what} {name!r}; nearest: {', '.join(near)}."
+    listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+    return f"There is no {what} {name!r}; there are: {listed or 'none'}."

@@ -1,0 +1,95 @@
+"""Length of the next step, and of the first.
+
+The controller is the proportional-integral one of K. Gustafsson as Hairer and Wanner use it
+(Solving Ordinary Differential Equations II, section IV.2); the first step is that of volume I,
+section II.4.
+"""
+
+import numpy as np
+from numba import types
+
+from runtime.integrate.signatures import (
+    Accelerations,
+    Integers,
+    Kernel,
+    Vector,
+    compiled,
+    f8,
+    i8,
+    integers,
+    vector,
+)
+from runtime.integrate.views import view
+from runtime.integrate.workspace import ATOL, DELTA, ROWS, SAMPLE, Y0, K
+
+
+@compiled(f8(f8, f8, f8, f8, f8, f8, f8), inner=True)
+def factor(
+    error: float,
+    error_old: float,
+    exponent: float,
+    beta: float,
+    safety: float,
+    shrink: float,
+    grow: float,
+) -> float:
+    """Ratio of the next step's length to this one's, between `shrink` and `grow`."""
+    if error == 0.0:
+        return grow
+    change = error ** (exponent - 0.75 * beta) / error_old**beta / safety
+    return float(max(shrink, min(grow, 1.0 / change)))
+
+
+FIRST_STEP = f8(
+    Accelerations, f8, f8, f8, i8, vector, vector, integers, vector
+)  # t h_max rtol order w p modes lam
+FirstStep = types.FunctionType(FIRST_STEP)
+
+
+@compiled(FIRST_STEP)
+def first_step(
+    accelerations: Kernel,
+    t: float,
+    h_max: float,
+    rtol: float,
+    order: int,
+    w: Vector,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+) -> float:
+    """Length of a first step from the state Y0 with derivative K, at most `h_max`.
+
+    One call of `accelerations`.
+    """
+    length = w.size // ROWS
+    n = length // 2
+    y0 = view(w, Y0 * length, length)
+    k1 = view(w, K * length, length)
+    z = view(w, SAMPLE * length, length)
+    d = view(w, DELTA * length, length)
+    atol = view(w, ATOL * length, length)
+    size = 0.0
+    rate = 0.0
+    for j in range(length):
+        tolerance = atol[j] + rtol * abs(y0[j])
+        size += (y0[j] / tolerance) ** 2
+        rate += (k1[j] / tolerance) ** 2
+    h = 1e-6 if size <= 1e-10 * length or rate <= 1e-10 * length else 0.01 * np.sqrt(size / rate)
+    h = min(h, h_max)
+    for j in range(length):
+        z[j] = y0[j] + h * k1[j]
+    a = view(w, DELTA * length + n, n)
+    accelerations(
+        t + h, view(w, SAMPLE * length, n), view(w, SAMPLE * length + n, n), p, modes, a, lam
+    )
+    bend = 0.0
+    for j in range(n):
+        d[j] = z[n + j]
+    for j in range(length):
+        bend += ((d[j] - k1[j]) / (atol[j] + rtol * abs(y0[j]))) ** 2
+    steepest = max(np.sqrt(rate / length), np.sqrt(bend / length) / h)
+    if not np.isfinite(steepest):
+        return float(h)
+    second = max(1e-6, h * 1e-3) if steepest <= 1e-15 else (0.01 / steepest) ** (1.0 / order)
+    return float(min(100.0 * h, second, h_max))

@@ -1,0 +1,161 @@
+"""Explicit Runge-Kutta method of order 5(4) with dense output of order 4.
+
+The pair is J. R. Dormand and P. J. Prince's (A family of embedded Runge-Kutta formulae, Journal of
+Computational and Applied Mathematics 6, 1980); the dense output and its constants are those of
+E. Hairer, S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I, section II.6.
+The last stage is the first of the next step.
+"""
+
+import numpy as np
+
+from runtime.integrate.dense import hermite_rows
+from runtime.integrate.signatures import (
+    DENSE,
+    ERROR,
+    STAGES,
+    Integers,
+    Kernel,
+    Vector,
+    compiled,
+)
+from runtime.integrate.views import view
+from runtime.integrate.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K
+
+ORDER = 5
+ERROR_ORDER = 4
+STAGE_CALLS = 5  # calls of accelerations in `stages`
+LAST = 6  # row, after K, of the derivative at the end of the step
+DENSE_ROWS = 5
+DENSE_CALLS = 0
+BETA = 0.04  # proportional part of the step control
+SHRINK, GROW = 0.2, 10.0  # limits of the change of a step's length
+
+C2, C3, C4, C5 = 1 / 5, 3 / 10, 4 / 5, 8 / 9
+A21 = 1 / 5
+A31, A32 = 3 / 40, 9 / 40
+A41, A42, A43 = 44 / 45, -56 / 15, 32 / 9
+A51, A52, A53, A54 = 19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729
+A61, A62, A63, A64, A65 = 9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656
+B1, B3, B4, B5, B6 = 35 / 384, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84
+E1, E3, E4 = 71 / 57600, -71 / 16695, 71 / 1920
+E5, E6, E7 = -17253 / 339200, 22 / 525, -1 / 40
+D1, D3 = -12715105075 / 11282082432, 87487479700 / 32700410799
+D4, D5 = -10690763975 / 1880347072, 701980252875 / 199316789632
+D6, D7 = -1453857185 / 822651844, 69997945 / 29380423
+
+
+@compiled(STAGES)
+def stages(
+    accelerations: Kernel,
+    correction: Kernel,
+    correct: Kernel,
+    t: float,
+    h: float,
+    w: Vector,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+    each_stage: int,
+) -> int:
+    """Take the step from Y0 with derivative K to Y1, not yet corrected."""
+    length = w.size // ROWS
+    n = length // 2
+    y0 = view(w, Y0 * length, length)
+    y1 = view(w, Y1 * length, length)
+    z = view(w, STAGE * length, length)
+    k1 = view(w, K * length, length)
+    k2 = view(w, (K + 1) * length, length)
+    k3 = view(w, (K + 2) * length, length)
+    k4 = view(w, (K + 3) * length, length)
+    k5 = view(w, (K + 4) * length, length)
+    k6 = view(w, (K + 5) * length, length)
+    q = view(w, STAGE * length, n)
+    v = view(w, STAGE * length + n, n)
+    taken = 0
+    for j in range(length):
+        z[j] = y0[j] + h * A21 * k1[j]
+    if each_stage != 0:
+        taken += correct(correction, t + C2 * h, STAGE, w, p)
+    accelerations(t + C2 * h, q, v, p, modes, view(w, (K + 1) * length + n, n), lam)
+    for j in range(n):
+        k2[j] = v[j]
+    for j in range(length):
+        z[j] = y0[j] + h * (A31 * k1[j] + A32 * k2[j])
+    if each_stage != 0:
+        taken += correct(correction, t + C3 * h, STAGE, w, p)
+    accelerations(t + C3 * h, q, v, p, modes, view(w, (K + 2) * length + n, n), lam)
+    for j in range(n):
+        k3[j] = v[j]
+    for j in range(length):
+        z[j] = y0[j] + h * (A41 * k1[j] + A42 * k2[j] + A43 * k3[j])
+    if each_stage != 0:
+        taken += correct(correction, t + C4 * h, STAGE, w, p)
+    accelerations(t + C4 * h, q, v, p, modes, view(w, (K + 3) * length + n, n), lam)
+    for j in range(n):
+        k4[j] = v[j]
+    for j in range(length):
+        z[j] = y0[j] + h * (A51 * k1[j] + A52 * k2[j] + A53 * k3[j] + A54 * k4[j])
+    if each_stage != 0:
+        taken += correct(correction, t + C5 * h, STAGE, w, p)
+    accelerations(t + C5 * h, q, v, p, modes, view(w, (K + 4) * length + n, n), lam)
+    for j in range(n):
+        k5[j] = v[j]
+    for j in range(length):
+        z[j] = y0[j] + h * (A61 * k1[j] + A62 * k2[j] + A63 * k3[j] + A64 * k4[j] + A65 * k5[j])
+    if each_stage != 0:
+        taken += correct(correction, t + h, STAGE, w, p)
+    accelerations(t + h, q, v, p, modes, view(w, (K + 5) * length + n, n), lam)
+    for j in range(n):
+        k6[j] = v[j]
+    for j in range(length):
+        y1[j] = y0[j] + h * (B1 * k1[j] + B3 * k3[j] + B4 * k4[j] + B5 * k5[j] + B6 * k6[j])
+    return taken
+
+
+@compiled(ERROR)
+def error(h: float, rtol: float, w: Vector) -> float:
+    """Estimated error of the step over its tolerance, root mean square over q and v."""
+    length = w.size // ROWS
+    y0 = view(w, Y0 * length, length)
+    y1 = view(w, Y1 * length, length)
+    atol = view(w, ATOL * length, length)
+    k1 = view(w, K * length, length)
+    k3 = view(w, (K + 2) * length, length)
+    k4 = view(w, (K + 3) * length, length)
+    k5 = view(w, (K + 4) * length, length)
+    k6 = view(w, (K + 5) * length, length)
+    k7 = view(w, (K + 6) * length, length)
+    total = 0.0
+    for j in range(length):
+        estimate = h * (E1 * k1[j] + E3 * k3[j] + E4 * k4[j] + E5 * k5[j] + E6 * k6[j] + E7 * k7[j])
+        ratio = estimate / (atol[j] + rtol * max(abs(y0[j]), abs(y1[j])))
+        total += ratio * ratio
+    return float(np.sqrt(total / length))
+
+
+@compiled(DENSE)
+def dense(
+    accelerations: Kernel,
+    correction: Kernel,
+    correct: Kernel,
+    t: float,
+    h: float,
+    w: Vector,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+    each_stage: int,
+) -> int:
+    """Fill the coefficient rows of the dense output of the step from Y0 to Y1."""
+    length = w.size // ROWS
+    k1 = view(w, K * length, length)
+    k3 = view(w, (K + 2) * length, length)
+    k4 = view(w, (K + 3) * length, length)
+    k5 = view(w, (K + 4) * length, length)
+    k6 = view(w, (K + 5) * length, length)
+    k7 = view(w, (K + 6) * length, length)
+    f4 = view(w, (F + 4) * length, length)
+    hermite_rows(h, w, K + LAST)
+    for j in range(length):
+        f4[j] = h * (D1 * k1[j] + D3 * k3[j] + D4 * k4[j] + D5 * k5[j] + D6 * k6[j] + D7 * k7[j])
+    return 0

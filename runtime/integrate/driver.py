@@ -1,0 +1,395 @@
+"""The loop over steps: try, look for crossings, write samples, accept.
+
+`advance` is compiled once. Kernels, the method and the larger parts of the loop reach it as
+first-class functions; all state lies in its arrays, so that a run can stop after any step and go on
+with the same bits.
+"""
+
+from runtime.integrate.attempt import DONE, NEWTON, NOT_FINITE, TOO_LARGE, Attempt, Repartition
+from runtime.integrate.control import FirstStep, factor
+from runtime.integrate.events import Locate, suspects
+from runtime.integrate.modes import CONSISTENT, ON_SURFACE, Settle, measure
+from runtime.integrate.outputs import Emit
+from runtime.integrate.signatures import (
+    Accelerations,
+    Correct,
+    Correction,
+    Dense,
+    Error,
+    IntegerMatrix,
+    Integers,
+    Jacobian,
+    Kernel,
+    Matrix,
+    Stages,
+    Switching,
+    SwitchingRates,
+    Vector,
+    compiled,
+    i8,
+    integer_matrix,
+    integers,
+    matrix,
+    vector,
+)
+from runtime.integrate.start import LOOK_AHEAD
+from runtime.integrate.views import borrow, view
+from runtime.integrate.workspace import (
+    BAND,
+    G0,
+    G1,
+    LARGEST,
+    R0,
+    R1,
+    ROWS,
+    SWITCH_ROWS,
+    Y0,
+    Y1,
+    K,
+    Run,
+    run_record,
+)
+from runtime.outcomes import Outcome
+
+GOING = -1  # the run is not over
+_OK = int(Outcome.OK)
+_SLIDING = int(Outcome.SLIDING)
+_ZENO = int(Outcome.ZENO)
+_STEP_TOO_SMALL = int(Outcome.STEP_TOO_SMALL)
+_MAX_STEPS = int(Outcome.MAX_STEPS)
+_NEWTON_FAILED = int(Outcome.NEWTON_FAILED)
+_SINGULAR = int(Outcome.SINGULAR)
+_NOT_FINITE = int(Outcome.NOT_FINITE)
+
+_ULP = 2.3e-16
+_RETAKES = 5
+_WEAK_STATES = 3  # accepted states in a row with a weak pivot that make a singular run
+_ZENO_EVENTS = 30  # events in a row with such a ratio that are no accident
+_ZENO_SPAN = 1e-7  # of the run: what eight such events must take at most
+_ZENO_RATIO = 0.98  # of the time of eight events to that of the eight before the last
+RECENT = 8
+LOG_MARGIN = 16  # free rows of the partition log that one step may need
+
+
+@compiled(
+    i8(
+        i8,
+        Accelerations,
+        Correction,
+        Correct,
+        Jacobian,
+        Switching,
+        SwitchingRates,
+        Stages,
+        Error,
+        Dense,
+        Attempt,
+        Repartition,
+        Locate,
+        Settle,
+        FirstStep,
+        Emit,
+        vector,
+        vector,
+        run_record,
+        vector,
+        integers,
+        integers,
+        vector,
+        integers,
+        integers,
+        vector,
+        matrix,
+        integers,
+        integers,
+        vector,
+        integer_matrix,
+        vector,
+        vector,
+        matrix,
+        integer_matrix,
+        vector,
+        vector,
+        integer_matrix,
+        matrix,
+    )
+)
+def advance(
+    budget: int,
+    accelerations: Kernel,
+    correction: Kernel,
+    correct: Kernel,
+    jacobian: Kernel,
+    switching: Kernel,
+    switching_rates: Kernel,
+    stages: Kernel,
+    error: Kernel,
+    dense: Kernel,
+    attempt: Kernel,
+    repartition: Kernel,
+    locate: Kernel,
+    settle: Kernel,
+    first_step: Kernel,
+    emit: Kernel,
+    w: Vector,
+    sw: Vector,
+    run: Run,
+    p: Vector,
+    modes: Integers,
+    scratch: Integers,
+    lam: Vector,
+    rows: Integers,
+    columns: Integers,
+    values: Vector,
+    dense_jacobian: Matrix,
+    row_order: Integers,
+    column_order: Integers,
+    times: Vector,
+    sets: IntegerMatrix,
+    t_eval: Vector,
+    out_t: Vector,
+    out_y: Matrix,
+    out_modes: IntegerMatrix,
+    recent: Vector,
+    event_t: Vector,
+    event_kind: IntegerMatrix,
+    event_y: Matrix,
+) -> int:
+    """Take at most `budget` trial steps.
+
+    Returns `GOING`, or the code of the outcome. `run.index` names the switching function or
+    constraint where an outcome concerns one.
+    """
+    # Handed on below as borrowed: counting references costs more than a stage.
+    w = borrow(w)
+    sw = borrow(sw)
+    run = borrow(run)
+    p = borrow(p)
+    modes = borrow(modes)
+    scratch = borrow(scratch)
+    lam = borrow(lam)
+    rows = borrow(rows)
+    columns = borrow(columns)
+    values = borrow(values)
+    dense_jacobian = borrow(dense_jacobian)
+    row_order = borrow(row_order)
+    column_order = borrow(column_order)
+    times = borrow(times)
+    sets = borrow(sets)
+    t_eval = borrow(t_eval)
+    out_t = borrow(out_t)
+    out_y = borrow(out_y)
+    out_modes = borrow(out_modes)
+    recent = borrow(recent)
+    event_t = borrow(event_t)
+    event_kind = borrow(event_kind)
+    event_y = borrow(event_y)
+    r = run[0]
+    length = w.size // ROWS
+    n = length // 2
+    s = sw.size // SWITCH_ROWS
+    y0 = view(w, Y0 * length, length)
+    y1 = view(w, Y1 * length, length)
+    k0 = view(w, K * length, length)
+    k1 = view(w, (K + r.last) * length, length)
+    found = view(scratch, 3 * s, 1)
+    before = view(scratch, 3 * s + 1, s)
+    for _ in range(budget):
+        t = r.t
+        if t >= r.t_end:
+            return _OK
+        if r.logged_events + s > event_t.size or r.logged_repartitions + LOG_MARGIN > times.size:
+            return GOING
+        if r.steps + r.rejected >= r.max_steps:
+            return _MAX_STEPS
+        h = min(r.h, r.h_max)
+        t1 = t + h
+        if t + 1.01 * h >= r.t_end:
+            h = r.t_end - t
+            t1 = r.t_end
+        elif h <= r.h_min or t1 <= t:
+            if r.reason == NEWTON:
+                return _NEWTON_FAILED
+            return _NOT_FINITE if r.reason == NOT_FINITE else _STEP_TOO_SMALL
+
+        # Try the step.
+        code = attempt(
+            accelerations, correction, correct, jacobian, repartition, stages, error, t, h, w, run,
+            p, modes, lam, rows, columns, values, dense_jacobian, row_order, column_order, times, sets,
+        )  # fmt: skip
+        if code != DONE:
+            r.rejected += 1
+            r.reason = code
+            r.rejected_before = 1
+            if code == TOO_LARGE:
+                h *= max(r.shrink, r.safety / r.error**r.exponent)
+            else:
+                h *= 0.25
+            r.h = h
+            if h <= r.h_min and t1 >= r.t_end:
+                r.h = 0.0
+            continue
+        h_next = r.h
+        if r.fixed == 0:
+            ratio = factor(r.error, r.error_old, r.exponent, r.beta, r.safety, r.shrink, r.grow)
+            if r.rejected_before != 0:
+                ratio = min(ratio, 1.0)
+            h_next = h * ratio
+
+        # Look for a crossing, and end the step where the first one is.
+        crossing = -1
+        dense_ready = 0
+        if s > 0:
+            measure(switching, switching_rates, t1, Y1, K + r.last, G1, w, sw, p)
+            if suspects(h, sw, modes) > 0:
+                dense(accelerations, correction, correct, t, h, w, p, modes, lam, r.each_stage)
+                dense_ready = 1
+                r.dense_outputs += 1
+                r.rhs += r.dense_calls
+                x = locate(switching, t, h, r.dense_rows, w, sw, p, modes, found)
+                if x <= 1.0:
+                    crossing = found[0]
+                    reach = h
+                    h = x * h
+                    dense_ready = 0
+        if crossing >= 0 and h <= 4.0 * _ULP * max(abs(t), r.h_min):
+            # At this very instant: no step, only a change of modes.
+            h = 0.0
+            t1 = t
+            for j in range(length):
+                y1[j] = y0[j]
+                k1[j] = k0[j]
+            for k in range(s):
+                sw[G1 * s + k] = sw[G0 * s + k]
+                sw[R1 * s + k] = sw[R0 * s + k]
+            r.standing += 1
+            if r.standing > 8 + 2 * s:
+                r.index = crossing
+                return _ZENO
+        elif crossing >= 0:
+            r.standing = 0
+            for retake in range(_RETAKES):
+                t1 = t + h
+                code = attempt(
+                    accelerations, correction, correct, jacobian, repartition, stages, error, t, h, w,
+                    run, p, modes, lam, rows, columns, values, dense_jacobian, row_order, column_order,
+                    times, sets,
+                )  # fmt: skip
+                r.retakes += 1
+                if code != DONE:
+                    break
+                measure(switching, switching_rates, t1, Y1, K + r.last, G1, w, sw, p)
+                g = sw[G1 * s + crossing]
+                if abs(g) <= 4e-16 * sw[LARGEST * s + crossing] or retake == _RETAKES - 1:
+                    break
+                polished = h - g / sw[R1 * s + crossing]
+                if not (0.0 < polished <= reach) or abs(polished - h) > 1e-3 * reach:
+                    break
+                if t + polished == t1:
+                    break
+                h = polished
+            if code != DONE:
+                r.rejected += 1
+                r.reason = code
+                r.rejected_before = 1
+                r.h = 0.5 * h
+                continue
+            g = sw[G1 * s + crossing]
+            side = 1.0 if modes[crossing] != 0 else -1.0
+            near = max(
+                1e-11 * sw[LARGEST * s + crossing],
+                1e-12 * reach * abs(sw[R1 * s + crossing]),
+                sw[BAND * s + crossing],
+            )
+            if side * g > near:
+                crossing = -1  # it only came close
+
+        # Write the samples, then accept.
+        if h > 0.0:
+            written = emit(
+                accelerations, correction, correct, dense, t, t1, h, dense_ready, w, run, p, modes,
+                lam, t_eval, out_t, out_y, out_modes,
+            )  # fmt: skip
+            if written < 0:
+                r.rejected += 1
+                r.reason = NEWTON
+                r.rejected_before = 1
+                r.h = 0.5 * h
+                continue
+            r.steps += 1
+            r.rejected_before = 0
+            r.error_old = max(r.error, 1e-4)
+            r.weak = r.weak + 1 if r.weak_row > 0 else 0
+        r.t = t1
+        r.h = h_next
+        for k in range(s):
+            sw[LARGEST * s + k] = max(sw[LARGEST * s + k], abs(sw[G1 * s + k]))
+        blamed = CONSISTENT
+        changed = 0
+        if crossing >= 0:
+            for k in range(s):
+                before[k] = modes[k]
+                g = abs(sw[G1 * s + k])
+                largest = sw[LARGEST * s + k]
+                sw[BAND * s + k] = 0.0
+                clock = 8.0 * _ULP * abs(t1 * sw[R1 * s + k])
+                if k == crossing or g <= max(ON_SURFACE * largest, clock):
+                    sw[BAND * s + k] = 2.0 * g + 1e-14 * largest + 1e-300
+            blamed = settle(
+                accelerations, switching, crossing, t1, LOOK_AHEAD * h_next, Y1, G1, w, sw, p,
+                modes, scratch, lam,
+            )  # fmt: skip
+            r.rhs += 1
+            for k in range(s):
+                if modes[k] != before[k] or (k == crossing and blamed != CONSISTENT):
+                    changed += 1
+                    at = r.logged_events
+                    event_t[at] = t1
+                    event_kind[at, 0] = k
+                    event_kind[at, 1] = 0
+                    if modes[k] != before[k]:
+                        event_kind[at, 1] = 1 if modes[k] != 0 else -1
+                    for j in range(length):
+                        event_y[at, j] = y1[j]
+                    r.logged_events += 1
+                    r.events += 1
+            if changed > 0 and blamed == CONSISTENT:
+                accelerations(t1, view(y1, 0, n), view(y1, n, n), p, modes, view(k1, n, n), lam)
+                measure(switching, switching_rates, t1, Y1, K + r.last, G1, w, sw, p)
+                r.rhs += 1
+        else:
+            for k in range(s):
+                side = 1.0 if modes[k] != 0 else -1.0
+                if side * sw[G1 * s + k] > sw[BAND * s + k]:
+                    sw[BAND * s + k] = 0.0
+        for j in range(length):
+            y0[j] = y1[j]
+            k0[j] = k1[j]
+        for k in range(s):
+            sw[G0 * s + k] = sw[G1 * s + k]
+            sw[R0 * s + k] = sw[R1 * s + k]
+
+        # Is there a reason to stop?
+        if changed > 0:
+            span = t1 - recent[0]
+            for i in range(RECENT - 1):
+                recent[i] = recent[i + 1]
+            recent[RECENT - 1] = t1
+            r.shrinking = r.shrinking + 1 if span < _ZENO_RATIO * r.event_span else 0
+            r.event_span = span
+            if blamed != CONSISTENT:
+                r.index = blamed
+                return _ZENO if r.shrinking >= RECENT else _SLIDING
+            endless = r.shrinking >= _ZENO_EVENTS and span < _ZENO_SPAN * r.duration
+            if endless or r.events > r.max_events:
+                r.index = crossing
+                return _ZENO
+            if r.fixed == 0:
+                first = first_step(accelerations, t1, r.h_max, r.rtol, r.order, w, p, modes, lam)
+                r.h = min(h_next, 2.0 * first)
+                r.rhs += 1
+                r.error_old = 1e-4
+        if r.weak >= _WEAK_STATES:
+            r.index = r.weak_row - 1
+            return _SINGULAR
+    return _OK if r.t >= r.t_end else GOING

@@ -1,0 +1,243 @@
+"""Where inside a step a switching function first contradicts its mode.
+
+Cubic interpolation of g from its values and rates at both ends decides cheaply whether anything may
+have crossed, also twice. Only then is the dense output evaluated: at equal distances, and between
+them at the lowest points, so that a pair of crossings is not stepped over.
+"""
+
+from numba import types
+
+from runtime.integrate.dense import interpolate
+from runtime.integrate.signatures import (
+    Integers,
+    Kernel,
+    Switching,
+    Vector,
+    compiled,
+    f8,
+    i8,
+    integers,
+    vector,
+)
+from runtime.integrate.views import view
+from runtime.integrate.workspace import (
+    BAND,
+    G0,
+    G1,
+    LARGEST,
+    R0,
+    R1,
+    ROWS,
+    SAMPLE,
+    SCAN,
+    SUBDIVISIONS,
+    SUSPECT,
+    SWITCH_ROWS,
+    TRIAL,
+)
+
+NOWHERE = 2.0  # a fraction of the step that is none
+_MARGIN = 0.15  # of the variation of g over the step: closer to zero than this is looked at
+LOCATE = f8(
+    Switching, f8, f8, i8, vector, vector, vector, integers, integers
+)  # t h dense_rows w sw p modes found
+Locate = types.FunctionType(LOCATE)
+_NOISE = 1e-14  # of the largest |g|: a dip of this depth is none
+_GOLDEN = 0.3819660112501051
+
+
+@compiled(i8(f8, vector, integers), inner=True)
+def suspects(h: float, sw: Vector, modes: Integers) -> int:
+    """Mark in SUSPECT the functions that may cross in the step, and count them."""
+    s = modes.size
+    count = 0
+    for k in range(s):
+        side = 1.0 if modes[k] != 0 else -1.0
+        band = sw[BAND * s + k]
+        g0 = side * sw[G0 * s + k]
+        g1 = side * sw[G1 * s + k]
+        c1 = g0 + h * side * sw[R0 * s + k] / 3.0
+        c2 = g1 - h * side * sw[R1 * s + k] / 3.0
+        low = min(c1, c2, g1)
+        high = max(g0, c1, c2, g1)
+        if band == 0.0:
+            low = min(low, g0)
+        else:
+            # On its surface and hardly moving: what counts is whether it leaves the band.
+            low = low + band if high - low > 2.0 * band or g1 < -band else 1.0
+            high = high + band
+        marked = g1 < -band or not low > _MARGIN * (high - low)
+        sw[SUSPECT * s + k] = 1.0 if marked else 0.0
+        count += 1 if marked else 0
+    return count
+
+
+@compiled(f8(Switching, f8, f8, f8, i8, i8, vector, vector, vector), inner=True)
+def sample(
+    switching: Kernel,
+    t: float,
+    h: float,
+    x: float,
+    k: int,
+    dense_rows: int,
+    w: Vector,
+    sw: Vector,
+    p: Vector,
+) -> float:
+    """Function `k` on the dense output at fraction `x` of the step; all of them in row TRIAL."""
+    n = w.size // (2 * ROWS)
+    s = sw.size // SWITCH_ROWS
+    interpolate(w, dense_rows, x, SAMPLE)
+    q = view(w, SAMPLE * 2 * n, n)
+    v = view(w, SAMPLE * 2 * n + n, n)
+    switching(t + x * h, q, v, p, view(sw, TRIAL * s, s))
+    return float(sw[TRIAL * s + k])
+
+
+@compiled(f8(Switching, f8, f8, f8, f8, f8, f8, i8, i8, vector, vector, vector), inner=True)
+def dip(
+    switching: Kernel,
+    t: float,
+    h: float,
+    low: float,
+    high: float,
+    side: float,
+    band: float,
+    k: int,
+    dense_rows: int,
+    w: Vector,
+    sw: Vector,
+    p: Vector,
+) -> float:
+    """A fraction between `low` and `high` at which side * g_k < -band, or `NOWHERE`.
+
+    Golden section, which ends as soon as such a point is found.
+    """
+    x1 = low + _GOLDEN * (high - low)
+    x2 = high - _GOLDEN * (high - low)
+    g1 = side * sample(switching, t, h, x1, k, dense_rows, w, sw, p)
+    g2 = side * sample(switching, t, h, x2, k, dense_rows, w, sw, p)
+    for _ in range(40):
+        if g1 < -band:
+            return x1
+        if g2 < -band:
+            return x2
+        if g1 < g2:
+            high, x2, g2 = x2, x1, g1
+            x1 = low + _GOLDEN * (high - low)
+            g1 = side * sample(switching, t, h, x1, k, dense_rows, w, sw, p)
+        else:
+            low, x1, g1 = x1, x2, g2
+            x2 = high - _GOLDEN * (high - low)
+            g2 = side * sample(switching, t, h, x2, k, dense_rows, w, sw, p)
+    return NOWHERE
+
+
+@compiled(f8(Switching, f8, f8, f8, f8, f8, f8, i8, i8, vector, vector, vector), inner=True)
+def root(
+    switching: Kernel,
+    t: float,
+    h: float,
+    low: float,
+    high: float,
+    side: float,
+    band: float,
+    k: int,
+    dense_rows: int,
+    w: Vector,
+    sw: Vector,
+    p: Vector,
+) -> float:
+    """Fraction at which side * g_k + band falls through zero, between `low` and `high`.
+
+    Regula falsi with halved weights (Illinois), every third point a bisection; to 1e-13 of the
+    step.
+    """
+    g_low = side * sample(switching, t, h, low, k, dense_rows, w, sw, p) + band
+    g_high = side * sample(switching, t, h, high, k, dense_rows, w, sw, p) + band
+    kept = 0
+    for i in range(120):
+        if high - low <= 1e-13:
+            break
+        if g_low <= 0.0 or i % 3 == 2:
+            x = 0.5 * (low + high)
+        else:
+            x = high - g_high * (high - low) / (g_high - g_low)
+            if not (low < x < high):
+                x = 0.5 * (low + high)
+        g = side * sample(switching, t, h, x, k, dense_rows, w, sw, p) + band
+        if g < 0.0:
+            high, g_high = x, g
+            if kept == 1:
+                g_low *= 0.5
+            kept = 1
+        else:
+            low, g_low = x, g
+            if kept == -1:
+                g_high *= 0.5
+            kept = -1
+    return high
+
+
+@compiled(LOCATE)
+def locate(
+    switching: Kernel,
+    t: float,
+    h: float,
+    dense_rows: int,
+    w: Vector,
+    sw: Vector,
+    p: Vector,
+    modes: Integers,
+    found: Integers,
+) -> float:
+    """Fraction of the step at which a marked function first crosses, or `NOWHERE`.
+
+    The dense output must be there. `found[0]` receives the function's index.
+    """
+    s = modes.size
+    for i in range(1, SUBDIVISIONS):
+        sample(switching, t, h, i / SUBDIVISIONS, 0, dense_rows, w, sw, p)
+        for k in range(s):
+            sw[(SCAN + i) * s + k] = sw[TRIAL * s + k]
+    for k in range(s):
+        sw[SCAN * s + k] = sw[G0 * s + k]
+        sw[(SCAN + SUBDIVISIONS) * s + k] = sw[G1 * s + k]
+    first = NOWHERE
+    for k in range(s):
+        if sw[SUSPECT * s + k] == 0.0:
+            continue
+        side = 1.0 if modes[k] != 0 else -1.0
+        band = sw[BAND * s + k]
+        # Rounding of the dense output is no crossing; that of the end point is looked at as it is.
+        noise = max(band, _NOISE * sw[LARGEST * s + k])
+        low, high = NOWHERE, NOWHERE
+        for i in range(1, SUBDIVISIONS + 1):
+            left, right = (i - 1) / SUBDIVISIONS, i / SUBDIVISIONS
+            if left >= first:
+                break
+            here = side * sw[(SCAN + i) * s + k]
+            before = side * sw[(SCAN + i - 1) * s + k]
+            if here < -(band if i == SUBDIVISIONS else noise):
+                low, high = left, right
+                break
+            # A lowest point may lie beside a sample that is lower than its neighbours.
+            if i == 1:
+                falls = side * sw[R0 * s + k] < 0.0 and band == 0.0
+            else:
+                falls = side * sw[(SCAN + i - 2) * s + k] >= before
+            if i == SUBDIVISIONS:
+                rises = side * sw[R1 * s + k] > 0.0
+            else:
+                rises = side * sw[(SCAN + i + 1) * s + k] >= here
+            if (falls and before <= here) or (rises and here <= before):
+                x = dip(switching, t, h, left, right, side, noise, k, dense_rows, w, sw, p)
+                if x < 1.0:
+                    low, high = left, x
+                    break
+        if high <= 1.0:
+            x = root(switching, t, h, low, high, side, band, k, dense_rows, w, sw, p)
+            if x < first:
+                first = x
+                found[0] = k
+    return first

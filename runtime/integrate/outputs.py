@@ -1,0 +1,123 @@
+"""Samples of a run: at the instants asked for, or at the end of every step."""
+
+from numba import types
+
+from runtime.constraints.correction import FAILED, WEAK
+from runtime.integrate.dense import interpolate
+from runtime.integrate.signatures import (
+    Accelerations,
+    Correct,
+    Correction,
+    Dense,
+    IntegerMatrix,
+    Integers,
+    Kernel,
+    Matrix,
+    Vector,
+    compiled,
+    f8,
+    i8,
+    integer_matrix,
+    integers,
+    matrix,
+    none,
+    vector,
+)
+from runtime.integrate.views import view
+from runtime.integrate.workspace import ROWS, SAMPLE, Y1, Run, run_record
+
+
+@compiled(none(f8, i8, vector, run_record, integers, vector, matrix, integer_matrix), inner=True)
+def record(
+    t: float,
+    state: int,
+    w: Vector,
+    run: Run,
+    modes: Integers,
+    out_t: Vector,
+    out_y: Matrix,
+    out_modes: IntegerMatrix,
+) -> None:
+    """Append the state in row `state` and the modes in force to the samples."""
+    r = run[0]
+    length = w.size // ROWS
+    y = view(w, state * length, length)
+    at = r.samples
+    out_t[at] = t
+    for j in range(length):
+        out_y[at, j] = y[j]
+    for k in range(modes.size):
+        out_modes[at, k] = modes[k]
+    r.samples += 1
+
+
+EMIT = i8(
+    Accelerations,
+    Correction,
+    Correct,
+    Dense,
+    f8,
+    f8,
+    f8,
+    i8,
+    vector,
+    run_record,
+    vector,
+    integers,
+    vector,
+    vector,
+    vector,
+    matrix,
+    integer_matrix,
+)
+# t t1 h dense_ready w run p modes lam t_eval out_t out_y out_modes
+Emit = types.FunctionType(EMIT)
+
+
+@compiled(EMIT)
+def emit(
+    accelerations: Kernel,
+    correction: Kernel,
+    correct: Kernel,
+    dense: Kernel,
+    t: float,
+    t1: float,
+    h: float,
+    dense_ready: int,
+    w: Vector,
+    run: Run,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+    t_eval: Vector,
+    out_t: Vector,
+    out_y: Matrix,
+    out_modes: IntegerMatrix,
+) -> int:
+    """Write the samples after `t` up to `t1`, corrected onto the constraints.
+
+    Returns a negative number where a sample could not be corrected, else 0.
+    """
+    r = run[0]
+    if r.every_step != 0:
+        record(t1, Y1, w, run, modes, out_t, out_y, out_modes)
+        return 0
+    while r.next_sample < t_eval.size and t_eval[r.next_sample] <= t1:
+        at = t_eval[r.next_sample]
+        if at == t1:
+            record(t1, Y1, w, run, modes, out_t, out_y, out_modes)
+        else:
+            if dense_ready == 0:
+                dense(accelerations, correction, correct, t, h, w, p, modes, lam, r.each_stage)
+                dense_ready = 1
+                r.dense_outputs += 1
+                r.rhs += r.dense_calls
+            interpolate(w, r.dense_rows, (at - t) / h, SAMPLE)
+            if lam.size > 0:
+                result = correct(correction, at, SAMPLE, w, p)
+                if result == FAILED:
+                    return FAILED
+                r.corrections += result % WEAK
+            record(at, SAMPLE, w, run, modes, out_t, out_y, out_modes)
+        r.next_sample += 1
+    return 0

@@ -1,0 +1,240 @@
+"""What an integration starts from and what it gives."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from runtime.integrate.signatures import (
+    IntegerMatrix,
+    Integers,
+    Kernel,
+    Matrix,
+    Vector,
+    no_switching,
+    no_switching_rates,
+)
+from runtime.outcomes import Outcome
+
+
+@dataclass(frozen=True)
+class System:
+    """The compiled equations that the integrator needs, and their sizes.
+
+    Attributes
+    ----------
+    accelerations, correction, jacobian, switching, switching_rates
+        Kernels with the signatures in `signatures`.
+    jacobian_rows, jacobian_columns : (nnz,) int64
+        Where the values that `jacobian` writes belong.
+    coordinates, constraints, switches
+        n, m and s.
+    """
+
+    accelerations: Kernel
+    correction: Kernel
+    jacobian: Kernel
+    jacobian_rows: Integers
+    jacobian_columns: Integers
+    coordinates: int
+    constraints: int
+    switches: int = 0
+    switching: Kernel = no_switching
+    switching_rates: Kernel = no_switching_rates
+
+
+@dataclass(frozen=True)
+class Problem:
+    """An initial-value problem.
+
+    Attributes
+    ----------
+    t0, t_end
+        Start and end, s; t_end >= t0.
+    q, v : (n,)
+        State at t0, which must be on the constraints but for rounding.
+    p : (np,)
+        Parameters and derived constants.
+    scale : (n,)
+        Typical size of a change of each coordinate, 1 / sqrt(M_kk).
+    """
+
+    t0: float
+    t_end: float
+    q: Vector
+    v: Vector
+    p: Vector
+    scale: Vector
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to integrate.
+
+    Attributes
+    ----------
+    method
+        "dopri5" or "dop853".
+    rtol
+        Relative tolerance of a step.
+    atol_q, atol_v
+        Absolute tolerances, one number or one a coordinate.
+    t_eval
+        Instants of the samples, ascending; None: the end of every step.
+    correction
+        Return onto the constraints at the end of every "step", or at every "stage" too.
+    first_step, h_max, h_min
+        Lengths in s; None: chosen.
+    fixed_step
+        Length of all steps, s; switches error control off.
+    max_steps
+        Trial steps permitted.
+    max_events
+        Changes of modes permitted; more are taken for chattering without end.
+    chunk
+        Trial steps between two looks at the clock; None: chosen for about 50 ms.
+    """
+
+    method: Literal["dopri5", "dop853"] = "dop853"
+    rtol: float = 1e-8
+    atol_q: ArrayLike = 1e-8
+    atol_v: ArrayLike = 1e-8
+    t_eval: ArrayLike | None = None
+    correction: Literal["step", "stage"] = "step"
+    first_step: float | None = None
+    h_max: float | None = None
+    h_min: float | None = None
+    fixed_step: float | None = None
+    max_steps: int = 100_000_000
+    max_events: int = 1_000_000
+    chunk: int | None = None
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """What a run cost.
+
+    Attributes
+    ----------
+    steps, rejected, retakes
+        Accepted steps, rejected ones, and steps taken again to end at a crossing.
+    rhs
+        Calls of `accelerations` by the method.
+    corrections, newton
+        Calls of `correction`, and Newton iterations begun at the ends of steps.
+    dense_outputs
+        Steps whose dense output was needed.
+    repartitions, events
+        Changes of the independent coordinates, and of modes.
+    largest_dq
+        Largest change of a coordinate by which a step was corrected.
+    seconds
+        Wall time.
+    """
+
+    steps: int
+    rejected: int
+    retakes: int
+    rhs: int
+    corrections: int
+    newton: int
+    dense_outputs: int
+    repartitions: int
+    events: int
+    largest_dq: float
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Events:
+    """Changes of modes, in order of time.
+
+    Attributes
+    ----------
+    t : (e,)
+        Times, s.
+    index : (e,) int64
+        Switching functions.
+    direction : (e,) int64
+        1: the condition began to hold; -1: it ceased; 0: the motion stays on its surface.
+    q, v : (e, n)
+        States, on the constraints.
+    """
+
+    t: Vector
+    index: Integers
+    direction: Integers
+    q: Matrix
+    v: Matrix
+
+
+@dataclass(frozen=True)
+class Partitions:
+    """Sets of independent coordinates: the first, then every change.
+
+    Attributes
+    ----------
+    t : (c,)
+        Times from which on each holds, s.
+    independent : (c, n) bool
+        True for the independent coordinates.
+    """
+
+    t: Vector
+    independent: np.ndarray[tuple[int, int], np.dtype[np.bool_]]
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """What a run gave, also where it did not reach its end.
+
+    Attributes
+    ----------
+    t : (k,)
+        Times of the samples, s.
+    q, v : (k, n)
+        States there, on the constraints.
+    modes : (k, s) int64
+        Modes in force on the step that ends at or contains the sample.
+    outcome
+        How the run ended.
+    index
+        The switching function (`SLIDING`, `ZENO`) or constraint (`SINGULAR`) concerned, else -1.
+    final_t, final_q, final_v, final_modes
+        Where the run stopped, ready to go on from.
+    statistics, events, partitions
+        As their classes say.
+    """
+
+    t: Vector
+    q: Matrix
+    v: Matrix
+    modes: IntegerMatrix
+    outcome: Outcome
+    index: int
+    final_t: float
+    final_q: Vector
+    final_v: Vector
+    final_modes: Integers
+    statistics: Statistics
+    events: Events
+    partitions: Partitions
+
+
+@dataclass
+class Samples:
+    """Rows gathered chunk by chunk."""
+
+    parts: list[tuple[np.ndarray, ...]] = field(default_factory=list)
+
+    def take(self, count: int, *arrays: np.ndarray) -> None:
+        """Copy the first `count` rows of each array."""
+        if count:
+            self.parts.append(tuple(array[:count].copy() for array in arrays))
+
+    def joined(self, *empty: np.ndarray) -> tuple[np.ndarray, ...]:
+        """All rows of each array; where there are none, none of `empty`'s shape."""
+        if not self.parts:
+            return tuple(array[:0].copy() for array in empty)
+        return tuple(np.concatenate(column) for column in zip(*self.parts, strict=True))

@@ -1,0 +1,342 @@
+"""Integrate the equations of motion: the Python face of the compiled loop."""
+
+import signal
+import threading
+import time
+from collections.abc import Callable
+from types import FrameType, ModuleType
+from typing import Any
+
+import numpy as np
+
+from codegen.errors import InputError
+from runtime.constraints.correction import correct
+from runtime.integrate import attempt, control, dop853, dopri5, driver, events, modes, outputs
+from runtime.integrate.problem import (
+    Events,
+    Options,
+    Partitions,
+    Problem,
+    Samples,
+    Statistics,
+    System,
+    Trajectory,
+)
+from runtime.integrate.signatures import Integers, Vector
+from runtime.integrate.start import start
+from runtime.integrate.workspace import (
+    ATOL,
+    PARTITION,
+    ROWS,
+    RUN,
+    SIZE,
+    SWITCH_ROWS,
+    Y0,
+)
+from runtime.outcomes import Outcome
+
+METHODS: dict[str, ModuleType] = {"dopri5": dopri5, "dop853": dop853}
+"""The explicit methods by name."""
+
+Progress = Callable[[float, int], None]
+"""Called between chunks with the time reached and the steps taken."""
+
+_FIRST_CHUNK = 512
+_LONGEST_CHUNK = 16384
+_CHUNK_SECONDS = 0.05
+_EVENT_ROWS = 64
+
+
+def integrate(
+    system: System, problem: Problem, options: Options, progress: Progress | None = None
+) -> Trajectory:
+    """Integrate an initial-value problem.
+
+    Parameters
+    ----------
+    system
+        Kernels and sizes of the machine.
+    problem
+        Start, end, state and parameters.
+    options
+        Method, tolerances, samples.
+    progress
+        Called now and then with the time reached and the number of steps taken. A
+        `KeyboardInterrupt`, here or from the keyboard, ends the run with what was computed.
+
+    Returns
+    -------
+    Trajectory
+        Samples, events, statistics, and how the run ended.
+    """
+    _check(system, problem, options)
+    return _Run(system, problem, options).execute(progress)
+
+
+def initial_modes(
+    system: System, t: float, q: Vector, v: Vector, p: Vector, rtol: float = 1e-8
+) -> Integers:
+    """Modes at a state: which switching conditions hold, or hold at once when one is zero.
+
+    Parameters
+    ----------
+    q, v : (n,)
+        State, on the constraints.
+
+    Returns
+    -------
+    (s,) int64
+        1 where the condition holds. A function whose surface attracts from both sides gets 0.
+    """
+    problem = Problem(t, t + 1.0, q, v, p, np.ones(system.coordinates))
+    run = _Run(system, problem, Options(rtol=rtol, atol_q=rtol, atol_v=rtol))
+    run.start()
+    return run.modes
+
+
+class _Run:
+    """Arrays of one run, and their way into and out of the compiled loop."""
+
+    def __init__(self, system: System, problem: Problem, options: Options) -> None:
+        n, m, s = system.coordinates, system.constraints, system.switches
+        method = METHODS[options.method]
+        self.n, self.m, self.s = n, m, s
+        self.options = options
+        self.fixed_size = options.t_eval is not None
+        self.t_eval = np.ascontiguousarray(
+            np.zeros(0) if options.t_eval is None else options.t_eval, dtype=np.float64
+        )
+        self.w = np.zeros(ROWS * 2 * n)
+        rows = self.w.reshape(ROWS, 2, n)
+        rows[Y0, 0], rows[Y0, 1] = problem.q, problem.v
+        rows[ATOL, 0], rows[ATOL, 1] = options.atol_q, options.atol_v
+        rows[SIZE] = np.minimum(1.0, rows[ATOL] / options.rtol)
+        rows[PARTITION, 0], rows[PARTITION, 1] = problem.scale**2, problem.scale
+        self.state = rows[Y0]
+        self.sw = np.zeros(SWITCH_ROWS * s)
+        self.record = np.zeros(1, RUN)
+        self.r = self.record[0]
+        self._fill_record(problem, options, method)
+        self.modes = np.zeros(s, np.int64)
+        self.log_t = np.zeros(4 * driver.LOG_MARGIN)
+        self.log_sets = np.zeros((self.log_t.size, n), np.int64)
+        self.event_t = np.zeros(_EVENT_ROWS + s)
+        self.event_kind = np.zeros((self.event_t.size, 2), np.int64)
+        self.event_y = np.zeros((self.event_t.size, 2 * n))
+        self.samples, self.happened, self.sets = Samples(), Samples(), Samples()
+        self._allot(self.t_eval.size if self.fixed_size else 1)
+        kernels = (
+            system.accelerations,
+            system.correction,
+            correct,
+            system.jacobian,
+            system.switching,
+            system.switching_rates,
+        )
+        self.start_functions: tuple[Any, ...] = (
+            *kernels,
+            attempt.repartition,
+            modes.begin,
+            control.first_step,
+        )
+        self.functions: tuple[Any, ...] = (
+            *kernels,
+            method.stages,
+            method.error,
+            method.dense,
+            attempt.attempt,
+            attempt.repartition,
+            events.locate,
+            modes.settle,
+            control.first_step,
+            outputs.emit,
+        )
+        self.fixed_arrays: tuple[Any, ...] = (
+            self.w,
+            self.sw,
+            self.record,
+            np.ascontiguousarray(problem.p, dtype=np.float64),
+            self.modes,
+            np.zeros(4 * s + 1, np.int64),
+            np.zeros(m),
+            np.ascontiguousarray(system.jacobian_rows, dtype=np.int64),
+            np.ascontiguousarray(system.jacobian_columns, dtype=np.int64),
+            np.zeros(len(system.jacobian_rows)),
+            np.zeros((m, n)),
+            np.arange(m),
+            np.arange(n),
+            self.log_t,
+            self.log_sets,
+            self.t_eval,
+        )
+        self.event_arrays: tuple[Any, ...] = (
+            np.full(driver.RECENT, -np.inf),
+            self.event_t,
+            self.event_kind,
+            self.event_y,
+        )
+
+    def _fill_record(self, problem: Problem, options: Options, method: ModuleType) -> None:
+        r = self.r
+        duration = problem.t_end - problem.t0
+        r["t"], r["t_end"], r["duration"] = problem.t0, problem.t_end, duration
+        r["h_max"] = duration if options.h_max is None else options.h_max
+        largest = max(abs(problem.t0), abs(problem.t_end))
+        r["h_min"] = 1e-15 * largest if options.h_min is None else options.h_min
+        r["h"] = options.first_step or 0.0
+        if options.fixed_step is not None:
+            r["fixed"], r["h"], r["h_max"] = 1, options.fixed_step, options.fixed_step
+        r["rtol"] = options.rtol
+        r["max_steps"], r["max_events"] = options.max_steps, options.max_events
+        r["order"], r["last"] = method.ORDER, method.LAST
+        r["stage_calls"], r["dense_calls"] = method.STAGE_CALLS, method.DENSE_CALLS
+        r["dense_rows"] = method.DENSE_ROWS
+        r["exponent"], r["beta"] = 1.0 / (method.ERROR_ORDER + 1), method.BETA
+        r["safety"], r["shrink"], r["grow"] = 0.9, method.SHRINK, method.GROW
+        r["error_old"] = 1e-4
+        r["every_step"] = 0 if self.fixed_size else 1
+        r["each_stage"] = 1 if options.correction == "stage" and self.m > 0 else 0
+        r["growth_limit"] = r["ratio_limit"] = attempt.GROWTH_LIMIT
+        r["event_span"] = np.inf
+        r["index"] = -1
+
+    def _allot(self, size: int) -> None:
+        """Make room for `size` samples."""
+        self.out: tuple[Any, ...] = (
+            np.zeros(size),
+            np.zeros((size, 2 * self.n)),
+            np.zeros((size, self.s), np.int64),
+        )
+
+    def _flush(self) -> None:
+        """Take over what the last chunk wrote; samples at given instants stay where they are."""
+        r = self.r
+        if not self.fixed_size:
+            self.samples.take(r["samples"], *self.out)
+            r["samples"] = 0
+        self.happened.take(r["logged_events"], self.event_t, self.event_kind, self.event_y)
+        r["logged_events"] = 0
+        self.sets.take(r["logged_repartitions"], self.log_t, self.log_sets)
+        r["logged_repartitions"] = 0
+
+    def start(self) -> int:
+        """Prepare the first step; returns the code of an outcome."""
+        code: int = start(*self.start_functions, *self.fixed_arrays, *self.out)
+        self._flush()
+        return code
+
+    def execute(self, progress: Progress | None) -> Trajectory:
+        """Run to the end or to whatever stops the run before."""
+        began = time.perf_counter()
+        with _Interrupts() as interrupts:
+            code = self.start()
+            if code == Outcome.OK:
+                code = driver.GOING
+            chunk = self.options.chunk or _FIRST_CHUNK
+            while code == driver.GOING:
+                if not self.fixed_size and self.out[0].size != chunk:
+                    self._allot(chunk)
+                before = time.perf_counter()
+                code = driver.advance(
+                    chunk, *self.functions, *self.fixed_arrays, *self.out, *self.event_arrays
+                )
+                took = time.perf_counter() - before
+                self._flush()
+                if self.options.chunk is None and took < 0.5 * _CHUNK_SECONDS:
+                    chunk = min(2 * chunk, _LONGEST_CHUNK)
+                if progress is not None:
+                    try:
+                        progress(float(self.r["t"]), int(self.r["steps"]))
+                    except KeyboardInterrupt:
+                        interrupts.seen = True
+                if interrupts.seen and code == driver.GOING:
+                    code = Outcome.INTERRUPTED
+        return self._result(Outcome(code), time.perf_counter() - began)
+
+    def _result(self, outcome: Outcome, seconds: float) -> Trajectory:
+        r, n = self.r, self.n
+        t, y, sample_modes = (
+            (array[: r["samples"]] for array in self.out)
+            if self.fixed_size
+            else self.samples.joined(*self.out)
+        )
+        event_t, kind, event_y = self.happened.joined(self.event_t, self.event_kind, self.event_y)
+        set_t, sets = self.sets.joined(self.log_t, self.log_sets)
+        counts = {
+            name: int(r[name])
+            for name in Statistics.__dataclass_fields__
+            if name not in ("largest_dq", "seconds")
+        }
+        return Trajectory(
+            t=t,
+            q=y[:, :n],
+            v=y[:, n:],
+            modes=sample_modes,
+            outcome=outcome,
+            index=int(r["index"]),
+            final_t=float(r["t"]),
+            final_q=self.state[0].copy(),
+            final_v=self.state[1].copy(),
+            final_modes=self.modes,
+            statistics=Statistics(**counts, largest_dq=float(r["largest_dq"]), seconds=seconds),
+            events=Events(event_t, kind[:, 0], kind[:, 1], event_y[:, :n], event_y[:, n:]),
+            partitions=Partitions(set_t, sets.astype(bool)),
+        )
+
+
+class _Interrupts:
+    """Notes the keyboard's interrupt while it is entered, so that no chunk is lost by it."""
+
+    def __enter__(self) -> "_Interrupts":
+        self.seen = False
+        self.active = threading.current_thread() is threading.main_thread()
+        if self.active:
+            self.previous: Any = signal.signal(signal.SIGINT, self._note)
+        return self
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        self.seen = True
+
+    def __exit__(self, *error: object) -> None:
+        if self.active:
+            signal.signal(signal.SIGINT, self.previous)
+
+
+def _check(system: System, problem: Problem, options: Options) -> None:
+    """Refuse what cannot be integrated, all problems at once."""
+    n = system.coordinates
+    problems = []
+    if options.method not in METHODS:
+        problems.append(
+            f"method {options.method!r} is none of the explicit methods; choose one of "
+            f"{', '.join(METHODS)}."
+        )
+    for name in ("q", "v", "scale"):
+        values = np.asarray(getattr(problem, name))
+        if values.shape != (n,):
+            problems.append(f"{name} has shape {values.shape}; it must be ({n},).")
+        elif not np.all(np.isfinite(values)):
+            problems.append(f"{name} has entries that are not finite numbers: {values}.")
+    if not (np.isfinite(problem.t0) and problem.t0 <= problem.t_end < np.inf):
+        problems.append(f"The run must not end (t_end = {problem.t_end}) before t0 = {problem.t0}.")
+    if not 1e-15 <= options.rtol <= 1.0:
+        problems.append(f"rtol = {options.rtol} must lie between 1e-15 and 1.")
+    for name in ("atol_q", "atol_v"):
+        values = np.asarray(getattr(options, name), dtype=np.float64)
+        if values.shape not in ((), (n,)) or not np.all(values > 0.0):
+            problems.append(f"{name} = {values} must be positive, one number or {n}.")
+    if options.t_eval is not None:
+        instants = np.asarray(options.t_eval, dtype=np.float64)
+        if instants.ndim != 1 or np.any(np.diff(instants) < 0.0):
+            problems.append("t_eval must be a row of ascending times.")
+        elif instants.size and not problem.t0 <= instants[0] <= instants[-1] <= problem.t_end:
+            problems.append(
+                f"t_eval runs from {instants[0]} to {instants[-1]}; it must lie between "
+                f"t0 = {problem.t0} and t_end = {problem.t_end}."
+            )
+    for name in ("first_step", "h_max", "h_min", "fixed_step"):
+        length = getattr(options, name)
+        if length is not None and not length > 0.0:
+            problems.append(f"{name} = {length} must be positive.")
+    if problems:
+        raise InputError(problems)

@@ -1,0 +1,162 @@
+"""The first instant of a run: partition, correction, modes, first step."""
+
+import numpy as np
+
+from runtime.constraints.correction import FAILED, WEAK
+from runtime.integrate.attempt import Repartition
+from runtime.integrate.control import FirstStep
+from runtime.integrate.modes import CONSISTENT, Settle, measure
+from runtime.integrate.outputs import record
+from runtime.integrate.signatures import (
+    Accelerations,
+    Correct,
+    Correction,
+    IntegerMatrix,
+    Integers,
+    Jacobian,
+    Kernel,
+    Matrix,
+    Switching,
+    SwitchingRates,
+    Vector,
+    compiled,
+    i8,
+    integer_matrix,
+    integers,
+    matrix,
+    vector,
+)
+from runtime.integrate.views import view
+from runtime.integrate.workspace import G0, LARGEST, ROWS, SWITCH_ROWS, Y0, K, Run, run_record
+from runtime.outcomes import Outcome
+
+LOOK_AHEAD = 0.05  # of a step: how far ahead modes are judged
+
+_OK = int(Outcome.OK)
+_SLIDING = int(Outcome.SLIDING)
+_SINGULAR = int(Outcome.SINGULAR)
+_NEWTON_FAILED = int(Outcome.NEWTON_FAILED)
+_NOT_FINITE = int(Outcome.NOT_FINITE)
+
+
+@compiled(
+    i8(
+        Accelerations,
+        Correction,
+        Correct,
+        Jacobian,
+        Switching,
+        SwitchingRates,
+        Repartition,
+        Settle,
+        FirstStep,
+        vector,
+        vector,
+        run_record,
+        vector,
+        integers,
+        integers,
+        vector,
+        integers,
+        integers,
+        vector,
+        matrix,
+        integers,
+        integers,
+        vector,
+        integer_matrix,
+        vector,
+        vector,
+        matrix,
+        integer_matrix,
+    )
+)
+def start(
+    accelerations: Kernel,
+    correction: Kernel,
+    correct: Kernel,
+    jacobian: Kernel,
+    switching: Kernel,
+    switching_rates: Kernel,
+    repartition: Kernel,
+    begin: Kernel,
+    first_step: Kernel,
+    w: Vector,
+    sw: Vector,
+    run: Run,
+    p: Vector,
+    modes: Integers,
+    scratch: Integers,
+    lam: Vector,
+    rows: Integers,
+    columns: Integers,
+    values: Vector,
+    dense_jacobian: Matrix,
+    row_order: Integers,
+    column_order: Integers,
+    times: Vector,
+    sets: IntegerMatrix,
+    t_eval: Vector,
+    out_t: Vector,
+    out_y: Matrix,
+    out_modes: IntegerMatrix,
+) -> int:
+    """Prepare a run whose state is in row Y0: everything that the first step needs.
+
+    Returns the code of an outcome: OK, or why there is no first step (`run.index` says which
+    constraint or switching function).
+    """
+    r = run[0]
+    length = w.size // ROWS
+    n = length // 2
+    m = lam.size
+    s = sw.size // SWITCH_ROWS
+    t = r.t
+    if m > 0:
+        repartition(
+            jacobian, t, Y0, w, p, run, rows, columns, values, dense_jacobian, row_order,
+            column_order, times, sets,
+        )  # fmt: skip
+        r.repartitions = 0
+        if r.rank < m:
+            r.index = row_order[r.rank]
+            return _SINGULAR
+        result = correct(correction, t, Y0, w, p)
+        r.newton += 1
+        if result == FAILED:
+            return _NEWTON_FAILED
+        r.corrections += result % WEAK
+    q = view(w, Y0 * length, n)
+    v = view(w, Y0 * length + n, n)
+    slope = view(w, K * length, n)
+    a = view(w, K * length + n, n)
+    for j in range(n):
+        slope[j] = v[j]
+    accelerations(t, q, v, p, modes, a, lam)
+    outcome = _OK
+    if s > 0:
+        h = first_step(accelerations, t, r.h_max, r.rtol, r.order, w, p, modes, lam)
+        settled = begin(
+            accelerations, switching, 0, t, LOOK_AHEAD * h, Y0, G0, w, sw, p, modes, scratch, lam
+        )
+        if settled != CONSISTENT:
+            r.index = settled
+            outcome = _SLIDING
+        accelerations(t, q, v, p, modes, a, lam)
+        measure(switching, switching_rates, t, Y0, K, G0, w, sw, p)
+        for k in range(s):
+            sw[LARGEST * s + k] = abs(sw[G0 * s + k])
+        r.rhs += 2
+    for j in range(n):
+        if not np.isfinite(a[j]):
+            return _NOT_FINITE
+    if r.fixed == 0 and not r.h > 0.0:
+        r.h = first_step(accelerations, t, r.h_max, r.rtol, r.order, w, p, modes, lam)
+        r.rhs += 1
+    r.rhs += 1
+    if r.every_step != 0:
+        record(t, Y0, w, run, modes, out_t, out_y, out_modes)
+    while r.next_sample < t_eval.size and t_eval[r.next_sample] <= t:
+        record(t_eval[r.next_sample], Y0, w, run, modes, out_t, out_y, out_modes)
+        r.next_sample += 1
+    return outcome

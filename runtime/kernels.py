@@ -1,0 +1,120 @@
+"""The kernels of a generated module as one value, and their types for compiled code.
+
+A compiled loop that takes kernels as first-class functions declares its arguments with the types
+in `TYPES`, is compiled once, and never again for a new model.
+"""
+
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any, NamedTuple
+
+from numba import types
+
+from runtime.integrate.signatures import compiled
+
+Kernel = Callable[..., Any]
+
+SCALAR = types.float64
+VECTOR = types.float64[::1]
+MATRIX = types.float64[:, ::1]
+MODES = types.int64[::1]
+MODE_ROWS = types.int64[:, ::1]
+
+SIGNATURES = {
+    "constants": types.none(VECTOR),
+    "constraints": types.none(SCALAR, VECTOR, VECTOR, VECTOR),
+    "jacobian": types.none(SCALAR, VECTOR, VECTOR, VECTOR),
+    "velocity_rhs": types.none(SCALAR, VECTOR, VECTOR, VECTOR),
+    "acceleration_rhs": types.none(SCALAR, VECTOR, VECTOR, VECTOR, VECTOR),
+    "mass": types.none(VECTOR, VECTOR, VECTOR),
+    "applied_forces": types.none(SCALAR, VECTOR, VECTOR, VECTOR, MODES, VECTOR),
+    "accelerations": types.int64(SCALAR, VECTOR, VECTOR, VECTOR, MODES, VECTOR, VECTOR),
+    "correction": types.int64(SCALAR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR),
+    "potential": SCALAR(SCALAR, VECTOR, VECTOR, MODES),
+    "potential_gradient": types.none(SCALAR, VECTOR, VECTOR, MODES, VECTOR),
+    "kinetic_energy": SCALAR(VECTOR, VECTOR, VECTOR),
+    "powers": types.none(SCALAR, VECTOR, VECTOR, VECTOR, MODES, VECTOR, VECTOR),
+    "reactions": types.none(SCALAR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR),
+    "switching": types.none(SCALAR, VECTOR, VECTOR, VECTOR, VECTOR),
+    "switching_rates": types.none(SCALAR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR),
+}
+TYPES = {name: types.FunctionType(signature) for name, signature in SIGNATURES.items()}
+
+
+class Kernels(NamedTuple):
+    """The compiled functions of a scene; the arguments are those of the generated module."""
+
+    constants: Kernel
+    constraints: Kernel
+    jacobian: Kernel
+    velocity_rhs: Kernel
+    acceleration_rhs: Kernel
+    mass: Kernel
+    applied_forces: Kernel
+    accelerations: Kernel
+    correction: Kernel
+    potential: Kernel
+    potential_gradient: Kernel
+    kinetic_energy: Kernel
+    powers: Kernel
+    reactions: Kernel
+    switching: Kernel
+    switching_rates: Kernel
+
+
+def gather(module: ModuleType) -> Kernels:
+    """Take the kernels out of a loaded module; what the scene does not need becomes a no-op."""
+    return Kernels(*(getattr(module, name, None) or _absent(name) for name in Kernels._fields))
+
+
+def _absent(name: str) -> Kernel:
+    """Stand-in of the right signature for a kernel that a scene has no use for."""
+    substitutes: dict[str, Kernel] = {
+        "mass": _no_mass,
+        "applied_forces": _no_forces,
+        "potential": _no_potential,
+        "potential_gradient": _no_gradient,
+        "kinetic_energy": _no_energy,
+        "powers": _no_powers,
+        "reactions": _no_reactions,
+        "switching": _no_switching,
+        "switching_rates": _no_rates,
+    }
+    kernel: Kernel = compiled(SIGNATURES[name])(substitutes[name])
+    return kernel
+
+
+def _no_mass(q: Any, p: Any, values: Any) -> None:
+    return
+
+
+def _no_forces(t: Any, q: Any, v: Any, p: Any, modes: Any, force: Any) -> None:
+    force[:] = 0.0
+
+
+def _no_potential(t: Any, q: Any, p: Any, modes: Any) -> float:
+    return 0.0
+
+
+def _no_gradient(t: Any, q: Any, p: Any, modes: Any, g: Any) -> None:
+    g[:] = 0.0
+
+
+def _no_energy(q: Any, v: Any, p: Any) -> float:
+    return 0.0
+
+
+def _no_powers(t: Any, q: Any, v: Any, p: Any, modes: Any, lam: Any, out: Any) -> None:
+    return
+
+
+def _no_reactions(t: Any, q: Any, v: Any, p: Any, lam: Any, out: Any) -> None:
+    return
+
+
+def _no_switching(t: Any, q: Any, v: Any, p: Any, g: Any) -> None:
+    return
+
+
+def _no_rates(t: Any, q: Any, v: Any, a: Any, p: Any, rate: Any) -> None:
+    return

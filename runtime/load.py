@@ -1,0 +1,181 @@
+"""The one door to a machine: find its generated module, check it, rebuild it if need be, load it.
+
+The code generator (and with it SymPy) is imported only where a module is missing or stale.
+"""
+
+import ast
+import hashlib
+import os
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from codegen import __version__
+from codegen.artefact import check_signature, import_generated
+from codegen.errors import ModelFileError
+
+if TYPE_CHECKING:
+    from codegen import Model
+    from runtime.machine import Machine
+
+_FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
+
+
+def load(
+    model: "str | os.PathLike[str] | Model",
+    scene: str | None = None,
+    *,
+    folder: str | os.PathLike[str] | None = None,
+) -> "Machine":
+    """Load a machine, building its kernels where they are missing or older than the model.
+
+    Parameters
+    ----------
+    model
+        Path of a model file, or a bare name: `models/NAME.py` in the folder one works in, else
+        the library's model of that name. A `Model` declared in the running program is built anew.
+    scene
+        Name of the scene; without one, the first that the model declares.
+    folder
+        The folder one works in: `models/` is looked for there, and a user's own models are
+        generated into its `generated/`. The current directory unless given.
+    """
+    here = (Path(folder) if folder is not None else Path.cwd()).resolve()
+    if isinstance(model, str | os.PathLike):
+        path = _fresh_module(_locate(os.fspath(model), here), scene)
+    else:
+        path = _build(model, scene, here / "generated")
+    from runtime.description import describe
+    from runtime.kernels import gather
+    from runtime.machine import Machine
+
+    module = import_generated(path)
+    return Machine(describe(module), gather(module), path)
+
+
+class _Place(NamedTuple):
+    """A model file and the folder that holds its generated modules."""
+
+    model: Path
+    generated: Path
+
+    def rebuild(self, scene: str | None) -> str:
+        """Command that builds the module anew."""
+        which = f" --scene {scene}" if scene else ""
+        return f"python -m codegen build {self.model}{which} --out {self.generated}"
+
+
+def _library(package: str) -> Path | None:
+    """Folder of one of the library's own packages, without importing it."""
+    beside = Path(__file__).resolve().parent.parent / package
+    return beside if beside.is_dir() else None
+
+
+def _locate(model: str, folder: Path) -> _Place:
+    """Model file and its generated folder, from what the user wrote."""
+    library = _library("models")
+    if model.endswith(".py") or len(Path(model).parts) > 1:
+        tried = [folder / model]
+    else:
+        tried = [folder / "models" / f"{model}.py"]
+        if library is not None:
+            tried.append(library / f"{model}.py")
+    found = next((path.resolve() for path in tried if path.is_file()), None)
+    if found is None:
+        raise ModelFileError(
+            f"There is no model {model!r}: looked for {' and '.join(map(str, tried))}."
+            + _models_nearby(model, [path.parent for path in tried])
+        )
+    own = _library("generated")
+    if library is not None and own is not None and found.parent == library.resolve():
+        return _Place(found, own)
+    return _Place(found, folder / "generated")
+
+
+def _models_nearby(model: str, folders: list[Path]) -> str:
+    """Hint at models of a similar name."""
+    from difflib import get_close_matches
+
+    names = sorted(
+        {
+            path.stem
+            for folder in folders
+            if folder.is_dir()
+            for path in folder.glob("*.py")
+            if not path.stem.startswith("_")
+        }
+    )
+    near = get_close_matches(Path(model).stem, names, n=3, cutoff=0.5) or names[:8]
+    return f" Models there: {', '.join(near)}." if near else ""
+
+
+def _fresh_module(place: _Place, scene: str | None) -> Path:
+    """Path of a generated module that agrees with the model file; built if there is none."""
+    wanted = scene if scene is not None else _first_scene(place.model)
+    if wanted is not None:
+        path = place.generated / f"{place.model.stem}__{wanted}.py"
+        if path.is_file():
+            text = path.read_text(encoding="utf-8")
+            check_signature(path, text, place.rebuild(wanted))
+            if _sources_match(path, text):
+                return path
+    return _build(place.model, scene, place.generated)
+
+
+def _build(model: "Path | Model", scene: str | None, generated: Path) -> Path:
+    """Have the code generator write the module; scene None builds all and takes the first."""
+    from codegen import build
+
+    report = build(model, scene=scene, out=generated, compile=False)
+    if not report.paths:
+        raise ModelFileError(f"{model} declares no scene; add model.scene(...).")
+    return report.paths[0]
+
+
+def _first_scene(model: Path) -> str | None:
+    """Name of the first scene if the model file says it literally at its top level, else None."""
+    try:
+        tree = ast.parse(model.read_text(encoding="utf-8"))
+    except SyntaxError as error:
+        raise ModelFileError(
+            f"{model}, line {error.lineno}: {error.msg}. Correct the model file."
+        ) from error
+    for statement in tree.body:
+        for node in ast.walk(statement):
+            is_scene = (
+                isinstance(node, ast.Call)
+                and isinstance(node.func, ast.Attribute)
+                and node.func.attr == "scene"
+            )
+            if not is_scene:
+                continue
+            assert isinstance(node, ast.Call)
+            plain = isinstance(statement, ast.Expr | ast.Assign) and statement.value is node
+            first = node.args[0] if node.args else None
+            if plain and isinstance(first, ast.Constant) and isinstance(first.value, str):
+                return first.value
+            return None
+    return None
+
+
+def _sources_match(path: Path, text: str) -> bool:
+    """Whether the module comes from this generator and from the model files as they are."""
+    literals = {}
+    head = _FIRST_KERNEL.split(text, maxsplit=1)[0]
+    for statement in ast.parse(head).body:
+        if isinstance(statement, ast.Assign) and isinstance(statement.targets[0], ast.Name):
+            name = statement.targets[0].id
+            if name in {"GENERATOR", "SOURCES"}:
+                literals[name] = ast.literal_eval(statement.value)
+        if len(literals) == 2:
+            break
+    if literals.get("GENERATOR") != f"linkwright {__version__}":
+        return False
+    root = path.resolve().parent.parent
+    for name, expected in literals.get("SOURCES", ()):
+        source = root / name
+        if not source.is_file():
+            return False
+        if hashlib.sha256(source.read_bytes()).hexdigest() != expected:
+            return False
+    return True

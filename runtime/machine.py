@@ -1,0 +1,293 @@
+"""What a user holds: a loaded mechanism, its tables, and the analyses."""
+
+import math
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.errors import ParameterError
+from runtime.description import (
+    Constraint,
+    Coordinate,
+    Description,
+    Effect,
+    Parameter,
+    Table,
+    unknown,
+)
+from runtime.kernels import Kernels
+from runtime.progress import bar
+
+if TYPE_CHECKING:
+    from runtime.analyses.assemble import Assembly
+    from runtime.analyses.equilibrium import Equilibrium
+    from runtime.results.result import Result
+
+FloatArray = npt.NDArray[np.float64]
+Values = Mapping[str, float]
+
+
+class Machine:
+    """A mechanism in one scene, ready to be analysed.
+
+    Parameters
+    ----------
+    description
+        The literals of the generated module.
+    kernels
+        Its compiled functions, callable from any numba code.
+    path
+        The generated module's file.
+    """
+
+    def __init__(self, description: Description, kernels: Kernels, path: Path) -> None:
+        self.description = description
+        self.kernels = kernels
+        self.path = path
+
+    @property
+    def model(self) -> str:
+        """Name of the model."""
+        return self.description.model
+
+    @property
+    def scene(self) -> str:
+        """Name of the scene."""
+        return self.description.scene
+
+    @property
+    def coordinates(self) -> Table[Coordinate]:
+        """Generalized coordinates, in the order of q."""
+        return self.description.coordinates
+
+    @property
+    def constraints(self) -> Table[Constraint]:
+        """Scalar constraints, in the order of the multipliers."""
+        return self.description.constraints
+
+    @property
+    def parameters(self) -> Table[Parameter]:
+        """Declared parameters, in the order of p."""
+        return self.description.parameters
+
+    @property
+    def effects(self) -> Table[Effect]:
+        """What acts on the bodies in this scene."""
+        return self.description.effects
+
+    @cached_property
+    def degrees_of_freedom(self) -> int:
+        """Coordinates less independent constraints, drivers included, where it assembles.
+
+        Raises what `assemble` raises where the machine cannot be assembled.
+        """
+        return self.assemble().degrees_of_freedom
+
+    def parameter_values(self, overrides: Values | None = None) -> FloatArray:
+        """Parameters followed by the constants derived from them.
+
+        Parameters
+        ----------
+        overrides
+            New values by name, in the declared units; the others keep their defaults.
+        """
+        table = self.parameters
+        values = np.zeros(len(table) + len(self.description.constants))
+        values[: len(table)] = [row.default for row in table]
+        problems = []
+        for name, given in (overrides or {}).items():
+            if name not in table.names:
+                problems.append(
+                    f"{self.description.title}: {unknown('parameter', name, table.names)}"
+                )
+                continue
+            row = table[name]
+            value = _number(given)
+            if value is None or not math.isfinite(value):
+                problems.append(f"Parameter {name} is {given!r}; it must be a finite number.")
+            elif row.sign == "positive" and value <= 0.0:
+                problems.append(
+                    f"Parameter {name} is {value:g} {row.unit}; it must be greater than zero."
+                )
+            elif row.sign == "nonnegative" and value < 0.0:
+                problems.append(
+                    f"Parameter {name} is {value:g} {row.unit}; it must not be negative."
+                )
+            else:
+                values[table.index(name)] = value
+        if problems:
+            raise ParameterError(problems)
+        self.kernels.constants(values)
+        return values
+
+    def initial_modes(
+        self,
+        t: float = 0.0,
+        q: FloatArray | None = None,
+        v: FloatArray | None = None,
+        parameters: Values | None = None,
+    ) -> npt.NDArray[np.int64]:
+        """Which conditions hold at a state, shape (s,): 1 where one does, else 0.
+
+        Without a state it is the assembled start. A condition that is exactly at its boundary
+        holds if the motion is about to make it hold.
+        """
+        from runtime.analyses.dynamics import system_of
+        from runtime.integrate.run import initial_modes
+
+        if not self.description.switches:
+            return np.zeros(0, dtype=np.int64)
+        if q is None or v is None:
+            start = self.assemble(parameters=parameters, t=t)
+            q, v = start.q, start.v
+        return initial_modes(system_of(self), t, q, v, self.parameter_values(parameters))
+
+    def assemble(
+        self,
+        guess: Values | None = None,
+        parameters: Values | None = None,
+        t: float = 0.0,
+    ) -> "Assembly":
+        """Put the machine together at time t: see `runtime.analyses.assemble`."""
+        from runtime.analyses.assemble import assemble
+
+        return assemble(self, guess, parameters, t)
+
+    def simulate(
+        self,
+        t_end: float,
+        t_eval: npt.ArrayLike | None = None,
+        *,
+        t_start: float = 0.0,
+        method: str = "dop853",
+        rtol: float = 1e-8,
+        atol: float | None = None,
+        parameters: Values | None = None,
+        guess: Values | None = None,
+        start: "Assembly | None" = None,
+        correction: Literal["step", "stage"] = "step",
+        first_step: float | None = None,
+        max_step: float | None = None,
+        max_steps: int = 100_000_000,
+        progress: bool = True,
+    ) -> "Result":
+        """Motion under the forces that act: see `runtime.analyses.dynamics`."""
+        from runtime.analyses.dynamics import simulate
+
+        with bar(f"simulate {self.description.title}", progress) as report:
+            return simulate(
+                self,
+                t_end,
+                t_eval,
+                t_start=t_start,
+                method=method,
+                rtol=rtol,
+                atol=atol,
+                parameters=parameters,
+                guess=guess,
+                start=start,
+                correction=correction,
+                first_step=first_step,
+                max_step=max_step,
+                max_steps=max_steps,
+                progress=report,
+            )
+
+    def kinematics(
+        self,
+        t_eval: npt.ArrayLike,
+        *,
+        parameters: Values | None = None,
+        guess: Values | None = None,
+        t_start: float = 0.0,
+        progress: bool = True,
+    ) -> "Result":
+        """Motion of a fully driven machine: see `runtime.analyses.kinematics`."""
+        from runtime.analyses.kinematics import kinematics
+
+        with bar(f"kinematics of {self.description.title}", progress) as report:
+            return kinematics(
+                self, t_eval, parameters=parameters, guess=guess, t_start=t_start, progress=report
+            )
+
+    def inverse_dynamics(
+        self,
+        t_eval: npt.ArrayLike,
+        *,
+        parameters: Values | None = None,
+        guess: Values | None = None,
+        t_start: float = 0.0,
+        progress: bool = True,
+    ) -> "Result":
+        """Forces and torques that a prescribed motion takes: see `runtime.analyses.inverse`."""
+        from runtime.analyses.inverse import inverse_dynamics
+
+        with bar(f"inverse dynamics of {self.description.title}", progress) as report:
+            return inverse_dynamics(
+                self, t_eval, parameters=parameters, guess=guess, t_start=t_start, progress=report
+            )
+
+    def equilibrium(
+        self,
+        method: str = "energy",
+        *,
+        guess: Values | None = None,
+        parameters: Values | None = None,
+        t: float = 0.0,
+        progress: bool = True,
+    ) -> "Equilibrium":
+        """Where the machine rests: see `runtime.analyses.equilibrium`."""
+        from runtime.analyses.equilibrium import equilibrium
+
+        with bar(f"equilibrium of {self.description.title}", progress) as report:
+            return equilibrium(
+                self, method, guess=guess, parameters=parameters, t=t, progress=report
+            )
+
+    def __repr__(self) -> str:
+        """Short summary for a person."""
+        told = self.description
+        rows = [
+            f"{told.title}: {len(told.bodies)} bodies, {len(told.coordinates)} coordinates, "
+            f"{len(told.constraints)} constraints"
+            + (f" ({int(told.driver_rows.sum())} of drivers)" if told.drivers else ""),
+            f"  bodies      {', '.join(told.bodies)}",
+            f"  effects     {', '.join(told.effects.names) or 'none'}",
+        ]
+        if told.left_out:
+            rows.append(f"  left out    {', '.join(told.left_out.names)}")
+        if not told.has_masses:
+            rows.append("  no masses: kinematics only")
+        shown = ", ".join(f"{row.name} = {row.default:g} {row.unit}" for row in told.parameters[:8])
+        more = len(told.parameters) - 8
+        rows.append(f"  parameters  {shown}{f', and {more} more' if more > 0 else ''}")
+        return "\n".join(rows)
+
+    def _repr_html_(self) -> str:
+        """The summary as a table, for notebooks."""
+        from html import escape
+
+        rows = "".join(
+            f"<tr><td>{escape(row.name)}</td><td style='text-align:right'>{row.default:g}</td>"
+            f"<td>{escape(row.unit)}</td></tr>"
+            for row in self.parameters
+        )
+        head = "<br>".join(escape(line) for line in repr(self).splitlines()[:-1])
+        return (
+            f"<div><p>{head}</p><table><thead><tr><th>parameter</th><th>default</th><th>unit</th>"
+            f"</tr></thead><tbody>{rows}</tbody></table></div>"
+        )
+
+
+def _number(given: object) -> float | None:
+    """The value as a float; None for what is no number."""
+    if isinstance(given, bool | str | bytes):
+        return None
+    try:
+        return float(given)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        return None

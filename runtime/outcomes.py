@@ -1,0 +1,105 @@
+"""Every way in which a run can end, and what to try next."""
+
+from enum import IntEnum
+
+
+class Outcome(IntEnum):
+    """How a run ended. Everything but `OK` keeps what was computed until then."""
+
+    OK = 0
+    SLIDING = 1
+    ZENO = 2
+    STEP_TOO_SMALL = 3
+    MAX_STEPS = 4
+    NEWTON_FAILED = 5
+    SINGULAR = 6
+    NOT_FINITE = 7
+    INTERRUPTED = 8
+    LOCKED = 9
+    UNBALANCED = 10
+
+    @property
+    def meaning(self) -> str:
+        """What happened, in a sentence."""
+        return _TEXT[self][0]
+
+    @property
+    def advice(self) -> str:
+        """What to try next, in a sentence."""
+        return _TEXT[self][1]
+
+
+_TEXT = {
+    Outcome.OK: ("The run reached its end.", "Nothing needs to be done."),
+    Outcome.SLIDING: (
+        (
+            "A switching condition is on its boundary, and the motion pushes back onto it "
+            "from both sides: the machine stands or slides there."
+        ),
+        (
+            "Check whether the machine is meant to stick at this point; if it is, end the "
+            "run there or give the condition a constraint of its own, and if it is not, "
+            "look at the sign of the effect that switches."
+        ),
+    ),
+    Outcome.ZENO: (
+        "Switching conditions change ever faster, without end in a finite time.",
+        (
+            "Look at the events before this time; let the effect end in rest (add damping, "
+            "a clearance or a hysteresis) or end the run before it."
+        ),
+    ),
+    Outcome.STEP_TOO_SMALL: (
+        "The step that the tolerances ask for is too small for the clock.",
+        (
+            "Loosen rtol and atol, or look for an effect that grows without bound or jumps "
+            "without a switching condition."
+        ),
+    ),
+    Outcome.MAX_STEPS: (
+        "The permitted number of steps was used up.",
+        "Raise max_steps, loosen the tolerances, or use an implicit method if the model is stiff.",
+    ),
+    Outcome.NEWTON_FAILED: (
+        "Newton's method did not bring the state back onto the constraints at any step.",
+        (
+            "Check that the mechanism can move on from here: a driver may ask for a "
+            "position that the joints do not allow."
+        ),
+    ),
+    Outcome.SINGULAR: (
+        (
+            "The constraints are no longer independent: the mechanism is in a singular "
+            "position, or one of them is redundant."
+        ),
+        (
+            "Remove the constraint named if it repeats what others demand; otherwise look "
+            "for a dead centre or a lock-up at this position."
+        ),
+    ),
+    Outcome.NOT_FINITE: (
+        "The accelerations are not finite.",
+        (
+            "Look for a division by zero, a root of a negative number or a mass of zero in "
+            "the effects at this state."
+        ),
+    ),
+    Outcome.INTERRUPTED: (
+        "The run was interrupted by the user.",
+        "What was computed is kept; start again from the last state to go on.",
+    ),
+    Outcome.LOCKED: (
+        "The mechanism cannot follow its driver any further.",
+        (
+            "Change a length or the range of the driver; the position before this time is "
+            "the last that can be reached."
+        ),
+    ),
+    Outcome.UNBALANCED: (
+        "No position was found in which the forces balance.",
+        (
+            "Start from a guess nearer to rest, try the other method, or check that "
+            "something holds the machine."
+        ),
+    ),
+}

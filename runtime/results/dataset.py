@@ -1,0 +1,73 @@
+"""A result as an xarray.Dataset."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from runtime.results.result import Result
+
+
+def dataset(result: "Result") -> "xr.Dataset":
+    """Label the arrays of a result; reactions that a joint does not have are NaN."""
+    import xarray as xr
+
+    told, samples = result.description, result.samples
+    over = ("time", "coordinate")
+    units = sorted({row.unit for row in told.coordinates})
+
+    def per(suffix: str) -> str:
+        return ", ".join(f"{unit}{suffix}" for unit in units)
+
+    variables: dict[str, Any] = {
+        "q": (over, samples.q, {"units": per(""), "long_name": "coordinates"}),
+        "v": (over, samples.v, {"units": per("/s"), "long_name": "velocities"}),
+        "a": (over, samples.a, {"units": per("/s^2"), "long_name": "accelerations"}),
+        "constraint_residual": (
+            "time",
+            samples.residual[:, 0],
+            {"units": "m, rad", "long_name": "largest |Phi|"},
+        ),
+        "velocity_residual": (
+            "time",
+            samples.residual[:, 1],
+            {"units": "m/s, rad/s", "long_name": "largest |Phi_q v - nu|"},
+        ),
+    }
+    coords: dict[str, Any] = {
+        "time": ("time", samples.t, {"units": "s"}),
+        "coordinate": list(told.coordinates.names),
+        "velocity": ("coordinate", [row.velocity for row in told.coordinates]),
+        "unit": ("coordinate", [row.unit for row in told.coordinates]),
+    }
+    if told.has_masses:
+        joints = list(dict.fromkeys(row.element for row in told.reactions))
+        components = list(dict.fromkeys(row.component for row in told.reactions))
+        reaction = np.full((len(samples.t), len(joints), len(components)), np.nan)
+        for index, row in enumerate(told.reactions):
+            place = joints.index(row.element), components.index(row.component)
+            reaction[:, place[0], place[1]] = samples.reaction[:, index]
+        unit_of = {row.component: row.unit for row in told.reactions}
+        coords |= {
+            "joint": np.array(joints, dtype=np.str_),
+            "component": np.array(components, dtype=np.str_),
+            "component_unit": (
+                "component",
+                np.array([unit_of[name] for name in components], dtype=np.str_),
+            ),
+            "part": ["kinetic", "potential", "total"],
+            "source": np.array(told.powers.names, dtype=np.str_),
+        }
+        energy = np.column_stack([samples.energy, samples.energy.sum(axis=1)])
+        variables |= {
+            "reaction": (
+                ("time", "joint", "component"),
+                reaction,
+                {"units": "N, N m", "long_name": "first body on second, in joint axes"},
+            ),
+            "energy": (("time", "part"), energy, {"units": "J"}),
+            "power": (("time", "source"), samples.power, {"units": "W"}),
+        }
+    return xr.Dataset(variables, coords=coords, attrs=result.about())

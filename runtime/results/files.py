@@ -1,0 +1,107 @@
+"""Results in files: .nc (netCDF 4), .csv and .parquet, written whole or not at all.
+
+The table of a .csv or .parquet file has one column a series, its unit in brackets.
+"""
+
+import csv
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.errors import InputError
+
+if TYPE_CHECKING:
+    from runtime.results.result import Result
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def check_ending(path: Path) -> None:
+    """Refuse a file that cannot be written, before any time is spent on its contents."""
+    if path.suffix not in _WRITERS:
+        raise InputError(
+            f"{path}: a result is saved as {', '.join(_WRITERS)}, not as "
+            f"{path.suffix or 'a file without ending'!r}. Change the ending."
+        )
+    if not path.resolve().parent.is_dir():
+        raise InputError(f"{path}: the folder {path.resolve().parent} does not exist. Create it.")
+
+
+def save(result: "Result", path: Path) -> Path:
+    """Write `result` by the ending of `path`; a file of that name is replaced at the end."""
+    check_ending(path)
+    handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        _WRITERS[path.suffix](result, temporary)
+        mask = os.umask(0)
+        os.umask(mask)
+        temporary.chmod(0o666 & ~mask)
+        temporary.replace(path)
+    except ImportError as error:
+        temporary.unlink(missing_ok=True)
+        raise InputError(
+            f"{path}: writing {path.suffix} needs the library {error.name}, which is not "
+            f"installed. Install linkwright[files], or save as .csv."
+        ) from error
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+    return path
+
+
+def columns(result: "Result") -> dict[str, FloatArray]:
+    """The result as columns over time, named `series [unit]`."""
+    told, samples = result.description, result.samples
+    table = {"time [s]": samples.t}
+    for index, row in enumerate(told.coordinates):
+        table[f"{row.name} [{row.unit}]"] = samples.q[:, index]
+    for index, row in enumerate(told.coordinates):
+        table[f"{row.velocity} [{row.unit}/s]"] = samples.v[:, index]
+    for index, row in enumerate(told.coordinates):
+        table[f"a({row.name}) [{row.unit}/s^2]"] = samples.a[:, index]
+    for index, reaction in enumerate(told.reactions):
+        table[f"{reaction.name} [{reaction.unit}]"] = samples.reaction[:, index]
+    for index, source in enumerate(told.powers):
+        table[f"power({source.name}) [W]"] = samples.power[:, index]
+    if told.has_masses:
+        table["kinetic energy [J]"] = samples.energy[:, 0]
+        table["potential energy [J]"] = samples.energy[:, 1]
+    table["constraint residual"] = samples.residual[:, 0]
+    table["velocity residual"] = samples.residual[:, 1]
+    return table
+
+
+def _write_csv(result: "Result", path: Path) -> None:
+    table = columns(result)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(table)
+        writer.writerows(np.column_stack(list(table.values())).tolist())
+
+
+def _write_parquet(result: "Result", path: Path) -> None:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    table = pa.table(columns(result)).replace_schema_metadata(result.about())
+    pq.write_table(table, path)
+
+
+def _write_netcdf(result: "Result", path: Path) -> None:
+    import netCDF4  # noqa: F401  (xarray's own message about a missing engine is obscure)
+
+    result.data.to_netcdf(path, engine="netcdf4")
+
+
+_WRITERS: dict[str, Callable[["Result", Path], None]] = {
+    ".nc": _write_netcdf,
+    ".csv": _write_csv,
+    ".parquet": _write_parquet,
+}

@@ -1,0 +1,43 @@
+"""The arrays of a result: one row an output instant."""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class Samples(NamedTuple):
+    """States and what follows from them; the first axis of each array is time.
+
+    Attributes
+    ----------
+    t
+        Instants in s, shape (k,).
+    q, v, a
+        Coordinates, velocities, accelerations, (k, n).
+    lam
+        Multipliers, (k, m).
+    reaction
+        Reactions, (k, rows of REACTIONS).
+    power
+        Powers in W, (k, rows of POWERS).
+    energy
+        Kinetic and potential energy in J, (k, 2).
+    residual
+        Largest |Phi| and |Phi_q v - nu|, (k, 2).
+    modes
+        Which conditions held, (k, s).
+    """
+
+    t: FloatArray
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    lam: FloatArray
+    reaction: FloatArray
+    power: FloatArray
+    energy: FloatArray
+    residual: FloatArray
+    modes: npt.NDArray[np.int64]

@@ -1,0 +1,1 @@
+"""Pictures of results; matplotlib is loaded only where one is drawn."""

@@ -1,0 +1,56 @@
+"""Scenes that many tests look at, made once."""
+
+from pathlib import Path
+
+import pytest
+
+from codegen import build
+from codegen.artefact import import_generated
+from codegen.driver import sound_scenes
+from codegen.modelfile import read_model
+from tests.codegen.machines import ODD
+from tests.codegen.workbench import Interpreted
+
+Scenes = dict[str, Interpreted]
+
+
+@pytest.fixture(scope="session")
+def slider_crank(root: Path) -> Scenes:
+    """All scenes of the library's slider-crank."""
+    model = read_model(root / "models" / "slider_crank.py").model
+    return {scene.name: Interpreted(model, scene.name) for scene in sound_scenes(model, None)}
+
+
+@pytest.fixture(scope="session")
+def scenes(slider_crank: Scenes) -> Scenes:
+    """The slider-crank's scenes, and those of the unusual machines."""
+    found = dict(slider_crank)
+    for declare in ODD:
+        model = declare()
+        for scene in sound_scenes(model, None):
+            found[f"{model.name}.{scene.name}"] = Interpreted(model, scene.name)
+    return found
+
+
+@pytest.fixture(scope="session")
+def texts(scenes: Scenes) -> dict[str, str]:
+    """The generated text of each scene."""
+    return {name: machine.text() for name, machine in scenes.items()}
+
+
+@pytest.fixture(scope="session")
+def compiled(root: Path, request: pytest.FixtureRequest) -> dict[str, object]:
+    """Modules of all scenes of the slider-crank and of an odd machine, in machine code.
+
+    They stay in pytest's cache: what has not changed is not compiled again.
+    """
+    folder: Path = request.config.cache.mkdir("codegen-compiled")
+    odd = folder / "names.py"
+    odd.write_text("from tests.codegen.machines import names_like_arguments as declare\n\nmodel = declare()\n")
+    reports = [build(root / "models" / "slider_crank.py", out=folder / "generated")]
+    reports.append(build(odd, out=folder / "generated"))
+    return {
+        (s.scene if s.model == "slider_crank" else f"{s.model}.{s.scene}"): import_generated(s.path)
+        for report in reports
+        for s in report.scenes
+    }

@@ -1,0 +1,26 @@
+"""Every notebook runs from top to bottom in an empty folder."""
+
+import shutil
+from pathlib import Path
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+FOLDER = Path(__file__).parent.parent.parent / "notebooks"
+
+
+@pytest.mark.parametrize("name", sorted(path.name for path in FOLDER.glob("*.ipynb")))
+def test_notebook_runs(name: str, tmp_path: Path) -> None:
+    shutil.copy(FOLDER / name, tmp_path)
+    notebook = nbformat.read(tmp_path / name, as_version=4)
+    NotebookClient(notebook, timeout=300, resources={"metadata": {"path": tmp_path}}).execute()
+    code = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    assert all(cell.execution_count for cell in code)
+    pictures = [
+        output
+        for cell in code
+        for output in cell.outputs
+        if output.output_type == "display_data" and "image/png" in output.data
+    ]
+    assert pictures, "a notebook shows at least one picture"

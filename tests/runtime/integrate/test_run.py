@@ -1,0 +1,152 @@
+"""Chunks, interrupts, one compilation for all models, refusal of bad input."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from codegen.errors import InputError
+from runtime.integrate import attempt, dop853, dopri5, driver, events, modes, outputs, start
+from runtime.integrate.problem import Options, Problem
+from runtime.integrate.run import integrate
+from runtime.outcomes import Outcome
+from tests.runtime.integrate.systems import PENDULUM, pendulum_problem, relay, run_relay
+
+BALL = ((0.0, 1e4, 0.0, 1.0, 0.0, 0.0, 0.0),)
+
+
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+@pytest.mark.parametrize("chunk", [1, 7, 100])
+@pytest.mark.parametrize("instants", [None, np.linspace(0.0, 5.0, 333)])
+def test_chunks_do_not_change_a_bit(method, chunk, instants):
+    ball = relay(*BALL, constant=-9.81, stiffness=1e4)
+    turning = pendulum_problem(0.0, 8.0, 5.0)
+    results = []
+    for size in (None, chunk):
+        settings = {"method": method, "t_eval": instants, "chunk": size}
+        results.append(
+            (
+                run_relay(ball, 1.0, 0.0, 5.0, **settings),
+                integrate(PENDULUM, turning, Options(**settings)),
+            )
+        )
+    for whole, parts in zip(*results, strict=True):
+        assert whole.statistics.steps == parts.statistics.steps
+        for name in ("t", "q", "v", "modes", "final_q", "final_v"):
+            assert np.array_equal(getattr(whole, name), getattr(parts, name)), name
+        assert np.array_equal(whole.events.t, parts.events.t)
+        assert np.array_equal(whole.events.q, parts.events.q)
+        assert np.array_equal(whole.partitions.t, parts.partitions.t)
+        assert np.array_equal(whole.partitions.independent, parts.partitions.independent)
+
+
+def test_more_events_than_one_buffer_holds():
+    ball = relay(*BALL, constant=-9.81, stiffness=1e4)
+    r = run_relay(ball, 0.01, 0.0, 20.0, method="dop853", t_eval=[])
+    assert r.events.t.size == r.statistics.events > 300
+    assert np.all(np.diff(r.events.t) > 0.0)
+    assert np.all(r.events.direction[1:] == -r.events.direction[:-1])
+
+
+def test_second_model_compiles_nothing():
+    functions = (
+        driver.advance, start.start, attempt.attempt, attempt.repartition, events.locate,
+        modes.settle, modes.begin, outputs.emit, dopri5.stages, dop853.stages,
+    )  # fmt: skip
+    integrate(PENDULUM, pendulum_problem(np.pi, 0.0, 0.1), Options())
+    run_relay(relay(*BALL, constant=-9.81), 1.0, 0.0, 0.1)
+    run_relay(relay(stiffness=1.0), 1.0, 0.0, 0.1, method="dopri5")
+    for function in functions:
+        assert len(function.signatures) == 1
+        assert len(function.nopython_signatures) == 1
+
+
+def test_interrupt_keeps_what_was_computed():
+    seen = []
+
+    def progress(t, steps):
+        seen.append((t, steps))
+        if len(seen) == 3:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    r = integrate(
+        PENDULUM, pendulum_problem(np.pi, 0.0, 1000.0), Options(chunk=50), progress=progress
+    )
+    assert r.outcome == Outcome.INTERRUPTED
+    assert r.final_t == seen[-1][0]
+    assert r.t[-1] == r.final_t
+    assert r.t.size == r.statistics.steps + 1
+    assert np.array_equal(r.q[-1], r.final_q)
+
+
+def test_interrupted_samples_end_where_the_run_ended():
+    def progress(t, steps):
+        raise KeyboardInterrupt
+
+    r = integrate(
+        PENDULUM,
+        pendulum_problem(np.pi, 0.0, 100.0),
+        Options(chunk=50, t_eval=np.linspace(0.0, 100.0, 1001)),
+        progress=progress,
+    )
+    assert r.outcome == Outcome.INTERRUPTED
+    assert 0 < r.t.size < 1001
+    assert r.t[-1] <= r.final_t < r.t[-1] + 0.1
+
+
+def test_max_steps():
+    r = integrate(PENDULUM, pendulum_problem(np.pi, 0.0, 1000.0), Options(max_steps=100))
+    assert r.outcome == Outcome.MAX_STEPS
+    assert r.statistics.steps + r.statistics.rejected == 100
+    assert "max_steps" in r.outcome.advice
+
+
+def test_no_time_at_all():
+    r = integrate(PENDULUM, pendulum_problem(1.0, 2.0, 0.0), Options(t_eval=[0.0]))
+    assert r.outcome == Outcome.OK
+    assert r.t.tolist() == [0.0]
+
+
+def test_late_start_and_given_modes_at_the_end():
+    r = run_relay(relay(stiffness=1.0), 1.0, 0.0, 12.0, t0=10.0, t_eval=[10.0, 11.0, 12.0])
+    np.testing.assert_allclose(r.q[:, 0], np.cos([0.0, 1.0, 2.0]), atol=1e-8)
+
+
+def test_every_outcome_says_what_to_do():
+    texts = [(outcome.meaning, outcome.advice) for outcome in Outcome]
+    assert len(set(texts)) == len(Outcome)
+    assert all(text.endswith(".") for pair in texts for text in pair)
+
+
+def test_bad_input_is_refused_with_all_problems():
+    problem = Problem(0.0, -1.0, np.zeros(2), np.full(3, np.nan), np.zeros(4), np.ones(3))
+    with pytest.raises(InputError) as caught:
+        integrate(
+            PENDULUM,
+            problem,
+            Options(method="euler", rtol=0.0, atol_q=-1.0, t_eval=[2.0, 1.0], first_step=-1.0),
+        )
+    text = "\n".join(caught.value.problems)
+    assert len(caught.value.problems) == 8
+    for word in ("euler", "q has shape (2,)", "nan", "t_end", "rtol", "atol_q", "t_eval", "first"):
+        assert word in text
+
+
+def test_t_eval_outside_the_run_is_refused():
+    with pytest.raises(InputError, match="between"):
+        integrate(PENDULUM, pendulum_problem(1.0, 0.0, 1.0), Options(t_eval=[0.5, 1.5]))
+
+
+def test_a_new_process_loads_from_disk(root):
+    code = (
+        "import time, numba; from runtime.integrate import run, driver\n"
+        "assert not sum(driver.advance.stats.cache_misses.values())\n"
+        "print(sum(driver.advance.stats.cache_hits.values()))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=root, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "1"

@@ -1,0 +1,222 @@
+"""Assembly: closed joints, held start values, and errors that name the culprit."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from codegen.errors import AssemblyError, RedundancyError
+from runtime.machine import Machine
+
+
+def _slider(phi: float, rod: float = 3.5) -> float:
+    return float(2.0 * np.cos(phi) + np.sqrt(rod**2 - 4.0 * np.sin(phi) ** 2))
+
+
+def test_driven_position_of_the_book(driven: Machine) -> None:
+    start = driven.assemble()
+    assert start["crank.phi"] == pytest.approx(np.pi / 4, abs=1e-15)
+    assert start["slider.x"] == pytest.approx(_slider(np.pi / 4), abs=1e-14)
+    assert start["rod.phi"] == pytest.approx(-0.41595, abs=5e-6)
+    assert start["crank.omega"] == pytest.approx(2 * np.pi, abs=1e-13)
+    assert set(start.residual) == {"A", "B", "C", "guide", "crank_drive"}
+    assert max(start.residual.values()) < 1e-14
+    assert max(start.velocity_residual.values()) < 1e-13
+
+
+def test_report_says_what_moved(driven: Machine) -> None:
+    start = driven.assemble()
+    moved = {row.name: row for row in start.moved}
+    assert moved["slider.x"].asked == 4.6
+    assert moved["slider.x"].by == pytest.approx(_slider(np.pi / 4) - 4.6)
+    assert "crank.x" not in moved
+    text = str(start)
+    assert "degrees of freedom: 0" in text
+    assert "slider.x moved from 4.6 to 4.61578 m" in text
+
+
+@pytest.mark.parametrize(("guess", "sign"), [({"slider.x": 4.0}, 1), ({"slider.x": -1.5}, -1)])
+def test_guess_chooses_the_branch(driven: Machine, guess: dict[str, float], sign: int) -> None:
+    guess |= {"rod.phi": 0.0 if sign > 0 else np.pi, "rod.x": guess["slider.x"] / 2}
+    x = driven.assemble(guess)["slider.x"]
+    root = np.sqrt(3.5**2 - 2.0)
+    assert x == pytest.approx(np.sqrt(2.0) + sign * root, abs=1e-13)
+
+
+def test_assembly_from_nothing_but_a_crank_angle(make: Callable[..., Machine]) -> None:
+    machine = make("slider_crank", "lonely", start=[("crank.phi", 2.0, "fixed")])
+    start = machine.assemble()
+    assert start["crank.phi"] == 2.0
+    assert abs(start["slider.x"] - 2.0 * np.cos(2.0)) == pytest.approx(
+        np.sqrt(3.5**2 - 4.0 * np.sin(2.0) ** 2), abs=1e-13
+    )
+
+
+def test_fixed_velocity_is_held_and_the_others_follow(make: Callable[..., Machine]) -> None:
+    """The book's start of the compressor."""
+    machine = make(
+        "slider_crank",
+        "dynamic",
+        start=[
+            ("crank.phi", np.pi, "fixed"),
+            ("rod.x", -0.25, "guess"),
+            ("slider.x", 1.5, "guess"),
+            ("crank.omega", 30.0, "fixed"),
+        ],
+    )
+    start = machine.assemble()
+    assert start["crank.omega"] == 30.0
+    assert start["rod.vy"] == pytest.approx(-30.0, abs=1e-12)
+    assert start["rod.omega"] == pytest.approx(120.0 / 7.0, abs=1e-12)
+    assert start["slider.vx"] == pytest.approx(0.0, abs=1e-12)
+    assert start.degrees_of_freedom == 1
+
+
+def test_fixed_positions_that_contradict_the_joints(make: Callable[..., Machine]) -> None:
+    machine = make(
+        "slider_crank",
+        "torn",
+        start=[("crank.phi", 0.0, "fixed"), ("slider.x", 5.0, "fixed"), ("rod.x", 3.0, "guess")],
+    )
+    with pytest.raises(AssemblyError) as caught:
+        machine.assemble()
+    text = str(caught.value)
+    assert "Start says crank.phi = 0 rad, slider.x = 5 m" in text
+    assert "joint C misses by" in text
+    assert 'role "guess"' in text
+    assert machine.assemble({"slider.x": 5.5})["slider.x"] == 5.5
+
+
+def test_fixed_velocities_that_contradict_the_joints(make: Callable[..., Machine]) -> None:
+    machine = make(
+        "slider_crank",
+        "hasty",
+        start=[
+            ("crank.phi", 1.0, "fixed"),
+            ("slider.x", 4.1, "guess"),
+            ("rod.x", 2.6, "guess"),
+            ("crank.omega", 1.0, "fixed"),
+            ("slider.vx", 5.0, "fixed"),
+        ],
+    )
+    with pytest.raises(AssemblyError) as caught:
+        machine.assemble()
+    text = str(caught.value)
+    assert "fixed start velocities contradict the joints" in text
+    assert "crank.omega = 1 rad/s, slider.vx = 5 m/s" in text
+    assert "misses by" in text
+
+
+def test_fixed_value_against_a_driver(make: Callable[..., Machine]) -> None:
+    machine = make("slider_crank", "stubborn", driven=True, start=[("crank.phi", 0.5, "fixed")])
+    with pytest.raises(AssemblyError, match=r"driver crank_drive misses by 0\.2854 rad"):
+        machine.assemble()
+
+
+def test_driver_out_of_reach(driven: Machine) -> None:
+    with pytest.raises(AssemblyError) as caught:
+        driven.assemble(parameters={"l": 1.0})
+    text = str(caught.value)
+    assert "the joints close, but not with what the drivers (crank_drive) demand" in text
+    assert "misses by" in text
+
+
+def test_joints_that_cannot_close(make: Callable[..., Machine]) -> None:
+    """A slider held at 10 m is out of reach of a crank of 2 m and a rod of 3.5 m."""
+    machine = make("far_slider", "far")
+    with pytest.raises(AssemblyError) as caught:
+        machine.assemble()
+    text = str(caught.value)
+    assert "cannot be assembled at t = 0 s" in text
+    gaps = [float(part.split(" m")[0]) for part in text.split("misses by ")[1:]]
+    assert sum(gaps) == pytest.approx(4.5, abs=1e-3)
+    assert "joint stop misses by" in text
+
+
+def test_redundant_constraint_is_named(make: Callable[..., Machine]) -> None:
+    machine = make("slider_crank", "twice", twice=True)
+    with pytest.raises(RedundancyError) as caught:
+        machine.assemble()
+    text = str(caught.value)
+    assert "second_guide.phi is redundant and consistent: it follows from guide" in text
+    assert "Remove second_guide" in text
+    assert "9 coordinates, 9 constraints, 8 independent" in text
+
+
+def test_contradictory_constraint_is_named(make: Callable[..., Machine]) -> None:
+    machine = make("slider_crank", "twice", twice=True)
+    with pytest.raises(RedundancyError, match=r"second_guide\.phi is redundant and contradictory"):
+        machine.assemble(parameters={"tilt": 0.1})
+
+
+def test_redundancy_that_follows_from_the_dimensions(make: Callable[..., Machine]) -> None:
+    """A parallelogram with three cranks moves; with one crank of 9 m it does not close."""
+    machine = make("parallelogram", "three")
+    with pytest.raises(RedundancyError) as caught:
+        machine.assemble()
+    text = str(caught.value)
+    assert text.count("is redundant and consistent") == 1
+    assert "third_top." in text
+    assert "15 coordinates, 15 constraints, 14 independent" in text
+    with pytest.raises(AssemblyError, match="cannot be assembled"):
+        machine.assemble(parameters={"third": 9.0})
+
+
+def test_body_without_joints(make: Callable[..., Machine]) -> None:
+    machine = make("loose", "loose")
+    start = machine.assemble({"stone.vx": 3.0, "stone.y": 2.0})
+    assert start.degrees_of_freedom == 3
+    assert start.residual == {}
+    result = machine.simulate(1.0, [0.0, 1.0], guess={"stone.vx": 3.0})
+    assert result.q("stone.x")[1] == pytest.approx(3.0, abs=1e-12)
+    assert result.q("stone.y")[1] == pytest.approx(-0.5 * 9.81, abs=1e-12)
+    assert machine.equilibrium().failed
+
+
+def test_second_driver_fights_the_joints(make: Callable[..., Machine]) -> None:
+    machine = make("overdriven", "twin")
+    with pytest.raises(RedundancyError) as caught:
+        machine.assemble()
+    assert "driver second_drive fights the joints" in str(caught.value)
+    assert "crank_drive" in str(caught.value)
+
+
+def test_dead_centre_is_no_redundancy(driven: Machine) -> None:
+    """Rod and crank of equal length, the crank upright: singular here, not everywhere."""
+    start = driven.assemble(
+        {"slider.x": 0.1, "rod.x": 0.1, "rod.phi": -1.5},
+        parameters={"l": 2.0, "phi0": np.pi / 2, "omega0": 0.0},
+    )
+    assert start.singular
+    assert "Singular position" in str(start)
+    assert start.degrees_of_freedom == 0
+
+
+def test_unknown_and_infinite_start_values(free: Machine) -> None:
+    with pytest.raises(AssemblyError) as caught:
+        free.assemble({"crank.ph": 1.0, "rod.x": np.inf, "rod.y": "up"})  # type: ignore[dict-item]
+    assert len(caught.value.problems) == 3
+    assert "no coordinate or velocity 'crank.ph'; nearest: crank.phi" in caught.value.problems[0]
+    assert "rod.x is inf" in caught.value.problems[1]
+    assert "rod.y is 'up'; it must be a finite number" in caught.value.problems[2]
+    with pytest.raises(KeyError, match=r"nearest: crank\.phi"):
+        free.assemble()["crank.ph"]
+
+
+def test_assembly_is_the_nearest_position(free: Machine) -> None:
+    """Along the motion the objective (q - q0)^T W (q - q0) does not fall."""
+    start = free.assemble()
+    asked = np.array([0, 0, 0.8, 3.0, 0, -0.4, 4.6, 0, 0])
+    weight = np.where(np.isin(np.arange(9), [2, 3, 5, 6]), 1.0, 1e-3)
+    size = 2.0
+
+    def distance(phi: float) -> float:
+        rod = -np.arcsin(2.0 * np.sin(phi) / 3.5)
+        x = _slider(phi)
+        q = np.array([0, 0, phi, x - 1.75 * np.cos(rod), -1.75 * np.sin(rod), rod, x, 0, 0])
+        scale = np.array([size, size, 1.0] * 3)
+        return float(weight @ ((q - asked) / scale) ** 2)
+
+    phi = start["crank.phi"]
+    assert distance(phi) < distance(phi + 0.01)
+    assert distance(phi) < distance(phi - 0.01)

@@ -1,0 +1,131 @@
+"""The command line: exit statuses, streams, JSON, files."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from runtime.cli import app
+from runtime.machine import Machine
+
+
+@pytest.fixture
+def run(
+    driven: Machine,
+    free: Machine,
+    pendulum: Machine,
+    workshop: Path,
+    monkeypatch: pytest.MonkeyPatch,
+):  # type: ignore[no-untyped-def]
+    monkeypatch.chdir(workshop)
+
+    def call(*arguments: str | Path) -> Result:
+        return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+    return call
+
+
+def test_kinematics_to_a_file(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    path = tmp_path / "run.csv"
+    done = run("kinematics", "sc_driven", "--t-end", "1", "--points", "11", "--out", path)
+    assert done.exit_code == 0
+    assert len(path.read_text().splitlines()) == 12
+    assert f"Saved: 11 instants in {path}" in done.stderr
+    assert "slider.x     4.61577568 m\n" in done.stdout
+
+
+def test_json_is_one_object_and_alone(run) -> None:  # type: ignore[no-untyped-def]
+    done = run("inverse", "sc_driven", "--t-end", "0.5", "--set", "J1=900", "--json")
+    assert done.exit_code == 0
+    told = json.loads(done.stdout)
+    assert told["ok"] is True
+    assert told["analysis"] == "inverse dynamics"
+    assert told["outcome"] == "OK"
+    assert told["parameters"]["J1"] == 900.0
+    assert told["t"] == [0.0, 0.5]
+    assert told["saved"] is None
+    assert told["q"]["crank.phi"] == pytest.approx(3.926990817)
+    assert "sc_driven/driven, inverse dynamics" in done.stderr
+
+
+def test_simulate_with_a_model_by_path(run) -> None:  # type: ignore[no-untyped-def]
+    done = run(
+        "simulate", "models/rod_pendulum.py", "--scene", "swing", "--t-end", "0.5",
+        "--rtol", "1e-6", "--atol", "1e-6", "--method", "dopri5", "--guess", "bar.phi=0.1",
+        "--json",
+    )  # fmt: skip
+    assert done.exit_code == 0
+    told = json.loads(done.stdout)
+    assert told["instants"] == 501
+    assert told["stats"]["steps"] > 1
+    assert told["q"]["bar.phi"] < 0.1
+
+
+def test_equilibrium(run) -> None:  # type: ignore[no-untyped-def]
+    done = run("equilibrium", "rod_pendulum", "--method", "settling", "--json")
+    assert done.exit_code == 0
+    told = json.loads(done.stdout)
+    assert told["stability"] == "stable"
+    assert told["frequencies"] == [pytest.approx(0.44586114689)]
+    assert told["q"]["bar.y"] == pytest.approx(-1.0)
+
+
+def test_failed_run_saves_and_says_so(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    path = tmp_path / "locked.csv"
+    command = ("kinematics", "sc_driven", "--t-end", "1", "--points", "1001", "--set", "l=1.9")
+    done = run(*command, "--out", path, "--json")
+    assert done.exit_code == 1
+    assert "Locked up at t = 0.0744586" in done.stderr
+    assert f"What was computed: 76 instants up to t = 0.0744587 s in {path}" in done.stderr
+    assert len(path.read_text().splitlines()) == 77
+    told = json.loads(done.stdout)
+    assert told["ok"] is False
+    assert told["outcome"] == "LOCKED"
+    done = run(*command)
+    assert done.exit_code == 1
+    assert "Nothing was saved; give --out FILE" in done.stderr
+    assert done.stdout == ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("kinematics", "sc_drivn", "--t-end", "1"), "no model 'sc_drivn'"),
+        (("kinematics", "sc_driven", "--t-end", "1", "--set", "l=-1"), "l is -1 m; it must be"),
+        (("kinematics", "sc_driven", "--t-end", "1", "--set", "l"), "write NAME=VALUE"),
+        (("kinematics", "sc_driven", "--t-end", "1", "--guess", "l=x"), "--guess l=x: write"),
+        (("kinematics", "sc_driven", "--t-end", "0"), "from 0 to 0 s must be finite and positive"),
+        (("kinematics", "sc_driven", "--t-end", "1", "--out", "run.doc"), "not as '.doc'"),
+        (("kinematics", "sc_free", "--t-end", "1"), "1 degree of freedom is left"),
+        (("equilibrium", "sc_driven"), "0 degrees of freedom"),
+    ],
+)
+def test_wrong_input_ends_with_two(run, arguments: tuple[str, ...], message: str) -> None:  # type: ignore[no-untyped-def]
+    done = run(*arguments, "--json")
+    assert done.exit_code == 2
+    assert "error: " in done.stderr
+    assert message in done.stderr
+    told = json.loads(done.stdout)
+    assert told["ok"] is False
+    assert told["status"] == 2
+    assert any(message in problem for problem in told["problems"])
+
+
+def test_missing_argument_ends_with_two(run) -> None:  # type: ignore[no-untyped-def]
+    assert run("simulate").exit_code == 2
+    assert run("simulate", "sc_free").exit_code == 2
+
+
+def test_unwritable_file_ends_with_one(
+    run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:  # type: ignore[no-untyped-def]
+    from runtime.results import files
+
+    def fail(*_: object) -> None:
+        raise OSError("disk full")
+
+    monkeypatch.setitem(files._WRITERS, ".csv", fail)
+    done = run("kinematics", "sc_driven", "--t-end", "1", "--out", tmp_path / "run.csv")
+    assert done.exit_code == 1
+    assert done.stderr == "error: disk full\n"

@@ -1,0 +1,103 @@
+"""Rest positions against exact answers, by both methods, judged and refused."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from codegen.errors import AnalysisError
+from runtime.analyses.equilibrium import Stability
+from runtime.machine import Machine
+from runtime.outcomes import Outcome
+
+BOOK = {"crank.phi": 4.6, "rod.x": 1.2, "rod.y": -1.0, "rod.phi": 0.6, "slider.x": 2.67}
+METHODS = pytest.mark.parametrize("method", ["energy", "settling"])
+
+
+@METHODS
+def test_slider_crank_hangs_down(free: Machine, method: str) -> None:
+    rest = free.equilibrium(method, guess=BOOK)
+    assert rest.outcome is Outcome.OK
+    assert rest.stability is Stability.STABLE
+    assert rest["crank.phi"] == pytest.approx(1.5 * np.pi, abs=1e-12)
+    assert rest["slider.x"] == pytest.approx(np.sqrt(3.5**2 - 4.0), abs=1e-12)
+    assert rest.gradient < 1e-14
+    assert rest.samples.residual.max() < 1e-14
+
+
+@METHODS
+def test_pendulum_from_afar_and_its_frequency(pendulum: Machine, method: str) -> None:
+    rest = pendulum.equilibrium(method, guess={"bar.phi": 1.2})
+    assert np.sin(rest["bar.phi"]) == pytest.approx(-1.0, abs=1e-14)
+    assert rest.stable
+    frequency = np.sqrt(2.0 * 9.81 / (0.5 + 2.0)) / (2.0 * np.pi)
+    np.testing.assert_allclose(rest.frequencies, [frequency], rtol=1e-8)
+    assert rest.reaction("pin", "fy")[0] == pytest.approx(2.0 * 9.81, rel=1e-12)
+    assert rest.reaction("pin", "fx")[0] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_upright_pendulum_is_told_to_be_unstable(pendulum: Machine) -> None:
+    rest = pendulum.equilibrium(guess={"bar.phi": np.pi / 2})
+    assert rest["bar.phi"] == pytest.approx(np.pi / 2, abs=1e-12)
+    assert rest.stability is Stability.UNSTABLE
+    assert not rest.stable
+    assert rest.stiffness[0] == pytest.approx(-2.0 * 9.81 / 2.5, rel=1e-8)
+    assert "small push drives it away" in rest.message
+
+
+def test_settling_leaves_an_unstable_position(pendulum: Machine) -> None:
+    rest = pendulum.equilibrium("settling", guess={"bar.phi": np.pi / 2})
+    assert np.sin(rest["bar.phi"]) == pytest.approx(-1.0, abs=1e-14)
+
+
+def test_no_gravity_no_preference(pendulum: Machine) -> None:
+    rest = pendulum.equilibrium(parameters={"gy": 0.0})
+    assert rest.stability is Stability.INDIFFERENT
+    assert "stays where a small push leaves it" in rest.message
+
+
+@METHODS
+def test_force_without_potential_is_balanced(make: Callable[..., Machine], method: str) -> None:
+    """A constant push on the slider against gravity: virtual work gives the crank's angle."""
+    machine = make("pushed", "pushed")
+    rest = machine.equilibrium(method, guess=BOOK, parameters={"push": -500.0})
+    phi = rest["crank.phi"]
+    root = np.sqrt(3.5**2 - 4.0 * np.sin(phi) ** 2)
+    slope = -2.0 * np.sin(phi) - 4.0 * np.sin(phi) * np.cos(phi) / root
+    assert -500.0 * slope - 35.0 * 9.81 * np.cos(phi) == pytest.approx(0.0, abs=1e-9)
+    assert rest.stable
+
+
+def test_force_that_nothing_balances(make: Callable[..., Machine]) -> None:
+    machine = make("runaway", "runaway")
+    rest = machine.equilibrium()
+    assert rest.outcome is Outcome.UNBALANCED
+    assert rest.failed
+    assert "No equilibrium found" in rest.message
+    assert "most along bar." in rest.message
+    assert len(rest.t) == 1
+
+
+def test_nothing_to_balance(driven: Machine) -> None:
+    with pytest.raises(AnalysisError, match=r"0 degrees of freedom.*drivers: crank_drive"):
+        driven.equilibrium()
+
+
+def test_masses_are_needed(make: Callable[..., Machine]) -> None:
+    machine = make("slider_crank", "bare", driven=True, masses=False)
+    with pytest.raises(AnalysisError, match="equilibrium needs forces on bodies with mass"):
+        machine.equilibrium()
+
+
+def test_unknown_method(free: Machine) -> None:
+    with pytest.raises(AnalysisError, match=r"no equilibrium method 'magic'.*energy, settling"):
+        free.equilibrium("magic")
+
+
+def test_settling_needs_drivers_at_rest(make: Callable[..., Machine]) -> None:
+    machine = make("double", "double")
+    with pytest.raises(AnalysisError, match="settling needs drivers at rest, and motor moves"):
+        machine.equilibrium("settling")
+    rest = machine.equilibrium(guess={"lower.phi": -1.0})
+    assert rest["upper.phi"] == pytest.approx(0.5, abs=1e-14)
+    assert rest["lower.phi"] == pytest.approx(-np.pi / 2, abs=1e-12)

@@ -1,0 +1,130 @@
+"""Driven motion against closed forms; branches, lock-up, singular crossings, refusals."""
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from codegen.errors import AnalysisError
+from runtime.machine import Machine
+from runtime.outcomes import Outcome
+
+FloatArray = npt.NDArray[np.float64]
+OMEGA = 2.0 * np.pi
+
+
+def _slider(t: FloatArray, rod: float = 3.5) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """x, its first and its second derivative for a crank of 2 m at pi/4 + 2 pi t."""
+    phi = np.pi / 4 + OMEGA * t
+    root = np.sqrt(rod**2 - 4.0 * np.sin(phi) ** 2)
+    rate = -4.0 * np.sin(phi) * np.cos(phi) / root  # d(root)/d(phi)
+    curve = (-4.0 * np.cos(2.0 * phi) - rate**2) / root
+    return (
+        2.0 * np.cos(phi) + root,
+        OMEGA * (-2.0 * np.sin(phi) + rate),
+        OMEGA**2 * (-2.0 * np.cos(phi) + curve),
+    )
+
+
+@pytest.mark.parametrize("masses", [True, False])
+def test_motion_of_the_slider(make: Callable[..., Machine], masses: bool) -> None:
+    name = "driven" if masses else "bare"
+    machine = make("slider_crank", name, driven=True, masses=masses)
+    t = np.linspace(0.0, 1.0, 201)
+    result = machine.kinematics(t)
+    x, v, a = _slider(t)
+    assert result.outcome is Outcome.OK
+    assert not result.failed
+    np.testing.assert_allclose(result.q("slider.x"), x, atol=1e-14, rtol=0)
+    np.testing.assert_allclose(result.v("slider.vx"), v, atol=1e-12, rtol=0)
+    np.testing.assert_allclose(result.a("slider.x"), a, atol=1e-10, rtol=0)
+    assert result.samples.residual[:, 0].max() < 1e-14
+    assert result.samples.residual[:, 1].max() < 1e-13
+
+
+def test_branch_is_kept_however_far_apart_the_instants(driven: Machine) -> None:
+    t = np.array([0.0, 3.3, 40.25, 40.75])
+    result = driven.kinematics(t)
+    np.testing.assert_allclose(result.q("slider.x"), _slider(t)[0], atol=1e-12)
+    np.testing.assert_allclose(result.q("crank.phi"), np.pi / 4 + OMEGA * t, rtol=1e-14)
+    assert result.stats["steps"] > 300
+
+
+def test_other_branch_is_kept_too(driven: Machine) -> None:
+    t = np.linspace(0.0, 1.0, 33)
+    result = driven.kinematics(t, guess={"slider.x": -1.5, "rod.phi": np.pi, "rod.x": -0.5})
+    phi = np.pi / 4 + OMEGA * t
+    expected = 2.0 * np.cos(phi) - np.sqrt(3.5**2 - 4.0 * np.sin(phi) ** 2)
+    np.testing.assert_allclose(result.q("slider.x"), expected, atol=1e-13)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_start_values_belong_to_the_start(driven: Machine, sign: int) -> None:
+    """The branch is that of t = 0, also for instants far behind it or before it."""
+    guess = {} if sign > 0 else {"slider.x": -1.5, "rod.phi": np.pi, "rod.x": -0.5}
+    for t in (np.array([30.3, 30.4]), np.array([-2.2, -2.1])):
+        result = driven.kinematics(t, guess=guess)
+        phi = np.pi / 4 + OMEGA * t
+        expected = 2.0 * np.cos(phi) + sign * np.sqrt(3.5**2 - 4.0 * np.sin(phi) ** 2)
+        np.testing.assert_allclose(result.q("slider.x"), expected, atol=1e-12)
+    late = driven.kinematics([0.5], t_start=0.5)
+    assert late.stats["steps"] == 0
+
+
+def test_one_instant_is_enough(driven: Machine) -> None:
+    result = driven.kinematics(0.25)
+    assert result.t.tolist() == [0.25]
+    assert result.q("slider.x")[0] == pytest.approx(_slider(np.array([0.25]))[0][0], abs=1e-14)
+
+
+def test_lock_up_keeps_what_was_computed(driven: Machine) -> None:
+    """A rod of 1.9 m: the crank stops where 2 sin(phi) = 1.9."""
+    locks = (np.arcsin(1.9 / 2.0) - np.pi / 4) / OMEGA
+    t = np.linspace(0.0, 1.0, 1001)
+    result = driven.kinematics(t, parameters={"l": 1.9})
+    assert result.outcome is Outcome.LOCKED
+    assert result.failed
+    assert result.t[-1] == pytest.approx(locks, abs=1e-9)
+    assert locks == pytest.approx(0.0744587, abs=1e-7)
+    np.testing.assert_array_equal(result.t[:-1], t[t < locks])
+    np.testing.assert_allclose(
+        result.q("slider.x")[:-1], _slider(result.t[:-1], 1.9)[0], atol=1e-11
+    )
+    assert result.q("rod.phi")[-1] == pytest.approx(-np.pi / 2, abs=1e-4)
+    assert "Locked up at t = 0.07445868" in result.message
+    assert "driver crank_drive cannot go on, joints" in result.message
+    assert "smallest singular value" in result.message
+
+
+def test_singular_crossing_keeps_the_velocity_continuous(driven: Machine) -> None:
+    """With rod and crank equal, both branches meet at the upright crank: x = 4 cos(phi) or 0."""
+    t = np.linspace(0.0, 1.0, 201)
+    result = driven.kinematics(t, parameters={"l": 2.0})
+    assert result.outcome is Outcome.OK
+    np.testing.assert_allclose(result.q("slider.x"), 4.0 * np.cos(np.pi / 4 + OMEGA * t), atol=1e-8)
+    assert result.stats["singular_crossings"] == 2
+    assert "t = 0.125, 0.625 s" in result.message
+
+
+def test_freedom_is_refused_with_what_to_add(free: Machine) -> None:
+    with pytest.raises(AnalysisError) as caught:
+        free.kinematics([0.0, 1.0])
+    text = str(caught.value)
+    assert "kinematics needs a machine without freedom, and 1 degree of freedom is left" in text
+    assert "Add 1 driver to the scene, or ask for simulate" in text
+
+
+@pytest.mark.parametrize(
+    ("instants", "message"),
+    [
+        ([], "at least one finite instant"),
+        ([0.0, np.nan], "at least one finite instant"),
+        ([[0.0, 1.0]], "at least one finite instant"),
+        ([0.0, 1.0, 1.0], "must increase: instant 2 is 1 s after 1 s"),
+        (["soon"], "must be instants in s"),
+    ],
+)
+def test_wrong_instants_are_refused(driven: Machine, instants: list[float], message: str) -> None:
+    with pytest.raises(AnalysisError, match=message):
+        driven.kinematics(instants)

@@ -1,0 +1,199 @@
+"""The one door: found, checked, rebuilt, and quick."""
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+from collections import namedtuple
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+import codegen
+from codegen.errors import GeneratedFileError, ModelFileError
+from runtime import load
+from runtime.machine import Machine
+
+Report = namedtuple("Report", "paths")
+
+
+@pytest.fixture
+def place(tmp_path: Path, mechanisms: ModuleType) -> Path:
+    """A folder with one model and its fresh module, whose kernels are never compiled."""
+    mechanisms.pendulum("swing").write(tmp_path)
+    return tmp_path
+
+
+def _module(folder: Path) -> Path:
+    return folder / "generated" / "rod_pendulum__swing.py"
+
+
+def test_first_scene_is_read_from_the_model_file(pendulum: Machine, workshop: Path) -> None:
+    machine = load("rod_pendulum", folder=workshop)
+    assert (machine.model, machine.scene) == ("rod_pendulum", "swing")
+    assert machine.kernels.accelerations is pendulum.kernels.accelerations
+
+
+def test_unknown_model_names_the_nearest(place: Path) -> None:
+    with pytest.raises(ModelFileError, match=r"no model 'rod_pendulm'.*Models there: rod_pendulum"):
+        load("rod_pendulm", folder=place)
+
+
+def test_model_that_does_not_parse_names_the_line(place: Path) -> None:
+    (place / "models" / "broken.py").write_text("model = Model(\n")
+    with pytest.raises(ModelFileError, match=r"broken\.py, line 1"):
+        load("broken", folder=place)
+
+
+def test_edited_module_is_refused_with_the_way_out(place: Path) -> None:
+    path = _module(place)
+    path.write_text(path.read_text().replace("2.0, 'kg'", "3.0, 'kg'"))
+    with pytest.raises(GeneratedFileError, match="edited by hand") as caught:
+        load("rod_pendulum", folder=place)
+    assert "python -m codegen build" in str(caught.value)
+    assert "--scene swing" in str(caught.value)
+
+
+def test_module_without_hash_is_refused(place: Path) -> None:
+    path = _module(place)
+    path.write_text(path.read_text().replace("# content-sha256", "# content"))
+    with pytest.raises(GeneratedFileError, match="no content-sha256 line"):
+        load("rod_pendulum", folder=place)
+
+
+@pytest.mark.parametrize("change", ["model", "generator", "missing", "source gone"])
+def test_stale_or_missing_module_is_rebuilt(
+    place: Path, mechanisms: ModuleType, monkeypatch: pytest.MonkeyPatch, change: str
+) -> None:
+    model = place / "models" / "rod_pendulum.py"
+    path = _module(place)
+    if change == "model":
+        model.write_text(model.read_text() + "# heavier\n")
+    elif change == "missing":
+        path.unlink()
+    else:
+        old, new = {
+            "generator": ("linkwright 0.1.0", "linkwright 0.0.0"),
+            "source gone": ("models/rod_pendulum.py", "models/rod_pendulum_.py"),
+        }[change]
+        _rewrite(path, old, new)
+    asked = []
+
+    def build(
+        model_path: Path, scene: str | None = None, out: Path | None = None, **_: bool
+    ) -> Report:
+        asked.append((Path(model_path), scene, out))
+        raise GeneratedFileError("the generator was called")
+
+    monkeypatch.setattr(codegen, "build", build, raising=False)
+    with pytest.raises(GeneratedFileError, match="the generator was called"):
+        load("rod_pendulum", "swing", folder=place)
+    assert asked == [(model, "swing", place / "generated")]
+
+
+def test_model_without_scene_is_refused(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (place / "models" / "bare.py").write_text("model = Model('bare')\n")
+    monkeypatch.setattr(codegen, "build", lambda *_, **__: Report(()), raising=False)
+    with pytest.raises(ModelFileError, match="declares no scene"):
+        load("bare", folder=place)
+
+
+def test_module_that_does_not_load_says_why(place: Path) -> None:
+    _rewrite(_module(place), "import numba\n", "import no_such_library\n")
+    with pytest.raises(GeneratedFileError, match="does not load: ModuleNotFoundError"):
+        load("rod_pendulum", folder=place)
+
+
+def test_new_process_takes_kernels_from_the_cache(pendulum: Machine, workshop: Path) -> None:
+    script = (
+        "import json, sys; from runtime import load\n"
+        f"machine = load('rod_pendulum', folder={str(workshop)!r})\n"
+        "kernels = machine.kernels\n"
+        "names = ('accelerations', 'correction', 'switching')\n"
+        "stats = [getattr(kernels, name).stats for name in names]\n"
+        "hits = [sum(s.cache_hits.values()) for s in stats]\n"
+        "misses = [sum(s.cache_misses.values()) for s in stats]\n"
+        "machine.assemble()\n"
+        "print(json.dumps([hits, misses, sorted(sys.modules)]))\n"
+    )
+    hits, misses, modules = json.loads(_python(script))
+    assert hits == [1, 1, 1]
+    assert misses == [0, 0, 0]
+    assert "sympy" not in modules
+    assert "pint" not in modules
+    assert "xarray" not in modules
+    assert "matplotlib" not in modules
+    assert "scipy.optimize" not in modules
+
+
+def test_model_of_the_running_program(tmp_path: Path) -> None:
+    model = codegen.Model("stone")
+    stone = model.body("stone", mass=2.0, inertia=1.0)
+    model.force("wind", on=stone, fx=4.0)
+    machine = load(model, folder=tmp_path)
+    assert machine.path.parent == tmp_path / "generated"
+    result = machine.simulate(1.0, [0.0, 1.0])
+    assert result.q("stone.x")[1] == pytest.approx(1.0, abs=1e-12)
+
+
+def test_user_model_builds_into_the_folder_one_works_in(tmp_path: Path) -> None:
+    path = tmp_path / "models" / "stone.py"
+    path.parent.mkdir()
+    path.write_text(
+        "from codegen import Model\n"
+        "model = Model('stone')\n"
+        "stone = model.body('stone', mass=model.parameter('m', 2.0, unit='kg'), inertia=1.0)\n"
+        "model.force('wind', on=stone, fx=4.0)\n"
+        "model.scene('windy', effects=['wind'])\n"
+    )
+    machine = load("stone", folder=tmp_path)
+    assert machine.path == tmp_path / "generated" / "stone__windy.py"
+    assert load("stone", folder=tmp_path).kernels.accelerations is machine.kernels.accelerations
+    path.write_text(path.read_text().replace("fx=4.0", "fx=8.0"))
+    fresh = load("stone", folder=tmp_path)
+    assert fresh.simulate(1.0, [0.0, 1.0]).q("stone.x")[1] == pytest.approx(2.0, abs=1e-12)
+
+
+def test_importing_the_runtime_loads_nothing_heavy() -> None:
+    modules = json.loads(
+        _python("import runtime, sys, json; print(json.dumps(sorted(sys.modules)))")
+    )
+    assert not {"numba", "numpy", "sympy", "xarray", "rich", "typer"} & set(modules)
+
+
+def test_byte_code_follows_the_content_not_the_clock(
+    make: Callable[..., Machine], tmp_path: Path, mechanisms: ModuleType
+) -> None:
+    from codegen.artefact import _ContentLoader
+
+    path = tmp_path / "a.py"
+    stamps = []
+    for value in ("1", "2"):
+        path.write_text(f"x = {value}\n")
+        os.utime(path, (1, 1))
+        stamps.append(_ContentLoader("a", str(path)).path_stats(str(path)))
+    assert stamps[0]["size"] == stamps[1]["size"]
+    assert stamps[0]["mtime"] != stamps[1]["mtime"]
+
+
+def _python(script: str) -> str:
+    root = Path(codegen.__file__).resolve().parent.parent
+    return subprocess.run(
+        [sys.executable, "-c", script],
+        cwd=root,
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+
+
+def _rewrite(path: Path, old: str, new: str) -> None:
+    """Change a module and make its content hash right again."""
+    text = path.read_text().replace(old, new)
+    start = text.index("content-sha256: ") + len("content-sha256: ")
+    blank = text[:start] + "0" * 64 + text[start + 64 :]
+    digest = hashlib.sha256(blank.encode()).hexdigest()
+    path.write_text(text[:start] + digest + text[start + 64 :])

@@ -1,0 +1,93 @@
+"""What a user holds: tables, parameters, modes, summary."""
+
+import math
+
+import numpy as np
+import pytest
+
+from codegen.errors import ParameterError
+from runtime.machine import Machine
+
+
+def test_tables_answer_to_position_and_name(driven: Machine) -> None:
+    assert driven.coordinates[2].name == "crank.phi"
+    assert driven.coordinates["crank.phi"].velocity == "crank.omega"
+    assert driven.coordinates.index("slider.x") == 6
+    assert "rod.phi" in driven.coordinates
+    assert "rod.psi" not in driven.coordinates
+    assert driven.constraints.names[-1] == "crank_drive.phi"
+    assert driven.effects.names == ("gravity",)
+
+
+def test_unknown_row_names_the_nearest(driven: Machine) -> None:
+    with pytest.raises(KeyError, match=r"no name 'crank\.fi'; nearest: crank\.phi"):
+        driven.coordinates["crank.fi"]
+
+
+def test_parameters_are_followed_by_their_constants(free: Machine) -> None:
+    p = free.parameter_values({"l": 3.0, "J1": 900})
+    assert p.dtype == np.float64
+    assert p[free.parameters.index("l")] == 3.0
+    assert p[free.parameters.index("J1")] == 900.0
+    assert p[len(free.parameters) :].tolist() == [0.0, 1.5, -1.5]
+
+
+def test_all_problems_with_parameters_are_told_at_once(free: Machine) -> None:
+    wrong = {"J11": 1.0, "m1": 0.0, "gx": math.inf, "l": "long"}
+    with pytest.raises(ParameterError) as caught:
+        free.parameter_values(wrong)  # type: ignore[arg-type]
+    problems = caught.value.problems
+    assert len(problems) == 4
+    assert "no parameter 'J11'; nearest: J1" in problems[0]
+    assert problems[1] == "Parameter m1 is 0 kg; it must be greater than zero."
+    assert "gx is inf; it must be a finite number" in problems[2]
+    assert "l is 'long'" in problems[3]
+
+
+def test_modes_follow_the_motion(gas: Machine) -> None:
+    assert gas.initial_modes().dtype == np.int64
+    q = gas.assemble().q
+    forwards, backwards = np.zeros(9), np.zeros(9)
+    forwards[6], backwards[6] = 1.0, -1.0
+    assert gas.initial_modes(0.0, q, forwards).tolist() == [1]
+    assert gas.initial_modes(0.0, q, backwards).tolist() == [0]
+
+
+def test_mode_at_its_boundary_follows_the_rate(gas: Machine) -> None:
+    """From rest with the crank at 0.8 rad, gravity pulls the slider outwards."""
+    start = gas.assemble()
+    assert start["slider.vx"] == 0.0
+    assert gas.initial_modes(parameters={"push": -1.0}).tolist() == [1]
+    assert gas.initial_modes(parameters={"push": -1.0, "gy": 9.81}).tolist() == [0]
+
+
+def test_mode_that_is_pushed_back_from_both_sides_does_not_hold(gas: Machine) -> None:
+    assert gas.initial_modes().tolist() == [0]
+
+
+def test_no_switches_no_modes(free: Machine) -> None:
+    assert free.initial_modes().shape == (0,)
+
+
+def test_degrees_of_freedom(free: Machine, driven: Machine) -> None:
+    assert free.degrees_of_freedom == 1
+    assert driven.degrees_of_freedom == 0
+
+
+def test_summary_names_what_matters(driven: Machine) -> None:
+    text = repr(driven)
+    assert "sc_driven/driven: 3 bodies, 9 coordinates, 9 constraints (1 of drivers)" in text
+    assert "crank, rod, slider" in text
+    assert "J1 = 450 kg m^2" in text
+    html = driven._repr_html_()
+    assert "<td>J1</td><td style='text-align:right'>450</td><td>kg m^2</td>" in html
+
+
+def test_kernels_are_callable(driven: Machine) -> None:
+    start = driven.assemble()
+    a, lam = np.zeros(9), np.zeros(9)
+    weak = driven.kernels.accelerations(
+        0.0, start.q, start.v, driven.parameter_values(), driven.initial_modes(), a, lam
+    )
+    assert weak == 0
+    assert abs(a[2]) < 1e-10
