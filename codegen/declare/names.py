@@ -5,6 +5,7 @@ import keyword
 import re
 from collections.abc import Iterable
 
+LONGEST = 32
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
 
 
@@ -14,6 +15,8 @@ def name_problem(kind: str, name: object) -> str | None:
         reason = "is no identifier: use ASCII letters, digits and underscores, a letter first"
     elif "__" in name:
         reason = "has two underscores in a row, which separate model and scene in file names"
+    elif len(name) > LONGEST and kind not in ("model", "scene"):
+        reason = f"has {len(name)} characters; formulas stay readable with up to {LONGEST}"
     else:
         return None
     return f"{kind} name {name!r} {reason}."

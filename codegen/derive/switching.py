@@ -58,11 +58,10 @@ def switching_function(condition: Relational) -> sympy.Expr:
 def conditions(expressions: Iterable[sympy.Expr]) -> tuple[Relational, ...]:
     """Every inequality in the expressions, each once, in the order of its first appearance."""
     found: dict[Relational, None] = {}
-    for expression in expressions:
-        for piece in sympy.preorder_traversal(expression):
-            if isinstance(piece, Relational):
-                found[piece] = None
-            elif isinstance(piece, Boolean) and piece.has(sympy.Eq, sympy.Ne):
-                for atom in piece.atoms(sympy.Eq, sympy.Ne):
-                    switching_function(atom)
+    waiting: list[sympy.Basic] = list(expressions)[::-1]
+    while waiting:
+        piece = waiting.pop()
+        if isinstance(piece, Relational):
+            found[piece] = None
+        waiting += piece.args[::-1]  # SymPy's own traversal takes And and Or by their hashes
     return tuple(found)

@@ -1,5 +1,6 @@
 """One kernel → the text of one numba function."""
 
+import builtins
 from collections.abc import Iterator
 
 from codegen.emit.formula import formula
@@ -9,7 +10,7 @@ from codegen.lower.program import LEAVES, Input, Kernel, Op, Output, Program, Va
 
 SIGN, PRODUCT, SUM, LOGIC = 3, 2, 1, 0
 BINARY = {
-    Op.ADD: ("+", SUM, 0),
+    Op.ADD: ("+", SUM, 1),
     Op.SUB: ("-", SUM, 1),
     Op.MUL: ("*", PRODUCT, 1),
     Op.DIV: ("/", PRODUCT, 1),
@@ -19,7 +20,8 @@ BINARY = {
 RESERVED = {
     *("t", "q", "v", "p", "w", "a", "g", "dq", "dv", "nu", "phi", "lam", "out", "rate", "gamma"),
     *("Q", "modes", "values", "math", "numba", "and", "or", "not", "if", "else", "return", "in"),
-    *("is", "for", "def", "pass", "del", "as", "WEAK_PIVOT"),
+    *("is", "for", "def", "pass", "del", "as", "WEAK_PIVOT", "OPTIONS"),
+    *dir(builtins),
 }
 TITLES = {
     "factorization": "Factorization of M, Φ_q",
@@ -28,7 +30,7 @@ TITLES = {
     "": "Sums",
 }
 NOTE_WIDTH = 60
-LINE = 88
+PAGE = 100
 SHORT = {"factorization": "f", "correction": "c", "masses": "m", "": "s"}
 
 
@@ -106,7 +108,7 @@ class KernelText:
             else:
                 text = self._expression(number)
                 self.names[number] = self._name(value)
-                yield f"{indent}{self.names[number]} = {text}"
+                yield from _fitted(f"{indent}{self.names[number]} = ", text)
 
     def _choice(self, number: int, name: str, depth: int) -> Iterator[str]:
         """Lines that set `name` to the value of a choice."""
@@ -118,7 +120,7 @@ class KernelText:
             for side, branch in ((True, value.args[1]), (False, value.args[2]))
         )
         short = f"{indent}{name} = {_tail(yes)} if {test} else {_tail(no)}"
-        if len(yes) == len(no) == 1 and len(short) <= LINE:
+        if len(yes) == len(no) == 1 and len(short) <= PAGE:
             yield short
             return
         yield f"{indent}if {test}:"
@@ -136,7 +138,7 @@ class KernelText:
         if self._is_choice(number) and number in self.plan.inlined:
             yield from self._choice(number, name, depth)
         else:
-            yield f"{'    ' * depth}{name} = {self._text(number, LOGIC)}"
+            yield from _fitted(f"{'    ' * depth}{name} = ", self._text(number, LOGIC))
 
     def _is_choice(self, number: int) -> bool:
         return self.program.values[number].op is Op.SELECT
@@ -146,10 +148,11 @@ class KernelText:
         if stores:
             yield "    # Outputs"
         for out in stores:
-            yield f"    {out.array}[{out.slot}] = {self._text(out.value, LOGIC)}{_note(out)}"
+            text = self._text(out.value, LOGIC)
+            yield from _fitted(f"    {out.array}[{out.slot}] = ", text, _note(out))
         for out in self.kernel.outputs:
             if out.array == "return":
-                yield f"    return {self._text(out.value, LOGIC)}"
+                yield from _fitted("    return ", self._text(out.value, LOGIC))
 
     def _watch(self) -> Iterator[str]:
         if not self.kernel.watched:
@@ -182,12 +185,18 @@ class KernelText:
             text, level = f"{word}{self._text(value.args[0], inner)}", LOGIC if word != "-" else SUM
         elif value.op in BINARY:
             sign, level, tighter = BINARY[value.op]
-            left, right = (self._text(a, level + k * tighter) for k, a in enumerate(value.args))
-            text = f"{left} {sign} {right}"
+            a, b = value.args
+            if value.op is Op.ADD and self._is_sum(b) and not self._is_sum(a):
+                a, b = b, a  # the same sum without brackets
+            text = f"{self._text(a, level)} {sign} {self._text(b, level + tighter)}"
         else:
             arguments = ", ".join(self._text(a, LOGIC) for a in value.args)
             text, level = f"math.{value.op.value}({arguments})", SIGN
         return f"({text})" if level < outer else text
+
+    def _is_sum(self, number: int) -> bool:
+        sums = (Op.ADD, Op.SUB, Op.NEG)
+        return number in self.plan.inlined and self.program.values[number].op in sums
 
     # -- names -------------------------------------------------------------------------------
 
@@ -219,6 +228,18 @@ def signature(kernel: Kernel) -> str:
 
 def _tail(lines: list[str]) -> str:
     return lines[-1].partition(" = ")[2]
+
+
+def _fitted(head: str, text: str, note: str = "") -> Iterator[str]:
+    """A statement on one line; where the page is too narrow, its note above, brackets around."""
+    indent = head[: len(head) - len(head.lstrip())]
+    if len(head) + len(text) + len(note) > PAGE and note:
+        yield f"{indent}{note.strip()}"
+        note = ""
+    if len(head) + len(text) <= PAGE:
+        yield f"{head}{text}{note}"
+    else:
+        yield from (f"{head}(", f"{indent}    {text}", f"{indent})")
 
 
 def _note(out: Output) -> str:

@@ -14,7 +14,7 @@ def assignment(name: str, value: Any) -> list[str]:
         return [line]
     if all(isinstance(item, int) for item in value):
         return [f"{name} = (", "    # fmt: off", *_rows(value), "    # fmt: on", ")"]
-    return [f"{name} = (", *(f"    {literal(item)}," for item in value), ")"]
+    return [f"{name} = (", *(line for item in value for line in _row(item)), ")"]
 
 
 def literal(value: Any) -> str:
@@ -25,6 +25,13 @@ def literal(value: Any) -> str:
         inside = ", ".join(literal(item) for item in value)
         return f"({inside},)" if len(value) == 1 else f"({inside})"
     return repr(value)
+
+
+def _row(item: Any) -> list[str]:
+    line = f"    {literal(item)},"
+    if len(line) <= WIDTH or isinstance(item, str):
+        return [line]
+    return ["    (", *(f"        {literal(part)}," for part in item), "    ),"]
 
 
 def _rows(numbers: Iterable[int]) -> list[str]:

@@ -94,6 +94,20 @@ def _common(paths: list[Path]) -> Path:
     return first
 
 
+def _name_width(program: Program, number: int, hoisted: set[int]) -> int:
+    """About how long the name of a value is, or a number's digits."""
+    value = program.values[number]
+    if number in hoisted:
+        return NAME_WIDTH
+    if value.op is Op.CONST:
+        return len(str(value.literal))
+    if value.op is Op.INPUT:
+        return max(NAME_WIDTH, len(value.literal.name))  # type: ignore[union-attr]
+    if value.op in (Op.SIN, Op.COS):
+        return _name_width(program, value.args[0], hoisted) + 4
+    return max(NAME_WIDTH, len(value.serves) + 4)
+
+
 def _inlined(
     program: Program,
     kernel: Kernel,
@@ -108,16 +122,17 @@ def _inlined(
     for number in numbers:
         value = program.values[number]
         if number in hoisted or value.op in LEAVES:
-            width[number] = len(str(value.literal)) if value.op is Op.CONST else NAME_WIDTH
+            width[number] = _name_width(program, number, hoisted)
             continue
         # A choice has lines of its own for each side.
         inside = [] if value.op is Op.SELECT else [a for a in value.args if a in inlined]
-        shown = {a: width[a] if a in inlined else NAME_WIDTH for a in value.args}
+        names = {a: _name_width(program, a, hoisted) for a in value.args}
+        shown = {a: width[a] if a in inlined else names[a] for a in value.args}
         while inside and sum(shown.values()) + 5 * len(value.args) > WIDTH:
             longest = max(inside, key=lambda a: (shown[a], a))
             inside.remove(longest)
             inlined.discard(longest)
-            shown[longest] = NAME_WIDTH
+            shown[longest] = names[longest]
         width[number] = sum(shown.values()) + 5 * len(value.args)
         users = uses[number]
         sign = value.op is Op.NEG and program.values[value.args[0]].op in LEAVES

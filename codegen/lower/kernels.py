@@ -73,7 +73,10 @@ def _dynamic_kernels(scene: SceneGraph, powers: list[tuple[str, str, int]]) -> l
         graph.mul(mass, graph.mul(v, v)) for mass, v in zip(scene.masses, scene.v, strict=True)
     ]
     kinetic = graph.mul(graph.constant(0.5), graph.total(energies))
-    names = [f"{element} {part}, {unit}" for element, part, unit, _ in scene.reactions]
+    names = [
+        f"{element} {part}, {unit}" if unit else f"{element} {part}"
+        for element, part, unit, _ in scene.reactions
+    ]
     reactions = [value for *_, value in scene.reactions]
     return [
         Kernel(

@@ -10,7 +10,6 @@ Mechanical Design 104, 1982.)
 import numpy as np
 
 from runtime.integrate.signatures import (
-    Correction,
     Integers,
     Jacobian,
     Kernel,
@@ -19,9 +18,9 @@ from runtime.integrate.signatures import (
     compiled,
     f8,
     i8,
+    inner,
     integers,
     matrix,
-    none,
     vector,
 )
 
@@ -148,7 +147,7 @@ def choose(
     return rank
 
 
-@compiled(none(Correction, f8, vector, vector, vector, vector, vector, vector), inner=True)
+@inner
 def rest_rate(
     correction: Kernel,
     t: float,
@@ -164,10 +163,7 @@ def rest_rate(
     correction(t, q, probe, p, weights, dq, dv)
 
 
-@compiled(
-    f8(Correction, f8, i8, vector, vector, vector, vector, vector, vector, vector, vector),
-    inner=True,
-)
+@inner
 def growth(
     correction: Kernel,
     t: float,

@@ -20,10 +20,10 @@ from runtime.integrate.signatures import (
     compiled,
     f8,
     i8,
+    inner,
     integer_matrix,
     integers,
     matrix,
-    none,
     vector,
 )
 from runtime.integrate.views import view
@@ -50,7 +50,7 @@ _CHECK_EVERY = 4  # steps between probes of one independent coordinate
 _MANY_ITERATIONS = 4
 
 
-@compiled(none(f8, vector, run_record, integers, vector, integer_matrix), inner=True)
+@inner
 def log_partition(
     t: float, w: Vector, run: Run, column_order: Integers, times: Vector, sets: IntegerMatrix
 ) -> None:
@@ -132,7 +132,7 @@ def repartition(
     return changed
 
 
-@compiled(i8(Correction, f8, vector, vector, run_record, integers), inner=True)
+@inner
 def poorly_chosen(
     correction: Kernel, t: float, w: Vector, p: Vector, run: Run, column_order: Integers
 ) -> int:

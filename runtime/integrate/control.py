@@ -16,6 +16,7 @@ from runtime.integrate.signatures import (
     compiled,
     f8,
     i8,
+    inner,
     integers,
     vector,
 )
@@ -23,7 +24,7 @@ from runtime.integrate.views import view
 from runtime.integrate.workspace import ATOL, DELTA, ROWS, SAMPLE, Y0, K
 
 
-@compiled(f8(f8, f8, f8, f8, f8, f8, f8), inner=True)
+@inner
 def factor(
     error: float,
     error_old: float,

@@ -5,12 +5,12 @@ Differential Equations I, section II.6): with x the fraction of the step, the po
 F0 + x (F1 + (1 - x) (F2 + x (F3 + ...))).
 """
 
-from runtime.integrate.signatures import Vector, compiled, f8, i8, none, vector
+from runtime.integrate.signatures import Vector, inner
 from runtime.integrate.views import view
 from runtime.integrate.workspace import ROWS, Y0, Y1, F, K
 
 
-@compiled(none(vector, i8, f8, i8), inner=True)
+@inner
 def interpolate(w: Vector, dense_rows: int, x: float, index: int) -> None:
     """Write the state at fraction `x` of the step into row `index` of the workspace."""
     length = w.size // ROWS
@@ -25,7 +25,7 @@ def interpolate(w: Vector, dense_rows: int, x: float, index: int) -> None:
             out[j] = f[j] + factor * out[j]
 
 
-@compiled(none(f8, vector, i8), inner=True)
+@inner
 def hermite_rows(h: float, w: Vector, last: int) -> None:
     """Fill the first four coefficient rows from the states and derivatives at both ends.
 

@@ -215,7 +215,8 @@ def advance(
         # Try the step.
         code = attempt(
             accelerations, correction, correct, jacobian, repartition, stages, error, t, h, w, run,
-            p, modes, lam, rows, columns, values, dense_jacobian, row_order, column_order, times, sets,
+            p, modes, lam, rows, columns, values, dense_jacobian, row_order, column_order, times,
+            sets,
         )  # fmt: skip
         if code != DONE:
             r.rejected += 1
@@ -271,9 +272,9 @@ def advance(
             for retake in range(_RETAKES):
                 t1 = t + h
                 code = attempt(
-                    accelerations, correction, correct, jacobian, repartition, stages, error, t, h, w,
-                    run, p, modes, lam, rows, columns, values, dense_jacobian, row_order, column_order,
-                    times, sets,
+                    accelerations, correction, correct, jacobian, repartition, stages, error, t, h,
+                    w, run, p, modes, lam, rows, columns, values, dense_jacobian, row_order,
+                    column_order, times, sets,
                 )  # fmt: skip
                 r.retakes += 1
                 if code != DONE:

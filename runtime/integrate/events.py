@@ -16,6 +16,7 @@ from runtime.integrate.signatures import (
     compiled,
     f8,
     i8,
+    inner,
     integers,
     vector,
 )
@@ -46,7 +47,7 @@ _NOISE = 1e-14  # of the largest |g|: a dip of this depth is none
 _GOLDEN = 0.3819660112501051
 
 
-@compiled(i8(f8, vector, integers), inner=True)
+@inner
 def suspects(h: float, sw: Vector, modes: Integers) -> int:
     """Mark in SUSPECT the functions that may cross in the step, and count them."""
     s = modes.size
@@ -72,7 +73,7 @@ def suspects(h: float, sw: Vector, modes: Integers) -> int:
     return count
 
 
-@compiled(f8(Switching, f8, f8, f8, i8, i8, vector, vector, vector), inner=True)
+@inner
 def sample(
     switching: Kernel,
     t: float,
@@ -94,7 +95,7 @@ def sample(
     return float(sw[TRIAL * s + k])
 
 
-@compiled(f8(Switching, f8, f8, f8, f8, f8, f8, i8, i8, vector, vector, vector), inner=True)
+@inner
 def dip(
     switching: Kernel,
     t: float,
@@ -133,7 +134,7 @@ def dip(
     return NOWHERE
 
 
-@compiled(f8(Switching, f8, f8, f8, f8, f8, f8, i8, i8, vector, vector, vector), inner=True)
+@inner
 def root(
     switching: Kernel,
     t: float,

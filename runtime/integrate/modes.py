@@ -13,13 +13,12 @@ from runtime.integrate.signatures import (
     Integers,
     Kernel,
     Switching,
-    SwitchingRates,
     Vector,
     compiled,
     f8,
     i8,
+    inner,
     integers,
-    none,
     vector,
 )
 from runtime.integrate.views import view
@@ -44,7 +43,7 @@ Settle = types.FunctionType(SETTLE)
 _MOST = 10  # functions whose modes are tried in all combinations
 
 
-@compiled(none(Switching, SwitchingRates, f8, i8, i8, i8, vector, vector, vector), inner=True)
+@inner
 def measure(
     switching: Kernel,
     switching_rates: Kernel,
@@ -66,7 +65,7 @@ def measure(
     switching_rates(t, q, v, a, p, view(sw, (slot + 1) * s, s))
 
 
-@compiled(none(Switching, f8, f8, i8, vector, vector, vector), inner=True)
+@inner
 def carry(
     switching: Kernel, t: float, d: float, state: int, w: Vector, sw: Vector, p: Vector
 ) -> None:
@@ -87,25 +86,7 @@ def carry(
     )
 
 
-@compiled(
-    i8(
-        Accelerations,
-        Switching,
-        f8,
-        f8,
-        i8,
-        i8,
-        vector,
-        vector,
-        vector,
-        integers,
-        vector,
-        integers,
-        i8,
-        integers,
-    ),
-    inner=True,
-)
+@inner
 def contradicted(
     accelerations: Kernel,
     switching: Kernel,

@@ -17,17 +17,17 @@ from runtime.integrate.signatures import (
     compiled,
     f8,
     i8,
+    inner,
     integer_matrix,
     integers,
     matrix,
-    none,
     vector,
 )
 from runtime.integrate.views import view
 from runtime.integrate.workspace import ROWS, SAMPLE, Y1, Run, run_record
 
 
-@compiled(none(f8, i8, vector, run_record, integers, vector, matrix, integer_matrix), inner=True)
+@inner
 def record(
     t: float,
     state: int,

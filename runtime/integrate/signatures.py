@@ -61,25 +61,28 @@ _njit: Any = njit  # its types leave out the options about wrappers
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def compiled(signature: Any, inner: bool = False) -> Callable[[F], F]:
-    """Compile for one explicit signature, keep it on disk, divide as the hardware does.
-
-    An `inner` function is called by name from other compiled functions only, neither from Python
-    nor as a first-class value: it needs no wrappers.
-    """
+def compiled(signature: Any) -> Callable[[F], F]:
+    """Compile for one explicit signature, keep it on disk, divide as the hardware does."""
 
     def decorate(function: F) -> F:
-        dispatcher: F = _njit(
-            signature,
-            cache=True,
-            error_model="numpy",
-            fastmath={"contract"},
-            no_cpython_wrapper=inner,
-            no_cfunc_wrapper=inner,
-        )(function)
+        dispatcher: F = njit(signature, cache=True, error_model="numpy", fastmath={"contract"})(
+            function
+        )
         return dispatcher
 
     return decorate
+
+
+def inner(function: F) -> F:
+    """Compile with the compiled functions that call it: it is neither loaded nor called alone."""
+    dispatcher: F = _njit(
+        cache=True,
+        error_model="numpy",
+        fastmath={"contract"},
+        no_cpython_wrapper=True,
+        no_cfunc_wrapper=True,
+    )(function)
+    return dispatcher
 
 
 @compiled(SWITCHING)

@@ -58,7 +58,7 @@ def frozen() -> Model:
 def long_expressions() -> Model:
     """Sums, products, conditions and choices that fill more than a line."""
     model = Model("long_winded")
-    names = ("the_left_body", "the_right_body")
+    names = ("the_body_on_the_left_hand_side_0", "the_body_on_the_right_hand_side0")
     left, right = (model.body(name, mass=1.0, inertia=1.0) for name in names)
     states = [*left.coordinates, *right.coordinates, left.vx, left.omega, right.vy]
     terms = [sympy.sin((k + 1.5) * a) * b for k, a in enumerate(states) for b in states]
@@ -73,7 +73,7 @@ def long_expressions() -> Model:
         if k == 2:
             break
     model.torque("nested", on=right, value=nested)
-    long_name = "a_parameter_with_quite_a_long_name_that_fills_half_a_line"
+    long_name = "parameter_with_quite_a_long_name"
     stiffness = model.parameter(long_name, 3.0, unit="N/m")
     model.potential("spring", stiffness**2 * (left.x - right.x) ** 2 / 2 + stiffness**3 * left.y)
     model.revolute("joint", left.at(stiffness, 1 / stiffness), right.at(0, 0))
