@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import sympy
 
-from codegen.compilable import constraint_problems, expression_problems
+from codegen.compilable import all_problems, constraint_problems
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.names import nearest
@@ -27,22 +27,25 @@ def check_model(model: Model) -> list[str]:
     for element in elements:
         found += _bodies(model, element)
         found += element.problems()
+    masses = _masses(model)
     for constraint in (*model.joints.values(), *model.drivers.values()):
+        if constraint.problems():
+            continue
         statement = constraint.statement()
         expressions = (*statement.phi, *statement.bindings.values())
         for symbol in _strangers(model, constraint, expressions):
             found.append(_unknown(model, constraint, symbol))
         found += constraint_problems(constraint)
     for effect in model.effects.values():
-        if any(body.fixed for body in effect.bodies):
+        if effect.problems():
             continue
-        terms = _effect_expressions(effect, tuple(model.bodies.values()))
+        sound = tuple(body for name, body in model.bodies.items() if name not in masses)
+        terms = _effect_expressions(effect, sound)
         for symbol in _strangers(model, effect, terms):
             found.append(_unknown(model, effect, symbol))
-        for expression in terms:
-            where = f"{effect.kind} '{effect.name}'"
-            found += expression_problems(where, expression, may_switch=True)
-    found += _masses(model)
+        where = f"{effect.kind} '{effect.name}'"
+        found += all_problems(where, terms, may_switch=True)
+    found += [sentence for sentences in masses.values() for sentence in sentences]
     found += filter(None, (p.problem(p.value) for p in model.parameters.values()))
     found += _collisions(model)
     return list(dict.fromkeys(found))
@@ -156,28 +159,33 @@ def _unknown(model: Model, element: Constraint | Effect, symbol: sympy.Symbol) -
     )
 
 
-def _masses(model: Model) -> Iterator[str]:
+def _masses(model: Model) -> dict[str, list[str]]:
+    """Body → what is wrong with its mass and inertia."""
+    found = {body.name: list(_mass_problems(model, body)) for body in model.bodies.values()}
+    return {name: sentences for name, sentences in found.items() if sentences}
+
+
+def _mass_problems(model: Model, body: Body) -> Iterator[str]:
     defaults = {Parameter(p.name, real=True): p.value for p in model.parameters.values()}
-    for body in model.bodies.values():
-        for word, unit in (("mass", "kg"), ("inertia", "kg m^2")):
-            value = getattr(body, word)
-            if value is None:
-                continue
-            strangers = [s.name for s in value.free_symbols if s not in defaults]
-            if strangers:
-                yield (
-                    f"{word} of body '{body.name}': unknown symbol "
-                    f"{', '.join(map(repr, sorted(strangers)))}; "
-                    "a mass is a number or an expression of parameters."
-                )
-                continue
-            number = value.subs(defaults).evalf()
-            if not (number.is_real and 0 < number < sympy.oo):
-                shown = f"{float(number):g}" if number.is_real else str(number)
-                yield (
-                    f"{word} of body '{body.name}' is {shown} {unit}; it must be positive and "
-                    "finite (leave it out where the scene is kinematic)."
-                )
+    for word, unit in (("mass", "kg"), ("inertia", "kg m^2")):
+        value = getattr(body, word)
+        if value is None:
+            continue
+        strangers = [s.name for s in value.free_symbols if s not in defaults]
+        if strangers:
+            yield (
+                f"{word} of body '{body.name}': unknown symbol "
+                f"{', '.join(map(repr, sorted(strangers)))}; "
+                "a mass is a number or an expression of parameters."
+            )
+            continue
+        number = value.subs(defaults)
+        if not (number.is_real and 0 < number < sympy.oo):
+            shown = f"{float(number):g}" if number.is_real else str(number)
+            yield (
+                f"{word} of body '{body.name}' is {shown} {unit}; it must be positive and "
+                "finite (leave it out where the scene is kinematic)."
+            )
 
 
 def _collisions(model: Model) -> Iterator[str]:

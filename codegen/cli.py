@@ -22,6 +22,9 @@ app = typer.Typer(
 errors = Console(stderr=True, soft_wrap=True, highlight=False)
 output = Console(soft_wrap=True, highlight=False)
 
+PAPER = 1000
+"""A table takes the width that its columns need, whatever the terminal's."""
+
 ModelArgument = Annotated[str, typer.Argument(help="Path, or a bare name for models/NAME.py.")]
 SceneOption = Annotated[str | None, typer.Option(help="One scene; all by default.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")]
@@ -145,7 +148,7 @@ def explain(model: ModelArgument, scene: SceneOption = None, as_json: JsonOption
             table.add_row(part.name, part.kind, *counts)
         table.add_section()
         table.add_row("total", "", *(str(ledger.totals[k]) for k in ledger.kernels))
-        output.print(table)
+        Console(width=PAPER, highlight=False).print(table)
         for name, kind in ledger.left_out:
             output.print(f"  left out: {name} ({kind}): the scene does not name it")
 

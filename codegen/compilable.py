@@ -15,6 +15,8 @@ from codegen.lower.translate import FUNCTIONS
 KNOWN = ", ".join(sorted(f.__name__ for f in (*FUNCTIONS, *KINKED)))
 ARITHMETIC = (sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow)
 NUMBERLESS = (sympy.I, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
+FINITE = "; give finite real numbers."
+UNDEFINED = f"contains nan{FINITE}"
 
 
 def constraint_problems(constraint: Constraint) -> Iterator[str]:
@@ -22,8 +24,9 @@ def constraint_problems(constraint: Constraint) -> Iterator[str]:
     where = f"{constraint.kind} '{constraint.name}'"
     statement = constraint.statement()
     fixed = {k: v for k, v in statement.bindings.items() if isinstance(k, Given)}
-    for expression in (*statement.phi, *fixed.values()):
-        yield from expression_problems(where, expression, may_switch=False)
+    expressions = (*statement.phi, *fixed.values())
+    yield from all_problems(where, expressions, may_switch=False)
+    for expression in expressions:
         for symbol in kinds(expression, Velocity):
             yield (
                 f"{where}: {expression} contains the velocity {symbol}; constraints are equations "
@@ -39,13 +42,20 @@ def constraint_problems(constraint: Constraint) -> Iterator[str]:
             )
 
 
+def all_problems(where: str, expressions: Iterable[sympy.Basic], may_switch: bool) -> list[str]:
+    """What is wrong with expressions; an undefined number only where nothing else explains it."""
+    found = [p for e in expressions for p in expression_problems(where, e, may_switch)]
+    telling = [problem for problem in found if not problem.endswith(UNDEFINED)]
+    return telling or found
+
+
 def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -> Iterator[str]:
     """What in an expression has no smooth pieces, or no meaning to a compiler."""
     waiting: list[Any] = [expression]
     while waiting:
         node = waiting.pop()
         if node in NUMBERLESS:
-            yield f"{where}: {expression} contains {node}; give finite real numbers."
+            yield f"{where}: {expression} contains {node}{FINITE}"
         elif isinstance(node, sympy.Piecewise | ExprCondPair):
             waiting += [a for a in node.args if a not in (sympy.true, sympy.false)]
             if isinstance(node, sympy.Piecewise):

@@ -83,7 +83,9 @@ class Model:
         """
         values = []
         for value, unit, word in ((mass, "kg", "mass"), (inertia, "kg m^2", "inertia")):
-            values.append(self._read.value(value, unit, f"{word} of body '{name}'"))
+            known = len(self.problems)
+            read = self._read.value(value, unit, f"{word} of body '{name}'")
+            values.append(read if len(self.problems) == known else None)
             if isinstance(values[-1], Parameter) and values[-1].name in self.parameters:
                 declared = self.parameters[values[-1].name]
                 self.parameters[declared.name] = replace(declared, sign="positive")

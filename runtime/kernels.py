@@ -8,9 +8,11 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any, NamedTuple
 
+import numpy as np
+import numpy.typing as npt
 from numba import types
 
-from runtime.integrate.signatures import compiled
+from runtime.compiled import addresses, at, compiled
 
 Kernel = Callable[..., Any]
 
@@ -39,6 +41,8 @@ SIGNATURES = {
     "switching_rates": types.none(SCALAR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR),
 }
 TYPES = {name: types.FunctionType(signature) for name, signature in SIGNATURES.items()}
+FETCH = {name: at(kind, slot) for slot, (name, kind) in enumerate(TYPES.items())}
+"""Kernel → what takes it, inside compiled code, out of the table of a machine's kernels."""
 
 
 class Kernels(NamedTuple):
@@ -60,6 +64,10 @@ class Kernels(NamedTuple):
     reactions: Kernel
     switching: Kernel
     switching_rates: Kernel
+
+    def table(self) -> npt.NDArray[np.int64]:
+        """Addresses in the order of the fields, for compiled loops."""
+        return addresses(self)
 
 
 def gather(module: ModuleType) -> Kernels:

@@ -49,6 +49,11 @@ class Machine:
         self.kernels = kernels
         self.path = path
 
+    @cached_property
+    def kernel_table(self) -> npt.NDArray[np.int64]:
+        """Addresses of the kernels, for compiled loops of the runtime."""
+        return self.kernels.table()
+
     @property
     def model(self) -> str:
         """Name of the model."""

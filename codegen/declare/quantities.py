@@ -1,5 +1,6 @@
 """Numbers with units: converted to SI where they are declared, and nowhere else."""
 
+import re
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +10,7 @@ if TYPE_CHECKING:
     import pint
 
 METRE, KILOGRAM, RADIAN, NEWTON, NEWTON_METRE = "m", "kg", "rad", "N", "N m"
+UNIT = re.compile(r"[\w%°^*/ .()+-]*")
 INERTIA, ACCELERATION = "kg m^2", "m/s^2"
 
 
@@ -30,6 +32,8 @@ def pint_form(unit: str) -> str:
 
 def known_unit(unit: str) -> bool:
     """Whether `unit` is a unit at all (the empty text means a pure number)."""
+    if not UNIT.fullmatch(unit):
+        return False
     try:
         registry().parse_units(pint_form(unit)) if unit else None
     except Exception:  # pint raises several kinds, among them tokenizer errors
@@ -65,8 +69,9 @@ def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
             f"{where}: {value} has the dimension {value.dimensionality}, but {wanted} is needed; "
             f"give a quantity that converts to {wanted}."
         )
-        return float(value.magnitude)
-    return float(value.to(target).magnitude)
+        return 1.0
+    magnitude = value.to(target).magnitude
+    return magnitude if isinstance(magnitude, sympy.Basic) else float(magnitude)
 
 
 def expression(value: Any) -> sympy.Expr:

@@ -26,6 +26,7 @@ class Equations:
     def __init__(self, machine: "Machine", p: FloatArray) -> None:
         self.description = machine.description
         self.kernels = machine.kernels
+        self.table = machine.kernel_table
         self.p = p
         self.n = len(machine.coordinates)
         self.m = len(machine.constraints)

@@ -152,7 +152,7 @@ def follow(
     while record[MARK] < count and not locked:
         chunk = min(int(record[MARK]) + _CHUNK, count)
         status = walk(
-            machine.kernels.correction, machine.kernels.accelerations, times[:chunk],
+            machine.kernel_table, times[:chunk],
             p, w, scale, q, v, a, modes, lam, q_out, v_out, a_out, record, work,
         )  # fmt: skip
         if status != DONE:

@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 from numba import types
 
-from runtime.integrate.signatures import compiled
-from runtime.kernels import MATRIX, MODE_ROWS, MODES, TYPES, VECTOR
+from runtime.compiled import ADDRESSES, compiled
+from runtime.kernels import FETCH, MATRIX, MODE_ROWS, MODES, VECTOR
 from runtime.results.samples import Samples
 
 if TYPE_CHECKING:
@@ -15,18 +15,21 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+accelerations_of = FETCH["accelerations"]
+constraints_of = FETCH["constraints"]
+jacobian_of = FETCH["jacobian"]
+velocity_rhs_of = FETCH["velocity_rhs"]
+reactions_of = FETCH["reactions"]
+powers_of = FETCH["powers"]
+kinetic_energy_of = FETCH["kinetic_energy"]
+potential_of = FETCH["potential"]
+switching_of = FETCH["switching"]
+switching_rates_of = FETCH["switching_rates"]
 
 
 @compiled(
     types.none(
-        TYPES["accelerations"],
-        TYPES["constraints"],
-        TYPES["jacobian"],
-        TYPES["velocity_rhs"],
-        TYPES["reactions"],
-        TYPES["powers"],
-        TYPES["kinetic_energy"],
-        TYPES["potential"],
+        ADDRESSES,
         VECTOR,
         VECTOR,
         MATRIX,
@@ -45,14 +48,7 @@ IntArray = npt.NDArray[np.int64]
     ),
 )
 def _evaluate(
-    accelerations: Any,
-    constraints: Any,
-    jacobian: Any,
-    velocity_rhs: Any,
-    reactions: Any,
-    powers: Any,
-    kinetic_energy: Any,
-    potential: Any,
+    kernels: Any,
     times: Any,
     p: Any,
     q: Any,
@@ -69,6 +65,14 @@ def _evaluate(
     weak: Any,
     slopes: Any,
 ) -> None:
+    accelerations = accelerations_of(kernels)
+    constraints = constraints_of(kernels)
+    jacobian = jacobian_of(kernels)
+    velocity_rhs = velocity_rhs_of(kernels)
+    reactions = reactions_of(kernels)
+    powers = powers_of(kernels)
+    kinetic_energy = kinetic_energy_of(kernels)
+    potential = potential_of(kernels)
     m = lam.shape[1]
     phi = np.zeros(m)
     for k in range(len(times)):
@@ -98,9 +102,7 @@ def _evaluate(
 
 @compiled(
     types.none(
-        TYPES["switching"],
-        TYPES["switching_rates"],
-        TYPES["accelerations"],
+        ADDRESSES,
         VECTOR,
         VECTOR,
         MATRIX,
@@ -113,9 +115,7 @@ def _evaluate(
     ),
 )
 def _find_modes(
-    switching: Any,
-    switching_rates: Any,
-    accelerations: Any,
+    kernels: Any,
     times: Any,
     p: Any,
     q: Any,
@@ -126,6 +126,9 @@ def _find_modes(
     g: Any,
     rate: Any,
 ) -> None:
+    switching = switching_of(kernels)
+    switching_rates = switching_rates_of(kernels)
+    accelerations = accelerations_of(kernels)
     for k in range(len(times)):
         switching(times[k], q[k], v[k], p, g)
         boundary = False
@@ -157,7 +160,7 @@ def evaluate(
     modes
         Shape (instants, s); found from the states where not given.
     """
-    told, kernels = machine.description, machine.kernels
+    told = machine.description
     count, n, m = len(t), len(told.coordinates), len(told.constraints)
     t, q, v = (np.ascontiguousarray(array, dtype=np.float64) for array in (t, q, v))
     if modes is None:
@@ -165,8 +168,8 @@ def evaluate(
         if told.switches:
             s = len(told.switches)
             _find_modes(
-                kernels.switching, kernels.switching_rates, kernels.accelerations,
-                t, p, q, v, modes, np.zeros(n), np.zeros(m), np.zeros(s), np.zeros(s),
+                machine.kernel_table, t, p, q, v, modes,
+                np.zeros(n), np.zeros(m), np.zeros(s), np.zeros(s),
             )  # fmt: skip
     modes = np.ascontiguousarray(modes, dtype=np.int64)
     a, lam = np.zeros((count, n)), np.zeros((count, m))
@@ -175,9 +178,7 @@ def evaluate(
     energy, residual = np.zeros((count, 2)), np.zeros((count, 2))
     weak = np.zeros(count, dtype=np.int64)
     _evaluate(
-        kernels.accelerations, kernels.constraints, kernels.jacobian, kernels.velocity_rhs,
-        kernels.reactions, kernels.powers, kernels.kinetic_energy, kernels.potential,
-        t, p, q, v, modes,
+        machine.kernel_table, t, p, q, v, modes,
         told.jacobian_rows.astype(np.int64), told.jacobian_columns.astype(np.int64),
         a, lam, reaction, power, energy, residual, weak, np.zeros(len(told.jacobian_rows)),
     )  # fmt: skip

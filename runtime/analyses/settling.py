@@ -12,8 +12,8 @@ from numba import types
 
 from runtime.analyses.equations import FloatArray
 from runtime.analyses.reduced import Rest
-from runtime.integrate.signatures import compiled
-from runtime.kernels import MATRIX, MODES, SCALAR, TYPES, VECTOR
+from runtime.compiled import ADDRESSES, compiled
+from runtime.kernels import FETCH, MATRIX, MODES, SCALAR, VECTOR
 from runtime.progress import Progress
 
 _TOLERANCE = 1e-4
@@ -24,14 +24,15 @@ _CHUNKS = 300
 
 # Places in the record.
 STEP, LIMIT, SINCE, ENERGY, HIGHEST, PEAKS, STEPS, RECORD = 0, 1, 2, 3, 4, 5, 6, 7
+accelerations_of = FETCH["accelerations"]
+correction_of = FETCH["correction"]
+switching_of = FETCH["switching"]
+kinetic_energy_of = FETCH["kinetic_energy"]
 
 
 @compiled(
     types.int64(
-        TYPES["accelerations"],
-        TYPES["correction"],
-        TYPES["switching"],
-        TYPES["kinetic_energy"],
+        ADDRESSES,
         SCALAR,
         VECTOR,
         VECTOR,
@@ -47,10 +48,7 @@ STEP, LIMIT, SINCE, ENERGY, HIGHEST, PEAKS, STEPS, RECORD = 0, 1, 2, 3, 4, 5, 6,
     ),
 )
 def relax(
-    accelerations: Any,
-    correction: Any,
-    switching: Any,
-    kinetic_energy: Any,
+    kernels: Any,
     t: Any,
     p: Any,
     w: Any,
@@ -65,6 +63,10 @@ def relax(
     count: Any,
 ) -> int:
     """Take `count` steps at frozen time; 1 at rest, 0 if not yet, negative on a weak row."""
+    accelerations = accelerations_of(kernels)
+    correction = correction_of(kernels)
+    switching = switching_of(kernels)
+    kinetic_energy = kinetic_energy_of(kernels)
     n = len(q)
     a1, a2, a3, a4 = work[0], work[1], work[2], work[3]
     q2, v2, q3, v3, q4, v4 = work[4], work[5], work[6], work[7], work[8], work[9]
@@ -144,7 +146,7 @@ class Settled(NamedTuple):
 def settle_down(rest: Rest, q: FloatArray, progress: Progress) -> Settled:
     """Let the machine fall from q, with a slight push to leave an unstable position, and settle."""
     equations, scale = rest.equations, rest.scale
-    kernels, n, t = equations.kernels, equations.n, rest.t
+    n, t = equations.n, rest.t
     part = rest.partition(q)
     push = np.random.default_rng(4).normal(size=len(part.independent))
     v = np.ascontiguousarray(1e-3 * rest.motions(q, part) @ push)
@@ -157,8 +159,7 @@ def settle_down(rest: Rest, q: FloatArray, progress: Progress) -> Settled:
     status = 0
     for chunk in range(_CHUNKS):
         status = relax(
-            kernels.accelerations, kernels.correction, kernels.switching, kernels.kinetic_energy,
-            t, equations.p, w, scale, q, v, modes, g, lam, record, work, _CHUNK,
+            equations.table, t, equations.p, w, scale, q, v, modes, g, lam, record, work, _CHUNK,
         )  # fmt: skip
         progress(chunk / _CHUNKS)
         if status != 0 or not np.isfinite(q).all():

@@ -10,8 +10,8 @@ from typing import Any
 
 from numba import types
 
-from runtime.integrate.signatures import compiled
-from runtime.kernels import MATRIX, MODES, SCALAR, TYPES, VECTOR
+from runtime.compiled import ADDRESSES, compiled
+from runtime.kernels import FETCH, MATRIX, MODES, SCALAR, TYPES, VECTOR
 
 DONE, STUCK = 0, 1
 # Places in the record that a walk leaves behind.
@@ -19,6 +19,8 @@ T, STEP, REASON, STEPS, REJECTED, NEWTON, MARK, RECORD = 0, 1, 2, 3, 4, 5, 6, 7
 
 _PREDICTED = 0.05  # largest scaled error of a prediction that is trusted to name the branch
 _TRAVEL = 0.5  # largest scaled motion of one step
+correction_of = FETCH["correction"]
+accelerations_of = FETCH["accelerations"]
 
 
 @compiled(
@@ -76,8 +78,7 @@ def settle(
 
 @compiled(
     types.int64(
-        TYPES["correction"],
-        TYPES["accelerations"],
+        ADDRESSES,
         VECTOR,
         VECTOR,
         VECTOR,
@@ -95,8 +96,7 @@ def settle(
     ),
 )
 def walk(
-    correction: Any,
-    accelerations: Any,
+    kernels: Any,
     times: Any,
     p: Any,
     w: Any,
@@ -117,6 +117,8 @@ def walk(
     record[MARK] counts the instants done. Returns DONE, or STUCK with the state at the last
     position reached and the reason in record[REASON].
     """
+    correction = correction_of(kernels)
+    accelerations = accelerations_of(kernels)
     n = len(q)
     q_new, v_new, dq, dv, info = work[0], work[1], work[2], work[3], work[4]
     done = int(record[MARK])

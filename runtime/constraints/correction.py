@@ -1,14 +1,20 @@
 """Newton's return of a state onto the constraints, positions and velocities together.
 
-Which coordinates move is data: the weights are zero on the independent ones, so that these are held
-and the dependent ones follow (Haug's coordinate partitioning), each in proportion to its scale.
+Which coordinates move is data. At the end of a step the weights are zero on the independent ones,
+so that these are held and the dependent ones follow (Haug's coordinate partitioning). States off the
+steps, where the partition may be singular, are projected in the metric of the masses.
 """
 
 import numpy as np
 
-from runtime.integrate.signatures import CORRECT, Kernel, Vector, compiled
+from runtime.compiled import compiled
+from runtime.integrate.signatures import (
+    CORRECT,
+    Kernel,
+    Vector,
+)
 from runtime.integrate.views import view
-from runtime.integrate.workspace import DELTA, PARTITION, ROWS, SIZE
+from runtime.integrate.workspace import DELTA, ROWS, SIZE
 
 ITERATIONS = 10
 WEAK = 64  # a converged result of WEAK * c + i: i iterations, constraint c - 1 has a weak pivot
@@ -18,8 +24,11 @@ _VELOCITY = 1e-8  # relative change of a velocity that one linear solve brings t
 
 
 @compiled(CORRECT)
-def correct(correction: Kernel, t: float, index: int, w: Vector, p: Vector) -> int:
+def correct(correction: Kernel, t: float, index: int, weighing: int, w: Vector, p: Vector) -> int:
     """Bring the state in row `index` of the workspace onto the constraints at time `t`.
+
+    Row `weighing` holds the weights: `PARTITION` holds the independent coordinates, `PROJECTION`
+    moves all of them, least in the metric of the masses.
 
     Returns
     -------
@@ -32,7 +41,7 @@ def correct(correction: Kernel, t: float, index: int, w: Vector, p: Vector) -> i
     v = view(w, index * 2 * n + n, n)
     dq = view(w, DELTA * 2 * n, n)
     dv = view(w, DELTA * 2 * n + n, n)
-    weights = view(w, PARTITION * 2 * n, n)
+    weights = view(w, weighing * 2 * n, n)
     size = view(w, SIZE * 2 * n, 2 * n)
     previous = np.inf
     weak = 0

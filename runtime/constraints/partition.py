@@ -9,16 +9,15 @@ Mechanical Design 104, 1982.)
 
 import numpy as np
 
+from runtime.compiled import compiled, inner
 from runtime.integrate.signatures import (
     Integers,
     Jacobian,
     Kernel,
     Matrix,
     Vector,
-    compiled,
     f8,
     i8,
-    inner,
     integers,
     matrix,
     vector,

@@ -3,6 +3,7 @@
 import numpy as np
 from numba import types
 
+from runtime.compiled import compiled, inner
 from runtime.constraints.correction import FAILED, WEAK
 from runtime.constraints.partition import choose, growth
 from runtime.integrate.signatures import (
@@ -17,10 +18,8 @@ from runtime.integrate.signatures import (
     Matrix,
     Stages,
     Vector,
-    compiled,
     f8,
     i8,
-    inner,
     integer_matrix,
     integers,
     matrix,
@@ -267,7 +266,7 @@ def attempt(
                 jacobian, t + h, Y1, w, p, run, rows, columns, values, dense, row_order,
                 column_order, times, sets,
             )  # fmt: skip
-        result = correct(correction, t + h, Y1, w, p)
+        result = correct(correction, t + h, Y1, PARTITION, w, p)
         r.newton += 1
         if result == FAILED or result >= _MANY_ITERATIONS:
             for j in range(length):
@@ -278,7 +277,7 @@ def attempt(
                 column_order, times, sets,
             )  # fmt: skip
             if changed != 0:
-                result = correct(correction, t + h, Y1, w, p)
+                result = correct(correction, t + h, Y1, PARTITION, w, p)
                 r.newton += 1
             else:
                 for j in range(length):

@@ -8,15 +8,14 @@ section II.4.
 import numpy as np
 from numba import types
 
+from runtime.compiled import compiled, inner
 from runtime.integrate.signatures import (
     Accelerations,
     Integers,
     Kernel,
     Vector,
-    compiled,
     f8,
     i8,
-    inner,
     integers,
     vector,
 )

@@ -5,7 +5,8 @@ Differential Equations I, section II.6): with x the fraction of the step, the po
 F0 + x (F1 + (1 - x) (F2 + x (F3 + ...))).
 """
 
-from runtime.integrate.signatures import Vector, inner
+from runtime.compiled import inner
+from runtime.integrate.signatures import Vector
 from runtime.integrate.views import view
 from runtime.integrate.workspace import ROWS, Y0, Y1, F, K
 

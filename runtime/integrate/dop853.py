@@ -9,6 +9,7 @@ the derivative at the end of the step and the first of the next.
 
 import numpy as np
 
+from runtime.compiled import compiled
 from runtime.integrate import dop853_coefficients as c
 from runtime.integrate.dense import hermite_rows
 from runtime.integrate.signatures import (
@@ -18,10 +19,9 @@ from runtime.integrate.signatures import (
     Integers,
     Kernel,
     Vector,
-    compiled,
 )
 from runtime.integrate.views import view
-from runtime.integrate.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K
+from runtime.integrate.workspace import ATOL, PARTITION, ROWS, STAGE, Y0, Y1, F, K
 
 ORDER = 8
 ERROR_ORDER = 7
@@ -70,42 +70,42 @@ def stages(
     for j in range(length):
         z[j] = y0[j] + h * (c.A2_1 * k1[j])
     if each_stage != 0:
-        taken += correct(correction, t + c.C2 * h, STAGE, w, p)
+        taken += correct(correction, t + c.C2 * h, STAGE, PARTITION, w, p)
     accelerations(t + c.C2 * h, q, v, p, modes, view(w, (K + 1) * length + n, n), lam)
     for j in range(n):
         k2[j] = v[j]
     for j in range(length):
         z[j] = y0[j] + h * (c.A3_1 * k1[j] + c.A3_2 * k2[j])
     if each_stage != 0:
-        taken += correct(correction, t + c.C3 * h, STAGE, w, p)
+        taken += correct(correction, t + c.C3 * h, STAGE, PARTITION, w, p)
     accelerations(t + c.C3 * h, q, v, p, modes, view(w, (K + 2) * length + n, n), lam)
     for j in range(n):
         k3[j] = v[j]
     for j in range(length):
         z[j] = y0[j] + h * (c.A4_1 * k1[j] + c.A4_3 * k3[j])
     if each_stage != 0:
-        taken += correct(correction, t + c.C4 * h, STAGE, w, p)
+        taken += correct(correction, t + c.C4 * h, STAGE, PARTITION, w, p)
     accelerations(t + c.C4 * h, q, v, p, modes, view(w, (K + 3) * length + n, n), lam)
     for j in range(n):
         k4[j] = v[j]
     for j in range(length):
         z[j] = y0[j] + h * (c.A5_1 * k1[j] + c.A5_3 * k3[j] + c.A5_4 * k4[j])
     if each_stage != 0:
-        taken += correct(correction, t + c.C5 * h, STAGE, w, p)
+        taken += correct(correction, t + c.C5 * h, STAGE, PARTITION, w, p)
     accelerations(t + c.C5 * h, q, v, p, modes, view(w, (K + 4) * length + n, n), lam)
     for j in range(n):
         k5[j] = v[j]
     for j in range(length):
         z[j] = y0[j] + h * (c.A6_1 * k1[j] + c.A6_4 * k4[j] + c.A6_5 * k5[j])
     if each_stage != 0:
-        taken += correct(correction, t + c.C6 * h, STAGE, w, p)
+        taken += correct(correction, t + c.C6 * h, STAGE, PARTITION, w, p)
     accelerations(t + c.C6 * h, q, v, p, modes, view(w, (K + 5) * length + n, n), lam)
     for j in range(n):
         k6[j] = v[j]
     for j in range(length):
         z[j] = y0[j] + h * (c.A7_1 * k1[j] + c.A7_4 * k4[j] + c.A7_5 * k5[j] + c.A7_6 * k6[j])
     if each_stage != 0:
-        taken += correct(correction, t + c.C7 * h, STAGE, w, p)
+        taken += correct(correction, t + c.C7 * h, STAGE, PARTITION, w, p)
     accelerations(t + c.C7 * h, q, v, p, modes, view(w, (K + 6) * length + n, n), lam)
     for j in range(n):
         k7[j] = v[j]
@@ -114,7 +114,7 @@ def stages(
             c.A8_1 * k1[j] + c.A8_4 * k4[j] + c.A8_5 * k5[j] + c.A8_6 * k6[j] + c.A8_7 * k7[j]
         )
     if each_stage != 0:
-        taken += correct(correction, t + c.C8 * h, STAGE, w, p)
+        taken += correct(correction, t + c.C8 * h, STAGE, PARTITION, w, p)
     accelerations(t + c.C8 * h, q, v, p, modes, view(w, (K + 7) * length + n, n), lam)
     for j in range(n):
         k8[j] = v[j]
@@ -128,7 +128,7 @@ def stages(
             + c.A9_8 * k8[j]
         )
     if each_stage != 0:
-        taken += correct(correction, t + c.C9 * h, STAGE, w, p)
+        taken += correct(correction, t + c.C9 * h, STAGE, PARTITION, w, p)
     accelerations(t + c.C9 * h, q, v, p, modes, view(w, (K + 8) * length + n, n), lam)
     for j in range(n):
         k9[j] = v[j]
@@ -143,7 +143,7 @@ def stages(
             + c.A10_9 * k9[j]
         )
     if each_stage != 0:
-        taken += correct(correction, t + c.C10 * h, STAGE, w, p)
+        taken += correct(correction, t + c.C10 * h, STAGE, PARTITION, w, p)
     accelerations(t + c.C10 * h, q, v, p, modes, view(w, (K + 9) * length + n, n), lam)
     for j in range(n):
         k10[j] = v[j]
@@ -159,7 +159,7 @@ def stages(
             + c.A11_10 * k10[j]
         )
     if each_stage != 0:
-        taken += correct(correction, t + c.C11 * h, STAGE, w, p)
+        taken += correct(correction, t + c.C11 * h, STAGE, PARTITION, w, p)
     accelerations(t + c.C11 * h, q, v, p, modes, view(w, (K + 10) * length + n, n), lam)
     for j in range(n):
         k11[j] = v[j]
@@ -176,7 +176,7 @@ def stages(
             + c.A12_11 * k11[j]
         )
     if each_stage != 0:
-        taken += correct(correction, t + h, STAGE, w, p)
+        taken += correct(correction, t + h, STAGE, PARTITION, w, p)
     accelerations(t + h, q, v, p, modes, view(w, (K + 11) * length + n, n), lam)
     for j in range(n):
         k12[j] = v[j]
@@ -290,7 +290,7 @@ def dense(
             + c.A14_13 * k13[j]
         )
     if each_stage != 0:
-        taken += correct(correction, t + c.C14 * h, STAGE, w, p)
+        taken += correct(correction, t + c.C14 * h, STAGE, PARTITION, w, p)
     accelerations(t + c.C14 * h, q, v, p, modes, view(w, (K + 13) * length + n, n), lam)
     for j in range(n):
         k14[j] = v[j]
@@ -306,7 +306,7 @@ def dense(
             + c.A15_14 * k14[j]
         )
     if each_stage != 0:
-        taken += correct(correction, t + c.C15 * h, STAGE, w, p)
+        taken += correct(correction, t + c.C15 * h, STAGE, PARTITION, w, p)
     accelerations(t + c.C15 * h, q, v, p, modes, view(w, (K + 14) * length + n, n), lam)
     for j in range(n):
         k15[j] = v[j]
@@ -322,7 +322,7 @@ def dense(
             + c.A16_15 * k15[j]
         )
     if each_stage != 0:
-        taken += correct(correction, t + c.C16 * h, STAGE, w, p)
+        taken += correct(correction, t + c.C16 * h, STAGE, PARTITION, w, p)
     accelerations(t + c.C16 * h, q, v, p, modes, view(w, (K + 15) * length + n, n), lam)
     for j in range(n):
         k16[j] = v[j]

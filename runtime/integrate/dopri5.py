@@ -8,6 +8,7 @@ The last stage is the first of the next step.
 
 import numpy as np
 
+from runtime.compiled import compiled
 from runtime.integrate.dense import hermite_rows
 from runtime.integrate.signatures import (
     DENSE,
@@ -16,10 +17,9 @@ from runtime.integrate.signatures import (
     Integers,
     Kernel,
     Vector,
-    compiled,
 )
 from runtime.integrate.views import view
-from runtime.integrate.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K
+from runtime.integrate.workspace import ATOL, PARTITION, ROWS, STAGE, Y0, Y1, F, K
 
 ORDER = 5
 ERROR_ORDER = 4
@@ -75,35 +75,35 @@ def stages(
     for j in range(length):
         z[j] = y0[j] + h * A21 * k1[j]
     if each_stage != 0:
-        taken += correct(correction, t + C2 * h, STAGE, w, p)
+        taken += correct(correction, t + C2 * h, STAGE, PARTITION, w, p)
     accelerations(t + C2 * h, q, v, p, modes, view(w, (K + 1) * length + n, n), lam)
     for j in range(n):
         k2[j] = v[j]
     for j in range(length):
         z[j] = y0[j] + h * (A31 * k1[j] + A32 * k2[j])
     if each_stage != 0:
-        taken += correct(correction, t + C3 * h, STAGE, w, p)
+        taken += correct(correction, t + C3 * h, STAGE, PARTITION, w, p)
     accelerations(t + C3 * h, q, v, p, modes, view(w, (K + 2) * length + n, n), lam)
     for j in range(n):
         k3[j] = v[j]
     for j in range(length):
         z[j] = y0[j] + h * (A41 * k1[j] + A42 * k2[j] + A43 * k3[j])
     if each_stage != 0:
-        taken += correct(correction, t + C4 * h, STAGE, w, p)
+        taken += correct(correction, t + C4 * h, STAGE, PARTITION, w, p)
     accelerations(t + C4 * h, q, v, p, modes, view(w, (K + 3) * length + n, n), lam)
     for j in range(n):
         k4[j] = v[j]
     for j in range(length):
         z[j] = y0[j] + h * (A51 * k1[j] + A52 * k2[j] + A53 * k3[j] + A54 * k4[j])
     if each_stage != 0:
-        taken += correct(correction, t + C5 * h, STAGE, w, p)
+        taken += correct(correction, t + C5 * h, STAGE, PARTITION, w, p)
     accelerations(t + C5 * h, q, v, p, modes, view(w, (K + 4) * length + n, n), lam)
     for j in range(n):
         k5[j] = v[j]
     for j in range(length):
         z[j] = y0[j] + h * (A61 * k1[j] + A62 * k2[j] + A63 * k3[j] + A64 * k4[j] + A65 * k5[j])
     if each_stage != 0:
-        taken += correct(correction, t + h, STAGE, w, p)
+        taken += correct(correction, t + h, STAGE, PARTITION, w, p)
     accelerations(t + h, q, v, p, modes, view(w, (K + 5) * length + n, n), lam)
     for j in range(n):
         k6[j] = v[j]

@@ -5,27 +5,16 @@ first-class functions; all state lies in its arrays, so that a run can stop afte
 with the same bits.
 """
 
-from runtime.integrate.attempt import DONE, NEWTON, NOT_FINITE, TOO_LARGE, Attempt, Repartition
-from runtime.integrate.control import FirstStep, factor
-from runtime.integrate.events import Locate, suspects
-from runtime.integrate.modes import CONSISTENT, ON_SURFACE, Settle, measure
-from runtime.integrate.outputs import Emit
+from runtime.compiled import ADDRESSES, compiled
+from runtime.integrate.attempt import DONE, NEWTON, NOT_FINITE, TOO_LARGE
+from runtime.integrate.control import factor
+from runtime.integrate.events import suspects
+from runtime.integrate.modes import CONSISTENT, ON_SURFACE, measure
 from runtime.integrate.signatures import (
-    Accelerations,
-    Correct,
-    Correction,
-    Dense,
-    Error,
     IntegerMatrix,
     Integers,
-    Jacobian,
-    Kernel,
     Matrix,
-    Stages,
-    Switching,
-    SwitchingRates,
     Vector,
-    compiled,
     i8,
     integer_matrix,
     integers,
@@ -33,6 +22,23 @@ from runtime.integrate.signatures import (
     vector,
 )
 from runtime.integrate.start import LOOK_AHEAD
+from runtime.integrate.tables import (
+    accelerations_of,
+    attempt_of,
+    correct_of,
+    correction_of,
+    dense_of,
+    emit_of,
+    error_of,
+    first_step_of,
+    jacobian_of,
+    locate_of,
+    repartition_of,
+    settle_of,
+    stages_of,
+    switching_of,
+    switching_rates_of,
+)
 from runtime.integrate.views import borrow, view
 from runtime.integrate.workspace import (
     BAND,
@@ -74,21 +80,8 @@ LOG_MARGIN = 16  # free rows of the partition log that one step may need
 @compiled(
     i8(
         i8,
-        Accelerations,
-        Correction,
-        Correct,
-        Jacobian,
-        Switching,
-        SwitchingRates,
-        Stages,
-        Error,
-        Dense,
-        Attempt,
-        Repartition,
-        Locate,
-        Settle,
-        FirstStep,
-        Emit,
+        ADDRESSES,
+        ADDRESSES,
         vector,
         vector,
         run_record,
@@ -116,21 +109,8 @@ LOG_MARGIN = 16  # free rows of the partition log that one step may need
 )
 def advance(
     budget: int,
-    accelerations: Kernel,
-    correction: Kernel,
-    correct: Kernel,
-    jacobian: Kernel,
-    switching: Kernel,
-    switching_rates: Kernel,
-    stages: Kernel,
-    error: Kernel,
-    dense: Kernel,
-    attempt: Kernel,
-    repartition: Kernel,
-    locate: Kernel,
-    settle: Kernel,
-    first_step: Kernel,
-    emit: Kernel,
+    kernels: Integers,
+    functions: Integers,
     w: Vector,
     sw: Vector,
     run: Run,
@@ -160,6 +140,21 @@ def advance(
     Returns `GOING`, or the code of the outcome. `run.index` names the switching function or
     constraint where an outcome concerns one.
     """
+    accelerations = accelerations_of(kernels)
+    correction = correction_of(kernels)
+    jacobian = jacobian_of(kernels)
+    switching = switching_of(kernels)
+    switching_rates = switching_rates_of(kernels)
+    correct = correct_of(functions)
+    stages = stages_of(functions)
+    error = error_of(functions)
+    dense = dense_of(functions)
+    attempt = attempt_of(functions)
+    repartition = repartition_of(functions)
+    locate = locate_of(functions)
+    settle = settle_of(functions)
+    first_step = first_step_of(functions)
+    emit = emit_of(functions)
     # Handed on below as borrowed: counting references costs more than a stage.
     w = borrow(w)
     sw = borrow(sw)

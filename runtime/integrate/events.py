@@ -7,16 +7,15 @@ them at the lowest points, so that a pair of crossings is not stepped over.
 
 from numba import types
 
+from runtime.compiled import compiled, inner
 from runtime.integrate.dense import interpolate
 from runtime.integrate.signatures import (
     Integers,
     Kernel,
     Switching,
     Vector,
-    compiled,
     f8,
     i8,
-    inner,
     integers,
     vector,
 )

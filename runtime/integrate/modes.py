@@ -8,16 +8,15 @@ is zero leaves the word to the acceleration.
 
 from numba import types
 
+from runtime.compiled import compiled, inner
 from runtime.integrate.signatures import (
     Accelerations,
     Integers,
     Kernel,
     Switching,
     Vector,
-    compiled,
     f8,
     i8,
-    inner,
     integers,
     vector,
 )

@@ -2,6 +2,7 @@
 
 from numba import types
 
+from runtime.compiled import compiled, inner
 from runtime.constraints.correction import FAILED, WEAK
 from runtime.integrate.dense import interpolate
 from runtime.integrate.signatures import (
@@ -14,17 +15,15 @@ from runtime.integrate.signatures import (
     Kernel,
     Matrix,
     Vector,
-    compiled,
     f8,
     i8,
-    inner,
     integer_matrix,
     integers,
     matrix,
     vector,
 )
 from runtime.integrate.views import view
-from runtime.integrate.workspace import ROWS, SAMPLE, Y1, Run, run_record
+from runtime.integrate.workspace import PROJECTION, ROWS, SAMPLE, Y1, Run, run_record
 
 
 @inner
@@ -114,7 +113,7 @@ def emit(
                 r.rhs += r.dense_calls
             interpolate(w, r.dense_rows, (at - t) / h, SAMPLE)
             if lam.size > 0:
-                result = correct(correction, at, SAMPLE, w, p)
+                result = correct(correction, at, SAMPLE, PROJECTION, w, p)
                 if result == FAILED:
                     return FAILED
                 r.corrections += result % WEAK

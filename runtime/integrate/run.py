@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from codegen.errors import InputError
-from runtime.constraints.correction import correct
-from runtime.integrate import attempt, control, dop853, dopri5, driver, events, modes, outputs
+from runtime.integrate import attempt, driver
 from runtime.integrate.problem import (
     Events,
     Options,
@@ -22,11 +21,16 @@ from runtime.integrate.problem import (
     System,
     Trajectory,
 )
-from runtime.integrate.signatures import Integers, Vector
+from runtime.integrate.signatures import (
+    Integers,
+    Vector,
+)
 from runtime.integrate.start import start
+from runtime.integrate.tables import METHODS, function_table, kernel_table
 from runtime.integrate.workspace import (
     ATOL,
     PARTITION,
+    PROJECTION,
     ROWS,
     RUN,
     SIZE,
@@ -34,9 +38,6 @@ from runtime.integrate.workspace import (
     Y0,
 )
 from runtime.outcomes import Outcome
-
-METHODS: dict[str, ModuleType] = {"dopri5": dopri5, "dop853": dop853}
-"""The explicit methods by name."""
 
 Progress = Callable[[float, int], None]
 """Called between chunks with the time reached and the steps taken."""
@@ -112,6 +113,7 @@ class _Run:
         rows[ATOL, 0], rows[ATOL, 1] = options.atol_q, options.atol_v
         rows[SIZE] = np.minimum(1.0, rows[ATOL] / options.rtol)
         rows[PARTITION, 0], rows[PARTITION, 1] = problem.scale**2, problem.scale
+        rows[PROJECTION, 0] = problem.scale**2
         self.state = rows[Y0]
         self.sw = np.zeros(SWITCH_ROWS * s)
         self.record = np.zeros(1, RUN)
@@ -125,32 +127,7 @@ class _Run:
         self.event_y = np.zeros((self.event_t.size, 2 * n))
         self.samples, self.happened, self.sets = Samples(), Samples(), Samples()
         self._allot(self.t_eval.size if self.fixed_size else 1)
-        kernels = (
-            system.accelerations,
-            system.correction,
-            correct,
-            system.jacobian,
-            system.switching,
-            system.switching_rates,
-        )
-        self.start_functions: tuple[Any, ...] = (
-            *kernels,
-            attempt.repartition,
-            modes.begin,
-            control.first_step,
-        )
-        self.functions: tuple[Any, ...] = (
-            *kernels,
-            method.stages,
-            method.error,
-            method.dense,
-            attempt.attempt,
-            attempt.repartition,
-            events.locate,
-            modes.settle,
-            control.first_step,
-            outputs.emit,
-        )
+        self.tables = (kernel_table(system), function_table(options.method))
         self.fixed_arrays: tuple[Any, ...] = (
             self.w,
             self.sw,
@@ -221,7 +198,7 @@ class _Run:
 
     def start(self) -> int:
         """Prepare the first step; returns the code of an outcome."""
-        code: int = start(*self.start_functions, *self.fixed_arrays, *self.out)
+        code: int = start(*self.tables, *self.fixed_arrays, *self.out)
         self._flush()
         return code
 
@@ -238,7 +215,7 @@ class _Run:
                     self._allot(chunk)
                 before = time.perf_counter()
                 code = driver.advance(
-                    chunk, *self.functions, *self.fixed_arrays, *self.out, *self.event_arrays
+                    chunk, *self.tables, *self.fixed_arrays, *self.out, *self.event_arrays
                 )
                 took = time.perf_counter() - before
                 self._flush()

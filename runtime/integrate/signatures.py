@@ -6,11 +6,13 @@ again for another model. A kernel fits when it was compiled with exactly the sig
 """
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
-from numba import njit, types
+from numba import types
 from numpy.typing import NDArray
+
+from runtime.compiled import compiled
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -39,8 +41,8 @@ Jacobian = types.FunctionType(JACOBIAN)
 Switching = types.FunctionType(SWITCHING)
 SwitchingRates = types.FunctionType(SWITCHING_RATES)
 
-# Newton's return onto the constraints, `runtime.constraints.correction.correct`: t row w p.
-CORRECT = i8(Correction, f8, i8, vector, vector)
+# Newton's return onto the constraints, `constraints.correction.correct`: t row weighing w p.
+CORRECT = i8(Correction, f8, i8, i8, vector, vector)
 Correct = types.FunctionType(CORRECT)
 
 # Functions of an explicit method; `w` is the workspace laid out in `workspace`.
@@ -55,34 +57,6 @@ DENSE = i8(
 Stages = types.FunctionType(STAGES)
 Error = types.FunctionType(ERROR)
 Dense = types.FunctionType(DENSE)
-
-_njit: Any = njit  # its types leave out the options about wrappers
-
-F = TypeVar("F", bound=Callable[..., Any])
-
-
-def compiled(signature: Any) -> Callable[[F], F]:
-    """Compile for one explicit signature, keep it on disk, divide as the hardware does."""
-
-    def decorate(function: F) -> F:
-        dispatcher: F = njit(signature, cache=True, error_model="numpy", fastmath={"contract"})(
-            function
-        )
-        return dispatcher
-
-    return decorate
-
-
-def inner(function: F) -> F:
-    """Compile with the compiled functions that call it: it is neither loaded nor called alone."""
-    dispatcher: F = _njit(
-        cache=True,
-        error_model="numpy",
-        fastmath={"contract"},
-        no_cpython_wrapper=True,
-        no_cfunc_wrapper=True,
-    )(function)
-    return dispatcher
 
 
 @compiled(SWITCHING)

@@ -2,32 +2,45 @@
 
 import numpy as np
 
+from runtime.compiled import ADDRESSES, compiled
 from runtime.constraints.correction import FAILED, WEAK
-from runtime.integrate.attempt import Repartition
-from runtime.integrate.control import FirstStep
-from runtime.integrate.modes import CONSISTENT, Settle, measure
+from runtime.integrate.modes import CONSISTENT, measure
 from runtime.integrate.outputs import record
 from runtime.integrate.signatures import (
-    Accelerations,
-    Correct,
-    Correction,
     IntegerMatrix,
     Integers,
-    Jacobian,
-    Kernel,
     Matrix,
-    Switching,
-    SwitchingRates,
     Vector,
-    compiled,
     i8,
     integer_matrix,
     integers,
     matrix,
     vector,
 )
+from runtime.integrate.tables import (
+    accelerations_of,
+    begin_of,
+    correct_of,
+    correction_of,
+    first_step_of,
+    jacobian_of,
+    repartition_of,
+    switching_of,
+    switching_rates_of,
+)
 from runtime.integrate.views import view
-from runtime.integrate.workspace import G0, LARGEST, ROWS, SWITCH_ROWS, Y0, K, Run, run_record
+from runtime.integrate.workspace import (
+    BAND,
+    G0,
+    LARGEST,
+    PARTITION,
+    ROWS,
+    SWITCH_ROWS,
+    Y0,
+    K,
+    Run,
+    run_record,
+)
 from runtime.outcomes import Outcome
 
 LOOK_AHEAD = 0.05  # of a step: how far ahead modes are judged
@@ -41,15 +54,8 @@ _NOT_FINITE = int(Outcome.NOT_FINITE)
 
 @compiled(
     i8(
-        Accelerations,
-        Correction,
-        Correct,
-        Jacobian,
-        Switching,
-        SwitchingRates,
-        Repartition,
-        Settle,
-        FirstStep,
+        ADDRESSES,
+        ADDRESSES,
         vector,
         vector,
         run_record,
@@ -72,15 +78,8 @@ _NOT_FINITE = int(Outcome.NOT_FINITE)
     )
 )
 def start(
-    accelerations: Kernel,
-    correction: Kernel,
-    correct: Kernel,
-    jacobian: Kernel,
-    switching: Kernel,
-    switching_rates: Kernel,
-    repartition: Kernel,
-    begin: Kernel,
-    first_step: Kernel,
+    kernels: Integers,
+    functions: Integers,
     w: Vector,
     sw: Vector,
     run: Run,
@@ -106,6 +105,15 @@ def start(
     Returns the code of an outcome: OK, or why there is no first step (`run.index` says which
     constraint or switching function).
     """
+    accelerations = accelerations_of(kernels)
+    correction = correction_of(kernels)
+    jacobian = jacobian_of(kernels)
+    switching = switching_of(kernels)
+    switching_rates = switching_rates_of(kernels)
+    correct = correct_of(functions)
+    repartition = repartition_of(functions)
+    begin = begin_of(functions)
+    first_step = first_step_of(functions)
     r = run[0]
     length = w.size // ROWS
     n = length // 2
@@ -121,7 +129,7 @@ def start(
         if r.rank < m:
             r.index = row_order[r.rank]
             return _SINGULAR
-        result = correct(correction, t, Y0, w, p)
+        result = correct(correction, t, Y0, PARTITION, w, p)
         r.newton += 1
         if result == FAILED:
             return _NEWTON_FAILED
@@ -159,4 +167,9 @@ def start(
     while r.next_sample < t_eval.size and t_eval[r.next_sample] <= t:
         record(t_eval[r.next_sample], Y0, w, run, modes, out_t, out_y, out_modes)
         r.next_sample += 1
+    for i in range(r.samples):
+        for k in range(s):
+            # At the very instant of the start a condition on its boundary does not hold yet.
+            if sw[BAND * s + k] > 0.0:
+                out_modes[i, k] = 0
     return outcome

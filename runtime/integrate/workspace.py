@@ -23,7 +23,8 @@ K = 8  # first of 16 rows of stage derivatives
 F = 24  # first of 8 rows of the dense output's coefficients
 SIZE = 32  # size from which on a coordinate's or velocity's change is relative
 PREDICTED = 33  # the step's result before correction
-ROWS = 34
+PROJECTION = 34  # weights of the projection (n)
+ROWS = 35
 
 # Rows of the switching workspace `sw`, each of length s.
 G0 = 0  # g at the start of the step

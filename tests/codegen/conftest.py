@@ -46,7 +46,9 @@ def compiled(root: Path, request: pytest.FixtureRequest) -> dict[str, object]:
     """
     folder: Path = request.config.cache.mkdir("codegen-compiled")
     odd = folder / "names.py"
-    odd.write_text("from tests.codegen.machines import names_like_arguments as declare\n\nmodel = declare()\n")
+    odd.write_text(
+        "from tests.codegen.machines import names_like_arguments as declare\n\nmodel = declare()\n"
+    )
     reports = [build(root / "models" / "slider_crank.py", out=folder / "generated")]
     reports.append(build(odd, out=folder / "generated"))
     return {

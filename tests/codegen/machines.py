@@ -17,7 +17,20 @@ def free_body() -> Model:
 def names_like_arguments() -> Model:
     """Parameters called as the arguments and modules of the kernels, bodies called i, j and p."""
     model = Model("names")
-    names = ("q", "v", "p_7", "t2", "lam", "w_p_x", "values", "math", "numba", "max", "print", "f_1")
+    names = (
+        "q",
+        "v",
+        "p_7",
+        "t2",
+        "lam",
+        "w_p_x",
+        "values",
+        "math",
+        "numba",
+        "max",
+        "print",
+        "f_1",
+    )
     numbers = [model.parameter(name, 1.0 + k / 10) for k, name in enumerate(names)]
     mass = model.parameter("OPTIONS", 2.0, unit="kg")
     i = model.body("i", mass=mass, inertia=numbers[0])

@@ -29,7 +29,9 @@ def complaints(folder: Path, text: str, *options: str, head: str = HEAD) -> list
     assert not out.exists()
     assert sorted(p.name for p in folder.iterdir()) == [path.name]
     found = [line.removeprefix("error: ") for line in answer.stderr.splitlines()]
-    settings = [o.split("=") for before, o in zip(options, options[1:], strict=False) if before == "--set"]
+    settings = [
+        o.split("=") for before, o in zip(options, options[1:], strict=False) if before == "--set"
+    ]
     if all(len(pair) == 2 for pair in settings):
         with pytest.raises(InputError) as caught:
             build(path, out=out, settings={n: float(v) for n, v in settings}, compile=False)
@@ -248,7 +250,10 @@ c = model.body("c")
 model.scene("one", ["gravity"])
 model.scene("two", [], without=[c], start={c.x: 1.0})
 """
-    check(complaints(tmp_path, text), ["scene 'one': body 'c' has no mass", "scene 'two': c.x has a start"])
+    check(
+        complaints(tmp_path, text),
+        ["scene 'one': body 'c' has no mass", "scene 'two': c.x has a start"],
+    )
 
 
 @pytest.mark.parametrize(
@@ -276,12 +281,24 @@ def test_options(tmp_path: Path, options: list[str], expected: list[str]) -> Non
     ("text", "expected"),
     [
         ("x = (\n", r"machine\.py, line 5: the model file fails with SyntaxError: .*"),
-        ("x = 1\ny = 1 / 0\n", r"machine\.py, line 6: the model file fails with ZeroDivisionError: division"),
-        ("import nowhere_to_be_found\n", r"machine\.py, line 5: .* ModuleNotFoundError: No module named 'nowh"),
+        (
+            "x = 1\ny = 1 / 0\n",
+            r"machine\.py, line 6: the model file fails with ZeroDivisionError: division",
+        ),
+        (
+            "import nowhere_to_be_found\n",
+            r"machine\.py, line 5: .* ModuleNotFoundError: No module named 'nowh",
+        ),
         ("raise SystemExit(3)\n", r"machine\.py, line 5: .* SystemExit: 3"),
-        ("body = Model('m').body('a')\nif 1 < body.x < 2: pass\n", r"machine\.py, line 6: .* TypeError: .*truth"),
+        (
+            "body = Model('m').body('a')\nif 1 < body.x < 2: pass\n",
+            r"machine\.py, line 6: .* TypeError: .*truth",
+        ),
         ("x = 1\n", r"machine\.py declares no model; assign the one to build to the name 'model'"),
-        ("one = Model('one')\ntwo = Model('two')\n", r"machine\.py declares several models \('one', 'two'\)"),
+        (
+            "one = Model('one')\ntwo = Model('two')\n",
+            r"machine\.py declares several models \('one', 'two'\)",
+        ),
         ("model = Model('m')\n", "model 'm' has no body; declare one with model.body"),
     ],
 )

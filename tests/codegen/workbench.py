@@ -79,7 +79,10 @@ class Interpreted:
         """Φ_q, m × n."""
         values = self.vector("jacobian", state, functions, **more)
         dense = np.zeros((self.m, self.n), dtype=values.dtype)
-        dense[list(self.lowered.description.jacobian.rows), list(self.lowered.description.jacobian.columns)] = values
+        dense[
+            list(self.lowered.description.jacobian.rows),
+            list(self.lowered.description.jacobian.columns),
+        ] = values
         return dense
 
     def mass(self, state: Any) -> np.ndarray:
@@ -169,7 +172,9 @@ def random_machine(seed: int, closed: bool = True) -> tuple[Model, State]:
         r_j, phi_j = q[k, :2], q[k, 2]
         s_i = somewhere()
         place = r_i + A(phi_i) @ s_i
-        kind = random.choice(["revolute", "translational", "link", "absolute"], p=[0.5, 0.2, 0.2, 0.1])
+        kind = random.choice(
+            ["revolute", "translational", "link", "absolute"], p=[0.5, 0.2, 0.2, 0.1]
+        )
         if kind == "revolute":
             s_j = A(phi_j).T @ (place - r_j)
             model.revolute(f"J{k}", previous.at(*s_i), body.at(*s_j))

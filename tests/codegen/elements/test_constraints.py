@@ -160,7 +160,9 @@ def test_constraint_of_ones_own() -> None:
         s = machine.state(seed)
         (x, y, phi), (vx, vy, w) = s.q, s.v
         c, d, st, ct = np.cos(phi), np.sin(phi), np.sin(s.t), np.cos(s.t)
-        assert_allclose(machine.vector("constraints", s), [x * x + 1.3 * y * c - st * x], **TOLERANCE)
+        assert_allclose(
+            machine.vector("constraints", s), [x * x + 1.3 * y * c - st * x], **TOLERANCE
+        )
         assert_allclose(machine.jacobian(s), [[2 * x - st, 1.3 * c, -1.3 * y * d]], **TOLERANCE)
         assert_allclose(machine.vector("velocity_rhs", s), [ct * x], **TOLERANCE)
         gamma = -(2 * vx**2 - 2.6 * d * vy * w - 1.3 * y * c * w**2) + 2 * ct * vx - st * x

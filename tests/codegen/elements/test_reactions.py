@@ -20,7 +20,9 @@ def hanging(ground_first: bool) -> Interpreted:
 def reactions(machine: Interpreted, s: State) -> dict[tuple[str, str], float]:
     _, lam = machine.solution(s)
     values = machine.vector("reactions", s, lam=lam)
-    return {row[:2]: x for row, x in zip(machine.lowered.description.reactions, values, strict=True)}
+    return {
+        row[:2]: x for row, x in zip(machine.lowered.description.reactions, values, strict=True)
+    }
 
 
 def test_hinge_holds_a_hanging_mass_up() -> None:

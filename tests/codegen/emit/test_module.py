@@ -8,8 +8,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 from codegen.lower.ledger import by_element, operations
 from tests.codegen.workbench import Interpreted
 
@@ -156,9 +154,11 @@ def test_branches_ask_modes_only(texts: Texts) -> None:
         for kernel, node in functions(text).items():
             allowed = {"modes"}
             for piece in ast.walk(node):
-                if isinstance(piece, ast.Assign) and isinstance(
-                    piece.value, ast.BoolOp | ast.UnaryOp
-                ) and names_in(piece.value) <= allowed:
+                if (
+                    isinstance(piece, ast.Assign)
+                    and isinstance(piece.value, ast.BoolOp | ast.UnaryOp)
+                    and names_in(piece.value) <= allowed
+                ):
                     allowed |= names_in(piece.targets[0])  # a condition made of modes
             for branch in ast.walk(node):
                 assert not isinstance(branch, ast.For | ast.While)

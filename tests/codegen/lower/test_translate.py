@@ -39,7 +39,11 @@ GRID = [(x, vx) for x in (-2.3, -0.4, 0.7, 1.9) for vx in (-1.2, 0.6)]
         (lambda b: Min(b.x, b.vx), 1, min),
         (lambda b: Max(b.x, b.vx, 0.1), 3, lambda x, v: max(x, v, 0.1)),
         (lambda b: Piecewise((5, Abs(b.x) < 1), (3, True)), 3, lambda x, v: 5 if abs(x) < 1 else 3),
-        (lambda b: Piecewise((5, Max(b.x, b.vx) < 1), (3, True)), 3, lambda x, v: 5 if x < 1 and v < 1 else 3),
+        (
+            lambda b: Piecewise((5, Max(b.x, b.vx) < 1), (3, True)),
+            3,
+            lambda x, v: 5 if x < 1 and v < 1 else 3,
+        ),
         (lambda b: Heaviside(b.x), 1, lambda x, v: float(x > 0)),
         (lambda b: Abs(b.x) * sign(b.x), 1, lambda x, v: x),
         (
@@ -68,7 +72,9 @@ GRID = [(x, vx) for x in (-2.3, -0.4, 0.7, 1.9) for vx in (-1.2, 0.6)]
             lambda x, v: 1 if x > 0 else 2,
         ),
         (
-            lambda b: Piecewise((1, b.x - b.vx > 0), (0, True)) * Piecewise((5, b.x < b.vx), (3, True)),
+            lambda b: (
+                Piecewise((1, b.x - b.vx > 0), (0, True)) * Piecewise((5, b.x < b.vx), (3, True))
+            ),
             1,
             lambda x, v: 3 if x > v else 0,
         ),

@@ -1,0 +1,156 @@
+"""The command line: what goes to stdout, what to stderr, and the exit status."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import codegen.driver
+from codegen.cli import app
+from tests.codegen.workbench import write_model
+
+MODEL = """
+print("hello from the model file")
+model = Model("pendulum", gravity=(0, -9.81))
+m = model.parameter("m", 2.0, unit="kg")
+bob = model.body("bob", mass=m, inertia=0.5)
+model.revolute("hinge", model.ground.at(0, 0), bob.at(-1, 0))
+model.torque("friction", on=bob, value=-0.1 * bob.omega)
+model.scene("swing", ["gravity"])
+"""
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    return write_model(tmp_path / "models", MODEL, "clock")
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> object:
+    """The command line in this process, without the compilation."""
+    monkeypatch.setattr(codegen.driver, "compile_modules", lambda paths: [0.0] * len(paths))
+    monkeypatch.chdir(tmp_path)
+    return lambda *arguments: CliRunner().invoke(app, [str(a) for a in arguments])
+
+
+def test_build_says_what_it_did(model: Path, run: object) -> None:
+    first = run("build", model)
+    assert first.exit_code == 0
+    for words in ("pendulum, scene swing: written", "3 coordinates, 2 constraints, 1 degrees",
+                  "effects       gravity", "left out      friction", "accelerations ", "seconds "):  # fmt: skip
+        assert words in first.stdout
+    assert "pendulum, scene swing: unchanged, nothing written" in run("build", model).stdout
+
+
+def test_json_is_one_object_alone_on_stdout(model: Path, tmp_path: Path, root: Path) -> None:
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "codegen",
+            "build",
+            str(model),
+            "--out",
+            str(tmp_path / "g"),
+            "--json",
+        ],
+        env={**os.environ, "PYTHONPATH": str(root)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    (line,) = done.stdout.splitlines()
+    answer = json.loads(line)
+    assert set(answer) == {"scenes", "stale"}
+    (scene,) = answer["scenes"]
+    assert (scene["model"], scene["scene"], scene["changed"]) == ("pendulum", "swing", True)
+    assert Path(scene["path"]).is_file()
+    assert scene["operations"]["accelerations"] > 0
+    assert "hello from the model file" in done.stderr
+    assert list((tmp_path / "g" / "__pycache__").glob("clock__swing.*.nbi"))
+
+
+def test_check(model: Path, run: object, tmp_path: Path) -> None:
+    stale = run("build", model, "--check")
+    assert stale.exit_code == 1
+    assert "clock__swing.py is missing or not what the model gives" in stale.stderr
+    assert not (tmp_path / "generated").exists()
+    assert run("build", model).exit_code == 0
+    fresh = run("build", model, "--check")
+    assert (fresh.exit_code, fresh.stderr) == (0, "hello from the model file\n")
+    assert "checked" in fresh.stdout
+    model.write_text(model.read_text() + "# edited\n")
+    answer = run("build", model, "--check", "--json")
+    assert answer.exit_code == 1
+    assert [Path(p).name for p in json.loads(answer.stdout)["stale"]] == ["clock__swing.py"]
+
+
+def test_set_and_out(model: Path, run: object, tmp_path: Path) -> None:
+    done = run("build", model, "--set", "m=7.5", "--out", tmp_path / "here", "--json")
+    assert done.exit_code == 0
+    (path,) = (Path(s["path"]) for s in json.loads(done.stdout)["scenes"])
+    assert path.parent == tmp_path / "here"
+    assert '("m", 7.5, "kg", "positive")' in path.read_text()
+
+
+def test_unwritable_folder_is_the_users_to_change(model: Path, run: object, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    answer = run("build", model, "--out", tmp_path / "file" / "below")
+    assert answer.exit_code == 2
+    assert answer.stdout == ""
+    assert "error: cannot write" in answer.stderr
+    assert "--out" in answer.stderr
+
+
+def test_unknown_option_and_no_argument(run: object) -> None:
+    assert run("build").exit_code == 2
+    assert run("build", "clock", "--nonsense").exit_code == 2
+
+
+def test_explain_adds_up(run: object) -> None:
+    answer = run("explain", "slider_crank", "--json")
+    assert answer.exit_code == 0
+    (line,) = answer.stdout.splitlines()
+    ledgers = json.loads(line)["scenes"]
+    assert len(ledgers) == 9
+    for ledger in ledgers:
+        for kernel in ledger["kernels"]:
+            parts = [part["operations"].get(kernel, 0) for part in ledger["parts"]]
+            assert sum(parts) == ledger["totals"][kernel] > 0
+        built = run("build", "slider_crank", "--scene", ledger["scene"], "--out", "g", "--json")
+        assert json.loads(built.stdout)["scenes"][0]["operations"] == ledger["totals"]
+
+
+def test_explain_shows_what_acts_and_what_does_not(run: object) -> None:
+    answer = run("explain", "slider_crank", "--scene", "inverse_dynamics")
+    assert answer.exit_code == 0
+    rows = {line.split()[1]: line for line in answer.stdout.splitlines() if line.startswith("│")}
+    assert {"A", "B", "C", "gas", "crank_drive", "factorization", "correction", "total"} <= set(
+        rows
+    )
+    assert "left out: motor (torque): the scene does not name it" in answer.stdout
+    gas = run("explain", "slider_crank", "--scene", "inverse_dynamics_without_gas").stdout
+    assert "left out: gas (force)" in gas
+
+
+def test_effect_left_out_costs_nothing(run: object) -> None:
+    def totals(scene: str) -> dict[str, int]:
+        answer = run("explain", "slider_crank", "--scene", scene, "--json")
+        return json.loads(answer.stdout)["scenes"][0]["totals"]
+
+    with_gas, without = totals("inverse_dynamics"), totals("inverse_dynamics_without_gas")
+    assert without["applied_forces"] == 0 < with_gas["applied_forces"]
+    assert without["accelerations"] < with_gas["accelerations"]
+    assert without["correction"] == with_gas["correction"]
+    assert "switching" not in without
+
+
+def test_help_names_the_commands(run: object) -> None:
+    answer = run("--help")
+    assert answer.exit_code == 0
+    assert "build" in answer.stdout
+    assert "explain" in answer.stdout
