@@ -25,6 +25,7 @@ from runtime.progress import bar
 if TYPE_CHECKING:
     from runtime.analyses.assemble import Assembly
     from runtime.analyses.equilibrium import Equilibrium
+    from runtime.integrate.problem import System
     from runtime.results.result import Result
 
 FloatArray = npt.NDArray[np.float64]
@@ -53,6 +54,25 @@ class Machine:
     def kernel_table(self) -> npt.NDArray[np.int64]:
         """Addresses of the kernels, for compiled loops of the runtime."""
         return self.kernels.table()
+
+    @cached_property
+    def system(self) -> "System":
+        """The kernels and sizes that the integrator asks for."""
+        from runtime.integrate.problem import System
+
+        told, kernels = self.description, self.kernels
+        return System(
+            accelerations=kernels.accelerations,
+            correction=kernels.correction,
+            jacobian=kernels.jacobian,
+            jacobian_rows=told.jacobian_rows.astype(np.int64),
+            jacobian_columns=told.jacobian_columns.astype(np.int64),
+            coordinates=len(told.coordinates),
+            constraints=len(told.constraints),
+            switches=len(told.switches),
+            switching=kernels.switching,
+            switching_rates=kernels.switching_rates,
+        )
 
     @property
     def model(self) -> str:
@@ -141,7 +161,6 @@ class Machine:
         Without a state it is the assembled start. A condition that is exactly at its boundary
         holds if the motion is about to make it hold.
         """
-        from runtime.analyses.dynamics import system_of
         from runtime.integrate.run import initial_modes
 
         if not self.description.switches:
@@ -149,7 +168,7 @@ class Machine:
         if q is None or v is None:
             start = self.assemble(parameters=parameters, t=t)
             q, v = start.q, start.v
-        return initial_modes(system_of(self), t, q, v, self.parameter_values(parameters))
+        return initial_modes(self.system, t, q, v, self.parameter_values(parameters))
 
     def assemble(
         self,

@@ -6,6 +6,10 @@ from enum import IntEnum
 class Outcome(IntEnum):
     """How a run ended. Everything but `OK` keeps what was computed until then."""
 
+    def __str__(self) -> str:
+        """The name, not the number."""
+        return self.name
+
     OK = 0
     SLIDING = 1
     ZENO = 2

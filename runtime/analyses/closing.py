@@ -12,6 +12,7 @@ import numpy.typing as npt
 from runtime.analyses.equations import Equations, FloatArray
 
 CLOSED = 1e-10
+_ROUNDING = 4e-16
 _PENALTIES = 10.0 ** np.arange(0, 9, 2)
 _RESTARTS = 6
 
@@ -86,10 +87,10 @@ def _attempt(task: Task, start: FloatArray) -> Closing:
 
 
 def newton(task: Task, q: FloatArray) -> FloatArray:
-    """Minimum-norm Newton iterations for as long as they at least halve the gap."""
+    """Minimum-norm Newton iterations, to rounding or for as long as they help."""
     best = np.abs(task.gaps(q)).max(initial=0.0)
     for _ in range(60):
-        if best == 0.0:
+        if best <= _ROUNDING:
             break
         step = np.linalg.lstsq(task.slopes(q), -task.gaps(q), rcond=1e-10)[0]
         trial = q.copy()

@@ -11,7 +11,7 @@ from runtime.analyses.assemble import Assembly, assemble
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.kinematics import instants
 from runtime.analyses.outputs import evaluate
-from runtime.integrate.problem import Options, Problem, System, Trajectory
+from runtime.integrate.problem import Options, Problem, Trajectory
 from runtime.integrate.run import integrate
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
@@ -102,7 +102,7 @@ def simulate(
     equations = Equations(machine, p)
     inertia = np.diag(equations.mass(begin.q))
     trajectory = integrate(
-        system_of(machine),
+        machine.system,
         Problem(
             begin.t,
             float(t_end),
@@ -126,23 +126,6 @@ def simulate(
         lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
     )
     return _result(machine, trajectory, p, began)
-
-
-def system_of(machine: "Machine") -> System:
-    """The kernels and sizes that the integrator asks for."""
-    told, kernels = machine.description, machine.kernels
-    return System(
-        accelerations=kernels.accelerations,
-        correction=kernels.correction,
-        jacobian=kernels.jacobian,
-        jacobian_rows=told.jacobian_rows.astype(np.int64),
-        jacobian_columns=told.jacobian_columns.astype(np.int64),
-        coordinates=len(told.coordinates),
-        constraints=len(told.constraints),
-        switches=len(told.switches),
-        switching=kernels.switching,
-        switching_rates=kernels.switching_rates,
-    )
 
 
 def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) -> Result:

@@ -1,8 +1,8 @@
 """Newton's return of a state onto the constraints, positions and velocities together.
 
 Which coordinates move is data. At the end of a step the weights are zero on the independent ones,
-so that these are held and the dependent ones follow (Haug's coordinate partitioning). States off the
-steps, where the partition may be singular, are projected in the metric of the masses.
+so that these are held and the dependent ones follow (Haug's coordinate partitioning). States off
+the steps, where the partition may be singular, are projected in the metric of the masses.
 """
 
 import numpy as np

@@ -18,7 +18,7 @@ from runtime.integrate.signatures import (
 from runtime.outcomes import Outcome
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class System:
     """The compiled equations that the integrator needs, and their sizes.
 

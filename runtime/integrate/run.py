@@ -26,7 +26,7 @@ from runtime.integrate.signatures import (
     Vector,
 )
 from runtime.integrate.start import start
-from runtime.integrate.tables import METHODS, function_table, kernel_table
+from runtime.integrate.tables import METHODS, function_table, kernel_table, method
 from runtime.integrate.workspace import (
     ATOL,
     PARTITION,
@@ -100,7 +100,7 @@ class _Run:
 
     def __init__(self, system: System, problem: Problem, options: Options) -> None:
         n, m, s = system.coordinates, system.constraints, system.switches
-        method = METHODS[options.method]
+        parts = method(options.method)
         self.n, self.m, self.s = n, m, s
         self.options = options
         self.fixed_size = options.t_eval is not None
@@ -118,7 +118,7 @@ class _Run:
         self.sw = np.zeros(SWITCH_ROWS * s)
         self.record = np.zeros(1, RUN)
         self.r = self.record[0]
-        self._fill_record(problem, options, method)
+        self._fill_record(problem, options, parts)
         self.modes = np.zeros(s, np.int64)
         self.log_t = np.zeros(4 * driver.LOG_MARGIN)
         self.log_sets = np.zeros((self.log_t.size, n), np.int64)
@@ -153,7 +153,7 @@ class _Run:
             self.event_y,
         )
 
-    def _fill_record(self, problem: Problem, options: Options, method: ModuleType) -> None:
+    def _fill_record(self, problem: Problem, options: Options, parts: ModuleType) -> None:
         r = self.r
         duration = problem.t_end - problem.t0
         r["t"], r["t_end"], r["duration"] = problem.t0, problem.t_end, duration
@@ -165,11 +165,11 @@ class _Run:
             r["fixed"], r["h"], r["h_max"] = 1, options.fixed_step, options.fixed_step
         r["rtol"] = options.rtol
         r["max_steps"], r["max_events"] = options.max_steps, options.max_events
-        r["order"], r["last"] = method.ORDER, method.LAST
-        r["stage_calls"], r["dense_calls"] = method.STAGE_CALLS, method.DENSE_CALLS
-        r["dense_rows"] = method.DENSE_ROWS
-        r["exponent"], r["beta"] = 1.0 / (method.ERROR_ORDER + 1), method.BETA
-        r["safety"], r["shrink"], r["grow"] = 0.9, method.SHRINK, method.GROW
+        r["order"], r["last"] = parts.ORDER, parts.LAST
+        r["stage_calls"], r["dense_calls"] = parts.STAGE_CALLS, parts.DENSE_CALLS
+        r["dense_rows"] = parts.DENSE_ROWS
+        r["exponent"], r["beta"] = 1.0 / (parts.ERROR_ORDER + 1), parts.BETA
+        r["safety"], r["shrink"], r["grow"] = 0.9, parts.SHRINK, parts.GROW
         r["error_old"] = 1e-4
         r["every_step"] = 0 if self.fixed_size else 1
         r["each_stage"] = 1 if options.correction == "stage" and self.m > 0 else 0

@@ -3,12 +3,13 @@
 The order of a table stands here once: where it is made, and where a function is taken out of it.
 """
 
-from functools import cache
+from functools import cache, lru_cache
+from importlib import import_module
 from types import ModuleType
 
 from runtime.compiled import addresses, at
 from runtime.constraints.correction import correct
-from runtime.integrate import attempt, control, dop853, dopri5, events, modes, outputs
+from runtime.integrate import attempt, control, events, modes, outputs
 from runtime.integrate.problem import System
 from runtime.integrate.signatures import (
     Accelerations,
@@ -23,8 +24,8 @@ from runtime.integrate.signatures import (
     SwitchingRates,
 )
 
-METHODS: dict[str, ModuleType] = {"dopri5": dopri5, "dop853": dop853}
-"""The explicit methods by name."""
+METHODS = ("dopri5", "dop853")
+"""The explicit methods; each is a module of this package."""
 
 accelerations_of = at(Accelerations, 0)
 correction_of = at(Correction, 1)
@@ -33,6 +34,7 @@ switching_of = at(Switching, 3)
 switching_rates_of = at(SwitchingRates, 4)
 
 
+@lru_cache(maxsize=64)
 def kernel_table(system: System) -> Integers:
     """Addresses of a machine's kernels."""
     return addresses(
@@ -59,16 +61,21 @@ first_step_of = at(control.FirstStep, 9)
 emit_of = at(outputs.Emit, 10)
 
 
+def method(name: str) -> ModuleType:
+    """The module of a method, compiled when it is first asked for."""
+    return import_module(f"runtime.integrate.{name}")
+
+
 @cache
 def function_table(name: str) -> Integers:
     """Addresses of the parts of the loop, with those of the method `name`."""
-    method = METHODS[name]
+    parts = method(name)
     return addresses(
         (
             correct,
-            method.stages,
-            method.error,
-            method.dense,
+            parts.stages,
+            parts.error,
+            parts.dense,
             attempt.attempt,
             attempt.repartition,
             events.locate,

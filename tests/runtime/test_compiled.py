@@ -1,0 +1,63 @@
+"""What the runtime adds to numba's compiling and caching."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+from numba import types
+
+import runtime.compiled
+from runtime.compiled import ADDRESSES, addresses, at, compiled
+
+F8 = types.float64
+BINARY = types.FunctionType(F8(F8, F8))
+
+
+@compiled(F8(F8, F8))
+def plus(a: float, b: float) -> float:
+    return a + b
+
+
+@compiled(F8(F8, F8))
+def times(a: float, b: float) -> float:
+    return a * b
+
+
+first_of = at(BINARY, 0)
+second_of = at(BINARY, 1)
+
+
+@compiled(F8(ADDRESSES, F8, F8))
+def both(table: np.ndarray, a: float, b: float) -> float:
+    return first_of(table)(a, b) * 100.0 + second_of(table)(a, b)
+
+
+def test_functions_are_found_by_their_addresses() -> None:
+    assert both(addresses((plus, times)), 3.0, 4.0) == 712.0
+    assert both(addresses((times, plus)), 3.0, 4.0) == 1207.0
+
+
+def test_a_new_table_compiles_nothing() -> None:
+    before = len(both.signatures)
+    both(addresses((plus, plus)), 1.0, 1.0)
+    assert len(both.signatures) == before == 1
+
+
+def test_every_file_with_compiled_code_counts_in_the_stamp() -> None:
+    root = Path(runtime.compiled.__file__).parent
+    for path in root.rglob("*.py"):
+        text = path.read_text()
+        if re.search(r"^@(compiled|inner|njit)|numba\.njit\(", text, re.MULTILINE):
+            assert "runtime.compiled" in text, path
+
+
+def test_the_cache_of_a_function_goes_stale_with_the_stamp() -> None:
+    index = plus._cache._cache_file
+    own, stamp = index._source_stamp
+    assert stamp == runtime.compiled._STAMP
+    index._source_stamp = (own, "another")
+    try:
+        assert index._load_index() == {}
+    finally:
+        index._source_stamp = (own, stamp)
+    assert index._load_index() != {}
