@@ -47,7 +47,7 @@ def measure(repeats: int, tolerances: tuple[float, ...] = (1e-9,)) -> tuple[Row,
             result = machine.simulate(
                 t_end=float(t[-1]), t_eval=t, method="dop853", rtol=rtol, atol=rtol, progress=False
             )
-            return result.q("crank.phi"), int(result.stats.rhs_evaluations)
+            return result.q("crank.phi"), int(result.stats["rhs_evaluations"])
 
         def scripted(rtol: float = rtol) -> tuple[Array, int]:
             run = reduced.simulate(t, rtol, rtol)

@@ -1,16 +1,29 @@
 """The generated slider-crank against its hand-written twins: same numbers, and how fast."""
 
+import ast
+import inspect
 import tempfile
+import textwrap
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from benchmarks.hand import slider_crank as hand
 from benchmarks.states import turn_of_the_crank
-from benchmarks.timing import interleaved, many_positions, many_solutions, many_velocities
+from benchmarks.timing import (
+    interleaved,
+    many_positions,
+    many_solutions,
+    many_velocities,
+    no_position,
+    no_solution,
+    no_velocity,
+)
 from codegen import build
 from codegen.artefact import import_generated
 
@@ -50,8 +63,15 @@ def parameters(module: ModuleType) -> npt.NDArray[np.float64]:
     return p
 
 
+def operations(function: Any) -> int:
+    """Arithmetic in the source of a compiled function: signs, constants and loads are free."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(function.py_func)))
+    body = [node for statement in tree.body[0].body for node in ast.walk(statement)]
+    return sum(isinstance(node, ast.BinOp | ast.AugAssign | ast.Call) for node in body)
+
+
 def differences(module: ModuleType) -> dict[str, float]:
-    """Largest difference between the twins over a turn of the crank, in parts of the largest value."""
+    """Largest difference between the twins over a turn, in parts of the largest value."""
     p = parameters(module)
     q, v, modes = turn_of_the_crank(STATES, p[1])
     pairs: dict[str, list[tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]]] = {
@@ -88,26 +108,32 @@ def _measure(module: ModuleType, count: int, repeats: int) -> tuple[Row, ...]:
     p = parameters(module)
     q, v, modes = turn_of_the_crank(STATES, p[1])
     out, a, lam = np.zeros(32), np.zeros(9), np.zeros(8)
-    runs = {}
-    for side, source in (("generated", module), ("hand", hand)):
-        solve = source.accelerations if side == "generated" else source.crank_acceleration
-        runs[f"{side} jacobian"] = lambda n, f=source.jacobian: many_positions(f, n, q, p, out)
-        runs[f"{side} acceleration_rhs"] = lambda n, f=source.acceleration_rhs: many_velocities(
-            f, n, q, v, p, out
-        )
-        runs[f"{side} accelerations"] = lambda n, f=solve: many_solutions(
+    runs: dict[str, Callable[[int], float]] = {}
+    sides = {
+        "generated": (module.jacobian, module.acceleration_rhs, module.accelerations),
+        "hand": (hand.jacobian, hand.acceleration_rhs, hand.crank_acceleration),
+        "loop": (no_position, no_velocity, no_solution),
+    }
+    for side, (first, second, third) in sides.items():
+        runs[f"{side} jacobian"] = lambda n, f=first: many_positions(f, n, q, p, out)
+        runs[f"{side} acceleration_rhs"] = lambda n, f=second: many_velocities(f, n, q, v, p, out)
+        runs[f"{side} accelerations"] = lambda n, f=third: many_solutions(
             f, n, q, v, p, modes, a, lam
         )
     times = interleaved(runs, count, repeats)
+
+    def net(side: str, name: str) -> float:
+        return times[f"{side} {name}"] - times[f"loop {name}"]
+
     counts, gaps = dict(module.OPERATIONS), differences(module)
     return tuple(
         Row(
             name,
             twin,
             counts[name],
-            hand.OPERATIONS[twin],
-            times[f"generated {name}"],
-            times[f"hand {name}"],
+            operations(getattr(hand, twin)),
+            net("generated", name),
+            net("hand", name),
             gaps[name],
         )
         for name, twin in (

@@ -1,4 +1,8 @@
-"""Times of kernels inside compiled loops, interleaved so that they share the machine's moods."""
+"""Times of kernels inside compiled loops, interleaved so that they share the machine's moods.
+
+The loop itself, with kernels that do nothing, takes its turn too, and is taken off: it hands out
+rows of arrays and calls through a pointer, which costs as much as a kernel.
+"""
 
 from collections.abc import Callable, Mapping
 from time import perf_counter
@@ -42,6 +46,22 @@ def many_solutions(kernel, count, q, v, p, modes, a, lam):
         kernel(0.0, q[i], v[i], p, modes[i], a, lam)
         total += a[2]
     return total
+
+
+@numba.njit(types.none(F8, VECTOR, VECTOR, VECTOR), **OPTIONS)
+def no_position(t, q, p, out):
+    out[3] = q[2]
+
+
+@numba.njit(types.none(F8, VECTOR, VECTOR, VECTOR, VECTOR), **OPTIONS)
+def no_velocity(t, q, v, p, out):
+    out[3] = q[2]
+
+
+@numba.njit(types.int64(F8, VECTOR, VECTOR, VECTOR, MODES, VECTOR, VECTOR), **OPTIONS)
+def no_solution(t, q, v, p, modes, a, lam):
+    a[2] = q[2]
+    return 0
 
 
 def interleaved(

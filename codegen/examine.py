@@ -52,21 +52,32 @@ def examine(equations: Equations, lowered: Lowered) -> list[str]:
 
 
 def _jacobian_near(equations: Equations, lowered: Lowered, guess: Array, probe: int) -> Array:
-    """Φ_q at a position that satisfies the constraints, or as near as a few steps come."""
+    """Φ_q in units of the machine's size, where the constraints hold or a few steps near there."""
     random = np.random.default_rng(probe)
-    q = guess + (0.0 if probe == 0 else 0.1) * random.standard_normal(len(guess))
+    unit = _units(equations, _jacobian(equations, lowered, guess))
+    q = guess + (0.0 if probe == 0 else 0.1) * unit * random.standard_normal(len(guess))
     jacobian = _jacobian(equations, lowered, q)
     for _ in range(25):
         phi = _flat(equations, lowered, "constraints", "phi", q)
-        step = np.linalg.lstsq(jacobian, -phi, rcond=1e-10)[0]
+        step = np.linalg.lstsq(jacobian * unit, -phi, rcond=1e-10)[0]
         length = float(np.linalg.norm(step))
-        q = q + step * min(1.0, 1.0 / length if length > 0 else 1.0)
+        q = q + unit * step / max(1.0, length)
         jacobian = _jacobian(equations, lowered, q)
         if length < 1e-12:
             break
     if not np.all(np.isfinite(jacobian)):
         return random.standard_normal(jacobian.shape)
-    return jacobian
+    return jacobian * unit
+
+
+def _units(equations: Equations, jacobian: Array) -> Array:
+    """A radian for angles; for lengths the longest arm, so that size does not matter."""
+    angles = np.array([q.name.endswith("_phi") for q in equations.coordinates])
+    moved = np.abs(jacobian[:, ~angles]).max(axis=1, initial=0.0)
+    turned = np.abs(jacobian[:, angles]).max(axis=1, initial=0.0)
+    arms = [float(a / b) for a, b in zip(turned, moved, strict=True) if a > 0 and b > 0]
+    longest = max(arms, default=1.0)
+    return np.where(angles, 1.0, longest if math.isfinite(longest) else 1.0)
 
 
 def _jacobian(equations: Equations, lowered: Lowered, q: Array) -> Array:

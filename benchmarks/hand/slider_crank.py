@@ -4,11 +4,15 @@
 (3.3.12, 3.3.14) with every product of a zero left out. `crank_acceleration` is the equation of
 motion in the one coordinate φ₁ that is left when the loop is solved by hand:
 
-    L sin φ₂ = -r sin φ₁,   x₂ = r cos φ₁ + L/2 cos φ₂,   y₂ = r/2 sin φ₁,   x₃ = r cos φ₁ + L cos φ₂
+    L sin φ₂ = -r sin φ₁
+    x₂ = r cos φ₁ + L/2 cos φ₂,   y₂ = r/2 sin φ₁,   x₃ = r cos φ₁ + L cos φ₂
     J(φ₁) φ̈₁ + J'(φ₁) φ̇₁² / 2 = n + m₂ g x₂' + (m₃ g + F) x₃'
 
 where a dash is d/dφ₁ and J = J₁ + m₂ (x₂'² + y₂'²) + J₂ φ₂'² + m₃ x₃'².
 All take the arguments of the generated kernels: p = J1, rod_length, motor_torque, …
+
+Array elements are read before the first branch: numba counts references to arrays that are used
+behind one, which costs more than the equation.
 """
 
 import math
@@ -18,8 +22,6 @@ import numba
 OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}}
 RADIUS = 2.0
 ROD_MASS, ROD_INERTIA, SLIDER_MASS, GRAVITY = 35.0, 35.0, 25.0, 9.81
-OPERATIONS = {"jacobian": 10, "acceleration_rhs": 14, "crank_acceleration": 59}
-"""Additions, products, divisions and functions, counted by eye; the gas as in its dearest piece."""
 
 
 @numba.njit("void(f8, f8[::1], f8[::1], f8[::1])", **OPTIONS)
@@ -70,7 +72,8 @@ def acceleration_rhs(t, q, v, p, gamma):
 @numba.njit("i8(f8, f8[::1], f8[::1], f8[::1], i8[::1], f8[::1], f8[::1])", **OPTIONS)
 def crank_acceleration(t, q, v, p, modes, a, lam):
     """φ̈₁ into a[2], from φ₁ and φ̇₁ alone."""
-    length = p[1]
+    inertia, length, force, omega = p[0], p[1], p[2], v[2]
+    closed, compressing, exhausting, outwards = modes[0], modes[1], modes[2], modes[3]
     s, c = math.sin(q[2]), math.cos(q[2])
     ratio = RADIUS / length
     sin2 = -ratio * s
@@ -83,17 +86,17 @@ def crank_acceleration(t, q, v, p, modes, a, lam):
     bow = length * (cos2 * turn * turn + sin2 * bend)
     x2, y2, x3 = -rs - 0.5 * arm, 0.5 * rc, -rs - arm
     x2_, y2_, x3_ = -rc - 0.5 * bow, -0.5 * rs, -rc - bow
-    inertia = p[0] + ROD_MASS * (x2 * x2 + y2 * y2)
+    inertia += ROD_MASS * (x2 * x2 + y2 * y2)
     inertia += ROD_INERTIA * (turn * turn) + SLIDER_MASS * (x3 * x3)
     slope = ROD_MASS * (x2 * x2_ + y2 * y2_)
     slope += ROD_INERTIA * (turn * bend) + SLIDER_MASS * (x3 * x3_)
     gas = 0.0
-    if modes[3] and not modes[0]:
+    if outwards and not closed:
         x = rc + length * cos2
-        if modes[1]:
+        if compressing:
             gas = 62857.0 - 282857.0 / (6.0 - x)
-        elif modes[2]:
+        elif exhausting:
             gas = -110000.0 * (1.0 - math.sin(2.0 * math.pi * (x - 5.25)))
-    force = p[2] + ROD_MASS * GRAVITY * x2 + (SLIDER_MASS * GRAVITY + gas) * x3
-    a[2] = (force - slope * (v[2] * v[2])) / inertia
+    force += ROD_MASS * GRAVITY * x2 + (SLIDER_MASS * GRAVITY + gas) * x3
+    a[2] = (force - slope * (omega * omega)) / inertia
     return 0

@@ -4,92 +4,98 @@ import re
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from codegen import InputError, build
-from codegen.cli import app
-from tests.codegen.workbench import write_model
-
-HEAD = """
-import math
-model = Model("m", gravity=(0, -9.81))
-a = model.body("a", mass=1.0, inertia=2.0)
-b = model.body("b", mass=3.0, inertia=4.0)
-k = model.parameter("k", 5.0, unit="N/m")
-"""
-
-
-def complaints(folder: Path, text: str, *options: str, head: str = HEAD) -> list[str]:
-    """Lines on stderr of a build that ends with status 2, having written nothing."""
-    path = write_model(folder, head + text)
-    out = folder / "out"
-    answer = CliRunner().invoke(app, ["build", str(path), "--out", str(out), *options])
-    assert answer.exit_code == 2, answer.output + repr(answer.exception)
-    assert answer.stdout == ""
-    assert not out.exists()
-    assert sorted(p.name for p in folder.iterdir()) == [path.name]
-    found = [line.removeprefix("error: ") for line in answer.stderr.splitlines()]
-    settings = [
-        o.split("=") for before, o in zip(options, options[1:], strict=False) if before == "--set"
-    ]
-    if all(len(pair) == 2 for pair in settings):
-        with pytest.raises(InputError) as caught:
-            build(path, out=out, settings={n: float(v) for n, v in settings}, compile=False)
-        assert len(caught.value.problems) == len(set(caught.value.problems)) > 0
-    return found
-
-
-def check(found: list[str], expected: list[str]) -> None:
-    for pattern in expected:
-        assert any(re.search(pattern, line) for line in found), f"{pattern!r} not in {found}"
-    assert len(found) == len(expected), found
+from tests.codegen.complaints import check, complaints
 
 
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
         # bodies, masses
-        ("c = model.body('c')", ["scene 'default': body 'c' has no mass and no inertia; give it in"]),
+        (
+            "c = model.body('c')",
+            ["scene 'default': body 'c' has no mass and no inertia; give it in"],
+        ),
         ("c = model.body('c', mass=1)", ["scene 'default': body 'c' has no inertia; give it in"]),
-        ("c = model.body('c', mass=-1, inertia=0)",
-         ["mass of body 'c' is -1 kg; it must be positive", "inertia of body 'c' is 0 kg m"]),
-        ("c = model.body('c', mass=float('nan'), inertia=float('inf'))",
-         ["mass of body 'c' is nan kg", "inertia of body 'c' is (inf|oo) kg m"]),
-        ("c = model.body('c', mass=I, inertia='heavy')",
-         ["mass of body 'c' is I kg", "inertia of body 'c': 'heavy' is neither a number nor"]),
-        ("c = model.body('c', mass=[1, 2], inertia=Matrix([1]))",
-         ["mass of body 'c'.*neither", "inertia of body 'c'.*neither"]),
-        ("c = model.body('c', mass=Symbol('m'), inertia=a.x)",
-         ["mass of body 'c': unknown symbol 'm'", "inertia of body 'c': unknown symbol 'a_x'"]),
-        ("c = model.body('c', mass=model.parameter('w', -2.0), inertia=1)",
-         ["mass of body 'c' is -2 kg", "parameter 'w' is -2 , but must be positive"]),
+        (
+            "c = model.body('c', mass=-1, inertia=0)",
+            ["mass of body 'c' is -1 kg; it must be positive", "inertia of body 'c' is 0 kg m"],
+        ),
+        (
+            "c = model.body('c', mass=float('nan'), inertia=float('inf'))",
+            ["mass of body 'c' is nan kg", "inertia of body 'c' is (inf|oo) kg m"],
+        ),
+        (
+            "c = model.body('c', mass=I, inertia='heavy')",
+            ["mass of body 'c' is I kg", "inertia of body 'c': 'heavy' is neither a number nor"],
+        ),
+        (
+            "c = model.body('c', mass=[1, 2], inertia=Matrix([1]))",
+            ["mass of body 'c'.*neither", "inertia of body 'c'.*neither"],
+        ),
+        (
+            "c = model.body('c', mass=Symbol('m'), inertia=a.x)",
+            ["mass of body 'c': unknown symbol 'm'", "inertia of body 'c': unknown symbol 'a_x'"],
+        ),
+        (
+            "c = model.body('c', mass=model.parameter('w', -2.0), inertia=1)",
+            ["mass of body 'c' is -2 kg", "parameter 'w' is -2 , but must be positive"],
+        ),
         # joints
-        ("model.revolute('A', a.at(0, 0), a.at(1, 0))", ["revolute 'A' connects body 'a' with itself"]),
-        ("other = Model('other')\nc = other.body('c', 1, 1)\nmodel.revolute('A', a.at(0, 0), c.at(1, 0))",
-         ["revolute 'A': body 'c' belongs to another model; use a body of 'm'"]),
+        (
+            "model.revolute('A', a.at(0, 0), a.at(1, 0))",
+            ["revolute 'A' connects body 'a' with itself"],
+        ),
+        (
+            "c = Model('other').body('c', 1, 1)\nmodel.revolute('A', a.at(0, 0), c.at(1, 0))",
+            ["revolute 'A': body 'c' belongs to another model; use a body of 'm'"],
+        ),
         ("model.revolute('A', a.at(0, 0), 7)", ["'A': 7 is neither a point nor a body"]),
-        ("model.translational('A', a, b, axis=(0, 0))", ["translational 'A': the axis .0, 0. has no direction"]),
-        ("model.revolute_revolute('A', a.at(0, 0), b.at(0, 0), -2.0)",
-         [r"revolute-revolute 'A': the length -2\.0+ m is not positive; use a revolute"]),
-        ("model.revolute('A', model.ground.at(sin(t), 0), a.at(0, 0))",
-         [r"revolute 'A': sin\(t\) depends on t, but points, axes"]),
-        ("model.revolute_revolute('A', a.at(0, 0), b.at(0, 0), 1 + a.x**2)",
-         ["revolute-revolute 'A': .* depends on a_x, but points"]),
+        (
+            "model.translational('A', a, b, axis=(0, 0))",
+            ["translational 'A': the axis .0, 0. has no direction"],
+        ),
+        (
+            "model.revolute_revolute('A', a.at(0, 0), b.at(0, 0), -2.0)",
+            [r"revolute-revolute 'A': the length -2\.0+ m is not positive; use a revolute"],
+        ),
+        (
+            "model.revolute('A', model.ground.at(sin(t), 0), a.at(0, 0))",
+            [r"revolute 'A': sin\(t\) depends on t, but points, axes"],
+        ),
+        (
+            "model.revolute_revolute('A', a.at(0, 0), b.at(0, 0), 1 + a.x**2)",
+            ["revolute-revolute 'A': .* depends on a_x, but points"],
+        ),
         ("model.absolute('A', a, 'z', 1.0)", ["absolute 'A': 'z' is none of 'x', 'y', 'phi'"]),
         ("model.absolute('A', a, 'x', Abs(k))", ["absolute 'A': Abs.k. has a kink"]),
         ("model.constraint('c', 3 * k)", ["constraint 'c': .* names no coordinate of a body"]),
         ("model.constraint('c', a.vx - 3)", ["constraint 'c': .* contains the velocity a_vx"]),
         ("model.constraint('c', Abs(a.x) - 1)", ["constraint 'c': Abs.a_x. has a kink"]),
-        ("model.constraint('c', Piecewise((a.x, a.x > 0), (a.y, True)))",
-         ["constraint 'c': the condition a_x > 0 stands where nothing may switch"]),
-        ("model.constraint('c', a.x - Symbol('wid'))",
-         [r"constraint 'c': unknown symbol 'wid'; declare it with model.parameter\('wid'"]),
-        ("model.constraint('c', a.x - sin(Symbol('t')))",
-         ["constraint 'c': the symbol 't' is not the time; use the t of 'from codegen import t'"]),
-        ("model.constraint('c', a.x - Symbol('k'))",
-         ["constraint 'c': the symbol 'k' has the name of a parameter but is another symbol"]),
-        ("model.constraint('c', a.x - gamma(a.y))", [r"constraint 'c': gamma\(a_y\) cannot be compiled"]),
-        ("model.constraint('c', a.x + I)", ["constraint 'c': .* contains I; give finite real numbers"]),
+        (
+            "model.constraint('c', Piecewise((a.x, a.x > 0), (a.y, True)))",
+            ["constraint 'c': the condition a_x > 0 stands where nothing may switch"],
+        ),
+        (
+            "model.constraint('c', a.x - Symbol('wid'))",
+            [r"constraint 'c': unknown symbol 'wid'; declare it with model.parameter\('wid'"],
+        ),
+        (
+            "model.constraint('c', a.x - sin(Symbol('t')))",
+            ["constraint 'c': the symbol 't' is not the time; use the t of 'from codegen"],
+        ),
+        (
+            "model.constraint('c', a.x - Symbol('k'))",
+            ["constraint 'c': the symbol 'k' has the name of a parameter but is another symbol"],
+        ),
+        (
+            "model.constraint('c', a.x - gamma(a.y))",
+            [r"constraint 'c': gamma\(a_y\) cannot be compiled"],
+        ),
+        (
+            "model.constraint('c', a.x + I)",
+            ["constraint 'c': .* contains I; give finite real numbers"],
+        ),
         # drivers
         ("model.driver('d', a.omega, 3)", ["driver 'd': .* contains the velocity a_omega"]),
         ("model.driver('d', k, 3 * t)", ["driver 'd': k names no coordinate of a body"]),
@@ -97,134 +103,184 @@ def check(found: list[str], expected: list[str]) -> None:
         ("model.driver('d', a.x, Max(t, 1))", [r"driver 'd': Max\(1, t\) has a kink"]),
         ("model.driver('d', a.x, '3 * t')", ["law of driver 'd': '3 . t' is neither a number nor"]),
         # effects
-        ("model.force('f', on=model.ground.at(1, 0), fx=1)", ["force 'f' acts on the ground; give a moving"]),
+        (
+            "model.force('f', on=model.ground.at(1, 0), fx=1)",
+            ["force 'f' acts on the ground; give a moving"],
+        ),
         ("model.torque('f', on=model.ground, value=1)", ["torque 'f' acts on the ground"]),
-        ("model.force('f', on=a, fx=Symbol('kk'))",
-         [r"force 'f': unknown symbol 'kk'; declare it with .*, or did you mean 'k'\?"]),
+        (
+            "model.force('f', on=a, fx=Symbol('kk'))",
+            [r"force 'f': unknown symbol 'kk'; declare it with .*, or did you mean 'k'\?"],
+        ),
         ("model.force('f', on=a, fx=Symbol('t'))", ["force 'f': the symbol 't' is not the time"]),
-        ("model.force('f', on=a, fx=1, frame='bodyy')", ["force 'f', frame: 'bodyy' is none of 'ground', 'body'"]),
+        (
+            "model.force('f', on=a, fx=1, frame='bodyy')",
+            ["force 'f', frame: 'bodyy' is none of 'ground', 'body'"],
+        ),
         ("model.force('f', on=a, fx=a.x > 0)", ["force 'f': a_x > 0 is neither a number nor"]),
         ("model.force('f', on=a, fx=float('inf'))", ["force 'f': .* contains oo; give finite"]),
-        ("model.force('f', on=a, fx=1, when=Eq(a.x, 1))",
-         [r"force 'f': the condition Eq\(a_x, 1\) is an equality"]),
-        ("model.force('f', on=a, fx=1, when=And(a.x > 0, Ne(a.y, 1)))",
-         [r"force 'f': the condition Ne\(a_y, 1\) is an equality"]),
-        ("model.force('f', on=a, fx=1, when=3.0 > 2.0)", ["force 'f': when=True never changes; compare"]),
+        (
+            "model.force('f', on=a, fx=1, when=Eq(a.x, 1))",
+            [r"force 'f': the condition Eq\(a_x, 1\) is an equality"],
+        ),
+        (
+            "model.force('f', on=a, fx=1, when=And(a.x > 0, Ne(a.y, 1)))",
+            [r"force 'f': the condition Ne\(a_y, 1\) is an equality"],
+        ),
+        (
+            "model.force('f', on=a, fx=1, when=3.0 > 2.0)",
+            ["force 'f': when=True never changes; compare"],
+        ),
         ("model.force('f', on=a, fx=1, when=2.0 > 3.0)", ["force 'f': when=False never changes"]),
-        ("model.torque('f', on=a, value=1, when=Integer(2) > 3)", ["torque 'f': when=(False|false) never"]),
-        ("model.force('f', on=a, fx=1, when='a.x > 0')", ["force 'f': when='a.x > 0' is no condition"]),
+        (
+            "model.torque('f', on=a, value=1, when=Integer(2) > 3)",
+            ["torque 'f': when=(False|false) never"],
+        ),
+        (
+            "model.force('f', on=a, fx=1, when='a.x > 0')",
+            ["force 'f': when='a.x > 0' is no condition"],
+        ),
         ("model.force('f', on=a, fx=1, when=a.x)", ["force 'f': when=a_x is no condition"]),
-        ("model.force('f', on=a, fx=Piecewise((1, a.x > 0)))",
-         [r"force 'f': Piecewise.* says nothing where none of its conditions holds; end it with"]),
-        ("model.force('f', on=a, fx=Function('g')(a.x))", [r"force 'f': g\(a_x\) cannot be compiled"]),
-        ("model.force('f', on=a, fx=sympify('erf(1)') * gamma(a.x))", ["force 'f': gamma.* cannot be compiled"]),
+        (
+            "model.force('f', on=a, fx=Piecewise((1, a.x > 0)))",
+            [r"force 'f': Piecewise.* says nothing where none of its conditions holds; end"],
+        ),
+        (
+            "model.force('f', on=a, fx=Function('g')(a.x))",
+            [r"force 'f': g\(a_x\) cannot be compiled"],
+        ),
+        (
+            "model.force('f', on=a, fx=sympify('erf(1)') * gamma(a.x))",
+            ["force 'f': gamma.* cannot be compiled"],
+        ),
         ("model.potential('v', k * a.vx**2)", ["potential 'v': .* contains the velocity a_vx"]),
-        ("model.generalized_force('q', {a.vx: 3})", ["force 'q': a_vx is no coordinate; write body.x"]),
+        (
+            "model.generalized_force('q', {a.vx: 3})",
+            ["force 'q': a_vx is no coordinate; write body.x"],
+        ),
         ("model.generalized_force('q', {'a.x': 3})", ["force 'q': 'a.x' is no coordinate"]),
         # parameters, quantities
         ("model.parameter('c', float('nan'))", ["parameter 'c' is nan; give a finite number"]),
         ("model.parameter('c', 'five')", ["parameter 'c': 'five' is not a number"]),
-        ("model.parameter('c', -1.0, unit='m', sign='positive')", ["parameter 'c' is -1 m, but must be positive"]),
-        ("model.parameter('c', -1.0, sign='nonnegative')", ["parameter 'c' is -1 , but must be nonnegative"]),
+        (
+            "model.parameter('c', -1.0, unit='m', sign='positive')",
+            ["parameter 'c' is -1 m, but must be positive"],
+        ),
+        (
+            "model.parameter('c', -1.0, sign='nonnegative')",
+            ["parameter 'c' is -1 , but must be nonnegative"],
+        ),
         ("model.parameter('c', 1.0, sign='plus')", ["parameter 'c', sign: 'plus' is none of"]),
-        ("model.parameter('c', 1.0, unit='bananas')", ["parameter 'c': the unit 'bananas' is not known"]),
-        ("import pint\nu = pint.get_application_registry()\nmodel.parameter('c', 3 * u.kg, unit='m')",
-         [r"parameter 'c': 3 kilogram has the dimension \[mass\], but m is needed"]),
-        ("import pint\nu = pint.get_application_registry()\nmodel.body('c', mass=3 * u.m, inertia=1)",
-         [r"mass of body 'c': 3 meter has the dimension \[length\], but kg is needed"]),
-        ("model.parameter('a_x', 1.0)", ["parameter 'a_x' has the name of a coordinate or velocity of body 'a'"]),
+        (
+            "model.parameter('c', 1.0, unit='bananas')",
+            ["parameter 'c': the unit 'bananas' is not known"],
+        ),
+        (
+            "u = units()\nmodel.parameter('c', 3 * u.kg, unit='m')",
+            [r"parameter 'c': 3 kilogram has the dimension \[mass\], but m is needed"],
+        ),
+        (
+            "u = units()\nmodel.body('c', mass=3 * u.m, inertia=1)",
+            [r"mass of body 'c': 3 meter has the dimension \[length\], but kg is needed"],
+        ),
+        (
+            "model.parameter('a_x', 1.0)",
+            ["parameter 'a_x' has the name of a coordinate or velocity of body 'a'"],
+        ),
         ("model.parameter('t', 1.0)", ["parameter 't' has the name of the time; rename it"]),
         # names
         ("model.body('a', mass=1, inertia=1)", ["body 'a': the name is already that of a body"]),
         ("model.parameter('a', 1.0)", ["parameter 'a': the name is already that of a body"]),
-        ("model.torque('k', on=a, value=1)", ["effect 'k': the name is already that of a parameter"]),
+        (
+            "model.torque('k', on=a, value=1)",
+            ["effect 'k': the name is already that of a parameter"],
+        ),
         ("model.scene('s')\nmodel.scene('s')", ["scene 's' is declared twice"]),
         ("model.body('x' * 50, mass=1, inertia=1)", ["has 50 characters; .* up to 32"]),
-        ("model.body('two__parts', mass=1, inertia=1)", ["body name 'two__parts' has two underscores"]),
+        (
+            "model.body('two__parts', mass=1, inertia=1)",
+            ["body name 'two__parts' has two underscores"],
+        ),
         # scenes
-        ("model.scene('s', effects=['gravitty'])",
-         ["scene 's': no effect 'gravitty'; did you mean 'gravity'?"]),
+        (
+            "model.scene('s', effects=['gravitty'])",
+            ["scene 's': no effect 'gravitty'; did you mean 'gravity'?"],
+        ),
         ("model.scene('s', effects='gravitty')", ["scene 's': no effect 'gravitty'"]),
         ("model.scene('s', drivers=['motor'])", ["scene 's': no driver 'motor'; there are none"]),
         ("model.scene('s', without=['aa'])", ["scene 's': no body 'aa'; .*'a'"]),
         ("model.scene('s', without=['a', 'b'])", ["scene 's': no body takes part"]),
-        ("model.scene('s', start={'a.z': 1.0})", ["scene 's': 'a.z' is no coordinate or velocity; did you mean"]),
+        (
+            "model.scene('s', start={'a.z': 1.0})",
+            ["scene 's': 'a.z' is no coordinate or velocity; did you mean"],
+        ),
         ("model.scene('s', start={'a.x': 'left'})", ["scene 's', a.x: 'left' is not a number"]),
-        ("model.scene('s', guess={'a.x': float('nan')})", ["scene 's', a.x: the value is nan; give a finite"]),
-        ("model.scene('s', parameters={'kk': 1.0})", ["scene 's': no parameter 'kk'; did you mean 'k'?"]),
-        ("model.scene('s', parameters={k: float('inf')})", ["scene 's': parameter 'k' is inf; give a finite"]),
-        ("model.scene('s', analysis='kinematic')",
-         ["scene 's', analysis: 'kinematic' is none of 'dynamics', 'kinematics'"]),
-        ("model.force('f', on=b, fx=1)\nmodel.scene('s', ['f'], without=[b])",
-         ["scene 's': effect 'f' needs body 'b', which takes no part; leave 'f' out"]),
-        ("model.force('f', on=a, fx=b.x)\nmodel.scene('s', ['f'], without=[b])",
-         ["scene 's': effect 'f' needs body 'b', which takes no part"]),
-        ("model.driver('d', b.x - a.x, t)\nmodel.scene('s', [], ['d'], without=[b])",
-         ["scene 's': driver 'd' needs body 'b'"]),
-        ("model.scene('s', start={b.x: 1.0}, without=[b])", ["scene 's': b.x has a start value, but its body"]),
+        (
+            "model.scene('s', guess={'a.x': float('nan')})",
+            ["scene 's', a.x: the value is nan; give a finite"],
+        ),
+        (
+            "model.scene('s', parameters={'kk': 1.0})",
+            ["scene 's': no parameter 'kk'; did you mean 'k'?"],
+        ),
+        (
+            "model.scene('s', parameters={k: float('inf')})",
+            ["scene 's': parameter 'k' is inf; give a finite"],
+        ),
+        (
+            "model.scene('s', analysis='kinematic')",
+            ["scene 's', analysis: 'kinematic' is none of 'dynamics', 'kinematics'"],
+        ),
+        (
+            "model.force('f', on=b, fx=1)\nmodel.scene('s', ['f'], without=[b])",
+            ["scene 's': effect 'f' needs body 'b', which takes no part; leave 'f' out"],
+        ),
+        (
+            "model.force('f', on=a, fx=b.x)\nmodel.scene('s', ['f'], without=[b])",
+            ["scene 's': effect 'f' needs body 'b', which takes no part"],
+        ),
+        (
+            "model.driver('d', b.x - a.x, t)\nmodel.scene('s', [], ['d'], without=[b])",
+            ["scene 's': driver 'd' needs body 'b'"],
+        ),
+        (
+            "model.scene('s', start={b.x: 1.0}, without=[b])",
+            ["scene 's': b.x has a start value, but its body"],
+        ),
         # too many constraints
-        ("model.revolute('A', model.ground.at(0, 0), a.at(1, 0))\n"
-         "model.revolute('Z', model.ground.at(0, 0), a.at(1, 0))",
-         [r"4 constraints on 6 coordinates, of which only 2 are independent; "
-          r"redundant: Z\.x \(revolute\), Z\.y \(revolute\). Remove or relax 'Z'"]),
-        ("model.absolute('A', a, 'phi', 0.5)\nmodel.driver('d', a.phi, 0.5 + t)",
-         [r"redundant: d\.phi \(driver\). Remove or relax 'd'"]),
-        ("model.constraint('c', a.x - b.x, 2 * a.x - 2 * b.x)", [r"redundant: c\.row1 \(constraint\)"]),
+        (
+            "for n in 'AZ': model.revolute(n, model.ground.at(0, 0), a.at(1, 0))",
+            [r"only 2 are independent; redundant: Z\.x \(revolute\), Z\.y \(revolute\). Remove"],
+        ),
+        (
+            "model.absolute('A', a, 'phi', 0.5)\nmodel.driver('d', a.phi, 0.5 + t)",
+            [r"redundant: d\.phi \(driver\). Remove or relax 'd'"],
+        ),
+        (
+            "model.constraint('c', a.x - b.x, 2 * a.x - 2 * b.x)",
+            [r"redundant: c\.row1 \(constraint\)"],
+        ),
     ],
-)  # fmt: skip
+)
 def test_message(tmp_path: Path, text: str, expected: list[str]) -> None:
     check(complaints(tmp_path, text), expected)
 
 
-def test_parallelogram_with_a_third_bar(tmp_path: Path) -> None:
-    text = """
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
+def test_parallelogram_with_a_third_bar(tmp_path: Path, size: float) -> None:
+    text = f"""
 from codegen import Model
-model = Model("m")
+model, size = Model("m"), {size}
 table = model.body("table", 1, 1)
 for k in range(3):
-    bar = model.body(f"bar{k}", 1, 1)
-    model.revolute(f"foot{k}", model.ground.at(k, 0), bar.at(-0.5, 0))
-    model.revolute(f"head{k}", bar.at(0.5, 0), table.at(k, 0))
-up = {f"bar{k}.phi": 1.0 for k in range(3)}
-model.scene("swing", start=up, guess={"table.x": 0.5, "table.y": 0.8})
+    bar = model.body(f"bar{{k}}", 1, 1)
+    model.revolute(f"foot{{k}}", model.ground.at(k * size, 0), bar.at(-size / 2, 0))
+    model.revolute(f"head{{k}}", bar.at(size / 2, 0), table.at(k * size, 0))
+model.scene("swing", start={{f"bar{{k}}.phi": 1.0 for k in range(3)}})
 """
     (found,) = complaints(tmp_path, text, head="")
     assert re.search("12 constraints on 12 coordinates, of which only 11 are independent", found)
     assert re.search(r"redundant: head2\.[xy] \(revolute\). Remove or relax 'head2'", found)
-
-
-INJECTIONS = ["x; import os", "x\nimport os", 'x"""', "x'", "", " ", "1x", "class", "None", "a.b",
-              "x#", "λ", "__import__", "_x", "x\\", "{x}", 7, None]  # fmt: skip
-
-
-@pytest.mark.parametrize("name", INJECTIONS)
-@pytest.mark.parametrize(
-    "declare",
-    [
-        "model.body({}, mass=1, inertia=1)",
-        "model.parameter({}, 1.0)",
-        "model.revolute({}, a.at(0, 0), b.at(0, 0))",
-        "model.driver({}, a.x, t)",
-        "model.torque({}, on=a, value=1)",
-        "model.scene({})",
-        "model = Model({}); model.body('a', 1, 1)",
-    ],
-)
-def test_names_are_identifiers(tmp_path: Path, declare: str, name: object) -> None:
-    path = write_model(tmp_path, HEAD + declare.format(repr(name)))
-    with pytest.raises(InputError) as caught:
-        build(path, out=tmp_path / "out", compile=False)
-    assert len(caught.value.problems) == 1
-    kind = declare.partition("(")[0].rpartition(".")[2].rpartition(" ")[2].lower()
-    kind = {"revolute": "joint", "torque": "effect"}.get(kind, kind)
-    assert caught.value.problems[0].startswith(f"{kind} name {name!r} is no identifier")
-    assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize("unit", ['m"; import os; "', "m\nimport os", "m\\", "__import__('os')"])
-def test_units_reach_the_text_only_when_pint_knows_them(tmp_path: Path, unit: str) -> None:
-    (found,) = complaints(tmp_path, f"model.parameter('c', 1.0, unit={unit!r})")
-    assert found.startswith("parameter 'c': the unit ")
 
 
 def test_all_problems_of_a_model_come_at_once(tmp_path: Path) -> None:
@@ -238,10 +294,19 @@ model.body("class", 1, 1)
 model.scene("s", ["nothing"], start={"q.x": 1})
 """
     found = complaints(tmp_path, text)
-    check(found, [
-        "mass of body 'c'", "revolute 'A' connects", "force 'f' acts on the ground", "potential 'v'",
-        "parameter 'p' is nan", "body name 'class'", "scene 's': no effect", "scene 's': 'q.x'",
-    ])  # fmt: skip
+    check(
+        found,
+        [
+            "mass of body 'c'",
+            "revolute 'A' connects",
+            "force 'f' acts on the ground",
+            "potential 'v'",
+            "parameter 'p' is nan",
+            "body name 'class'",
+            "scene 's': no effect",
+            "scene 's': 'q.x'",
+        ],
+    )
 
 
 def test_all_problems_of_all_scenes_come_at_once(tmp_path: Path) -> None:
@@ -254,77 +319,3 @@ model.scene("two", [], without=[c], start={c.x: 1.0})
         complaints(tmp_path, text),
         ["scene 'one': body 'c' has no mass", "scene 'two': c.x has a start"],
     )
-
-
-@pytest.mark.parametrize(
-    ("options", "expected"),
-    [
-        (["--set", "kk=3"], ["model 'm' has no parameter 'kk'; did you mean 'k'?"]),
-        (["--set", "k=nan"], ["parameter 'k' is nan; give a finite number"]),
-        (["--set", "k=inf", "--set", "z=1"], ["parameter 'k' is inf", "no parameter 'z'"]),
-        (["--set", "w=-1"], ["parameter 'w' is -1 kg, but must be positive"]),
-        (["--set", "k=five"], ["--set 'k=five': write NAME=VALUE with a number"]),
-        (["--set", "k"], ["--set 'k': write NAME=VALUE with a number"]),
-        (["--scene", "swig"], ["model 'm' has no scene 'swig'; did you mean 'swing'?"]),
-    ],
-)
-def test_options(tmp_path: Path, options: list[str], expected: list[str]) -> None:
-    text = "w = model.parameter('w', 1.0, unit='kg')\nmodel.body('c', w, 1)\nmodel.scene('swing')\n"
-    path = write_model(tmp_path, HEAD + text)
-    answer = CliRunner().invoke(app, ["build", str(path), "--out", str(tmp_path / "out"), *options])
-    assert answer.exit_code == 2
-    check([line.removeprefix("error: ") for line in answer.stderr.splitlines()], expected)
-    assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("x = (\n", r"machine\.py, line 5: the model file fails with SyntaxError: .*"),
-        (
-            "x = 1\ny = 1 / 0\n",
-            r"machine\.py, line 6: the model file fails with ZeroDivisionError: division",
-        ),
-        (
-            "import nowhere_to_be_found\n",
-            r"machine\.py, line 5: .* ModuleNotFoundError: No module named 'nowh",
-        ),
-        ("raise SystemExit(3)\n", r"machine\.py, line 5: .* SystemExit: 3"),
-        (
-            "body = Model('m').body('a')\nif 1 < body.x < 2: pass\n",
-            r"machine\.py, line 6: .* TypeError: .*truth",
-        ),
-        ("x = 1\n", r"machine\.py declares no model; assign the one to build to the name 'model'"),
-        (
-            "one = Model('one')\ntwo = Model('two')\n",
-            r"machine\.py declares several models \('one', 'two'\)",
-        ),
-        ("model = Model('m')\n", "model 'm' has no body; declare one with model.body"),
-    ],
-)
-def test_model_file(tmp_path: Path, text: str, expected: str) -> None:
-    (found,) = complaints(tmp_path, text, head="")
-    assert re.search(expected, found), found
-
-
-def test_model_file_that_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "models").mkdir()
-    (tmp_path / "models" / "pendulum.py").write_text("")
-    for name, hint in (
-        ("models/pendulumm.py", "did you mean 'pendulum'?"),
-        ("slider_krank", "did you mean 'slider_crank'?"),
-    ):
-        answer = CliRunner().invoke(app, ["build", name])
-        assert answer.exit_code == 2
-        assert f"no model file {name}" in answer.stderr or f"{name}.py" in answer.stderr
-        assert hint in answer.stderr
-        assert not (tmp_path / "generated").exists()
-
-
-def test_explain_answers_errors_alike(tmp_path: Path) -> None:
-    path = write_model(tmp_path, HEAD + "model.torque('k', on=a, value=1)")
-    answer = CliRunner().invoke(app, ["explain", str(path), "--json"])
-    assert answer.exit_code == 2
-    assert answer.stdout == ""
-    assert answer.stderr.startswith("error: effect 'k': the name is already")

@@ -40,8 +40,14 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> object:
 def test_build_says_what_it_did(model: Path, run: object) -> None:
     first = run("build", model)
     assert first.exit_code == 0
-    for words in ("pendulum, scene swing: written", "3 coordinates, 2 constraints, 1 degrees",
-                  "effects       gravity", "left out      friction", "accelerations ", "seconds "):  # fmt: skip
+    for words in (
+        "pendulum, scene swing: written",
+        "3 coordinates, 2 constraints, 1 degrees",
+        "effects       gravity",
+        "left out      friction",
+        "accelerations ",
+        "seconds ",
+    ):
         assert words in first.stdout
     assert "pendulum, scene swing: unchanged, nothing written" in run("build", model).stdout
 

@@ -166,3 +166,12 @@ def test_quantities_are_converted_where_they_are_declared(tmp_path: Path) -> Non
     x = 0.01 - s.q[0] - 0.25 * np.cos(s.q[2])
     assert_allclose(machine.vector("constraints", s)[0], x, rtol=1e-13)
     assert machine.lowered.description.start == (("body.phi", np.pi / 2, "fixed"),)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_sound_machines_are_not_refused(seed: int) -> None:
+    from codegen.examine import examine
+    from tests.codegen.workbench import random_machine
+
+    machine = Interpreted(random_machine(seed, closed=seed % 2 == 0)[0])
+    assert examine(machine.equations, machine.lowered) == []

@@ -204,7 +204,7 @@ def test_correction_that_may_move_nothing_says_so() -> None:
 def test_parameters_and_constants_are_as_if_built_with_them(slider_crank: Model) -> None:
     machine = Interpreted(slider_crank, "compressor")
     s = assembled(machine, 1.0, 20.0)
-    changed = dict(J1=900.0, rod_length=2.9, motor_torque=1e4)
+    changed = {"J1": 900.0, "rod_length": 2.9, "motor_torque": 1e4}
     p = [changed.get(d.name, d.value) for d in machine.equations.parameters]
     assert len(machine.program.constants) > 0
     frozen = Model("slider_crank")
