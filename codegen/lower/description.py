@@ -70,7 +70,8 @@ def describe(
     rows, columns = zip(*scene.jacobian, strict=True) if scene.jacobian else ((), ())
     diagonal = tuple(range(len(equations.masses)))
     start = [(name, value, "fixed") for name, value in named.start]
-    start += [(name, value, "guess") for name, value in named.guess]
+    fixed = dict(named.start)
+    start += [(name, value, "guess") for name, value in named.guess if name not in fixed]
     parameters = tuple((p.name, p.value, p.unit, p.sign) for p in equations.parameters)
     reactions = scene.reactions if equations.masses else []
     return Description(

@@ -85,17 +85,17 @@ def _equilibria() -> list[Row]:
     gas = load("slider_crank", "gas_equilibrium").equilibrium(guess={"crank.phi": 4.0})
     place = "table 8.2.3"
     rows = [
-        Row(place, "gravity: φ1", "rad", gravity["crank.phi"], 3 * pi / 2, 4.726, LOOSE),
-        Row(place, "gravity: x2", "m", gravity["rod.x"], sqrt(3.5**2 - 4) / 2, 1.4635, LOOSE),
-        Row(place, "gravity: y2", "m", gravity["rod.y"], -1.0, -1.0),
-        Row(place, "gravity: φ2", "rad", gravity["rod.phi"], asin(4 / 7), 0.6082),
-        Row(place, "gravity: x3", "m", gravity["slider.x"], sqrt(3.5**2 - 4), 2.9, LOOSE),
+        Row(place, "gravity: φ1, rad", gravity["crank.phi"], 3 * pi / 2, 4.726, LOOSE),
+        Row(place, "gravity: x2, m", gravity["rod.x"], sqrt(3.5**2 - 4) / 2, 1.4635, LOOSE),
+        Row(place, "gravity: y2, m", gravity["rod.y"], -1.0, -1.0),
+        Row(place, "gravity: φ2, rad", gravity["rod.phi"], asin(4 / 7), 0.6082),
+        Row(place, "gravity: x3, m", gravity["slider.x"], sqrt(3.5**2 - 4), 2.9, LOOSE),
     ]
     place = "table 8.2.4"
     rows += [
-        Row(place, "gas / 1000: φ1", "rad", printed["crank.phi"], 4.597068, 4.6004, EARLY),
-        Row(place, "gas in N: φ1", "rad", gas["crank.phi"], 3.527376, 4.6004, UNITS),
-        Row(place, "gas in N: x3", "m", gas["slider.x"], 1.565126, 2.6575, UNITS),
+        Row(place, "gas / 1000: φ1, rad", printed["crank.phi"], 4.597068, 4.6004, EARLY),
+        Row(place, "gas in N: φ1, rad", gas["crank.phi"], 3.527376, 4.6004, UNITS),
+        Row(place, "gas in N: x3, m", gas["slider.x"], 1.565126, 2.6575, UNITS),
     ]
     machine = load("slider_crank", "gas_equilibrium")
     p = machine.parameter_values()
@@ -110,7 +110,7 @@ def _equilibria() -> list[Row]:
     work = stored[1] - stored[0]
     return [
         *rows,
-        Row("8.2.4", "work on the gas in a cycle", "N m", work, 260439.320, 260438.0, ROUNDED),
+        Row("8.2.4", "work in a cycle, N m", work, 260439.320, 260438.0, ROUNDED),
     ]
 
 
@@ -124,13 +124,13 @@ def _driven() -> list[Row]:
     place = "table 5.2.6"
     x3 = 2 * c + sqrt(3.5**2 - 2.0)
     rows = [
-        Row(place, "assembled: x2", "m", start["rod.x"], (2 * c + x3) / 2, 3.015),
-        Row(place, "assembled: φ2", "rad", start["rod.phi"], angle, -0.41595),
-        Row(place, "assembled: x3", "m", start["slider.x"], x3, 4.6158),
+        Row(place, "assembled: x2, m", start["rod.x"], (2 * c + x3) / 2, 3.015),
+        Row(place, "assembled: φ2, rad", start["rod.phi"], angle, -0.41595),
+        Row(place, "assembled: x3, m", start["slider.x"], x3, 4.6158),
     ]
     locked = float(runs.kinematics[1.9].t[-1])
     exact = (asin(1.9 / 2) - pi / 4) / (2 * pi)
-    return [*rows, Row("5.2.4", "a rod of 1.9 m locks at", "s", locked, exact, 0.074, ROUNDED)]
+    return [*rows, Row("5.2.4", "a rod of 1.9 m locks, s", locked, exact, 0.074, ROUNDED)]
 
 
 def _running() -> list[Row]:
@@ -139,12 +139,12 @@ def _running() -> list[Row]:
     end = {name: float(stall.q(name)[-1]) for name in ("crank.phi", "slider.x")}
     place = "8.2.4, J1 = 225"
     rows = [
-        Row(place, "stalls at", "s", float(stall.t[-1]), 0.114906810),
-        Row(place, "stalls at φ1", "rad", end["crank.phi"], 5.796224666),
-        Row(place, "stalls at x3", "m", end["slider.x"], 5.140072465),
+        Row(place, "stalls at, s", float(stall.t[-1]), 0.114906810),
+        Row(place, "stalls at φ1, rad", end["crank.phi"], 5.796224666),
+        Row(place, "stalls at x3, m", end["slider.x"], 5.140072465),
     ]
     for inertia, exact, book in ((450.0, 3.8157, 3.7), (900.0, 4.3010, 4.2)):
         place = f"8.2.4, J1 = {inertia:g}"
         ours = cycles_per_second(runs[inertia])
-        rows.append(Row(place, "cycles a second", "1/s", ours, exact, book, PLOT))
+        rows.append(Row(place, "cycles, 1/s", ours, exact, book, PLOT))
     return rows

@@ -9,8 +9,8 @@ class Row:
 
     Attributes
     ----------
-    section, quantity, unit
-        What it is, and where the book has it.
+    section, quantity
+        Where the book has it, and what it is, with its unit.
     ours
         What this program computed just now.
     exact
@@ -23,7 +23,6 @@ class Row:
 
     section: str
     quantity: str
-    unit: str
     ours: float
     exact: float
     book: float | None = None

@@ -105,6 +105,9 @@ def functions() -> Model:
     smooth += sympy.log(1 + x**2) + sympy.sqrt(1 + y**2) + (2 + x**2) ** (half / 3) + x**-3
     kinks = sympy.Max(x, y, 0.5) + sympy.Min(x, y) + abs(x) + sympy.sign(y) + sympy.Heaviside(phi)
     model.force("smooth", on=body, fx=smooth)
+    shared = sympy.sin(3 * x) * sympy.exp(phi)
+    both_sides = Piecewise((shared * y, body.vy > 0), (shared + 1, True))
+    model.torque("both_sides", on=body, value=both_sides)
     model.force("kinks", on=body, fy=kinks, when=sympy.Not(And(x > y, abs(x) > 1)))
     return model
 

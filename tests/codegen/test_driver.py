@@ -53,7 +53,10 @@ def test_only_the_scenes_that_changed_are_written(model: Path, tmp_path: Path) -
     assert {s.scene: s.changed for s in report.scenes} == {"swing": False, "moon": True}
 
 
-def test_edit_in_the_same_second_is_seen(model: Path, tmp_path: Path) -> None:
+def test_edit_in_the_same_second_is_seen(
+    model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
     out = tmp_path / "generated"
     for mass in ("2.0", "3.0", "4.0"):
         model.write_text(model.read_text().replace('"m", 2.0', f'"m", {mass}'))
