@@ -8,9 +8,13 @@ import hashlib
 import importlib.util
 import re
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
+
+from filelock import FileLock
 
 from codegen.errors import GeneratedFileError
 
@@ -73,7 +77,8 @@ def import_generated(path: Path) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:
-        loader.exec_module(module)
+        with alone(path):
+            loader.exec_module(module)
     except Exception as error:
         del sys.modules[name]
         raise GeneratedFileError(
@@ -81,6 +86,28 @@ def import_generated(path: Path) -> ModuleType:
             "Delete it and load the model again to rebuild it."
         ) from error
     return module
+
+
+@contextmanager
+def alone(path: Path) -> Iterator[None]:
+    """Only one process at a time compiles the numba functions of a file.
+
+    Numba writes the index of a cache before its data: a process that reads between the two would
+    take old machine code for new. The others wait, and find the cache filled. Where the folder
+    cannot be written there is no cache beside the file, and no lock.
+    """
+    cache = path.parent / "__pycache__"
+    try:
+        cache.mkdir(exist_ok=True)
+        lock = FileLock(cache / f"{path.stem}.lock")
+        lock.acquire()
+    except OSError:
+        yield
+        return
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 class _ContentLoader(SourceFileLoader):

@@ -22,6 +22,8 @@ from numba import njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from codegen.artefact import alone
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 _tools: Any = cgutils  # numba leaves it untyped
@@ -35,7 +37,8 @@ def compiled(signature: Any) -> Callable[[F], F]:
 
     def decorate(function: F) -> F:
         dispatcher: Any = _stamped(njit(**OPTIONS)(function))
-        dispatcher.compile(signature)
+        with alone(Path(__file__)):
+            dispatcher.compile(signature)
         dispatcher.disable_compile()
         return cast(F, dispatcher)
 

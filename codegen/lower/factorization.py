@@ -82,10 +82,14 @@ class Elimination:
     def solve(self, strategy: Strategy) -> list[list[int]]:
         """Values of the unknowns, one list a right side."""
         steps: list[Single | Pair] = []
+        known: list[dict[int, int]] = [{} for _ in self.right]
         while self._neighbours:
+            if last := self._last_loop():
+                known = self._close_loop(*last)
+                break
             step = self._cheapest(strategy)
             steps.append(self._pair(*step) if len(step) == 2 else self._single(*step))
-        return [self._back_substitute(steps, n) for n in range(len(self.right))]
+        return [self._back_substitute(steps, n, x) for n, x in enumerate(known)]
 
     # -- order -------------------------------------------------------------------------------
 
@@ -179,9 +183,44 @@ class Elimination:
                 right[i] = graph.sub(right[i], graph.add(*both))
         return Pair(k, c, a, over_b, along, across, right_k, right_c)
 
-    def _back_substitute(self, steps: list[Single | Pair], column: int) -> list[int]:
+    def _last_loop(self) -> tuple[int, int, int] | None:
+        """Two coordinates and the constraint that closes a loop, where nothing else is left."""
+        left = sorted(self._neighbours)
+        if len(left) != 3 or [i in self.duals for i in left] != [False, False, True]:
+            return None
+        i, j, c = left
+        coupled = c in self._neighbours[i] and c in self._neighbours[j]
+        return (i, j, c) if coupled and self._at(c, c) == self.graph.zero else None
+
+    def _close_loop(self, i: int, j: int, c: int) -> list[dict[int, int]]:
+        """Solve [[a, b, u], [b, d, v], [u, v, 0]] by its adjugate: one division instead of three.
+
+        The determinant is minus the positive definite form a v² - 2 b u v + d u².
+        """
         graph = self.graph
-        x: dict[int, int] = {}
+        mul, sub = graph.mul, graph.sub
+        a, b, d = self._at(i, i), self._at(i, j), self._at(j, j)
+        u, v = self._at(i, c), self._at(j, c)
+        minor_i, minor_j = sub(mul(d, u), mul(b, v)), sub(mul(a, v), mul(b, u))
+        area = sub(mul(a, d), mul(b, b))
+        form = graph.add(mul(u, minor_i), mul(v, minor_j))
+        if c in self.references:
+            self.checks.append(Check(form, mul(area, self.references[c]), c))
+        inverse = graph.div(graph.one, form)
+        solutions = []
+        for right in self.right:
+            across = sub(mul(v, right[i]), mul(u, right[j]))
+            x_i = graph.add(mul(minor_i, right[c]), mul(v, across))
+            x_j = sub(mul(minor_j, right[c]), mul(u, across))
+            force = graph.add(mul(minor_i, right[i]), mul(minor_j, right[j]))
+            force = sub(force, mul(area, right[c]))
+            solutions.append({i: mul(inverse, x_i), j: mul(inverse, x_j), c: mul(inverse, force)})
+        return solutions
+
+    def _back_substitute(
+        self, steps: list[Single | Pair], column: int, x: dict[int, int]
+    ) -> list[int]:
+        graph = self.graph
         for step in reversed(steps):
             if isinstance(step, Single):
                 first = graph.mul(step.inverse, step.right[column])
