@@ -8,14 +8,16 @@ from codegen.emit.placement import Path, Placement, place
 from codegen.lower.ledger import operations
 from codegen.lower.program import LEAVES, Input, Kernel, Op, Output, Program, Value
 
-SIGN, PRODUCT, SUM, LOGIC = 3, 2, 1, 0
+NOTHING, EITHER, BOTH, NEGATION, SUM, PRODUCT, SIGN = range(7)
+"""How tightly a piece of text holds together; looser pieces inside tighter ones take brackets."""
+
 BINARY = {
     Op.ADD: ("+", SUM, 1),
     Op.SUB: ("-", SUM, 1),
     Op.MUL: ("*", PRODUCT, 1),
     Op.DIV: ("/", PRODUCT, 1),
-    Op.AND: ("and", LOGIC, 1),
-    Op.OR: ("or", LOGIC, 1),
+    Op.AND: ("and", BOTH, 0),
+    Op.OR: ("or", EITHER, 0),
 }
 RESERVED = {
     *("t", "q", "v", "p", "w", "a", "g", "dq", "dv", "nu", "phi", "lam", "out", "rate", "gamma"),
@@ -114,45 +116,47 @@ class KernelText:
         """Lines that set `name` to the value of a choice."""
         value = self.program.values[number]
         path, indent = self.plan.home[number], "    " * depth
-        test = self._text(value.args[0], LOGIC)
-        yes, no = (
-            list(self._side(branch, (*path, (number, side)), name, depth + 1))
+        test = self._text(value.args[0], NOTHING)
+        (yes_before, yes), (no_before, no) = (
+            self._side(branch, (*path, (number, side)), name, depth + 1)
             for side, branch in ((True, value.args[1]), (False, value.args[2]))
         )
-        short = f"{indent}{name} = {_tail(yes)} if {test} else {_tail(no)}"
-        if len(yes) == len(no) == 1 and len(short) <= PAGE:
-            yield short
-            return
+        if not any(map(self._goes_on, value.args[1:])) and not yes_before and not no_before:
+            short = f"{indent}{name} = {_tail(yes)} if {test} else {_tail(no)}"
+            if len(yes) == len(no) == 1 and len(short) <= PAGE:
+                yield short
+                return
         yield f"{indent}if {test}:"
-        yield from yes
-        if no[0].startswith(f"{indent}    if ") and self._is_choice(value.args[2]):
+        yield from (*yes_before, *yes)
+        if self._goes_on(value.args[2]) and not no_before and no[0].strip().startswith("if "):
             yield f"{indent}el{no[0].strip()}"
             yield from (line.removeprefix("    ") for line in no[1:])
         else:
             yield f"{indent}else:"
-            yield from no
+            yield from (*no_before, *no)
 
-    def _side(self, number: int, path: Path, name: str, depth: int) -> Iterator[str]:
-        """One side of a choice: what it needs, then `name` set to its value."""
-        yield from self._block(path, depth)
-        if self._is_choice(number) and number in self.plan.inlined:
-            yield from self._choice(number, name, depth)
-        else:
-            yield from _fitted(f"{'    ' * depth}{name} = ", self._text(number, LOGIC))
+    def _side(self, number: int, path: Path, name: str, depth: int) -> tuple[list[str], list[str]]:
+        """One side of a choice: the lines that it needs first, and those that set `name`."""
+        before = list(self._block(path, depth))
+        if self._goes_on(number):
+            return before, list(self._choice(number, name, depth))
+        text = self._text(number, NOTHING)
+        return before, list(_fitted(f"{'    ' * depth}{name} = ", text))
 
-    def _is_choice(self, number: int) -> bool:
-        return self.program.values[number].op is Op.SELECT
+    def _goes_on(self, number: int) -> bool:
+        """Whether a side of a choice is a further choice, with the same name to set."""
+        return self.program.values[number].op is Op.SELECT and number in self.plan.inlined
 
     def _stores(self) -> Iterator[str]:
         stores = [out for out in self.kernel.outputs if out.array != "return"]
         if stores:
             yield "    # Outputs"
         for out in stores:
-            text = self._text(out.value, LOGIC)
+            text = self._text(out.value, NOTHING)
             yield from _fitted(f"    {out.array}[{out.slot}] = ", text, _note(out))
         for out in self.kernel.outputs:
             if out.array == "return":
-                yield from _fitted("    return ", self._text(out.value, LOGIC))
+                yield from _fitted("    return ", self._text(out.value, NOTHING))
 
     def _watch(self) -> Iterator[str]:
         if not self.kernel.watched:
@@ -173,7 +177,7 @@ class KernelText:
             return self._expression(number, outer)
         raise KeyError(f"value {number} of kernel {self.kernel.name} is used before it is computed")
 
-    def _expression(self, number: int, outer: int = LOGIC) -> str:
+    def _expression(self, number: int, outer: int = NOTHING) -> str:
         value = self.program.values[number]
         if value.op is Op.CONST:
             text, level = repr(value.literal), SIGN
@@ -181,8 +185,10 @@ class KernelText:
         elif value.op is Op.MODE:
             text, level = f"modes[{value.literal}]", SIGN
         elif value.op in (Op.NOT, Op.NEG):
-            word, inner = ("not ", LOGIC + 1) if value.op is Op.NOT else ("-", SIGN)
-            text, level = f"{word}{self._text(value.args[0], inner)}", LOGIC if word != "-" else SUM
+            word, level, inner = (
+                ("not ", NEGATION, NEGATION) if value.op is Op.NOT else ("-", SUM, SIGN)
+            )
+            text = f"{word}{self._text(value.args[0], inner)}"
         elif value.op in BINARY:
             sign, level, tighter = BINARY[value.op]
             a, b = value.args
@@ -190,7 +196,7 @@ class KernelText:
                 a, b = b, a  # the same sum without brackets
             text = f"{self._text(a, level)} {sign} {self._text(b, level + tighter)}"
         else:
-            arguments = ", ".join(self._text(a, LOGIC) for a in value.args)
+            arguments = ", ".join(self._text(a, NOTHING) for a in value.args)
             text, level = f"math.{value.op.value}({arguments})", SIGN
         return f"({text})" if level < outer else text
 
