@@ -16,7 +16,7 @@ from types import ModuleType
 
 from filelock import FileLock
 
-from codegen.errors import GeneratedFileError
+from codegen.errors import GeneratedFileError, SupersededError
 
 MARK = "# content-sha256: "
 UNSIGNED = "0" * 64
@@ -47,38 +47,52 @@ def check_signature(path: Path, text: str, rebuild: str) -> None:
     actual = hashlib.sha256(blank.encode()).hexdigest()
     if actual != match.group(1):
         raise GeneratedFileError(
-            f"{path} was edited by hand: its text hashes to {actual[:12]}..., its header says "
-            f"{match.group(1)[:12]}.... Change the model instead, and rebuild: {rebuild}"
+            f"{path} was edited by hand, or cut short: its text hashes to {actual[:12]}..., its "
+            f"header says {match.group(1)[:12]}.... Change the model, and rebuild: {rebuild}"
         )
 
 
-def import_generated(path: Path) -> ModuleType:
+def import_generated(path: Path, digest: str | None = None) -> ModuleType:
     """Import a generated file, compiling what numba's cache does not hold.
 
     The module's name follows from the file's content: numba's cache asks for it by name, in the
     process that compiled and in those that load, and a rebuilt module is never mistaken for the
     one that it replaces.
 
+    Parameters
+    ----------
+    digest
+        SHA-256 of the text that is wanted.
+
     Raises
     ------
     GeneratedFileError
         If the file cannot be read or does not compile.
+    SupersededError
+        If the file does not hold the text that is wanted.
     """
-    try:
-        digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    except OSError as error:
-        raise GeneratedFileError(f"cannot read {path}: {error.strerror or error}.") from error
-    name = f"linkwright_generated_{path.stem}_{digest[:16]}"
-    if name in sys.modules:
-        return sys.modules[name]
+    with alone(path):
+        try:
+            content = path.read_bytes()
+        except OSError as error:
+            raise GeneratedFileError(f"cannot read {path}: {error.strerror or error}.") from error
+        actual = hashlib.sha256(content).hexdigest()
+        if digest not in (None, actual):
+            raise SupersededError(f"{path} was replaced while it was being loaded; load it again.")
+        name = f"linkwright_generated_{path.stem}_{actual[:16]}"
+        if name in sys.modules and sys.modules[name].__file__ == str(path):
+            return sys.modules[name]
+        return _execute(name, path)
+
+
+def _execute(name: str, path: Path) -> ModuleType:
     loader = _ContentLoader(name, str(path))
     spec = importlib.util.spec_from_file_location(name, path, loader=loader)
     assert spec is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:
-        with alone(path):
-            loader.exec_module(module)
+        loader.exec_module(module)
     except Exception as error:
         del sys.modules[name]
         raise GeneratedFileError(

@@ -4,17 +4,20 @@ Each finding is a sentence that names the element, shows the numbers and says wh
 them are reported together.
 """
 
+import re
 from collections.abc import Iterator
 
 import sympy
 
 from codegen.compilable import all_problems, constraint_problems
 from codegen.declare.body import Body
-from codegen.declare.element import Constraint, Effect
+from codegen.declare.element import ConjugateReaction, Constraint, Effect
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Given, Parameter, Time, Velocity, kinds
 from codegen.model import Model
+
+WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
 
 
 def check_model(model: Model) -> list[str]:
@@ -27,6 +30,7 @@ def check_model(model: Model) -> list[str]:
     for element in elements:
         found += _bodies(model, element)
         found += element.problems()
+        found += _words(element)
     masses = _masses(model)
     for constraint in (*model.joints.values(), *model.drivers.values()):
         if constraint.problems():
@@ -81,6 +85,24 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
         if problem := model.parameters[name].problem(value):
             found.append(f"{where}: {problem}")
     return found
+
+
+def _words(element: Constraint | Effect) -> Iterator[str]:
+    """Texts of a user's own element that go into the generated module as they are."""
+    where = f"element {element.name!r}"
+    if not WORDS.fullmatch(str(element.kind)):
+        yield f"{where}: its kind {element.kind!r} must be a few words of ASCII letters."
+    if not isinstance(element, Constraint) or element.problems():
+        return
+    statement = element.statement()
+    rows, count = statement.rows, len(statement.phi)
+    if len(rows) != count or not all(WORDS.fullmatch(str(row)) for row in rows):
+        yield f"{where}: its rows {rows!r} must be {count} ASCII words, one an equation."
+    if isinstance(statement.reaction, ConjugateReaction):
+        parts = statement.reaction.components
+        texts = [text for pair in parts for text in pair if text]
+        if len(parts) != count or not all(WORDS.fullmatch(str(text)) for text in texts):
+            yield f"{where}: its reactions {parts!r} must be {count} pairs of a word and a unit."
 
 
 def _bodies(model: Model, element: Constraint | Effect) -> Iterator[str]:

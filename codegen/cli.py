@@ -103,6 +103,7 @@ def build(
         errors.print(
             f"[bold red]stale:[/] {escaped(str(path))} is missing or not what the model gives; "
             f"run: python -m codegen build {escaped(model)}"
+            f"{f' --out {escaped(str(out))}' if out else ''}"
         )
     if done.stale:
         raise typer.Exit(1)

@@ -13,6 +13,7 @@ compile   file                  → machine code in numba's cache
 import hashlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
@@ -42,8 +43,8 @@ class SceneReport:
 
     Attributes
     ----------
-    path, changed
-        The generated file, and whether it is new.
+    path, changed, digest
+        The generated file, whether it is new, and the SHA-256 of its text.
     operations
         Kernel → arithmetic operations.
     seconds
@@ -54,6 +55,7 @@ class SceneReport:
     scene: str
     path: Path
     changed: bool
+    digest: str
     bodies: tuple[str, ...]
     coordinates: int
     constraints: int
@@ -124,20 +126,23 @@ def build(
     for chosen in scenes:
         clock = Clock({"read": reading}, progress, f"{declared.name}, scene {chosen.name}")
         prepared.append((*translate(declared, chosen, clock), clock))
-    paths, changes = [], []
+    paths, changes, digests = [], [], []
     for equations, lowered, clock in prepared:
         path = folder / file_name(file.stem, equations, settings or {})
         with clock("emit"):
             text = module_text(lowered, origin(file, equations, path, settings or {}))
         changes.append(not is_current(path, text) if check else write_if_changed(path, text))
         paths.append(path)
+        digests.append(hashlib.sha256(text.encode()).hexdigest())
     if compile and not check:
         progress(f"{declared.name}: compile")
         for (*_, clock), seconds in zip(prepared, compile_modules(paths), strict=True):
             clock.seconds["compile"] = seconds
     reports = (
-        report(equations, lowered, path, changed, clock.seconds)
-        for (equations, lowered, clock), path, changed in zip(prepared, paths, changes, strict=True)
+        report(equations, lowered, path, changed, digest, clock.seconds)
+        for (equations, lowered, clock), path, changed, digest in zip(
+            prepared, paths, changes, digests, strict=True
+        )
     )
     stale = (path for path, changed in zip(paths, changes, strict=True) if check and changed)
     return BuildReport(tuple(reports), tuple(stale))
@@ -184,6 +189,8 @@ def sound_scenes(model: Model, name: str | None) -> list[Scene]:
     if problems:
         raise ModelError(problems)
     if not model.scenes:
+        model = copy(model)
+        model.scenes = {}
         model.scene("default", effects=model.effects, drivers=model.drivers)
     if name is not None and name not in model.scenes:
         raise SceneError(
@@ -197,8 +204,10 @@ def sound_scenes(model: Model, name: str | None) -> list[Scene]:
 
 
 def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
-    """The model with other defaults; every scene takes them over."""
+    """A copy of the model with other defaults; every scene takes them over."""
     problems = []
+    changed = copy(model)
+    changed.parameters = dict(model.parameters)
     for name, value in settings.items():
         if name not in model.parameters:
             problems.append(
@@ -207,13 +216,16 @@ def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
         elif problem := model.parameters[name].problem(value):
             problems.append(problem)
         else:
-            model.parameters[name] = replace(model.parameters[name], value=value)
+            changed.parameters[name] = replace(model.parameters[name], value=value)
     if problems:
         raise ParameterError(problems)
-    for name, scene in model.scenes.items():
-        kept = tuple(pair for pair in scene.parameters if pair[0] not in settings)
-        model.scenes[name] = replace(scene, parameters=kept)
-    return model
+    changed.scenes = {
+        name: replace(
+            scene, parameters=tuple(pair for pair in scene.parameters if pair[0] not in settings)
+        )
+        for name, scene in model.scenes.items()
+    }
+    return changed
 
 
 def default_folder(file: ModelFile) -> Path:
@@ -251,7 +263,12 @@ def _relative(source: Path, base: Path) -> str:
 
 
 def report(
-    equations: Equations, lowered: Lowered, path: Path, changed: bool, seconds: dict[str, float]
+    equations: Equations,
+    lowered: Lowered,
+    path: Path,
+    changed: bool,
+    digest: str,
+    seconds: dict[str, float],
 ) -> SceneReport:
     """Gather what a person wants to know about a build."""
     n = len(equations.coordinates)
@@ -262,6 +279,7 @@ def report(
         equations.scene.name,
         path,
         changed,
+        digest,
         equations.bodies,
         n,
         m,

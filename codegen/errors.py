@@ -50,6 +50,10 @@ class GeneratedFileError(InputError):
     """A generated module is missing, stale, edited by hand, or cannot be written."""
 
 
+class SupersededError(GeneratedFileError):
+    """A generated file was replaced by another process between its check and its import."""
+
+
 class AssemblyError(InputError):
     """The bodies cannot be put together as the joints and the start values demand."""
 

@@ -4,19 +4,19 @@ A declaration never raises for a wrong element: every problem is noted, and `bui
 of them at once (`codegen.check`).
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, Literal
-
-import sympy
 
 from codegen.declare import quantities
 from codegen.declare.body import Body, Ground, Point
 from codegen.declare.element import Constraint, Effect
-from codegen.declare.names import name_problem, nearest
+from codegen.declare.names import name_problem
 from codegen.declare.parameter import ParameterDeclaration, SignRule
 from codegen.declare.reading import Reader
 from codegen.declare.scene import Analysis, Scene
+from codegen.declare.scene_values import UNITS, Names, Values, named, overrides, states
 from codegen.declare.symbols import Coordinate, Parameter, Velocity, kinds
 from codegen.elements.drivers.motion import Motion
 from codegen.elements.forces.applied import AppliedForce, AppliedTorque
@@ -27,10 +27,6 @@ from codegen.elements.joints.expression import ExpressionConstraint
 from codegen.elements.joints.revolute import Revolute
 from codegen.elements.joints.revolute_revolute import RevoluteRevolute
 from codegen.elements.joints.translational import Translational
-
-Names = Iterable["str | Body | Constraint | Effect"]
-Values = Mapping["str | sympy.Symbol", Any]
-LENGTHS = {"x": "m", "y": "m", "phi": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
 
 
 class Model:
@@ -61,6 +57,7 @@ class Model:
         self.drivers: dict[str, Constraint] = {}
         self.effects: dict[str, Effect] = {}
         self.scenes: dict[str, Scene] = {}
+        self.files: list[Path] = []
         self._read = Reader()
         self._kinds: dict[str, str] = {"ground": "body"}
         if problem := name_problem("model", name):
@@ -110,7 +107,8 @@ class Model:
         value
             The default: a number in `unit`, or a pint quantity that converts to it.
         unit
-            A label such as ``"kg m^2"``; empty for a pure number.
+            A label in SI units such as ``"kg m^2"``; empty for a pure number. Values given at run
+            time are in it.
         sign
             A rule that every value must obey; masses and inertias are positive by themselves.
         """
@@ -121,10 +119,25 @@ class Model:
         if not quantities.known_unit(unit):
             self._note(f"{where}: the unit {unit!r} is not known; use SI names, 'kg m^2'.")
             unit = ""
+        elif (factor := quantities.si_factor(unit)) != 1.0:
+            self._note(
+                f"{where}: {unit!r} is no SI unit (one of it is {factor:g} in SI); label the "
+                f"parameter with the SI unit, and give the value as a quantity in {unit}."
+            )
+            unit = ""
         number = self._read.number(value, unit, where)
         if self._claim("parameter", name):
             self.parameters[name] = ParameterDeclaration(name, number, unit, sign)
         return symbol
+
+    def depends_on(self, path: str | Path) -> Path:
+        """Name a data file that the declaration reads: a change of it makes builds stale."""
+        file = Path(path).resolve()
+        if file.is_file():
+            self.files.append(file)
+        else:
+            self._note(f"depends_on('{path}'): there is no file {file}.")
+        return file
 
     # -- joints ------------------------------------------------------------------------------
 
@@ -170,7 +183,7 @@ class Model:
     ) -> Constraint:
         """A point's global x or y, or a body's φ, keeps `value`."""
         letter = self._read.choice(letter, ("x", "y", "phi"), f"absolute '{name}'")
-        number = self._read.value(value, LENGTHS[letter], f"value of '{name}'")
+        number = self._read.value(value, UNITS[letter], f"value of '{name}'")
         point = self._point(name, on)
         return self._joint(Absolute(name, self.ground, point, letter, number))
 
@@ -182,7 +195,7 @@ class Model:
     def driver(self, name: str, driven: Any, law: Any) -> Constraint:
         """A coordinate, or any expression of coordinates, follows `law`, an expression of t."""
         left = self._read.value(driven, "", f"driver '{name}'")
-        unit = LENGTHS[left.name.rpartition("_")[2]] if isinstance(left, Coordinate) else ""
+        unit = UNITS[left.name.rpartition("_")[2]] if isinstance(left, Coordinate) else ""
         right = self._read.value(law, unit, f"law of driver '{name}'")
         element = Motion(name, left, right, self._bodies_in(left))
         if self._claim("driver", name):
@@ -239,7 +252,14 @@ class Model:
         """An element of one's own: anything that answers `Constraint` or `Effect`."""
         if isinstance(element, Constraint):
             return self._joint(element)
-        return self._effect(element)
+        given: object = element
+        if isinstance(given, Effect):
+            return self._effect(given)
+        self._note(
+            f"model.add({element!r}): neither a Constraint nor an Effect; it needs kind, name, "
+            "bodies, problems(), and statement() or potential() and forces()."
+        )
+        return element
 
     # -- scenes ------------------------------------------------------------------------------
 
@@ -278,15 +298,15 @@ class Model:
             ``"kinematics"`` compiles neither masses nor forces.
         """
         where = f"scene '{name}'"
-        absent = self._named(where, "body", without, self.bodies)
+        absent = named(self._read, where, "body", without, self.bodies)
         scene = Scene(
             name=name,
             bodies=tuple(b for b in self.bodies if b not in absent),
-            effects=self._named(where, "effect", effects, self.effects),
-            drivers=self._named(where, "driver", drivers, self.drivers),
-            start=self._states(where, start or {}),
-            guess=self._states(where, guess or {}),
-            parameters=self._overrides(where, parameters or {}),
+            effects=named(self._read, where, "effect", effects, self.effects),
+            drivers=named(self._read, where, "driver", drivers, self.drivers),
+            start=states(self._read, where, self.bodies, start or {}),
+            guess=states(self._read, where, self.bodies, guess or {}),
+            parameters=overrides(self._read, where, self.parameters, parameters or {}),
             frozen=frozen,
             analysis=self._read.choice(analysis, ("dynamics", "kinematics"), f"{where}, analysis"),
         )
@@ -349,41 +369,3 @@ class Model:
             s.name.rpartition("_")[0] for e in expressions for s in kinds(e, Coordinate, Velocity)
         }
         return tuple(body for name, body in self.bodies.items() if name in owners)
-
-    def _named(
-        self, where: str, kind: str, wanted: Names, known: Mapping[str, Any]
-    ) -> tuple[str, ...]:
-        found = []
-        for item in (wanted,) if isinstance(wanted, str) else wanted:
-            name = item if isinstance(item, str) else item.name
-            if name in known:
-                found.append(name)
-            else:
-                self._note(f"{where}: no {kind} '{name}'; {nearest(name, known)}")
-        return tuple(name for name in known if name in found)
-
-    def _states(self, where: str, values: Values) -> tuple[tuple[str, float], ...]:
-        known = {f"{b}.{letter}": unit for b in self.bodies for letter, unit in LENGTHS.items()}
-        found = {}
-        for key, value in values.items():
-            name = key if isinstance(key, str) else ".".join(key.name.rsplit("_", 1))
-            if name not in known:
-                self._note(
-                    f"{where}: '{name}' is no coordinate or velocity; {nearest(name, known)}"
-                )
-                continue
-            place = f"{where}, {name}"
-            found[name] = self._read.finite(value, known[name], place)
-        return tuple(found.items())
-
-    def _overrides(self, where: str, values: Values) -> tuple[tuple[str, float], ...]:
-        found = {}
-        for key, value in values.items():
-            name = key if isinstance(key, str) else key.name
-            if name not in self.parameters:
-                self._note(f"{where}: no parameter '{name}'; {nearest(name, self.parameters)}")
-                continue
-            place = f"{where}, parameter '{name}'"
-            unit = self.parameters[name].unit
-            found[name] = self._read.number(value, unit, place)
-        return tuple(found.items())

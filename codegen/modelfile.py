@@ -5,6 +5,7 @@ import contextlib
 import hashlib
 import importlib.util
 import sys
+import sysconfig
 import traceback
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -82,7 +83,7 @@ def execute_model_file(path: Path) -> ModelFile:
     ModelFileError
         If the file fails, or declares no model or several without calling one `model`.
     """
-    namespace = _execute(path)
+    namespace, files = _execute(path)
     declared = namespace.get("model")
     found = {id(v): v for v in namespace.values() if isinstance(v, Model)}
     if not isinstance(declared, Model):
@@ -93,7 +94,8 @@ def execute_model_file(path: Path) -> ModelFile:
                 "assign the one to build to the name 'model': model = Model(...)."
             )
         (declared,) = found.values()
-    return ModelFile(declared, path, tuple((p, file_hash(p)) for p in local_files(path)))
+    files += [file for file in declared.files if file not in files]
+    return ModelFile(declared, path, tuple((p, file_hash(p)) for p in files))
 
 
 def file_hash(path: Path) -> str:
@@ -102,35 +104,55 @@ def file_hash(path: Path) -> str:
 
 
 def local_files(path: Path) -> list[Path]:
-    """The file itself, then the files beside it that it imports, directly or not."""
+    """The file itself, then what it imports, directly or not, and is not installed.
+
+    To be asked while the imported modules are loaded.
+    """
     found: dict[Path, None] = {}
     waiting = [path.resolve()]
+    packages = {
+        Path(file).resolve(): str(module.__package__ or "")
+        for module in list(sys.modules.values())
+        if (file := getattr(module, "__file__", None))
+    }
     while waiting:
         current = waiting.pop(0)
         if current in found:
             continue
         found[current] = None
-        for name in _imported_names(current):
-            relative = Path(*name.split(".")).with_suffix(".py")
-            for base in (current.parent, current.parent.parent):
-                candidate = (base / relative).resolve()
-                if candidate.is_file() and candidate.is_relative_to(path.resolve().parent):
-                    waiting.append(candidate)
+        for name in _imported_names(current, packages.get(current, "")):
+            file = getattr(sys.modules.get(name), "__file__", None)
+            if file and _is_local(Path(file).resolve()):
+                waiting.append(Path(file).resolve())
     return list(found)
 
 
-def _imported_names(path: Path) -> list[str]:
+def _is_local(file: Path) -> bool:
+    """Whether a file belongs to the user or the library of models, rather than to a package."""
+    ours = (library_folder() / name for name in ("codegen", "runtime", "generated"))
+    installed = map(Path, (sysconfig.get_paths()[key] for key in ("stdlib", "purelib", "platlib")))
+    return not any(file.is_relative_to(folder) for folder in (*ours, *installed))
+
+
+def _imported_names(path: Path, package: str) -> list[str]:
+    """Full names of all modules, and packages above them, that a file of `package` asks for."""
     names = []
     for node in ast.walk(ast.parse(path.read_bytes())):
         if isinstance(node, ast.Import):
             names += [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            names.append(node.module)
-            names += [f"{node.module}.{alias.name}" for alias in node.names]
-    return sorted(set(names))
+        elif isinstance(node, ast.ImportFrom):
+            module = "." * node.level + (node.module or "")
+            if node.level:
+                if not package:
+                    continue
+                module = importlib.util.resolve_name(module, package)
+            names += [module, *(f"{module}.{alias.name}" for alias in node.names)]
+    above = {".".join(n.split(".")[:k]) for n in names for k in range(1, n.count(".") + 2)}
+    return sorted(above)
 
 
-def _execute(path: Path) -> dict[str, object]:
+def _execute(path: Path) -> tuple[dict[str, object], list[Path]]:
+    """What a model file defines, and the files that it is made of."""
     spec = importlib.util.spec_from_file_location(f"_linkwright_model_{path.stem}", path)
     assert spec is not None
     assert spec.loader is not None
@@ -138,6 +160,7 @@ def _execute(path: Path) -> dict[str, object]:
     try:
         with _fresh_imports(path.parent), contextlib.redirect_stdout(sys.stderr):
             spec.loader.exec_module(module)
+            files = local_files(path)
     except InputError:
         raise
     except (Exception, SystemExit) as error:
@@ -148,12 +171,12 @@ def _execute(path: Path) -> dict[str, object]:
         raise ModelFileError(
             f"{path}{line}: the model file fails with {type(error).__name__}: {error}"
         ) from error
-    return vars(module)
+    return vars(module), files
 
 
 @contextlib.contextmanager
 def _fresh_imports(folder: Path) -> Iterator[None]:
-    """Files of `folder` are imported as they are now, and forgotten afterwards.
+    """Local files are imported as they are now, those of `folder` first, and forgotten afterwards.
 
     Byte code is neither kept, as it is dated to the second, nor are modules: another folder may
     hold another file of the same name, and this one may be edited before the next build.
@@ -169,5 +192,5 @@ def _fresh_imports(folder: Path) -> Iterator[None]:
         sys.dont_write_bytecode = writes
         for name in set(sys.modules) - before:
             origin = getattr(sys.modules[name], "__file__", None)
-            if origin and Path(origin).is_relative_to(folder):
+            if origin and _is_local(Path(origin).resolve()):
                 del sys.modules[name]

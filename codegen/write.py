@@ -4,6 +4,7 @@ import os
 import tempfile
 from pathlib import Path
 
+from codegen.artefact import alone
 from codegen.errors import GeneratedFileError
 
 
@@ -21,15 +22,8 @@ def write_if_changed(path: Path, text: str) -> bool:
         if is_current(path, text):
             return False
         path.parent.mkdir(parents=True, exist_ok=True)
-        descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-")
-        try:
-            with os.fdopen(descriptor, "wb") as stream:
-                stream.write(text.encode())
-            Path(temporary).chmod(0o644)
-            Path(temporary).replace(path)
-        except BaseException:
-            Path(temporary).unlink(missing_ok=True)
-            raise
+        with alone(path):
+            _replace(path, text)
     except OSError as error:
         raise GeneratedFileError(
             f"cannot write {path}: {error.strerror or error}; choose another folder with --out, "
@@ -41,3 +35,15 @@ def write_if_changed(path: Path, text: str) -> bool:
 def is_current(path: Path, text: str) -> bool:
     """Whether `path` holds `text`."""
     return path.is_file() and path.read_bytes() == text.encode()
+
+
+def _replace(path: Path, text: str) -> None:
+    descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-")
+    try:
+        with os.fdopen(descriptor, "wb") as stream:
+            stream.write(text.encode())
+        Path(temporary).chmod(0o644)
+        Path(temporary).replace(path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from codegen import __version__
 from codegen.artefact import check_signature, import_generated
-from codegen.errors import ModelFileError
+from codegen.errors import ModelFileError, SupersededError
 
 if TYPE_CHECKING:
     from codegen import Model
     from runtime.machine import Machine
 
+_ATTEMPTS = 5
 _FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
 
 
@@ -41,15 +42,21 @@ def load(
         generated into its `generated/`. The current directory unless given.
     """
     here = (Path(folder) if folder is not None else Path.cwd()).resolve()
-    if isinstance(model, str | os.PathLike):
-        path = _fresh_module(_locate(os.fspath(model), here), scene)
-    else:
-        path = _build(model, scene, here / "generated")
+    for attempt in range(_ATTEMPTS):
+        if isinstance(model, str | os.PathLike):
+            path, digest = _fresh_module(_locate(os.fspath(model), here), scene)
+        else:
+            path, digest = _build(model, scene, here / "generated")
+        try:
+            module = import_generated(path, digest)
+            break
+        except SupersededError:
+            if attempt == _ATTEMPTS - 1:
+                raise
     from runtime.description import describe
     from runtime.kernels import gather
     from runtime.machine import Machine
 
-    module = import_generated(path)
     return Machine(describe(module), gather(module), path)
 
 
@@ -109,27 +116,26 @@ def _models_nearby(model: str, folders: list[Path]) -> str:
     return f" Models there: {', '.join(near)}." if near else ""
 
 
-def _fresh_module(place: _Place, scene: str | None) -> Path:
-    """Path of a generated module that agrees with the model file; built if there is none."""
+def _fresh_module(place: _Place, scene: str | None) -> tuple[Path, str]:
+    """A generated module that agrees with the model file, and its hash; built if there is none."""
     wanted = scene if scene is not None else _first_scene(place.model)
     if wanted is not None:
         path = place.generated / f"{place.model.stem}__{wanted}.py"
         if path.is_file():
             text = path.read_text(encoding="utf-8")
             check_signature(path, text, place.rebuild(wanted))
-            if _sources_match(path, text):
-                return path
+            if _sources_match(path, text, place.model):
+                return path, hashlib.sha256(text.encode()).hexdigest()
     return _build(place.model, scene, place.generated)
 
 
-def _build(model: "Path | Model", scene: str | None, generated: Path) -> Path:
+def _build(model: "Path | Model", scene: str | None, generated: Path) -> tuple[Path, str]:
     """Have the code generator write the module; scene None builds all and takes the first."""
     from codegen import build
 
     report = build(model, scene=scene, out=generated, compile=False)
-    if not report.paths:
-        raise ModelFileError(f"{model} declares no scene; add model.scene(...).")
-    return report.paths[0]
+    first = report.scenes[0]
+    return first.path, first.digest
 
 
 def _first_scene(model: Path) -> str | None:
@@ -158,8 +164,8 @@ def _first_scene(model: Path) -> str | None:
     return None
 
 
-def _sources_match(path: Path, text: str) -> bool:
-    """Whether the module comes from this generator and from the model files as they are."""
+def _sources_match(path: Path, text: str, model: Path) -> bool:
+    """Whether the module comes from this generator, and from `model` and its files as they are."""
     literals = {}
     head = _FIRST_KERNEL.split(text, maxsplit=1)[0]
     for statement in ast.parse(head).body:
@@ -172,7 +178,10 @@ def _sources_match(path: Path, text: str) -> bool:
     if literals.get("GENERATOR") != f"linkwright {__version__}":
         return False
     root = path.resolve().parent.parent
-    for name, expected in literals.get("SOURCES", ()):
+    sources = literals.get("SOURCES", ())
+    if not sources or (root / sources[0][0]).resolve() != model.resolve():
+        return False
+    for name, expected in sources:
         source = root / name
         if not source.is_file():
             return False

@@ -5,6 +5,7 @@ from typing import Any
 
 import sympy
 
+from codegen.declare.quantities import plain_length
 from codegen.declare.symbols import Coordinate, Velocity, coordinate
 
 
@@ -79,7 +80,7 @@ class Body:
 
     def at(self, x: Any, y: Any) -> "Point":
         """The point (x', y') of this body's frame, m."""
-        return Point(self, x, y)
+        return Point(self, *(plain_length(value) for value in (x, y)))
 
 
 @dataclass(frozen=True, eq=False)

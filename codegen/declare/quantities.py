@@ -25,9 +25,8 @@ def registry() -> "pint.UnitRegistry[Any]":
 
 def pint_form(unit: str) -> str:
     """`unit` as pint reads it: products may be written with spaces (``kg m^2``)."""
-    factors, _, divisor = unit.partition("/")
-    numerator = "*".join(factors.split()) or "1"
-    return f"{numerator}/({'*'.join(divisor.split())})" if divisor else numerator
+    factors, *divisors = ("*".join(part.split()) for part in unit.split("/"))
+    return "/".join([factors or "1", *(f"({divisor})" for divisor in divisors)])
 
 
 def known_unit(unit: str) -> bool:
@@ -39,6 +38,15 @@ def known_unit(unit: str) -> bool:
     except Exception:  # pint raises several kinds, among them tokenizer errors
         return False
     return True
+
+
+def si_factor(unit: str) -> float:
+    """What one of `unit` is in SI units; 1 for SI units themselves."""
+    if not unit:
+        return 1.0
+    one: Any = registry().Quantity(1.0, pint_form(unit)).to_base_units().magnitude
+    none: Any = registry().Quantity(0.0, pint_form(unit)).to_base_units().magnitude
+    return float(one) if none == 0.0 else float("nan")
 
 
 def is_quantity(value: object) -> bool:
@@ -72,6 +80,12 @@ def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
         return 1.0
     magnitude = value.to(target).magnitude
     return magnitude if isinstance(magnitude, sympy.Basic) else float(magnitude)
+
+
+def plain_length(value: Any) -> Any:
+    """A length in metres; what is no length stays as it is, to be reported where it is used."""
+    fits = is_quantity(value) and value.is_compatible_with("m")
+    return value.to("m").magnitude if fits else value
 
 
 def expression(value: Any) -> sympy.Expr:

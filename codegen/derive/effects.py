@@ -36,5 +36,6 @@ def effect_terms(effect: Effect, bodies: tuple[Body, ...]) -> EffectTerms:
     if potential is not None:
         potential = as_pieces(potential)
         gradient = tuple((q, sympy.diff(potential, q)) for q in kinds(potential, Coordinate))
-    forces = ((q, as_pieces(force)) for q, force in effect.forces(bodies).items())
+    given = sorted(effect.forces(bodies).items(), key=lambda pair: pair[0].name)
+    forces = ((q, as_pieces(force)) for q, force in given)
     return EffectTerms(potential, gradient, tuple((q, f) for q, f in forces if f != 0))

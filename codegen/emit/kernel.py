@@ -121,9 +121,10 @@ class KernelText:
             self._side(branch, (*path, (number, side)), name, depth + 1)
             for side, branch in ((True, value.args[1]), (False, value.args[2]))
         )
-        if not any(map(self._goes_on, value.args[1:])) and not yes_before and not no_before:
-            short = f"{indent}{name} = {_tail(yes)} if {test} else {_tail(no)}"
-            if len(yes) == len(no) == 1 and len(short) <= PAGE:
+        if not yes_before and not no_before and len(yes) == len(no) == 1:
+            first = f"({_tail(yes)})" if self._goes_on(value.args[1]) else _tail(yes)
+            short = f"{indent}{name} = {first} if {test} else {_tail(no)}"
+            if len(short) <= PAGE:
                 yield short
                 return
         yield f"{indent}if {test}:"

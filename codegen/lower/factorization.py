@@ -8,9 +8,10 @@ The unknowns of dynamics solve
 Eliminating all accelerations first leaves S = Φ_q M⁻¹ Φ_qᵀ, to be factored LDLᵀ. That is one of
 the orders tried. Another uses that many constraints give a coordinate outright: where an entry
 of Φ_q is a number, the pair (coordinate, constraint) is a pivot of two rows that is as good as a
-substitution, and what is left shrinks to the closures of the loops. Both pivots are stable in
-any position, as M is positive definite: a coordinate's pivot is positive, a constraint's
-negative, and a pair's determinant at most -b². So the order is free, and the cheapest is taken.
+substitution, and what is left shrinks to the closures of the loops. No pivot vanishes in any
+position where the constraints are independent, as M is positive definite: a coordinate's pivot
+is positive, a constraint's negative, and a pair's determinant at most -b², with b at least a
+tenth of the largest number in its row of Φ_q. So the cheapest order may be taken.
 """
 
 from dataclasses import dataclass, field
@@ -21,6 +22,9 @@ from codegen.lower.program import Check
 
 DIVISION = 8
 """What a division counts in the choice of an order, in products."""
+
+LEAST_PIVOT = 0.1
+"""What a pair's entry must be of the largest number in its row of Φ_q."""
 
 Strategy = Literal["substitute", "mixed", "schur"]
 """Pairs while there are any; whatever is cheapest now; accelerations, then multipliers."""
@@ -113,8 +117,13 @@ class Elimination:
             for c in self._neighbours
             if c in self.duals and self._at(c, c) == self.graph.zero
             for k in self._neighbours[c] - self.duals
-            if self.graph.number(self._at(k, c)) is not None
+            if self._size(k, c) >= LEAST_PIVOT * max(self._size(j, c) for j in self._neighbours[c])
+            and self._size(k, c) > 0.0
         ]
+
+    def _size(self, k: int, c: int) -> float:
+        """Size of an entry of Φ_q that is a number, else 0."""
+        return abs(self.graph.number(self._at(k, c)) or 0.0)
 
     def _single_cost(self, i: int) -> int:
         degree = len(self._neighbours[i])

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
+from codegen.errors import ModelError
 from codegen.lower.program import COMMUTATIVE, Input, Op, Value
 
 UNARY: dict[Op, Callable[[float], float]] = {
@@ -75,7 +76,19 @@ class Graph:
     # -- leaves ------------------------------------------------------------------------------
 
     def constant(self, number: float) -> int:
-        """A number."""
+        """A number.
+
+        Raises
+        ------
+        ModelError
+            If it is not finite: the model multiplies or adds beyond all bounds.
+        """
+        if not math.isfinite(number):
+            where = f" of '{self._serves}'" if self._serves else ""
+            raise ModelError(
+                f"an expression{where} comes to {number} when its numbers are multiplied out; "
+                "give numbers that a float can hold."
+            )
         return self._add(Op.CONST, (), float(number) + 0.0)  # no negative zero
 
     def input(self, array: str, index: int, name: str) -> int:

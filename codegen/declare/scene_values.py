@@ -1,0 +1,62 @@
+"""What a scene names: elements, start values, parameters; near misses are noted with a hint."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.element import Constraint, Effect
+from codegen.declare.names import nearest
+from codegen.declare.parameter import ParameterDeclaration
+from codegen.declare.reading import Reader
+
+Names = Iterable["str | Body | Constraint | Effect"]
+Values = Mapping["str | sympy.Symbol", Any]
+UNITS = {"x": "m", "y": "m", "phi": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
+"""Coordinates and velocities of a body, with their units."""
+
+
+def named(
+    read: Reader, where: str, kind: str, wanted: Names, known: Mapping[str, Any]
+) -> tuple[str, ...]:
+    """The wanted ones of the known elements, in the order of their declaration."""
+    found = []
+    for item in (wanted,) if isinstance(wanted, str) else wanted:
+        name = item if isinstance(item, str) else item.name
+        if name in known:
+            found.append(name)
+        else:
+            read.problems.append(f"{where}: no {kind} '{name}'; {nearest(name, known)}")
+    return tuple(name for name in known if name in found)
+
+
+def states(
+    read: Reader, where: str, bodies: Iterable[str], values: Values
+) -> tuple[tuple[str, float], ...]:
+    """Values of coordinates and velocities (``"crank.phi"``, or the symbol) in SI units."""
+    known = {f"{body}.{letter}": unit for body in bodies for letter, unit in UNITS.items()}
+    found = {}
+    for key, value in values.items():
+        name = key if isinstance(key, str) else ".".join(key.name.rsplit("_", 1))
+        if name in known:
+            found[name] = read.finite(value, known[name], f"{where}, {name}")
+        else:
+            hint = nearest(name, known)
+            read.problems.append(f"{where}: '{name}' is no coordinate or velocity; {hint}")
+    return tuple(found.items())
+
+
+def overrides(
+    read: Reader, where: str, parameters: Mapping[str, ParameterDeclaration], values: Values
+) -> tuple[tuple[str, float], ...]:
+    """Values of parameters in their own units."""
+    found = {}
+    for key, value in values.items():
+        name = key if isinstance(key, str) else key.name
+        if name in parameters:
+            unit = parameters[name].unit
+            found[name] = read.number(value, unit, f"{where}, parameter '{name}'")
+        else:
+            read.problems.append(f"{where}: no parameter '{name}'; {nearest(name, parameters)}")
+    return tuple(found.items())
