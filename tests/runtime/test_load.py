@@ -94,13 +94,6 @@ def test_stale_or_missing_module_is_rebuilt(
     assert asked == [(model, "swing", place / "generated")]
 
 
-def test_model_without_scene_is_refused(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (place / "models" / "bare.py").write_text("model = Model('bare')\n")
-    monkeypatch.setattr(codegen, "build", lambda *_, **__: Report(()), raising=False)
-    with pytest.raises(ModelFileError, match="declares no scene"):
-        load("bare", folder=place)
-
-
 def test_module_that_does_not_load_says_why(place: Path) -> None:
     _rewrite(_module(place), "import numba\n", "import no_such_library\n")
     with pytest.raises(GeneratedFileError, match="does not load: ModuleNotFoundError"):
