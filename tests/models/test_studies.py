@@ -42,3 +42,11 @@ def test_every_figure_is_written_twice_and_alike_each_time(tmp_path: Path) -> No
 def test_the_flywheel_figure_says_what_it_shows(tmp_path: Path, text: str) -> None:
     draw(tmp_path)
     assert text in (tmp_path / "figure_8_2_5.svg").read_text()
+
+
+def test_every_machine_says_what_it_is() -> None:
+    from models.__main__ import machines
+
+    found = machines()
+    assert "slider_crank" in found
+    assert all(line.endswith(".") for line in found.values())
