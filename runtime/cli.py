@@ -1,4 +1,4 @@
-"""The command line: `python -m runtime simulate | kinematics | equilibrium | inverse MODEL`.
+"""The command line: `python -m runtime simulate | kinematics | inverse | equilibrium | report`.
 
 Exit status: 0 done, 1 the run failed (the message says at which t, and what was saved), 2 the
 user's input is wrong. Messages and progress go to stderr; with --json, stdout holds one object.
@@ -35,11 +35,16 @@ Settings = Annotated[
 Guess = Annotated[
     list[str] | None, typer.Option("--guess", help="NAME=VALUE: a start value, in SI units.")
 ]
-Out = Annotated[Path | None, typer.Option(help="File for the result: .nc, .csv or .parquet.")]
+Out = Annotated[
+    Path | None, typer.Option(help="File for the result: .nc, .csv, .parquet or .html.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 TEnd = Annotated[float, typer.Option("--t-end", help="Last instant in s.")]
 TStart = Annotated[
     float, typer.Option("--t-start", help="First instant in s; the start values belong to t = 0.")
+]
+TBegin = Annotated[
+    float, typer.Option("--t-start", help="First instant in s; the start values belong to it.")
 ]
 Points = Annotated[int, typer.Option(min=2, help="Number of output instants, ends included.")]
 
@@ -48,6 +53,7 @@ Points = Annotated[int, typer.Option(min=2, help="Number of output instants, end
 def simulate(
     model: Model,
     t_end: TEnd,
+    t_start: TBegin = 0.0,
     scene: Scene = None,
     settings: Settings = None,
     guess: Guess = None,
@@ -64,7 +70,8 @@ def simulate(
         extra: dict[str, Any] = {} if atol is None else {"atol": atol}
         return machine.simulate(
             t_end=t_end,
-            t_eval=_instants(0.0, t_end, points),
+            t_eval=_instants(t_start, t_end, points),
+            t_start=t_start,
             method=method,
             rtol=rtol,
             parameters=_pairs(settings, "--set"),
@@ -128,6 +135,35 @@ def inverse(
 
 
 @app.command()
+def report(
+    model: Model,
+    out: Annotated[Path, typer.Option(help="The page to write, .html.")],
+    t_end: Annotated[float, typer.Option("--t-end", help="Last instant in s.")] = 1.0,
+    scene: Scene = None,
+    settings: Settings = None,
+    guess: Guess = None,
+    points: Points = 501,
+    rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 1e-8,
+    as_json: Json = False,
+) -> None:
+    """A page about a run: simulation, or the driven motion where drivers leave no freedom."""
+
+    def analyse(machine: "Machine") -> "Result":
+        values = _pairs(settings, "--set")
+        begin = _pairs(guess, "--guess")
+        instants = _instants(0.0, t_end, points)
+        if machine.description.drivers and machine.degrees_of_freedom == 0:
+            inverse = machine.description.has_masses
+            driven = machine.inverse_dynamics if inverse else machine.kinematics
+            return driven(instants, parameters=values, guess=begin)
+        return machine.simulate(t_end, instants, rtol=rtol, parameters=values, guess=begin)
+
+    if out.suffix != ".html":
+        _refuse((f"{out}: a report is an .html page. Change the ending.",), 2, as_json)
+    _run(analyse, model, scene, out, as_json)
+
+
+@app.command()
 def equilibrium(
     model: Model,
     scene: Scene = None,
@@ -168,9 +204,9 @@ def _run(
     """Load, analyse, save, and say how it went; ends the process with the exit status."""
     try:
         if out is not None:
-            from runtime.results.files import check_ending
+            from runtime.results.files import check_place
 
-            check_ending(out)
+            check_place(out)
         from runtime.load import load
 
         result = analyse(load(model, scene))

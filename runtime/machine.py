@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import ParameterError
+from runtime.analyses.door import check, number
 from runtime.description import (
     Constraint,
     Coordinate,
@@ -120,6 +121,7 @@ class Machine:
         overrides
             New values by name, in the declared units; the others keep their defaults.
         """
+        check(self, parameters=overrides)
         table = self.parameters
         values = np.zeros(len(table) + len(self.description.constants))
         values[: len(table)] = [row.default for row in table]
@@ -131,7 +133,7 @@ class Machine:
                 )
                 continue
             row = table[name]
-            value = _number(given)
+            value = number(given)
             if value is None or not math.isfinite(value):
                 problems.append(f"Parameter {name} is {given!r}; it must be a finite number.")
             elif row.sign == "positive" and value <= 0.0:
@@ -163,6 +165,7 @@ class Machine:
         """
         from runtime.integrate.run import initial_modes
 
+        check(self, t=t, **({} if q is None and v is None else {"q": q, "v": v}))
         if not self.description.switches:
             return np.zeros(0, dtype=np.int64)
         if q is None or v is None:
@@ -179,6 +182,7 @@ class Machine:
         """Put the machine together at time t: see `runtime.analyses.assemble`."""
         from runtime.analyses.assemble import assemble
 
+        check(self, guess=guess, parameters=parameters, t=t)
         return assemble(self, guess, parameters, t)
 
     def simulate(
@@ -202,6 +206,19 @@ class Machine:
         """Motion under the forces that act: see `runtime.analyses.dynamics`."""
         from runtime.analyses.dynamics import simulate
 
+        check(
+            self,
+            t_end=t_end,
+            t_start=t_start,
+            rtol=rtol,
+            atol=atol,
+            parameters=parameters,
+            guess=guess,
+            start=start,
+            first_step=first_step,
+            max_step=max_step,
+            max_steps=max_steps,
+        )
         with bar(f"simulate {self.description.title}", progress) as report:
             return simulate(
                 self,
@@ -233,6 +250,7 @@ class Machine:
         """Motion of a fully driven machine: see `runtime.analyses.kinematics`."""
         from runtime.analyses.kinematics import kinematics
 
+        check(self, parameters=parameters, guess=guess, t_start=t_start)
         with bar(f"kinematics of {self.description.title}", progress) as report:
             return kinematics(
                 self, t_eval, parameters=parameters, guess=guess, t_start=t_start, progress=report
@@ -250,6 +268,7 @@ class Machine:
         """Forces and torques that a prescribed motion takes: see `runtime.analyses.inverse`."""
         from runtime.analyses.inverse import inverse_dynamics
 
+        check(self, parameters=parameters, guess=guess, t_start=t_start)
         with bar(f"inverse dynamics of {self.description.title}", progress) as report:
             return inverse_dynamics(
                 self, t_eval, parameters=parameters, guess=guess, t_start=t_start, progress=report
@@ -267,6 +286,7 @@ class Machine:
         """Where the machine rests: see `runtime.analyses.equilibrium`."""
         from runtime.analyses.equilibrium import equilibrium
 
+        check(self, parameters=parameters, guess=guess, t=t)
         with bar(f"equilibrium of {self.description.title}", progress) as report:
             return equilibrium(
                 self, method, guess=guess, parameters=parameters, t=t, progress=report
@@ -305,13 +325,3 @@ class Machine:
             f"<div><p>{head}</p><table><thead><tr><th>parameter</th><th>default</th><th>unit</th>"
             f"</tr></thead><tbody>{rows}</tbody></table></div>"
         )
-
-
-def _number(given: object) -> float | None:
-    """The value as a float; None for what is no number."""
-    if isinstance(given, bool | str | bytes):
-        return None
-    try:
-        return float(given)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        return None

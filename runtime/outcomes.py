@@ -56,13 +56,17 @@ _TEXT = {
     Outcome.STEP_TOO_SMALL: (
         "The step that the tolerances ask for is too small for the clock.",
         (
-            "Loosen rtol and atol, or look for an effect that grows without bound or jumps "
-            "without a switching condition."
+            "Loosen rtol, give atol a size that matters for the machine, or look for an effect "
+            "that grows without bound or jumps without a switching condition."
         ),
     ),
     Outcome.MAX_STEPS: (
         "The permitted number of steps was used up.",
-        "Raise max_steps, loosen the tolerances, or use an implicit method if the model is stiff.",
+        (
+            "Raise max_steps, or loosen the tolerances. Where that hardly changes the number of "
+            "steps, the model is stiff: lower its largest stiffness or damping, or make an "
+            "effect that changes abruptly smoother."
+        ),
     ),
     Outcome.NEWTON_FAILED: (
         "Newton's method did not bring the state back onto the constraints at any step.",

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from codegen.errors import AssemblyError, RedundancyError
 from runtime.analyses.closing import CLOSED, Closing, Task, close
+from runtime.analyses.door import number
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.redundancy import Dependency, Findings, inspect, structural
 from runtime.description import Coordinate, Table, unknown
@@ -24,6 +25,7 @@ BoolArray = npt.NDArray[np.bool_]
 
 _VELOCITY_CLOSED = 1e-9
 _UNNAMED_WEIGHT = 1e-3
+_LARGEST = 1e100
 
 
 class Moved(NamedTuple):
@@ -118,16 +120,13 @@ def start_values(machine: "Machine", guess: "Values | None") -> Start:
             v[place], fixed_v[place] = row.value, row.role == "fixed"
     problems = []
     for name, value in (guess or {}).items():
-        try:
-            number = float(value)
-        except (TypeError, ValueError):
-            number = np.nan
-        if not np.isfinite(number):
+        found = number(value)
+        if found is None or not np.isfinite(found):
             problems.append(f"Start value {name} is {value!r}; it must be a finite number.")
         elif name in q_places:
-            q[q_places[name]], named_q[q_places[name]] = number, True
+            q[q_places[name]], named_q[q_places[name]] = found, True
         elif name in v_places:
-            v[v_places[name]] = number
+            v[v_places[name]] = found
         else:
             problems.append(unknown("coordinate or velocity", name, [*q_places, *v_places]))
     if problems:
@@ -161,6 +160,7 @@ def assemble(
         start = start._replace(fixed_q=nowhere, fixed_v=nowhere, v=np.zeros_like(start.v))
     t = float(t)
     drivers = machine.description.driver_rows
+    _require_scale(equations, t, start.q, {**(guess or {}), **(parameters or {})})
     size = equations.size(t, start.q)
     matrix = equations.jacobian(t, start.q)
     units = equations.row_units(matrix)
@@ -181,6 +181,24 @@ def assemble(
         raise _redundancy(machine, findings.lasting, drivers, findings.rank, "consistent")
     v, velocity_gaps = _velocities(machine, task, start, closing.q)
     return _report(machine, task, start, closing, v, velocity_gaps, findings, units)
+
+
+def _require_scale(equations: Equations, t: float, q: FloatArray, given: "Values") -> None:
+    """Refuse values with which the equations leave the range of numbers."""
+    phi, matrix = equations.constraints(t, q), equations.jacobian(t, q)
+    largest = max(
+        float(np.abs(phi).max(initial=0.0)),
+        float(np.abs(matrix).max(initial=0.0)),
+        float(np.abs(q).max(initial=0.0)),
+    )
+    if largest <= _LARGEST:
+        return
+    values = ", ".join(f"{name} = {value:g}" for name, value in given.items())
+    raise AssemblyError(
+        f"{equations.description.title}: the values are out of scale: lengths and angles in the "
+        f"constraints reach {largest:g} at t = {t:g} s, and {_LARGEST:g} is the most that can be "
+        f"computed with. Given: {values or 'nothing but the defaults'}."
+    )
 
 
 def _velocities(

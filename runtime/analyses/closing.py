@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.analyses.equations import Equations, FloatArray
+from runtime.analyses.newton import newton
 
 CLOSED = 1e-10
-_ROUNDING = 4e-16
 _PENALTIES = 10.0 ** np.arange(0, 9, 2)
 _RESTARTS = 6
 
@@ -80,29 +80,25 @@ def _attempt(task: Task, start: FloatArray) -> Closing:
         if np.abs(task.gaps(q)).max() > 1e-3:
             for penalty in _PENALTIES:
                 q = _minimise(task, start, q, float(penalty))
-        q = newton(task, q)
+        q = refine(task, q)
     gaps = task.gaps(q)
     gap = float(np.abs(gaps).max(initial=0.0))
     return Closing(q, task.equations.constraints(task.t, q), gap if np.isfinite(gap) else np.inf)
 
 
-def newton(task: Task, q: FloatArray) -> FloatArray:
-    """Minimum-norm Newton iterations, to rounding or for as long as they help."""
-    best = np.abs(task.gaps(q)).max(initial=0.0)
-    for _ in range(60):
-        if best <= _ROUNDING:
-            break
-        step = np.linalg.lstsq(task.slopes(q), -task.gaps(q), rcond=1e-10)[0]
-        trial = q.copy()
-        trial[task.free] += step * task.scale[task.free]
-        gap = np.abs(task.gaps(trial)).max(initial=0.0)
-        if not gap < best:
-            break
-        q, slow = trial, gap > 0.9 * best
-        best = gap
-        if slow:
-            break
-    return q
+def refine(task: Task, q: FloatArray) -> FloatArray:
+    """Newton's method on the chosen rows, in the free coordinates."""
+    scale = task.scale[task.free]
+
+    def at(x: FloatArray) -> FloatArray:
+        moved = q.copy()
+        moved[task.free] += x * scale
+        return moved
+
+    found, _ = newton(
+        lambda x: task.gaps(at(x)), lambda x: task.slopes(at(x)), np.zeros(len(scale))
+    )
+    return at(found)
 
 
 def _minimise(task: Task, origin: FloatArray, q: FloatArray, penalty: float) -> FloatArray:

@@ -10,6 +10,8 @@ from codegen.errors import AnalysisError
 from runtime.analyses.assemble import Assembly, assemble
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.kinematics import instants
+from runtime.analyses.magnitudes import magnitudes
+from runtime.analyses.masses import require_masses
 from runtime.analyses.outputs import evaluate
 from runtime.integrate.problem import Options, Problem, Trajectory
 from runtime.integrate.run import integrate
@@ -79,7 +81,11 @@ def simulate(
     method
         "dop853" or "dopri5".
     rtol, atol
-        Tolerances of a step; `atol` in m, rad, m/s, rad/s, equal to `rtol` unless given.
+        Tolerances of a step: `atol` + `rtol` times the value, for each coordinate and velocity;
+        `atol` in m, rad, m/s, rad/s. Unless it is given, it is `rtol` times a typical size: 1 rad
+        for angles; for lengths that of the machine at its start (its longest arm; without arms its
+        largest distance from the origin, or a fixed length), but not more than 1 m; the same a
+        second for velocities.
     guess
         Start values by name, over those of the scene.
     start
@@ -98,6 +104,7 @@ def simulate(
         )
     times = None if t_eval is None else instants(t_eval)
     p = machine.parameter_values(parameters)
+    require_masses(machine, p)
     begin = start if start is not None else assemble(machine, guess, parameters, t_start)
     equations = Equations(machine, p)
     inertia = np.diag(equations.mass(begin.q))
@@ -110,13 +117,14 @@ def simulate(
             np.ascontiguousarray(begin.v),
             p,
             1.0 / np.sqrt(inertia),
+            magnitudes(equations, begin.t, begin.q),
         ),
         # An unknown method is refused there, together with all else that is wrong.
         Options(
             method=cast(Literal["dopri5", "dop853"], method),
             rtol=rtol,
-            atol_q=rtol if atol is None else atol,
-            atol_v=rtol if atol is None else atol,
+            atol_q=atol,
+            atol_v=atol,
             t_eval=times,
             correction=correction,
             first_step=first_step,

@@ -52,6 +52,12 @@ class Equations:
         self.kernels.velocity_rhs(t, q, self.p, nu)
         return nu
 
+    def acceleration_rhs(self, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
+        """gamma, shape (m,)."""
+        gamma = np.zeros(self.m)
+        self.kernels.acceleration_rhs(t, q, v, self.p, gamma)
+        return gamma
+
     def mass(self, q: FloatArray) -> FloatArray:
         """M, shape (n, n)."""
         told = self.description

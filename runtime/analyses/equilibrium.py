@@ -2,18 +2,19 @@
 
 import time as clock
 from collections.abc import Mapping
-from enum import StrEnum
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from codegen.errors import AnalysisError
 from runtime.analyses.assemble import assemble
-from runtime.analyses.energy import Found, minimise, polish
+from runtime.analyses.energy import Found, here, minimise, polish
 from runtime.analyses.equations import Equations, FloatArray
+from runtime.analyses.masses import require_masses
 from runtime.analyses.outputs import evaluate
 from runtime.analyses.reduced import Rest
 from runtime.analyses.settling import settle_down
+from runtime.analyses.stability import Judgement, Stability, judge
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
 from runtime.results.result import Result
@@ -23,15 +24,7 @@ if TYPE_CHECKING:
     from runtime.machine import Machine, Values
 
 METHODS = ("energy", "settling")
-_FLAT = 1e-8
-
-
-class Stability(StrEnum):
-    """What becomes of the machine after a small push."""
-
-    STABLE = "stable"
-    UNSTABLE = "unstable"
-    INDIFFERENT = "indifferent"
+_TURNED, _FAR = 25.0, 1e6  # rad and scaled length after which nothing holds what is unbalanced
 
 
 class Equilibrium(Result):
@@ -42,9 +35,11 @@ class Equilibrium(Result):
     stability
         What becomes of the machine after a small push.
     frequencies
-        Natural frequencies about the rest position in Hz, of the stable directions, ascending.
+        Natural frequencies about the rest position in Hz, of the stable directions, ascending;
+        none where the stiffness is known on one side only.
     stiffness
-        Eigenvalues of the reduced stiffness relative to the reduced mass, in 1/s^2, ascending.
+        Eigenvalues of the reduced stiffness relative to the reduced mass, in 1/s^2, ascending;
+        of complex ones the real part.
     gradient
         Largest unbalanced generalized force, as a share of the forces that act.
     """
@@ -55,7 +50,7 @@ class Equilibrium(Result):
         samples: Samples,
         p: FloatArray,
         *,
-        judged: "Judgement",
+        judged: Judgement,
         gradient: float,
         outcome: Outcome,
         message: str,
@@ -87,14 +82,6 @@ class Equilibrium(Result):
     def about(self) -> dict[str, str]:
         """As of any result, and the stability."""
         return super().about() | {"stability": str(self.stability)}
-
-
-class Judgement(NamedTuple):
-    """Stability of a position and the numbers behind it."""
-
-    stability: Stability
-    stiffness: FloatArray
-    frequencies: FloatArray
 
 
 def equilibrium(
@@ -129,6 +116,8 @@ def equilibrium(
             f"{told.title}: equilibrium needs forces on bodies with mass, and this scene has a "
             f"body without. Give every body a mass and an inertia."
         )
+    p = machine.parameter_values(parameters)
+    require_masses(machine, p)
     start = assemble(machine, guess, parameters, t, release=True)
     if start.degrees_of_freedom == 0:
         drivers = f" (drivers: {', '.join(told.drivers)})" if told.drivers else ""
@@ -136,7 +125,6 @@ def equilibrium(
             f"{told.title}: 0 degrees of freedom are left{drivers}, so there is nothing to "
             f"balance. Leave the drivers out of the scene, or ask for inverse dynamics."
         )
-    p = machine.parameter_values(parameters)
     equations = Equations(machine, p)
     rest = Rest(equations, float(t), equations.scale(equations.size(t, start.q)))
     stats: dict[str, Any]
@@ -147,11 +135,18 @@ def equilibrium(
                 f'moves at t = {t:g} s. Use method="energy".'
             )
         settled = settle_down(rest, start.q, progress)
-        found = polish(rest, settled.q) if np.isfinite(settled.q).all() else _nowhere(rest, start.q)
         stats = {"steps": settled.steps, "kinetic_energy_peaks": settled.peaks}
+        known = np.isfinite(settled.q).all()
+        found = polish(rest, settled.q) if known else here(rest, start.q)
+        ran = _ran(machine, rest, start.q, settled.q)
     else:
         found = minimise(rest, start.q, progress)
         stats = {"iterations": found.iterations}
+        ran = _ran(machine, rest, start.q, found.q)
+    if found.balanced:
+        ran = []
+    if ran:
+        found = here(rest, start.q, found.iterations)
     stats |= {"gradient_evaluations": rest.evaluations}
     judged = judge(rest, found)
     q = np.ascontiguousarray(found.q[None, :])
@@ -164,68 +159,72 @@ def equilibrium(
         equations.rest_modes(t, found.q)[None, :],
     )
     stats["wall_seconds"] = clock.perf_counter() - began
-    unbalanced = float(np.abs(found.gradient).max(initial=0.0)) / found.effort
     return Equilibrium(
         machine,
         samples,
         p,
         judged=judged,
-        gradient=unbalanced,
+        gradient=found.unbalanced,
         outcome=Outcome.OK if found.balanced else Outcome.UNBALANCED,
-        message=_message(machine, found, judged, unbalanced),
+        message=_message(machine, found, judged, ran),
         stats=stats,
     )
 
 
-def _nowhere(rest: Rest, q: FloatArray) -> Found:
-    """The start, where a search went off to infinity."""
-    part = rest.partition(q)
-    return Found(q, part, rest.gradient(q, part), max(rest.effort(q), 1e-300), 0)
+def _ran(machine: "Machine", rest: Rest, start: FloatArray, end: FloatArray) -> list[str]:
+    """Coordinates that went so far from the start that nothing can be holding them."""
+    moved = np.abs((end - start) / rest.scale)
+    moved[~np.isfinite(moved)] = np.inf
+    turned = machine.description.is_angle & (moved > _TURNED)
+    far = (turned | (moved > _FAR)) & (moved >= 1e-3 * moved.max())
+    return [machine.coordinates[int(index)].name for index in np.flatnonzero(far)]
 
 
-def judge(rest: Rest, found: Found) -> Judgement:
-    """Eigenvalues of M^-1 K over the independent coordinates; all positive means stable."""
-    stiffness = rest.stiffness(found.q, found.part)
-    root = np.linalg.cholesky(rest.inertia(found.q, found.part))
-    matrix = np.linalg.solve(root, np.linalg.solve(root, stiffness).T).T
-    asymmetry = float(np.abs(matrix - matrix.T).max(initial=0.0))
-    largest = float(np.abs(matrix).max(initial=0.0))
-    oscillates = False
-    if asymmetry <= 1e-6 * largest:
-        values = np.linalg.eigvalsh(0.5 * (matrix + matrix.T))
-    else:
-        pairs = np.linalg.eigvals(matrix)
-        oscillates = bool(np.abs(pairs.imag).max() > 1e-6 * np.abs(pairs).max())
-        values = np.sort(pairs.real)
-    light = float(np.linalg.eigvalsh(root @ root.T).max())
-    flat = max(_FLAT * largest, 1e-9 * found.effort / light)
-    if oscillates or bool((values < -flat).any()):
-        stability = Stability.UNSTABLE
-    elif bool((values <= flat).any()):
-        stability = Stability.INDIFFERENT
-    else:
-        stability = Stability.STABLE
-    stiffnesses = np.array(values, dtype=np.float64)
-    frequencies = np.sqrt(stiffnesses[stiffnesses > flat]) / (2.0 * np.pi)
-    return Judgement(stability, stiffnesses, frequencies)
+def _edges(machine: "Machine", found: Found) -> str:
+    """The conditions at whose boundary a position lies."""
+    switches = machine.description.switches
+    return ", ".join(
+        f"{switches[k].condition} of {switches[k].name}" for k in found.stiffness.edges
+    )
 
 
-def _message(machine: "Machine", found: Found, judged: Judgement, unbalanced: float) -> str:
+def _message(machine: "Machine", found: Found, judged: Judgement, ran: list[str]) -> str:
     """What the search found, in a sentence."""
-    if not found.balanced:
-        worst = int(found.part.independent[int(np.argmax(np.abs(found.gradient)))])
-        name = machine.coordinates[worst].name
+    edges = _edges(machine, found)
+    if ran:
         return (
-            f"No equilibrium found: after {found.iterations} iterations {unbalanced:.1e} of the "
-            f"forces is unbalanced, most along {name} = {found.q[worst]:.6g}. Start from a guess "
-            f'nearer to rest, try method="settling", or check that something holds the machine.'
+            f"No equilibrium found: nothing holds the machine in {', '.join(ran)}, which ran away "
+            f"without end; the position given is the start. Hold it by a joint, a driver or a "
+            f"spring, or start from a guess nearer to rest."
+        )
+    if not found.balanced:
+        shares = np.abs(found.gradient) / found.effort
+        worst = int(found.part.independent[int(np.argmax(shares))])
+        name = machine.coordinates[worst].name
+        if edges:
+            return (
+                f"No equilibrium found: the search ended at {name} = {found.q[worst]:.6g} on the "
+                f"boundary of {edges}, where the forces jump; on neither side of it they balance. "
+                f"If the machine is meant to stand there, hold it by a constraint, or let the "
+                f"force rise over a short distance."
+            )
+        return (
+            f"No equilibrium found: after {found.iterations} iterations {found.unbalanced:.1e} of "
+            f"the forces is unbalanced, most along {name} = {found.q[worst]:.6g}. Start from a "
+            f'guess nearer to rest, try method="settling", or check that something holds the '
+            f"machine."
         )
     notes = {
         Stability.STABLE: "Stable: it returns after a small push.",
         Stability.UNSTABLE: (
-            "Unstable: the forces balance, but a small push drives it away. "
+            "Unstable: the forces balance, but a small push drives it away"
+            f"{', in oscillations that grow (flutter)' if judged.flutter else ''}. "
             'Start elsewhere, or use method="settling".'
         ),
         Stability.INDIFFERENT: "Indifferent: it stays where a small push leaves it.",
+        Stability.UNKNOWN: (
+            f"Stability unknown: the forces balance on the boundary of {edges}, so the stiffness "
+            f"is that of one side only."
+        ),
     }
-    return f"{notes[judged.stability]} Unbalanced share of the forces {unbalanced:.1e}."
+    return f"{notes[judged.stability]} Unbalanced share of the forces {found.unbalanced:.1e}."

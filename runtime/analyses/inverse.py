@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from codegen.errors import AnalysisError
 from runtime.analyses.kinematics import kinematics
+from runtime.analyses.masses import require_masses
 from runtime.progress import Progress, silent
 from runtime.results.result import Result
 
@@ -33,6 +34,7 @@ def inverse_dynamics(
             f"{told.title}: inverse dynamics needs masses, and this scene has a body without. "
             f"Give every body a mass and an inertia, or ask for kinematics."
         )
+    require_masses(machine, machine.parameter_values(parameters))
     return kinematics(
         machine,
         t_eval,

@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError
-from runtime.analyses.assemble import Assembly, assemble
+from runtime.analyses.assemble import Assembly, assemble, start_values
+from runtime.analyses.branches import branches
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.outputs import evaluate
 from runtime.analyses.walking import (
@@ -74,8 +75,18 @@ def kinematics(
     times = instants(t_eval)
     start = assemble(machine, guess, parameters, t_start)
     require_driven(machine, start, analysis)
-    found = follow(machine, times, start, parameters, progress)
+    wished = start_values(machine, guess).v
+    found = follow(machine, times, start, wished, parameters, progress)
     samples = evaluate(machine, found.p, found.t, found.q, found.v)
+    instants_lost = np.flatnonzero(np.isnan(samples.a).any(axis=1))
+    found.stats["singular_instants"] = len(instants_lost)
+    message = found.message
+    if len(instants_lost) and not found.locked:
+        where = ", ".join(f"{samples.t[index]:.6g}" for index in instants_lost[:5])
+        message += (
+            f" At {len(instants_lost)} of the instants (t = {where} s) the position is singular: "
+            f"accelerations and reactions are not a number there."
+        )
     found.stats["wall_seconds"] = clock.perf_counter() - began
     return Result(
         machine,
@@ -83,17 +94,21 @@ def kinematics(
         found.p,
         analysis=analysis,
         outcome=Outcome.LOCKED if found.locked else Outcome.OK,
-        message=found.message,
+        message=message,
         stats=found.stats,
     )
 
 
 def instants(t_eval: npt.ArrayLike) -> FloatArray:
     """The output instants as an array, checked."""
+    wrong = AnalysisError(f"t_eval is {t_eval!r}; it must be instants in s.")
     try:
-        times = np.atleast_1d(np.array(t_eval, dtype=np.float64))
+        given = np.asarray(t_eval)
     except (TypeError, ValueError) as error:
-        raise AnalysisError(f"t_eval is {t_eval!r}; it must be instants in s.") from error
+        raise wrong from error
+    if given.dtype.kind not in "iuf":
+        raise wrong
+    times = np.atleast_1d(given.astype(np.float64))
     if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all():
         raise AnalysisError("t_eval must be at least one finite instant in s, in one dimension.")
     backwards = np.flatnonzero(np.diff(times) <= 0.0)
@@ -128,10 +143,11 @@ def follow(
     machine: "Machine",
     times: FloatArray,
     start: Assembly,
+    wished: FloatArray,
     parameters: "Values | None",
     progress: Progress,
 ) -> Walk:
-    """Walk from the assembled start through `times`."""
+    """Walk from the assembled start through `times`; `wished`: the start velocities asked for."""
     p = machine.parameter_values(parameters)
     equations = Equations(machine, p)
     scale = equations.scale(equations.size(start.t, start.q))
@@ -139,21 +155,35 @@ def follow(
     n, count = equations.n, len(times)
     q, v = start.q.copy(), start.v.copy()
     modes = np.zeros(len(machine.description.switches), dtype=np.int64)
-    a, lam = equations.motion(start.t, q, v, modes)[:2]
-    q_out, v_out, a_out = np.zeros((count, n)), np.zeros((count, n)), np.zeros((count, n))
+    a, lam, weak = equations.motion(start.t, q, v, modes)
+    q_out, v_out = np.zeros((count, n)), np.zeros((count, n))
     record = np.zeros(RECORD)
     record[T] = start.t
     span = max(abs(float(times[-1]) - start.t), 1e-300)
     record[STEP] = max(span, 1.0)
-    work = np.zeros((5, max(n, 3)))
-    work = np.ascontiguousarray(work[:, :n]) if n >= 3 else work
+    work = np.zeros((5, n))
     singular: list[float] = []
     locked = False
+    started = ""
+    if weak or start.singular:
+        # Here Phi_q says neither which branch it is nor how it curves.
+        moves = bool((times != start.t).any())
+        for v[:], a[:] in branches(equations, start.t, q, wished, scale):
+            if not moves or _jump(
+                equations, times, (q, v, a, lam), (w, scale), q_out, v_out, record
+            ):
+                break
+        else:
+            raise _singular_start(machine, start, weak)
+        started = (
+            f" Started in a singular position at t = {start.t:.6g} s, on the branch nearest to "
+            f"the start velocities."
+        )
     while record[MARK] < count and not locked:
         chunk = min(int(record[MARK]) + _CHUNK, count)
         status = walk(
             machine.kernel_table, times[:chunk],
-            p, w, scale, q, v, a, modes, lam, q_out, v_out, a_out, record, work,
+            p, w, scale, q, v, a, modes, lam, q_out, v_out, record, work,
         )  # fmt: skip
         if status != DONE:
             before = float(record[T])
@@ -169,7 +199,7 @@ def follow(
         "singular_crossings": len(singular),
     }
     if not locked:
-        message = f"{count} instants from t = {times[0]:g} to {times[-1]:g} s."
+        message = f"{count} instants from t = {times[0]:g} to {times[-1]:g} s.{started}"
         if singular:
             where = ", ".join(f"{t:.6g}" for t in singular[:5])
             message += (
@@ -208,16 +238,18 @@ def _jump(
     modes = np.zeros(len(equations.description.switches), dtype=np.int64)
     dq, dv, info = np.zeros(len(q)), np.zeros(len(q)), np.zeros(3)
     speed = float(np.abs(v / scale).max())
-    for jump in _JUMPS / max(speed, 1e-3):
+    back = times[int(record[MARK])] < t
+    for size in _JUMPS / max(speed, 1e-3):
+        jump = -size if back else size
         ahead = t + jump
-        if ahead > times[-1]:
+        if ahead > times[-1] and not back:
             break
         q_new, v_new = q + jump * v + 0.5 * jump**2 * a, v + jump * a
         predicted = v_new.copy()
         weak = settle(
             equations.kernels.correction, ahead, q_new, v_new, equations.p, w, scale, dq, dv, info
         )
-        if weak != 0 or info[0] > 0.1 * jump * speed:
+        if weak != 0 or info[0] > 0.1 * size * speed:
             continue
         if np.abs((v_new - predicted) / scale).max() > 0.02 * speed:
             continue
@@ -225,14 +257,27 @@ def _jump(
         if motion.weak:
             continue
         done = int(record[MARK])
-        while done < len(times) and times[done] < ahead:
+        # Going back, only the first instant can lie within the jump.
+        last = min(done + 1, len(times)) if back else len(times)
+        while done < last and (times[done] > ahead if back else times[done] < ahead):
             h = times[done] - t
             q_out[done], v_out[done] = q + h * v + 0.5 * h * h * a, v + h * a
             done += 1
         q[:], v[:], a[:], lam[:] = q_new, v_new, motion.a, motion.lam
-        record[T], record[MARK], record[STEP] = ahead, done, 4.0 * jump
+        record[T], record[MARK], record[STEP] = ahead, done, 4.0 * size
         return True
     return False
+
+
+def _singular_start(machine: "Machine", start: Assembly, weak: int) -> AnalysisError:
+    """The error where the motion cannot be begun."""
+    names = start.singular or (machine.constraints.names[weak - 1],)
+    return AnalysisError(
+        f"{machine.description.title}: the machine starts in a singular position at "
+        f"t = {start.t:g} s ({', '.join(names)} {'has' if len(names) == 1 else 'have'} no hold "
+        f"here), and no smooth motion leads out of it. Begin a little beside it: another t_start, "
+        f"or other start values."
+    )
 
 
 def _lock_up(equations: Equations, t: float, q: FloatArray) -> str:

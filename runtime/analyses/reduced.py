@@ -10,10 +10,15 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from runtime.analyses.closing import CLOSED
 from runtime.analyses.equations import Equations, FloatArray
+from runtime.analyses.newton import newton
 from runtime.constraints.partition import eliminate
 
-_DIFFERENCE = 3e-5  # scaled step of the difference quotients
+BALANCED = 1e-10  # a gradient below this share of the forces counts as balanced
+_DIFFERENCES = (3e-5, 3e-7, 3e-9)  # scaled steps of the difference quotients, finer at an edge
+_ROUNDING = 1.5e-14  # error of a gradient as a share of stiffness times coordinate: 64 roundings
+_REACH = 30.0  # scaled change of a dependent coordinate that is no longer a correction
 
 
 class Partition(NamedTuple):
@@ -22,6 +27,21 @@ class Partition(NamedTuple):
     dependent: npt.NDArray[np.int64]
     independent: npt.NDArray[np.int64]
     rows: npt.NDArray[np.int64]
+
+
+class Stiffness(NamedTuple):
+    """Derivative of the gradient.
+
+    Attributes
+    ----------
+    matrix
+        Shape (f, f), in J.
+    edges
+        Conditions that change within rounding of the position, in some direction.
+    """
+
+    matrix: FloatArray
+    edges: tuple[int, ...]
 
 
 class Rest:
@@ -46,24 +66,27 @@ class Rest:
         """Newton's method for the dependent coordinates; None where it does not converge."""
         if len(part.dependent) == 0:
             return q
-        q = q.copy()
-        dependent = part.dependent
-        previous = np.inf
-        for _ in range(25):
-            phi = self.equations.constraints(self.t, q)[part.rows]
-            slopes = self.equations.jacobian(self.t, q)[np.ix_(part.rows, dependent)]
-            try:
-                step = np.linalg.solve(slopes * self.scale[dependent], -phi)
-            except np.linalg.LinAlgError:
-                return None
-            size = float(np.abs(step).max())
-            if not size < 1e3 or (size > 1e-9 and size > 0.7 * previous):
-                return None
-            q[dependent] += step * self.scale[dependent]
-            if size <= 1e-15 or (size <= 1e-9 and size > 0.25 * previous):
-                return q
-            previous = size
-        return None
+        dependent, equations = part.dependent, self.equations
+        scale = self.scale[dependent]
+        chosen = np.ix_(part.rows, dependent)
+        sizes = np.abs((equations.jacobian(self.t, q) * self.scale)[part.rows]).max(axis=1)
+        sizes = np.where(sizes > 0.0, sizes, 1.0)
+
+        def at(x: FloatArray) -> FloatArray:
+            moved = q.copy()
+            moved[dependent] += x * scale
+            return moved
+
+        def gaps(x: FloatArray) -> FloatArray:
+            found: FloatArray = equations.constraints(self.t, at(x))[part.rows] / sizes
+            return found
+
+        def slopes(x: FloatArray) -> FloatArray:
+            found: FloatArray = equations.jacobian(self.t, at(x))[chosen] * scale
+            return found / sizes[:, None]
+
+        x, gap = newton(gaps, slopes, np.zeros(len(dependent)))
+        return at(x) if gap <= CLOSED and float(np.abs(x).max()) < _REACH else None
 
     def motions(self, q: FloatArray, part: Partition) -> FloatArray:
         """dq for a unit (scaled) change of each independent coordinate, shape (n, f)."""
@@ -96,34 +119,52 @@ class Rest:
         slope = equations.potential_gradient(self.t, q, modes)
         return float(np.abs(np.concatenate([force, slope]) * np.tile(self.scale, 2)).max())
 
-    def without_potential(self, q: FloatArray) -> bool:
+    def floor(self, q: FloatArray, stiffness: Stiffness) -> FloatArray:
+        """Size of the forces in each direction that the rounding of q lets one see, (f,), in J.
+
+        Where a spring carries a weight the forces cancel in `effort`; what is left of them at rest
+        is the stiffness times the rounding of the coordinates.
+        """
+        reach = max(1.0, float(np.abs(q / self.scale).max()))
+        floor: FloatArray = np.abs(stiffness.matrix).sum(axis=1) * (reach * _ROUNDING / BALANCED)
+        return floor
+
+    def without_potential(self, q: FloatArray, effort: float) -> bool:
         """Whether forces act at rest that the potential does not account for."""
         equations = self.equations
         modes = equations.rest_modes(self.t, q)
         rest = equations.forces(self.t, q, np.zeros(len(q)), modes)
         rest = rest + equations.potential_gradient(self.t, q, modes)
-        return bool(np.abs(rest * self.scale).max() > 1e-9 * self.effort(q))
+        return bool(np.abs(rest * self.scale).max() > 1e-9 * effort)
 
-    def stiffness(self, q: FloatArray, part: Partition) -> FloatArray:
-        """Derivative of the gradient by central differences, (f, f)."""
+    def stiffness(self, q: FloatArray, part: Partition) -> Stiffness:
+        """Derivative of the gradient by differences: central, one-sided at the edge of a mode."""
         count = len(part.independent)
         matrix = np.zeros((count, count))
+        edges: set[int] = set()
+        here = self.gradient(q, part)
+        modes = self.equations.rest_modes(self.t, q)
         for column, index in enumerate(part.independent):
-            ends = []
-            for sign in (1.0, -1.0):
-                moved = q.copy()
-                moved[index] += sign * _DIFFERENCE * self.scale[index]
-                closed = self.close(moved, part)
-                ends.append(None if closed is None else self.gradient(closed, part))
-            here = self.gradient(q, part)
-            up, down = ends
-            if up is not None and down is not None:
-                matrix[:, column] = (up - down) / (2.0 * _DIFFERENCE)
-            elif up is not None:
-                matrix[:, column] = (up - here) / _DIFFERENCE
-            elif down is not None:
-                matrix[:, column] = (here - down) / _DIFFERENCE
-        return matrix
+            changed: set[int] = set()
+            for step in _DIFFERENCES:
+                slopes, changed = [], set()
+                for sign in (1.0, -1.0):
+                    moved = q.copy()
+                    moved[index] += sign * step * self.scale[index]
+                    closed = self.close(moved, part)
+                    if closed is None:
+                        continue
+                    there = self.equations.rest_modes(self.t, closed)
+                    if (there != modes).any():
+                        changed |= {int(k) for k in np.flatnonzero(there != modes)}
+                        continue
+                    slopes.append((self.gradient(closed, part) - here) / (sign * step))
+                if slopes:
+                    matrix[:, column] = np.mean(slopes, axis=0)
+                if not changed:
+                    break
+            edges |= changed
+        return Stiffness(matrix, tuple(sorted(edges)))
 
     def inertia(self, q: FloatArray, part: Partition) -> FloatArray:
         """Mass matrix of the independent coordinates, scaled, (f, f)."""

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.analyses.closing import CLOSED, Task, newton
+from runtime.analyses.closing import CLOSED, Task, refine
 from runtime.analyses.equations import FloatArray
 
 RANK_TOLERANCE = 1e-6  # below this a direction is lost; an assembled dead centre is good to 1e-8
@@ -117,7 +117,7 @@ def _neighbours(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]) -> li
         if not len(motions):
             break
         direction = random.normal(size=len(motions)) @ motions
-        moved = newton(joints, q + size * direction / np.linalg.norm(direction) * task.scale)
+        moved = refine(joints, q + size * direction / np.linalg.norm(direction) * task.scale)
         apart = float(np.abs((moved - q) / task.scale).max())
         if np.abs(joints.gaps(moved)).max(initial=0.0) <= CLOSED and apart > 1e-4:
             found.append(moved)

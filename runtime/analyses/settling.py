@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
+from runtime.analyses.energy import LOST
 from runtime.analyses.equations import FloatArray
 from runtime.analyses.reduced import Rest
 from runtime.compiled import ADDRESSES, compiled
@@ -19,6 +20,9 @@ from runtime.progress import Progress
 _TOLERANCE = 1e-4
 _SHARE = 0.3  # longest step, as a share of the time from rest to the last peak
 _QUIET = 1e-10  # share of the largest peak of kinetic energy at which the machine rests
+_CROSSING = 0.02  # longest step over a change of modes, as a share of the time since rest
+_SHORTEST = 1e-12  # s; a step that is never too long for a change of modes
+_CORRECTED = 1e-9  # scaled change at which a correction has converged
 _CHUNK = 2000
 _CHUNKS = 300
 
@@ -104,16 +108,31 @@ def relax(
             if record[STEP] < 1e-14:
                 return -1 if weak == 0 else -int(weak)
             continue
-        record[STEP] = h * min(3.0, 0.8 * max(error, 1e-9) ** (-1.0 / 3.0))
-        record[STEPS] += 1.0
-        record[SINCE] += h
-        for _newton in range(3):
+        change = np.inf
+        for _newton in range(6):
             weak = correction(t, q4, v4, p, w, dq, dv)
             if weak != 0:
-                return -int(weak)
+                break
+            change = 0.0
             for i in range(n):
                 q4[i] += dq[i]
                 v4[i] += dv[i]
+                change = max(change, abs(dq[i]) / scale[i])
+            if not change > 1e-3 * _CORRECTED:
+                break
+        long = False
+        if weak == 0 and h > max(_CROSSING * (record[SINCE] + h), _SHORTEST):
+            switching(t, q4, still, p, g)
+            for i in range(len(g)):
+                long = long or (g[i] > 0.0) != (modes[i] == 1)
+        if weak != 0 or not change <= _CORRECTED or long:
+            record[STEP] = 0.25 * h
+            if record[STEP] < 1e-14:
+                return -1 if weak == 0 else -int(weak)
+            continue
+        record[STEP] = h * min(3.0, 0.8 * max(error, 1e-9) ** (-1.0 / 3.0))
+        record[STEPS] += 1.0
+        record[SINCE] += h
         energy = kinetic_energy(q4, v4, p)
         for i in range(n):
             q[i] = q4[i]
@@ -150,7 +169,7 @@ def settle_down(rest: Rest, q: FloatArray, progress: Progress) -> Settled:
     part = rest.partition(q)
     push = np.random.default_rng(4).normal(size=len(part.independent))
     v = np.ascontiguousarray(1e-3 * rest.motions(q, part) @ push)
-    q = q.copy()
+    start, q = q, q.copy()
     modes = equations.rest_modes(t, q)
     w = scale * scale
     record = np.zeros(RECORD)
@@ -162,6 +181,6 @@ def settle_down(rest: Rest, q: FloatArray, progress: Progress) -> Settled:
             equations.table, t, equations.p, w, scale, q, v, modes, g, lam, record, work, _CHUNK,
         )  # fmt: skip
         progress(chunk / _CHUNKS)
-        if status != 0 or not np.isfinite(q).all():
+        if status != 0 or not float(np.abs((q - start) / scale).max()) < LOST:
             break
     return Settled(q, status == 1, int(record[PEAKS]), int(record[STEPS]))

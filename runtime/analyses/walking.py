@@ -15,7 +15,7 @@ from runtime.kernels import FETCH, MATRIX, MODES, SCALAR, TYPES, VECTOR
 
 DONE, STUCK = 0, 1
 # Places in the record that a walk leaves behind.
-T, STEP, REASON, STEPS, REJECTED, NEWTON, MARK, RECORD = 0, 1, 2, 3, 4, 5, 6, 7
+T, STEP, STEPS, REJECTED, NEWTON, MARK, RECORD = 0, 1, 2, 3, 4, 5, 6
 
 _PREDICTED = 0.05  # largest scaled error of a prediction that is trusted to name the branch
 _TRAVEL = 0.5  # largest scaled motion of one step
@@ -90,7 +90,6 @@ def settle(
         VECTOR,
         MATRIX,
         MATRIX,
-        MATRIX,
         VECTOR,
         MATRIX,
     ),
@@ -108,14 +107,13 @@ def walk(
     lam: Any,
     q_out: Any,
     v_out: Any,
-    a_out: Any,
     record: Any,
     work: Any,
 ) -> int:
     """Advance the state (q, v, a, at record[T]) through `times` and store it at each.
 
     record[MARK] counts the instants done. Returns DONE, or STUCK with the state at the last
-    position reached and the reason in record[REASON].
+    position reached.
     """
     correction = correction_of(kernels)
     accelerations = accelerations_of(kernels)
@@ -129,7 +127,6 @@ def walk(
             for i in range(n):
                 q_out[done, i] = q[i]
                 v_out[done, i] = v[i]
-                a_out[done, i] = a[i]
             done += 1
             record[MARK] = done
             continue
@@ -155,7 +152,6 @@ def walk(
                 accelerations(t, q, v, p, modes, a, lam)
                 good = False
         if not good:
-            record[REASON] = reason
             record[REJECTED] += 1.0
             record[STEP] = 0.5 * abs(h)
             if abs(h) <= 1e-15 * max(abs(t), abs(target)):

@@ -20,7 +20,9 @@ from runtime.integrate.signatures import (
     vector,
 )
 from runtime.integrate.views import view
-from runtime.integrate.workspace import ATOL, DELTA, ROWS, SAMPLE, Y0, K
+from runtime.integrate.workspace import ATOL, DELTA, ROWS, SAMPLE, SIZE, Y0, K
+
+_START = 1e-3  # of the typical size: a start value counts as no smaller
 
 
 @inner
@@ -69,10 +71,11 @@ def first_step(
     z = view(w, SAMPLE * length, length)
     d = view(w, DELTA * length, length)
     atol = view(w, ATOL * length, length)
+    typical = view(w, SIZE * length, length)
     size = 0.0
     rate = 0.0
     for j in range(length):
-        tolerance = atol[j] + rtol * abs(y0[j])
+        tolerance = atol[j] + rtol * max(abs(y0[j]), _START * typical[j])
         size += (y0[j] / tolerance) ** 2
         rate += (k1[j] / tolerance) ** 2
     h = 1e-6 if size <= 1e-10 * length or rate <= 1e-10 * length else 0.01 * np.sqrt(size / rate)
@@ -87,7 +90,8 @@ def first_step(
     for j in range(n):
         d[j] = z[n + j]
     for j in range(length):
-        bend += ((d[j] - k1[j]) / (atol[j] + rtol * abs(y0[j]))) ** 2
+        tolerance = atol[j] + rtol * max(abs(y0[j]), _START * typical[j])
+        bend += ((d[j] - k1[j]) / tolerance) ** 2
     steepest = max(np.sqrt(rate / length), np.sqrt(bend / length) / h)
     if not np.isfinite(steepest):
         return float(h)

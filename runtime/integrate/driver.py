@@ -8,7 +8,6 @@ with the same bits.
 from runtime.compiled import ADDRESSES, compiled
 from runtime.integrate.attempt import DONE, NEWTON, NOT_FINITE, TOO_LARGE
 from runtime.integrate.control import factor
-from runtime.integrate.events import suspects
 from runtime.integrate.modes import CONSISTENT, ON_SURFACE, measure
 from runtime.integrate.signatures import (
     IntegerMatrix,
@@ -38,8 +37,10 @@ from runtime.integrate.tables import (
     stages_of,
     switching_of,
     switching_rates_of,
+    watch_of,
 )
 from runtime.integrate.views import borrow, view
+from runtime.integrate.watch import UNRESOLVED
 from runtime.integrate.workspace import (
     BAND,
     G0,
@@ -155,6 +156,7 @@ def advance(
     settle = settle_of(functions)
     first_step = first_step_of(functions)
     emit = emit_of(functions)
+    watch = watch_of(functions)
     # Handed on below as borrowed: counting references costs more than a stage.
     w = borrow(w)
     sw = borrow(sw)
@@ -236,8 +238,15 @@ def advance(
         crossing = -1
         dense_ready = 0
         if s > 0:
-            measure(switching, switching_rates, t1, Y1, K + r.last, G1, w, sw, p)
-            if suspects(h, sw, modes) > 0:
+            suspects = watch(switching, switching_rates, t, h, t1, w, sw, run, p, modes)
+            if suspects == UNRESOLVED:
+                r.rejected += 1
+                r.reason = UNRESOLVED
+                r.rejected_before = 1
+                r.h = r.stretch * h
+                continue
+            h_next = min(h_next, h * r.stretch)
+            if suspects > 0:
                 dense(accelerations, correction, correct, t, h, w, p, modes, lam, r.each_stage)
                 dense_ready = 1
                 r.dense_outputs += 1

@@ -1,8 +1,9 @@
 """Where inside a step a switching function first contradicts its mode.
 
-Cubic interpolation of g from its values and rates at both ends decides cheaply whether anything may
-have crossed, also twice. Only then is the dense output evaluated: at equal distances, and between
-them at the lowest points, so that a pair of crossings is not stepped over.
+Cubic interpolation of g from its values and rates at both ends, with its values at three points
+between, decides cheaply whether anything may have crossed, also twice. Only then is the dense
+output evaluated: at equal distances, and between them at the lowest points, so that a pair of
+crossings is not stepped over.
 """
 
 from numba import types
@@ -22,9 +23,11 @@ from runtime.integrate.signatures import (
 from runtime.integrate.views import view
 from runtime.integrate.workspace import (
     BAND,
+    BETWEEN,
     G0,
     G1,
     LARGEST,
+    MISMATCH,
     R0,
     R1,
     ROWS,
@@ -58,15 +61,18 @@ def suspects(h: float, sw: Vector, modes: Integers) -> int:
         g1 = side * sw[G1 * s + k]
         c1 = g0 + h * side * sw[R0 * s + k] / 3.0
         c2 = g1 - h * side * sw[R1 * s + k] / 3.0
-        low = min(c1, c2, g1)
-        high = max(g0, c1, c2, g1)
+        a1 = side * sw[BETWEEN * s + k]
+        a2 = side * sw[(BETWEEN + 1) * s + k]
+        a3 = side * sw[(BETWEEN + 2) * s + k]
+        low = min(c1, c2, g1, a1, a2, a3)
+        high = max(g0, c1, c2, g1, a1, a2, a3)
         if band == 0.0:
             low = min(low, g0)
         else:
             # On its surface and hardly moving: what counts is whether it leaves the band.
             low = low + band if high - low > 2.0 * band or g1 < -band else 1.0
             high = high + band
-        marked = g1 < -band or not low > _MARGIN * (high - low)
+        marked = g1 < -band or not low > max(_MARGIN * (high - low), 2.0 * sw[MISMATCH * s + k])
         sw[SUSPECT * s + k] = 1.0 if marked else 0.0
         count += 1 if marked else 0
     return count

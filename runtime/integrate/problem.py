@@ -58,6 +58,9 @@ class Problem:
         Parameters and derived constants.
     scale : (n,)
         Typical size of a change of each coordinate, 1 / sqrt(M_kk).
+    sizes
+        Typical size of each coordinate, m or rad, and of its velocity a second; one number or
+        (n,).
     """
 
     t0: float
@@ -66,6 +69,7 @@ class Problem:
     v: Vector
     p: Vector
     scale: Vector
+    sizes: ArrayLike = 1.0
 
 
 @dataclass(frozen=True)
@@ -79,7 +83,8 @@ class Options:
     rtol
         Relative tolerance of a step.
     atol_q, atol_v
-        Absolute tolerances, one number or one a coordinate.
+        Absolute tolerances, one number or one a coordinate; None: `rtol` times the typical size,
+        at most 1 m or 1 rad.
     t_eval
         Instants of the samples, ascending; None: the end of every step.
     correction
@@ -98,8 +103,8 @@ class Options:
 
     method: Literal["dopri5", "dop853"] = "dop853"
     rtol: float = 1e-8
-    atol_q: ArrayLike = 1e-8
-    atol_v: ArrayLike = 1e-8
+    atol_q: ArrayLike | None = None
+    atol_v: ArrayLike | None = None
     t_eval: ArrayLike | None = None
     correction: Literal["step", "stage"] = "step"
     first_step: float | None = None

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from codegen.errors import InputError
 from runtime.integrate import attempt, driver
+from runtime.integrate.check import check
 from runtime.integrate.problem import (
     Events,
     Options,
@@ -26,7 +26,7 @@ from runtime.integrate.signatures import (
     Vector,
 )
 from runtime.integrate.start import start
-from runtime.integrate.tables import METHODS, function_table, kernel_table, method
+from runtime.integrate.tables import function_table, kernel_table, method
 from runtime.integrate.workspace import (
     ATOL,
     PARTITION,
@@ -70,7 +70,7 @@ def integrate(
     Trajectory
         Samples, events, statistics, and how the run ended.
     """
-    _check(system, problem, options)
+    check(system, problem, options)
     return _Run(system, problem, options).execute(progress)
 
 
@@ -90,7 +90,7 @@ def initial_modes(
         1 where the condition holds. A function whose surface attracts from both sides gets 0.
     """
     problem = Problem(t, t + 1.0, q, v, p, np.ones(system.coordinates))
-    run = _Run(system, problem, Options(rtol=rtol, atol_q=rtol, atol_v=rtol))
+    run = _Run(system, problem, Options(rtol=rtol))
     run.start()
     return run.modes
 
@@ -110,8 +110,10 @@ class _Run:
         self.w = np.zeros(ROWS * 2 * n)
         rows = self.w.reshape(ROWS, 2, n)
         rows[Y0, 0], rows[Y0, 1] = problem.q, problem.v
-        rows[ATOL, 0], rows[ATOL, 1] = options.atol_q, options.atol_v
-        rows[SIZE] = np.minimum(1.0, rows[ATOL] / options.rtol)
+        rows[SIZE] = problem.sizes
+        fallback = options.rtol * np.minimum(1.0, rows[SIZE])
+        rows[ATOL, 0] = fallback[0] if options.atol_q is None else options.atol_q
+        rows[ATOL, 1] = fallback[1] if options.atol_v is None else options.atol_v
         rows[PARTITION, 0], rows[PARTITION, 1] = problem.scale**2, problem.scale
         rows[PROJECTION, 0] = problem.scale**2
         self.state = rows[Y0]
@@ -277,43 +279,3 @@ class _Interrupts:
     def __exit__(self, *error: object) -> None:
         if self.active:
             signal.signal(signal.SIGINT, self.previous)
-
-
-def _check(system: System, problem: Problem, options: Options) -> None:
-    """Refuse what cannot be integrated, all problems at once."""
-    n = system.coordinates
-    problems = []
-    if options.method not in METHODS:
-        problems.append(
-            f"method {options.method!r} is none of the explicit methods; choose one of "
-            f"{', '.join(METHODS)}."
-        )
-    for name in ("q", "v", "scale"):
-        values = np.asarray(getattr(problem, name))
-        if values.shape != (n,):
-            problems.append(f"{name} has shape {values.shape}; it must be ({n},).")
-        elif not np.all(np.isfinite(values)):
-            problems.append(f"{name} has entries that are not finite numbers: {values}.")
-    if not (np.isfinite(problem.t0) and problem.t0 <= problem.t_end < np.inf):
-        problems.append(f"The run must not end (t_end = {problem.t_end}) before t0 = {problem.t0}.")
-    if not 1e-15 <= options.rtol <= 1.0:
-        problems.append(f"rtol = {options.rtol} must lie between 1e-15 and 1.")
-    for name in ("atol_q", "atol_v"):
-        values = np.asarray(getattr(options, name), dtype=np.float64)
-        if values.shape not in ((), (n,)) or not np.all(values > 0.0):
-            problems.append(f"{name} = {values} must be positive, one number or {n}.")
-    if options.t_eval is not None:
-        instants = np.asarray(options.t_eval, dtype=np.float64)
-        if instants.ndim != 1 or np.any(np.diff(instants) < 0.0):
-            problems.append("t_eval must be a row of ascending times.")
-        elif instants.size and not problem.t0 <= instants[0] <= instants[-1] <= problem.t_end:
-            problems.append(
-                f"t_eval runs from {instants[0]} to {instants[-1]}; it must lie between "
-                f"t0 = {problem.t0} and t_end = {problem.t_end}."
-            )
-    for name in ("first_step", "h_max", "h_min", "fixed_step"):
-        length = getattr(options, name)
-        if length is not None and not length > 0.0:
-            problems.append(f"{name} = {length} must be positive.")
-    if problems:
-        raise InputError(problems)

@@ -9,7 +9,7 @@ from types import ModuleType
 
 from runtime.compiled import addresses, at
 from runtime.constraints.correction import correct
-from runtime.integrate import attempt, control, events, modes, outputs
+from runtime.integrate import attempt, control, events, modes, outputs, watch
 from runtime.integrate.problem import System
 from runtime.integrate.signatures import (
     Accelerations,
@@ -59,6 +59,7 @@ settle_of = at(modes.Settle, 7)
 begin_of = at(modes.Settle, 8)
 first_step_of = at(control.FirstStep, 9)
 emit_of = at(outputs.Emit, 10)
+watch_of = at(watch.Watch, 11)
 
 
 def method(name: str) -> ModuleType:
@@ -83,5 +84,6 @@ def function_table(name: str) -> Integers:
             modes.begin,
             control.first_step,
             outputs.emit,
+            watch.watch,
         )
     )

@@ -37,7 +37,9 @@ SUSPECT = 6  # 1: this g may have crossed zero inside the step
 TRIAL = 7  # g at a trial point
 SCAN = 8  # first of SUBDIVISIONS + 1 rows: g at equal distances over the step
 SUBDIVISIONS = 8
-SWITCH_ROWS = SCAN + SUBDIVISIONS + 1
+BETWEEN = SCAN + SUBDIVISIONS + 1  # first of 3 rows: g at points between the ends of the step
+MISMATCH = BETWEEN + 3  # how far these are from the cubic of g
+SWITCH_ROWS = MISMATCH + 1
 
 _FLOATS = [
     "t",  # where the run stands
@@ -58,6 +60,8 @@ _FLOATS = [
     "growth_limit",  # entry of H that asks for a new partition
     "largest_dq",
     "event_span",  # time that the last events took
+    "stretch",  # ratio of two steps' lengths that the switching functions allow
+    "finest",  # length of a step that is never too long for them
 ]
 _INTEGERS = [
     "last",  # row, after K, of the derivative at the end of a step

@@ -1,4 +1,4 @@
-"""Results in files: .nc (netCDF 4), .csv and .parquet, written whole or not at all.
+"""Results in files: .nc (netCDF 4), .csv, .parquet and .html, written whole or not at all.
 
 The table of a .csv or .parquet file has one column a series, its unit in brackets.
 """
@@ -21,20 +21,31 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 
-def check_ending(path: Path) -> None:
+def check_place(path: Path) -> None:
     """Refuse a file that cannot be written, before any time is spent on its contents."""
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; name a file in it, such as {path / 'run.nc'}.")
     if path.suffix not in _WRITERS:
         raise InputError(
             f"{path}: a result is saved as {', '.join(_WRITERS)}, not as "
             f"{path.suffix or 'a file without ending'!r}. Change the ending."
         )
-    if not path.resolve().parent.is_dir():
-        raise InputError(f"{path}: the folder {path.resolve().parent} does not exist. Create it.")
+    folder = path.resolve().parent
+    if not folder.is_dir():
+        raise InputError(f"{path}: the folder {folder} does not exist. Create it.")
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise InputError(
+            f"{path}: nothing can be written in the folder {folder} ({error.strerror}). "
+            f"Choose another one."
+        ) from error
 
 
 def save(result: "Result", path: Path) -> Path:
     """Write `result` by the ending of `path`; a file of that name is replaced at the end."""
-    check_ending(path)
+    check_place(path)
     handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
     os.close(handle)
     temporary = Path(name)
@@ -100,8 +111,16 @@ def _write_netcdf(result: "Result", path: Path) -> None:
     result.data.to_netcdf(path, engine="netcdf4")
 
 
+def _write_page(result: "Result", path: Path) -> None:
+    """A page for people: `runtime.show.report`."""
+    from runtime.show.report import page
+
+    path.write_text(page(result), encoding="utf-8")
+
+
 _WRITERS: dict[str, Callable[["Result", Path], None]] = {
     ".nc": _write_netcdf,
     ".csv": _write_csv,
     ".parquet": _write_parquet,
+    ".html": _write_page,
 }

@@ -179,7 +179,7 @@ class Result:
         }
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write to a .nc, .csv or .parquet file, whole or not at all; returns the path."""
+        """Write to a .nc, .csv, .parquet or .html file, whole or not at all; returns the path."""
         from runtime.results.files import save
 
         return save(self, Path(path))

@@ -164,7 +164,8 @@ def test_all_local_files_are_sources(tmp_path: Path) -> None:
     data = tmp_path / "data.json"
     data.write_text("{}")
     text = "from parts import inner\nmodel.body('a', inner.mass, 1)\n"
-    path = write_model(tmp_path, "model = Model('m')\n" + text + f"model.depends_on({str(data)!r})\n")
+    text = f"model = Model('m')\n{text}model.depends_on({str(data)!r})\n"
+    path = write_model(tmp_path, text)
     sources = [source for source, _ in read_model(path).sources]
     assert sources == [path, package / "__init__.py", package / "inner.py", data]
 

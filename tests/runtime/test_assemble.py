@@ -220,3 +220,13 @@ def test_assembly_is_the_nearest_position(free: Machine) -> None:
     phi = start["crank.phi"]
     assert distance(phi) < distance(phi + 0.01)
     assert distance(phi) < distance(phi - 0.01)
+
+
+def test_values_out_of_scale_are_not_taken_for_redundancy(driven: Machine) -> None:
+    with pytest.raises(AssemblyError) as caught:
+        driven.assemble(parameters={"l": 1e200})
+    assert not isinstance(caught.value, RedundancyError)
+    assert "out of scale" in str(caught.value)
+    assert "Given: l = 1e+200" in str(caught.value)
+    with pytest.raises(AssemblyError, match=r"out of scale.*slider.x = 1e\+300"):
+        driven.assemble({"slider.x": 1e300})

@@ -112,6 +112,40 @@ def test_wrong_input_ends_with_two(run, arguments: tuple[str, ...], message: str
     assert any(message in problem for problem in told["problems"])
 
 
+def test_simulate_from_a_later_instant(run) -> None:  # type: ignore[no-untyped-def]
+    done = run("simulate", "rod_pendulum", "--t-start", "2", "--t-end", "2.5", "--json")
+    told = json.loads(done.stdout)
+    assert told["t"] == [2.0, 2.5]
+    from_zero = json.loads(run("simulate", "rod_pendulum", "--t-end", "0.5", "--json").stdout)
+    assert told["q"]["bar.phi"] == pytest.approx(from_zero["q"]["bar.phi"], rel=1e-6)
+
+
+def test_place_that_cannot_be_written_is_refused_before_the_run(
+    run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:  # type: ignore[no-untyped-def]
+    def forbidden(*_: object, **__: object) -> None:
+        raise AssertionError("the analysis ran")
+
+    monkeypatch.setattr(Machine, "kinematics", forbidden)
+    command = ("kinematics", "sc_driven", "--t-end", "1", "--out")
+    (tmp_path / "folder.csv").mkdir()
+    done = run(*command, tmp_path / "folder.csv")
+    assert done.exit_code == 2
+    assert "is a folder; name a file in it" in done.stderr
+    done = run(*command, tmp_path / "nowhere" / "run.csv")
+    assert done.exit_code == 2
+    assert "nowhere does not exist" in done.stderr
+
+    def locked(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("runtime.results.files.tempfile.TemporaryFile", locked)
+    done = run(*command, tmp_path / "run.csv")
+    assert done.exit_code == 2
+    assert "nothing can be written" in done.stderr
+    assert "Permission denied" in done.stderr
+
+
 def test_missing_argument_ends_with_two(run) -> None:  # type: ignore[no-untyped-def]
     assert run("simulate").exit_code == 2
     assert run("simulate", "sc_free").exit_code == 2

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from codegen.errors import AnalysisError
-from runtime.analyses.equilibrium import Stability
+from runtime.analyses.stability import Stability
 from runtime.machine import Machine
 from runtime.outcomes import Outcome
 
@@ -74,7 +74,7 @@ def test_force_that_nothing_balances(make: Callable[..., Machine]) -> None:
     assert rest.outcome is Outcome.UNBALANCED
     assert rest.failed
     assert "No equilibrium found" in rest.message
-    assert "most along bar." in rest.message
+    assert "nothing holds the machine in bar.phi, which ran away" in rest.message
     assert len(rest.t) == 1
 
 

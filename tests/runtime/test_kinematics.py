@@ -128,3 +128,56 @@ def test_freedom_is_refused_with_what_to_add(free: Machine) -> None:
 def test_wrong_instants_are_refused(driven: Machine, instants: list[float], message: str) -> None:
     with pytest.raises(AnalysisError, match=message):
         driven.kinematics(instants)
+
+
+DEAD = {"crank.phi": np.pi / 2, "rod.phi": -np.pi / 2, "rod.y": 1.0, "rod.x": 0.0, "slider.x": 0.0}
+
+
+@pytest.mark.parametrize("t", [[0.125, 0.4], [0.3, 0.4], [0.0, 0.05], [0.125]])
+def test_start_in_a_dead_centre_is_left(driven: Machine, t: list[float]) -> None:
+    """Rod and crank equal, upright at the start: which way on is told by the start velocities."""
+    lengths = {"l": 2.0}
+    still = driven.kinematics(t, t_start=0.125, parameters=lengths, guess=DEAD)
+    np.testing.assert_allclose(still.q("slider.x"), 0.0, atol=1e-8)
+    np.testing.assert_allclose(still.v("slider.x"), 0.0, atol=1e-7)
+    assert "Started in a singular position at t = 0.125 s" in still.message
+    rates = {"slider.vx": -4.0 * OMEGA, "rod.omega": -OMEGA, "rod.vx": -3.0 * OMEGA}
+    moving = driven.kinematics(t, t_start=0.125, parameters=lengths, guess=DEAD | rates)
+    phi = np.pi / 4 + OMEGA * np.array(t)
+    np.testing.assert_allclose(moving.q("slider.x"), 4.0 * np.cos(phi), atol=1e-7)
+    np.testing.assert_allclose(moving.v("slider.x"), -4.0 * OMEGA * np.sin(phi), atol=1e-6)
+
+
+def test_start_where_no_motion_leads_out(driven: Machine) -> None:
+    """At the last position of a short rod the slider would need an infinite speed."""
+    lean = 8e-8
+    angle = np.arcsin(0.95 * np.cos(lean))
+    locks = (angle - np.pi / 4) / OMEGA
+    reach = 2.0 * np.cos(angle) + 0.95 * np.sin(lean)
+    guess = {"crank.phi": angle, "rod.phi": lean - np.pi / 2, "rod.x": reach, "rod.y": 0.95}
+    guess |= {"slider.x": reach + 0.95 * np.sin(lean)}
+    with pytest.raises(AnalysisError, match=r"singular position at t = 0.074.*a little beside it"):
+        driven.kinematics([locks, 0.1], t_start=locks, parameters={"l": 1.9}, guess=guess)
+
+
+def test_instants_on_a_singular_position_are_counted(driven: Machine) -> None:
+    result = driven.kinematics([0.0, 0.125, 0.3], parameters={"l": 2.0})
+    assert result.outcome is Outcome.OK
+    assert np.isnan(result.a("slider.x")).tolist() == [False, True, False]
+    assert result.stats["singular_instants"] == 1
+    assert "At 1 of the instants (t = 0.125 s) the position is singular" in result.message
+    plain = driven.kinematics([0.0, 0.3], parameters={"l": 2.0})
+    assert plain.stats["singular_instants"] == 0
+    assert "At " not in plain.message
+
+
+@pytest.mark.parametrize("instants", [[0.0, 0.05], [0.125, 0.2], [0.05, 0.2]])
+def test_dead_centre_is_crossed_backwards(driven: Machine, instants: list[float]) -> None:
+    t = np.array(instants)
+    rates = {"slider.vx": -4.0 * OMEGA}
+    guess = {"crank.phi": np.pi / 4 + 0.3 * OMEGA, "slider.x": 4 * np.cos(np.pi / 4 + 0.3 * OMEGA)}
+    phi = guess["crank.phi"]
+    guess |= {"rod.phi": -phi, "rod.x": 3.0 * np.cos(phi), "rod.y": np.sin(phi)}
+    result = driven.kinematics(t, t_start=0.3, parameters={"l": 2.0}, guess=guess | rates)
+    assert result.outcome is Outcome.OK
+    np.testing.assert_allclose(result.q("slider.x"), 4.0 * np.cos(np.pi / 4 + OMEGA * t), atol=1e-8)

@@ -1,0 +1,148 @@
+"""A result as one HTML page that needs nothing else: what was run, how it went, pictures."""
+
+import io
+from collections.abc import Iterator
+from html import escape
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from codegen.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from runtime.results.result import Result
+
+MOST_LINES = 10
+STYLE = """
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;
+       color: #1b1f24; }
+h1 { font-size: 1.5rem; margin-bottom: 0; } h2 { font-size: 1.1rem; margin-top: 2rem; }
+table { border-collapse: collapse; } td, th { padding: .15rem 1rem .15rem 0; text-align: left; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; }
+.outcome { padding: .5rem 1rem; border-left: .3rem solid #2b8a3e; background: #f3faf4; }
+.failed { border-color: #c92a2a; background: #fdf3f3; }
+svg { width: 100%; height: auto; }
+"""
+
+
+def page(result: "Result") -> str:
+    """The page as text."""
+    told = result.description
+    state = "outcome failed" if result.failed else "outcome"
+    parts = [
+        f"<h1>{escape(told.title)}</h1>",
+        f"<p>{escape(result.analysis)}, linkwright {escape(told.generator.split()[-1])}</p>",
+        f'<p class="{state}"><b>{result.outcome.name}</b>: {escape(result.message)}</p>',
+        "<h2>Machine</h2>",
+        _table(_machine(result)),
+        "<h2>Parameters</h2>",
+        _table(_parameters(result)),
+        "<h2>Checks</h2>",
+        _table(_checks(result)),
+        "<h2>What it took</h2>",
+        _table((name.replace("_", " "), value) for name, value in result.stats.items()),
+        "<h2>At the end</h2>",
+        _table(_last(result)),
+        "<h2>Over time</h2>",
+        *(_svg(figure) for figure in _figures(result)),
+    ]
+    if result.events:
+        rows = ((f"{e.time:.9g} s", f"{e.name} ({e.direction:+d})") for e in result.events[:200])
+        parts += ["<h2>Events</h2>", _table(rows)]
+    body = "\n".join(parts)
+    return (
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        f"<title>{escape(told.title)}</title><style>{STYLE}</style></head>\n"
+        f"<body>\n{body}\n</body></html>\n"
+    )
+
+
+def _table(rows: Iterator[tuple[str, object]]) -> str:
+    lines = []
+    for name, value in rows:
+        number = isinstance(value, int | float | np.number)
+        text = f"{value:.9g}" if number else str(value)
+        kind = ' class="number"' if number else ""
+        lines.append(f"<tr><td>{escape(name)}</td><td{kind}>{escape(text)}</td></tr>")
+    return f"<table>{''.join(lines)}</table>" if lines else "<p>none</p>"
+
+
+def _machine(result: "Result") -> Iterator[tuple[str, object]]:
+    told = result.description
+    yield "bodies", ", ".join(told.bodies)
+    yield "coordinates", len(told.coordinates)
+    yield "constraints", len(told.constraints)
+    yield "joints and drivers", ", ".join(dict.fromkeys(row.element for row in told.constraints))
+    yield "effects", ", ".join(told.effects.names) or "none"
+
+
+def _parameters(result: "Result") -> Iterator[tuple[str, object]]:
+    units = {row.name: row.unit for row in result.description.parameters}
+    for name, value in result.parameters.items():
+        yield f"{name}, {units[name]}" if units[name] else name, value
+
+
+def _checks(result: "Result") -> Iterator[tuple[str, object]]:
+    residual = result.samples.residual
+    if len(residual):
+        yield "largest |Φ|, m or rad", float(np.nanmax(residual[:, 0]))
+        yield "largest |Φ_q q̇ - ν|, m/s or rad/s", float(np.nanmax(residual[:, 1]))
+    if result.description.has_masses and len(result.t):
+        energy = result.energy()
+        yield "energy at the start, J", float(energy[0])
+        yield "energy at the end, J", float(energy[-1])
+
+
+def _last(result: "Result") -> Iterator[tuple[str, object]]:
+    if len(result.t):
+        for row in result.description.coordinates:
+            yield f"{row.name}, {row.unit}", float(result.q(row.name)[-1])
+
+
+def _figures(result: "Result") -> Iterator["Figure"]:
+    """Coordinates and velocities by unit, then reactions by unit, a picture each."""
+    told = result.description
+    if len(result.t) < 2:
+        return
+    groups: dict[str, list[str]] = {}
+    for row in told.coordinates:
+        groups.setdefault(f"position, {row.unit}", []).append(row.name)
+        groups.setdefault(f"velocity, {row.unit}/s", []).append(row.velocity)
+    for reaction in told.reactions:
+        what = "driver" if reaction.element in told.drivers else "reaction"
+        groups.setdefault(f"{what}, {reaction.unit}", []).append(reaction.name)
+    for title, names in groups.items():
+        moving = [name for name in names if np.ptp(result.series(name)[0]) > 0.0]
+        for first in range(0, len(moving), MOST_LINES):
+            yield _figure(result, title, moving[first : first + MOST_LINES])
+
+
+def _figure(result: "Result", title: str, names: list[str]) -> "Figure":
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise InputError(
+            "A report needs matplotlib, which is not installed. Install linkwright[plot]."
+        ) from error
+    figure = Figure(figsize=(9, 3), layout="constrained")
+    axes = figure.subplots()
+    for name in names:
+        axes.plot(result.t, result.series(name)[0], label=name, linewidth=1.2)
+    axes.set(xlabel="t, s", ylabel=title.partition(", ")[2])
+    axes.set_title(title, loc="left")
+    axes.grid(visible=True, alpha=0.3)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return figure
+
+
+def _svg(figure: "Figure") -> str:
+    import matplotlib as mpl
+
+    stream = io.StringIO()
+    with mpl.rc_context({"svg.hashsalt": "linkwright", "svg.fonttype": "none"}):
+        figure.savefig(stream, format="svg", metadata={"Date": None})
+    text = stream.getvalue()
+    return text[text.index("<svg") :]

@@ -1,0 +1,68 @@
+"""A report is a whole page, and the same for the same run."""
+
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+from typer.testing import CliRunner
+
+from runtime import load
+from runtime.cli import app
+from runtime.show.report import page
+
+
+class Checked(HTMLParser):
+    """Notes tags that do not close in order."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.wrong: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag != "meta":
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        if not self.open or self.open.pop() != tag:
+            self.wrong.append(tag)
+
+
+def test_a_stopped_run_is_told_in_full() -> None:
+    machine = load("slider_crank", "compressor")
+    text = page(machine.simulate(1.0, np.linspace(0, 1, 101), parameters={"J1": 225.0}))
+    checked = Checked()
+    checked.feed(text)
+    assert not checked.wrong
+    assert not checked.open
+    for words in (
+        "slider_crank/compressor", "SLIDING", "outcome failed", "J1, kg m^2", "225",
+        "largest |Φ|", "gas: slider_vx &gt; 0", "reaction, N", "C.fx", "crank.omega",
+    ):  # fmt: skip
+        assert words in text, words
+    assert "<script" not in text
+    assert " src=" not in text
+    assert "<link" not in text
+
+
+def test_an_equilibrium_has_no_curves() -> None:
+    text = page(load("slider_crank", "gravity_equilibrium").equilibrium())
+    assert "<svg" not in text
+    assert "4.71238898" in text
+
+
+def test_the_command_line_picks_the_analysis(tmp_path: Path) -> None:
+    for scene, words in (
+        ("compressor", "simulation"),
+        ("inverse_dynamics", "crank_drive.torque"),
+        ("kinematics", "kinematics"),
+    ):
+        out = tmp_path / f"{scene}.html"
+        done = CliRunner().invoke(
+            app, ["report", "slider_crank", "--scene", scene, "--out", str(out)]
+        )
+        assert done.exit_code == 0, done.output
+        assert words in out.read_text()
+    done = CliRunner().invoke(app, ["report", "slider_crank", "--out", str(tmp_path / "a.pdf")])
+    assert done.exit_code == 2
+    assert "a report is an .html page" in done.output
