@@ -11,7 +11,7 @@ compile   file                  → machine code in numba's cache
 """
 
 import hashlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from copy import copy
 from dataclasses import dataclass, replace
@@ -82,7 +82,7 @@ class BuildReport:
 
 def build(
     model: str | Path | Model,
-    scene: str | None = None,
+    scene: str | Sequence[str] | None = None,
     out: str | Path | None = None,
     *,
     settings: Mapping[str, float] | None = None,
@@ -97,7 +97,7 @@ def build(
     model
         Path of a model file, a bare name for ``models/NAME.py``, or a `Model`.
     scene
-        One scene; None builds all of them.
+        One scene, or several; None builds all of them.
     out
         Folder for the generated files; by default ``generated/`` of the library for the
         library's models, else of the folder one works in.
@@ -180,7 +180,7 @@ def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowe
     return equations, lowered
 
 
-def sound_scenes(model: Model, name: str | None) -> list[Scene]:
+def sound_scenes(model: Model, names: str | Sequence[str] | None) -> list[Scene]:
     """The scenes to build, once the model and they have been checked.
 
     A model that declares no scene gets one, ``default``, in which everything acts.
@@ -192,11 +192,15 @@ def sound_scenes(model: Model, name: str | None) -> list[Scene]:
         model = copy(model)
         model.scenes = {}
         model.scene("default", effects=model.effects, drivers=model.drivers)
-    if name is not None and name not in model.scenes:
-        raise SceneError(
-            f"model '{model.name}' has no scene '{name}'; {nearest(name, model.scenes)}"
-        )
-    scenes = [s for s in model.scenes.values() if name in (None, s.name)]
+    wanted = (names,) if isinstance(names, str) else model.scenes if names is None else names
+    missing = [
+        f"model '{model.name}' has no scene '{name}'; {nearest(name, model.scenes)}"
+        for name in wanted
+        if name not in model.scenes
+    ]
+    if missing:
+        raise SceneError(missing)
+    scenes = [scene for name, scene in model.scenes.items() if name in wanted]
     problems = [problem for s in scenes for problem in check_scene(model, s)]
     if problems:
         raise ModelError(problems)

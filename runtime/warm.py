@@ -1,13 +1,20 @@
-"""Importing this module compiles all of the runtime into numba's cache, where it is not there yet.
+"""Compile the runtime into numba's cache, where it is not there yet.
 
-It takes some twenty seconds, once an installation; whoever runs a machine for the first time would
-wait for it then.
+It takes half a minute, once an installation; whoever runs a machine for the first time would wait
+for it then.
 """
 
-from runtime.analyses import outputs, settling, walking
-from runtime.integrate import run
+from importlib import import_module
+
 from runtime.integrate.tables import METHODS, function_table
 
-TABLES = tuple(function_table(name) for name in METHODS)
+ALWAYS = ("runtime.integrate.run", "runtime.analyses.outputs", "runtime.analyses.walking")
+SOMETIMES = ("runtime.analyses.settling",)
 
-__all__ = ["TABLES", "outputs", "run", "settling", "walking"]
+
+def warm(*methods: str) -> None:
+    """Compile what every run needs, and the methods named; without names, everything."""
+    for name in ALWAYS if methods else (*ALWAYS, *SOMETIMES):
+        import_module(name)
+    for method in methods or METHODS:
+        function_table(method)

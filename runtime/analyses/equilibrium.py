@@ -13,7 +13,6 @@ from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.masses import require_masses
 from runtime.analyses.outputs import evaluate
 from runtime.analyses.reduced import Rest
-from runtime.analyses.settling import settle_down
 from runtime.analyses.stability import Judgement, Stability, judge
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
@@ -134,6 +133,8 @@ def equilibrium(
                 f"{told.title}: settling needs drivers at rest, and {', '.join(told.drivers)} "
                 f'moves at t = {t:g} s. Use method="energy".'
             )
+        from runtime.analyses.settling import settle_down  # compiles where it is used
+
         settled = settle_down(rest, start.q, progress)
         stats = {"steps": settled.steps, "kinetic_energy_peaks": settled.peaks}
         known = np.isfinite(settled.q).all()
