@@ -79,13 +79,15 @@ def show_compressor(quick: bool, folder: Path) -> None:
     """One second of motion."""
     rows = compressor.measure(1 if quick else 5)
     table = Table(title="compressor, J = 450 kg m², 1 s")
-    for heading in ("method", "rtol", "ms", "error of crank.phi, rad", "evaluations"):
+    headings = ("method", "rtol", "ms", "times ours", "error of crank.phi, rad", "evaluations")
+    for heading in headings:
         table.add_column(heading, justify="left" if heading == "method" else "right")
     for row in rows:
         table.add_row(
             row.method,
             f"{row.rtol:.0e}",
             f"{row.milliseconds:.2f}",
+            f"{row.milliseconds / rows[0].milliseconds:.1f}",
             f"{row.error:.1e}",
             str(row.evaluations),
         )

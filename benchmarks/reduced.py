@@ -1,8 +1,9 @@
-"""What a careful user would do without a compiler: SymPy, lambdify and SciPy's solve_ivp.
+"""What users do without a compiler: SymPy, lambdify and SciPy's solve_ivp.
 
-The equation in φ₁ is derived from Lagrange's function, its pieces are lambdified with common
-sub-expressions taken out, and the integration stops at every switch of the gas force and starts
-again on the other side, so that DOP853 sees smooth functions only.
+The equation in φ₁ is derived from Lagrange's function. `plain` hands it to lambdify and to DOP853
+as it is. `simulate` takes care: lambdified for plain floats with common sub-expressions taken out,
+and the integration stops at every switch of the gas force and starts again on the other side, so
+that DOP853 sees smooth functions only.
 """
 
 import math
@@ -18,6 +19,7 @@ from scipy.integrate import solve_ivp
 
 START = (math.pi, 30.0)
 EDGES = (1.5, 5.0, 5.5)
+PHI, OMEGA, FORCE = sympy.symbols("phi omega force")
 
 
 @dataclass(frozen=True)
@@ -30,21 +32,55 @@ class Run:
     restarts: int
 
 
+def expressions(inertia: float = 450.0) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
+    """ω̇ of PHI, OMEGA and FORCE on the slider, and x₃ and dx₃/dφ of PHI."""
+    r, length, g = 2, sympy.Rational(7, 2), 9.81
+    s2 = -r * sympy.sin(PHI) / length
+    c2 = sympy.sqrt(1 - s2**2)
+    rod, x3 = sympy.asin(s2), r * sympy.cos(PHI) + length * c2
+    x2, y2 = r * sympy.cos(PHI) + length * c2 / 2, r * sympy.sin(PHI) / 2
+    d = [sympy.diff(e, PHI) for e in (x2, y2, rod, x3)]
+    mass = inertia + sum(m * e**2 for m, e in zip((35, 35, 35, 25), d, strict=True))
+    push = 41450 + 35 * g * d[0] + (25 * g + FORCE) * d[3]
+    return (push - sympy.diff(mass, PHI) * OMEGA**2 / 2) / mass, x3, d[3]
+
+
 @cache
 def equations(inertia: float = 450.0) -> tuple[Callable[..., float], Callable[..., Any]]:
-    """(ω̇ of φ, ω and the gas force) and (x₃, dx₃/dφ), as plain Python functions."""
-    phi, omega, force = sympy.symbols("phi omega force")
-    r, length, g = 2, sympy.Rational(7, 2), 9.81
-    s2 = -r * sympy.sin(phi) / length
-    c2 = sympy.sqrt(1 - s2**2)
-    rod, x3 = sympy.asin(s2), r * sympy.cos(phi) + length * c2
-    x2, y2 = r * sympy.cos(phi) + length * c2 / 2, r * sympy.sin(phi) / 2
-    d = [sympy.diff(e, phi) for e in (x2, y2, rod, x3)]
-    mass = inertia + sum(m * e**2 for m, e in zip((35, 35, 35, 25), d, strict=True))
-    push = 41450 + 35 * g * d[0] + (25 * g + force) * d[3]
-    rate = (push - sympy.diff(mass, phi) * omega**2 / 2) / mass
-    alpha = sympy.lambdify((phi, omega, force), rate, "math", cse=True)
-    return alpha, sympy.lambdify((phi,), (x3, d[3]), "math", cse=True)
+    """(ω̇ of φ, ω and the gas force) and (x₃, dx₃/dφ), as functions of plain floats."""
+    rate, x3, slope = expressions(inertia)
+    alpha = sympy.lambdify((PHI, OMEGA, FORCE), rate, "math", cse=True)
+    return alpha, sympy.lambdify((PHI,), (x3, slope), "math", cse=True)
+
+
+@cache
+def plain_equation(inertia: float = 450.0) -> Callable[..., float]:
+    """ω̇ of φ and ω with the gas force written out, lambdified as lambdify does by itself."""
+    rate, x3, slope = expressions(inertia)
+    pi = sympy.pi
+    force = sympy.Piecewise(
+        (0, slope * OMEGA <= 0),
+        (0, x3 < EDGES[0]),
+        (62857 - 282857 / (6 - x3), x3 <= EDGES[1]),
+        (-110000 * (1 - sympy.sin(2 * pi * (x3 - sympy.Rational(21, 4)))), x3 <= EDGES[2]),
+        (0, True),
+    )
+    return sympy.lambdify((PHI, OMEGA), rate.subs(FORCE, force))
+
+
+def plain(instants: npt.NDArray[np.float64], rtol: float, atol: float) -> Run:
+    """The compressor in one call of solve_ivp, its steps finding the switches by failing."""
+    alpha = plain_equation()
+    done = solve_ivp(
+        lambda _, y: (y[1], alpha(y[0], y[1])),
+        (instants[0], instants[-1]),
+        START,
+        method="DOP853",
+        t_eval=instants,
+        rtol=rtol,
+        atol=atol,
+    )
+    return Run(done.y[0], done.y[1], done.nfev, 0)
 
 
 def gas(piece: int, x: float) -> float:

@@ -1,7 +1,8 @@
 """Times of kernels inside compiled loops, interleaved so that they share the machine's moods.
 
-The loop itself, with kernels that do nothing, takes its turn too, and is taken off: it hands out
-rows of arrays and calls through a pointer, which costs as much as a kernel.
+Each state is copied into the same arrays: handing out rows of a table counts references, which
+takes longer than a kernel and overlaps with it differently each time. The loop itself, with
+kernels that do nothing, takes its turn too, and is taken off.
 """
 
 from collections.abc import Callable, Mapping
@@ -21,30 +22,43 @@ SOLUTION = types.FunctionType(types.int64(F8, VECTOR, VECTOR, VECTOR, MODES, VEC
 
 
 @numba.njit(F8(POSITION, types.int64, ROWS, VECTOR, VECTOR), **OPTIONS)
-def many_positions(kernel, count, q, p, out):
-    total = 0.0
-    for k in range(count):
-        kernel(0.0, q[k % len(q)], p, out)
+def many_positions(kernel, count, states, p, out):
+    total, row = 0.0, 0
+    q = states[0].copy()
+    for _ in range(count):
+        for k in range(q.size):
+            q[k] = states[row, k]
+        kernel(0.0, q, p, out)
         total += out[3]
+        row = row + 1 if row + 1 < len(states) else 0
     return total
 
 
 @numba.njit(F8(VELOCITY, types.int64, ROWS, ROWS, VECTOR, VECTOR), **OPTIONS)
-def many_velocities(kernel, count, q, v, p, out):
-    total = 0.0
-    for k in range(count):
-        kernel(0.0, q[k % len(q)], v[k % len(q)], p, out)
+def many_velocities(kernel, count, states, rates, p, out):
+    total, row = 0.0, 0
+    q, v = states[0].copy(), rates[0].copy()
+    for _ in range(count):
+        for k in range(q.size):
+            q[k], v[k] = states[row, k], rates[row, k]
+        kernel(0.0, q, v, p, out)
         total += out[3]
+        row = row + 1 if row + 1 < len(states) else 0
     return total
 
 
 @numba.njit(F8(SOLUTION, types.int64, ROWS, ROWS, VECTOR, MODE_ROWS, VECTOR, VECTOR), **OPTIONS)
-def many_solutions(kernel, count, q, v, p, modes, a, lam):
-    total = 0.0
-    for k in range(count):
-        i = k % len(q)
-        kernel(0.0, q[i], v[i], p, modes[i], a, lam)
+def many_solutions(kernel, count, states, rates, p, held, a, lam):
+    total, row = 0.0, 0
+    q, v, modes = states[0].copy(), rates[0].copy(), held[0].copy()
+    for _ in range(count):
+        for k in range(q.size):
+            q[k], v[k] = states[row, k], rates[row, k]
+        for k in range(modes.size):
+            modes[k] = held[row, k]
+        kernel(0.0, q, v, p, modes, a, lam)
         total += a[2]
+        row = row + 1 if row + 1 < len(states) else 0
     return total
 
 

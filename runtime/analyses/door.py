@@ -65,7 +65,7 @@ def _instant(name: str) -> Callable[["Machine", Any], str]:
         found = number(value)
         if found is not None and math.isfinite(found):
             return ""
-        return f"{name} is {_shown(value)}; it must be a finite number of seconds."
+        return f"{name} is {shown(value)}; it must be a finite number of seconds."
 
     return kind
 
@@ -74,7 +74,7 @@ def _length(name: str) -> Callable[["Machine", Any], str]:
     def kind(_: "Machine", value: Any) -> str:
         if value is None or (number(value) or 0.0) > 0.0:
             return ""
-        return f"{name} is {_shown(value)}; it must be a positive number of seconds."
+        return f"{name} is {shown(value)}; it must be a positive number of seconds."
 
     return kind
 
@@ -88,7 +88,7 @@ def _tolerance(name: str) -> Callable[["Machine", Any], str]:
         found = [number(entry) for entry in entries]
         if all(entry is not None and 0.0 < entry < math.inf for entry in found):
             return ""
-        return f"{name} is {_shown(value)}; it must be a positive finite number."
+        return f"{name} is {shown(value)}; it must be a positive finite number."
 
     return kind
 
@@ -97,7 +97,7 @@ def _count(_: "Machine", value: Any) -> str:
     whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
     if whole and 0 <= value <= _MOST:
         return ""
-    return f"max_steps is {_shown(value)}; it must be a whole number, at most {_MOST:g}."
+    return f"max_steps is {shown(value)}; it must be a whole number, at most {_MOST:g}."
 
 
 def _values(name: str, example: str) -> Callable[["Machine", Any], str]:
@@ -106,11 +106,11 @@ def _values(name: str, example: str) -> Callable[["Machine", Any], str]:
             return ""
         if not isinstance(value, Mapping):
             return (
-                f"{name} is {_shown(value)}; it must be a mapping from names to numbers, "
+                f"{name} is {shown(value)}; it must be a mapping from names to numbers, "
                 f"such as {name}={example}."
             )
         odd = [key for key in value if not isinstance(key, str)]
-        return f"{name} has the name {_shown(odd[0])}, which is no text." if odd else ""
+        return f"{name} has the name {shown(odd[0])}, which is no text." if odd else ""
 
     return kind
 
@@ -121,7 +121,7 @@ def _start(machine: "Machine", value: Any) -> str:
     if value is None:
         return ""
     if not isinstance(value, Assembly):
-        return f"start is {_shown(value)}; it must be what assemble() returns."
+        return f"start is {shown(value)}; it must be what assemble() returns."
     names = value.coordinates.names
     if names and names != machine.coordinates.names:
         return (
@@ -137,9 +137,7 @@ def _state(name: str) -> Callable[["Machine", Any], str]:
         fits = isinstance(value, np.ndarray) and value.dtype == np.float64
         if fits and value.shape == (count,) and np.isfinite(value).all():
             return ""
-        what = (
-            f"has shape {value.shape}" if isinstance(value, np.ndarray) else f"is {_shown(value)}"
-        )
+        what = f"has shape {value.shape}" if isinstance(value, np.ndarray) else f"is {shown(value)}"
         return (
             f"{name} {what}; it must be an array of {count} finite numbers of type float64, in "
             f"the order of the coordinates."
@@ -148,7 +146,8 @@ def _state(name: str) -> Callable[["Machine", Any], str]:
     return kind
 
 
-def _shown(value: Any) -> str:
+def shown(value: Any) -> str:
+    """The value as written in Python, cut short."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
 

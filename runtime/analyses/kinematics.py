@@ -9,6 +9,7 @@ import numpy.typing as npt
 from codegen.errors import AnalysisError
 from runtime.analyses.assemble import Assembly, assemble, start_values
 from runtime.analyses.branches import branches
+from runtime.analyses.door import shown
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.outputs import evaluate
 from runtime.analyses.walking import (
@@ -101,13 +102,12 @@ def kinematics(
 
 def instants(t_eval: npt.ArrayLike) -> FloatArray:
     """The output instants as an array, checked."""
-    wrong = AnalysisError(f"t_eval is {t_eval!r}; it must be instants in s.")
     try:
         given = np.asarray(t_eval)
-    except (TypeError, ValueError) as error:
-        raise wrong from error
+    except (TypeError, ValueError):
+        given = np.asarray(None)
     if given.dtype.kind not in "iuf":
-        raise wrong
+        raise AnalysisError(f"t_eval is {shown(t_eval)}; it must be instants in s.")
     times = np.atleast_1d(given.astype(np.float64))
     if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all():
         raise AnalysisError("t_eval must be at least one finite instant in s, in one dimension.")

@@ -26,10 +26,16 @@ def dependent_rows(matrix: FloatArray, order: list[int]) -> list[Dependency]:
     """Rows that are combinations of those before them in `order`.
 
     Rows are made unit length and reduced one by one against an orthonormal basis of the rows
-    accepted so far, twice against loss of orthogonality.
+    accepted so far, twice against loss of orthogonality. No remainder is shorter than the least
+    singular value of the rows: where that is long enough, nothing need be reduced.
     """
     lengths = np.linalg.norm(matrix, axis=1)
     unit = matrix / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+    rows = unit[order]
+    if len(rows) <= rows.shape[1]:
+        least = np.linalg.svd(rows, compute_uv=False).min(initial=np.inf)
+        if least > 2.0 * RANK_TOLERANCE:
+            return []
     basis: list[FloatArray] = []
     accepted: list[int] = []
     found = []
