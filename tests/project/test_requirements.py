@@ -13,6 +13,8 @@ from packaging.version import Version
 
 import codegen
 
+COMPANIONS = {"pyparsing"}  # required by matplotlib, not by us; its oldest needs an old one
+
 
 @pytest.fixture(scope="module")
 def project(root: Path) -> dict[str, Any]:
@@ -48,7 +50,7 @@ def test_lower_bounds_are_those_that_are_tested(
 ) -> None:
     oldest = pins(root / "constraints-oldest.txt")
     assert {name: str(bound) for name, bound in requirements.items()} == {
-        name: f">={version}" for name, version in oldest.items()
+        name: f">={version}" for name, version in oldest.items() if name not in COMPANIONS
     }
 
 
