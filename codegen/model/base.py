@@ -1,0 +1,82 @@
+"""What every part of a declaration shares: the elements so far, their names, and the problems."""
+
+from pathlib import Path
+from typing import Any
+
+from codegen.declare.body import Body, Ground, Point
+from codegen.declare.element import Constraint, Effect
+from codegen.declare.names import name_problem
+from codegen.declare.parameter import ParameterDeclaration
+from codegen.declare.reading import Reader
+from codegen.declare.scene import Scene
+from codegen.declare.symbols import Coordinate, Velocity, kinds
+
+
+class Declarations:
+    """All that has been declared, by name; a name stands for one thing only."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.token = object()
+        self.ground = Ground("ground", None, None, self.token)
+        self.bodies: dict[str, Body] = {}
+        self.parameters: dict[str, ParameterDeclaration] = {}
+        self.joints: dict[str, Constraint] = {}
+        self.drivers: dict[str, Constraint] = {}
+        self.effects: dict[str, Effect] = {}
+        self.scenes: dict[str, Scene] = {}
+        self.files: list[Path] = []
+        self._read = Reader()
+        self._kinds: dict[str, str] = {"ground": "body"}
+        if problem := name_problem("model", name):
+            self._note(problem)
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """What is wrong with the declaration so far; one sentence each."""
+        return tuple(self._read.problems)
+
+    def _note(self, problem: str) -> None:
+        self._read.problems.append(problem)
+
+    def _claim(self, kind: str, name: object) -> bool:
+        if problem := name_problem(kind, name):
+            self._note(problem)
+            return False
+        assert isinstance(name, str)
+        if name in self._kinds:
+            self._note(
+                f"{kind} '{name}': the name is already that of a {self._kinds[name]}; "
+                "give every element its own name."
+            )
+            return False
+        self._kinds[name] = kind
+        return True
+
+    def _joint(self, element: Constraint) -> Constraint:
+        if self._claim("joint", element.name):
+            self.joints[element.name] = element
+        return element
+
+    def _effect(self, element: Effect) -> Effect:
+        if self._claim("effect", element.name):
+            self.effects[element.name] = element
+        return element
+
+    def _point(self, name: str, place: Any) -> Point:
+        point = place.at(0, 0) if isinstance(place, Body) else place
+        if not isinstance(point, Point):
+            self._note(f"'{name}': {place!r} is neither a point nor a body; write body.at(x, y).")
+            point = self.ground.at(0, 0)
+        where = f"point of '{name}' on body '{point.body.name}'"
+        sx, sy = (self._read.value(s, "m", where) for s in (point.sx, point.sy))
+        return Point(point.body, sx, sy)
+
+    def _pair(self, name: str, i: Any, j: Any) -> tuple[Point, Point]:
+        return self._point(name, i), self._point(name, j)
+
+    def _bodies_in(self, *expressions: Any) -> tuple[Body, ...]:
+        owners = {
+            s.name.rpartition("_")[0] for e in expressions for s in kinds(e, Coordinate, Velocity)
+        }
+        return tuple(body for name, body in self.bodies.items() if name in owners)
