@@ -15,13 +15,13 @@ NOTEBOOKS = $(sort $(wildcard notebooks/*.ipynb))
 WORKERS ?= 2
 PYTEST = -m pytest -n $(WORKERS)
 
-DEMO = $(PY) -m models.studies
+DEMO = $(PY) -m models.studies compressor
 FIGURES = $(PY) -m models.studies --only-figures
 BENCH = $(PY) -m benchmarks
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install demo test test-oldest lint format types imports check build figures notebooks \
+.PHONY: help install demo test test-oldest lint format types imports check build gallery figures notebooks \
 	bench lock clean
 
 help: ## list the targets
@@ -77,6 +77,9 @@ check: $(READY) ## is every module in generated/ what its declaration says today
 
 build: $(READY) ## bring generated/ up to date
 	@set -e; for model in $(MODELS); do $(PY) -m codegen build $$model; done
+
+gallery: $(READY) ## run every machine of the chapter: one table, all figures into figures/
+	$(PY) -m models.studies
 
 figures: $(READY) ## draw the book's figures into figures/
 	$(FIGURES)

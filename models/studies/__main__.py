@@ -1,6 +1,6 @@
-"""``python -m models.studies``: the compressor from symbols to curves.
+"""``python -m models.studies [NAME]...``: the machines of the chapter from symbols to curves.
 
-Builds the scenes of section 8.2, runs them, prints the table "ours, exact, book", and writes the
+Builds the scenes of each study, runs them, prints the table "ours, exact, book", and writes the
 figures.
 """
 
@@ -16,49 +16,59 @@ from rich.console import Console
 from rich.table import Table
 
 from codegen import build
+from models.studies.chapter import STUDIES, Study
 from models.studies.rows import Row
 
 console = Console(highlight=False)
 WARM = "from runtime.warm import warm; warm('dop853')"
-SCENES = (
-    *("gravity_equilibrium", "gas_equilibrium", "gas_equilibrium_as_printed", "kinematics"),
-    *("inverse_dynamics", "inverse_dynamics_without_gas", "compressor"),
-)
-MODEL = Path(__file__).resolve().parent.parent / "slider_crank.py"
+NAMES = tuple(study.name for study in STUDIES)
 
 
 def main(
+    names: Annotated[
+        list[str] | None, typer.Argument(help=f"Some of: {', '.join(NAMES)}; all of them.")
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the figures.")] = Path("figures"),
     only_figures: Annotated[bool, typer.Option(help="No table.")] = False,
 ) -> None:
-    """Build, simulate, tabulate and draw the compressor of section 8.2."""
+    """Build, simulate, tabulate and draw the machines of chapter 8."""
+    for name in names or ():
+        if name not in NAMES:
+            raise typer.BadParameter(f"{name!r} is none of {', '.join(NAMES)}")
+    chosen = [study for study in STUDIES if study.name in (names or NAMES)]
+    rows: list[Row] = []
+    paths: list[Path] = []
     with console.status("starting") as status:
         clock = perf_counter()
-        # The runtime's own loops compile beside the machine's kernels, the first time.
+        # The runtime's own loops compile beside the machines' kernels, the first time.
         warming = subprocess.Popen([sys.executable, "-c", WARM])
-        built = build(MODEL, SCENES, progress=status.update)
+        built = [build(study.path, study.scenes, progress=status.update) for study in chosen]
         status.update("compiling the runtime, once")
         warming.wait()
-        operations = sum(sum(scene.operations.values()) for scene in built.scenes)
+        scenes = [scene for report in built for scene in report.scenes]
+        operations = sum(sum(scene.operations.values()) for scene in scenes)
         console.print(
-            f"[bold]Built[/] {len(built.scenes)} scenes of {MODEL.name}, {operations} operations "
+            f"[bold]Built[/] {len(scenes)} scenes of {_files(chosen)}, {operations} operations "
             f"in all: {perf_counter() - clock:.1f} s"
         )
+        for study in chosen:
+            clock = perf_counter()
+            status.update(f"simulating {study.title}")
+            rows += study.table()
+            console.print(f"[bold]Ran[/] {study.title}: {perf_counter() - clock:.1f} s")
+        from models.studies.drawing import draw
 
-        status.update("simulating")
-        clock = perf_counter()
-        from models.studies.compressor import table
+        for study in chosen:
+            status.update(f"drawing {study.title}")
+            paths += draw(study.figures(), out)
+    if not only_figures:
+        print_table(rows)
+    numbers = sorted({path.stem.removeprefix("figure_").replace("_", ".") for path in paths})
+    console.print(f"[bold]Drew[/] {len(paths)} files into {out}: figures {', '.join(numbers)}")
 
-        rows = table()
-        console.print(f"[bold]Ran[/] the studies of section 8.2: {perf_counter() - clock:.1f} s")
-        if not only_figures:
-            print_table(rows)
 
-        status.update("drawing")
-        from models.studies.figures import draw
-
-        paths = draw(out)
-    console.print(f"[bold]Drew[/] {len(paths)} files into {out}: figures 8.2.4 to 8.2.8")
+def _files(chosen: list[Study]) -> str:
+    return ", ".join(dict.fromkeys(study.path.name for study in chosen))
 
 
 def print_table(rows: list[Row]) -> None:

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from models.studies.compressor import table
-from models.studies.figures import draw
+from models.studies.compressor_figures import figures
+from models.studies.drawing import draw
 
 FIGURES = ("8_2_4", "8_2_5", "8_2_6", "8_2_7", "8_2_8")
 
@@ -28,11 +29,11 @@ def test_a_row_that_differs_from_the_book_says_why() -> None:
 
 
 def test_every_figure_is_written_twice_and_alike_each_time(tmp_path: Path) -> None:
-    written = draw(tmp_path / "first")
+    written = draw(figures(), tmp_path / "first")
     assert {p.name for p in written} == {
         f"figure_{number}.{ending}" for number in FIGURES for ending in ("png", "svg")
     }
-    again = draw(tmp_path / "second")
+    again = draw(figures(), tmp_path / "second")
     for one, other in zip(written, again, strict=True):
         assert one.stat().st_size > 10_000
         assert one.read_bytes() == other.read_bytes()

@@ -2,9 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from itertools import cycle
-from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,40 +10,13 @@ from matplotlib.figure import Figure
 from models.studies.compressor import FLYWHEELS, Study, study
 from runtime import Result
 
-STYLE = {
-    "font.size": 9,
-    "axes.titlesize": 10,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.linewidth": 0.4,
-    "grid.alpha": 0.5,
-    "lines.linewidth": 1.4,
-    "legend.frameon": False,
-    "svg.hashsalt": "linkwright",
-    "svg.fonttype": "none",
-    "figure.dpi": 110,
-    "savefig.dpi": 150,
-}
 COLOURS = {225.0: "#d1495b", 450.0: "#00798c", 900.0: "#30638e"}
 SLOW, FAST = "#00798c", "#d1495b"
 
 
-def draw(folder: Path) -> list[Path]:
-    """Write every figure as PNG and SVG; returns the paths."""
-    folder.mkdir(parents=True, exist_ok=True)
-    written = []
-    with mpl.rc_context(STYLE):
-        for name, figure in figures(study()):
-            for ending in ("png", "svg"):
-                path = folder / f"figure_{name}.{ending}"
-                figure.savefig(path, metadata={"Date": None} if ending == "svg" else None)
-                written.append(path)
-    return written
-
-
-def figures(runs: Study) -> Iterator[tuple[str, Figure]]:
+def figures() -> Iterator[tuple[str, Figure]]:
     """(number in the book, picture)."""
+    runs = study()
     yield "8_2_4", _driven(runs)
     yield "8_2_5", _over_time(runs, "Angular velocity of the flywheel", "φ̇₁, rad/s",
                               lambda r: r.v("crank.phi"))  # fmt: skip

@@ -1,0 +1,68 @@
+"""The studies of the chapter: which machine, which scenes, what is tabulated and drawn.
+
+A study is a module of this package with the functions ``table() -> list[Row]``, and of a second
+one, its name with ``_figures``, with ``figures()``: an iterator of (number in the book, picture).
+They run the machine, and are imported only when its scenes are built.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from models.studies.rows import Row
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MODELS = Path(__file__).resolve().parent.parent
+
+
+@dataclass(frozen=True)
+class Study:
+    """One machine and what the book asks of it.
+
+    Attributes
+    ----------
+    name
+        The module of this package.
+    title
+        What a person calls it.
+    machine
+        The file in ``models/``.
+    scenes
+        Those that the study runs.
+    """
+
+    name: str
+    title: str
+    machine: str
+    scenes: tuple[str, ...]
+
+    @property
+    def path(self) -> Path:
+        """The declaration."""
+        return MODELS / f"{self.machine}.py"
+
+    def table(self) -> list[Row]:
+        """Ours, exact, book."""
+        rows: list[Row] = import_module(f"models.studies.{self.name}").table()
+        return rows
+
+    def figures(self) -> "Iterator[tuple[str, Figure]]":
+        """(number in the book, picture)."""
+        yield from import_module(f"models.studies.{self.name}_figures").figures()
+
+
+STUDIES = (
+    Study(
+        "compressor",
+        "the compressor of section 8.2",
+        "slider_crank",
+        (
+            *("gravity_equilibrium", "gas_equilibrium", "gas_equilibrium_as_printed"),
+            *("kinematics", "inverse_dynamics", "inverse_dynamics_without_gas", "compressor"),
+        ),
+    ),
+)
