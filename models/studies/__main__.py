@@ -51,7 +51,7 @@ def main(
             f"[bold]Built[/] {len(scenes)} scenes of {_files(chosen)}, {operations} operations "
             f"in all: {perf_counter() - clock:.1f} s"
         )
-        for study in chosen:
+        for study in () if only_figures else chosen:
             clock = perf_counter()
             status.update(f"simulating {study.title}")
             rows += study.table()

@@ -41,7 +41,7 @@ def test_every_figure_is_written_twice_and_alike_each_time(tmp_path: Path) -> No
 
 @pytest.mark.parametrize("text", ["J₁ = 225 kg m² (stalls at 0.1149 s)", "t, s", "φ̇₁, rad/s"])
 def test_the_flywheel_figure_says_what_it_shows(tmp_path: Path, text: str) -> None:
-    draw(tmp_path)
+    draw(figures(), tmp_path)
     assert text in (tmp_path / "figure_8_2_5.svg").read_text()
 
 
