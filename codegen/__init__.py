@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from codegen.errors import InputError, LinkwrightError, ModelError
 
 if TYPE_CHECKING:
-    from codegen.declare.symbols import t
+    from codegen.declare.symbols import alpha, t
     from codegen.driver import BuildReport, build
     from codegen.model import Model
 
@@ -17,6 +17,7 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "Model": "codegen.model",
+    "alpha": "codegen.declare.symbols",
     "t": "codegen.declare.symbols",
     "build": "codegen.driver",
     "BuildReport": "codegen.driver",
@@ -29,6 +30,7 @@ __all__ = [
     "Model",
     "ModelError",
     "__version__",
+    "alpha",
     "build",
     "t",
 ]

@@ -11,10 +11,11 @@ import sympy
 
 from codegen.compilable import all_problems, constraint_problems
 from codegen.declare.body import Body
-from codegen.declare.element import ConjugateReaction, Constraint, Effect
+from codegen.declare.element import ConjugateReaction, Constraint, Effect, own_coordinates
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Given, Parameter, Time, Velocity, kinds
+from codegen.derive.equations import active_joints
 from codegen.model import Model
 
 WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
@@ -58,6 +59,7 @@ def check_model(model: Model) -> list[str]:
 def check_scene(model: Model, scene: Scene) -> list[str]:
     """Problems of one scene of a sound model."""
     where = f"scene '{scene.name}'"
+    joints = active_joints(model, scene)
     found = []
     if not scene.bodies:
         found.append(f"{where}: no body takes part; leave one in.")
@@ -73,14 +75,17 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
     for kind, names in (("effect", scene.effects), ("driver", scene.drivers)):
         for name in names:
             found += [
-                f"{where}: {kind} '{name}' needs body '{body}', which takes no part; "
-                f"leave '{name}' out, or take '{body}' in."
-                for body in _needed_bodies(model, scene, name)
-                if body not in scene.bodies
+                f"{where}: {kind} '{name}' needs {model.kind(owner)} '{owner}', which takes no "
+                f"part; leave '{name}' out, or take '{owner}' in."
+                for owner in _needed(model, scene, name)
+                if owner not in (*scene.bodies, *joints)
             ]
     for name, _ in (*scene.start, *scene.guess):
-        if name.rpartition(".")[0] not in scene.bodies:
-            found.append(f"{where}: {name} has a start value, but its body takes no part.")
+        owner = name.rpartition(".")[0]
+        if owner not in (*scene.bodies, *joints):
+            found.append(
+                f"{where}: {name} has a start value, but its {model.kind(owner)} takes no part."
+            )
     for name, value in scene.parameters:
         if problem := model.parameters[name].problem(value):
             found.append(f"{where}: {problem}")
@@ -120,8 +125,8 @@ def _bodies(model: Model, element: Constraint | Effect) -> Iterator[str]:
         yield f"{where} connects body '{pair[0].name}' with itself; give two different bodies."
 
 
-def _needed_bodies(model: Model, scene: Scene, name: str) -> list[str]:
-    """The bodies that an effect or driver acts on or looks at."""
+def _needed(model: Model, scene: Scene, name: str) -> list[str]:
+    """The bodies, and joints with coordinates, that an effect or driver acts on or looks at."""
     element: Constraint | Effect = model.drivers.get(name) or model.effects[name]
     needed = [body.name for body in element.bodies if not body.fixed]
     if isinstance(element, Effect):
@@ -149,6 +154,9 @@ def _strangers(
     for body in (*model.bodies.values(), *element.bodies):
         known.update(body.coordinates)
         known.update(q.rate for q in body.coordinates)
+    for joint in model.joints.values():
+        for q in own_coordinates(joint):
+            known |= {q, q.rate}
     placeholders: set[sympy.Symbol] = set()
     if isinstance(element, Constraint):
         placeholders = set(element.statement().bindings)
@@ -217,6 +225,10 @@ def _collisions(model: Model) -> Iterator[str]:
         for q in body.coordinates:
             for symbol in (q, q.rate):
                 owners[symbol.name] = f"a coordinate or velocity of body '{body.name}'"
+    for joint in model.joints.values():
+        for q in own_coordinates(joint):
+            for symbol in (q, q.rate):
+                owners[symbol.name] = f"a coordinate or velocity of joint '{joint.name}'"
     for name in model.parameters:
         if name in owners:
             yield f"parameter '{name}' has the name of {owners[name]}; rename it."

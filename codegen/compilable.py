@@ -8,6 +8,7 @@ from sympy.core.relational import Relational
 from sympy.functions.elementary.piecewise import ExprCondPair
 
 from codegen.declare.element import Constraint
+from codegen.declare.interpolant import Interpolant
 from codegen.declare.symbols import Coordinate, Given, Time, Velocity, kinds
 from codegen.derive.switching import KINKED
 from codegen.lower.translate import FUNCTIONS
@@ -67,6 +68,8 @@ def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -
             waiting += node.args
         elif node.func in KINKED and not may_switch:
             yield f"{where}: {node} has a kink; constraints and motions are smooth expressions."
+        elif isinstance(node, Interpolant):
+            waiting.append(node.at)
         elif node.func in (*FUNCTIONS, *KINKED) or isinstance(node, ARITHMETIC):
             waiting += node.args
         elif not node.is_number:

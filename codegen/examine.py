@@ -72,7 +72,7 @@ def _jacobian_near(equations: Equations, lowered: Lowered, guess: Array, probe: 
 
 def _units(equations: Equations, jacobian: Array) -> Array:
     """A radian for angles; for lengths the longest arm, so that size does not matter."""
-    angles = np.array([q.name.endswith("_phi") for q in equations.coordinates])
+    angles = np.array([q.unit == "rad" for q in equations.coordinates])
     moved = np.abs(jacobian[:, ~angles]).max(axis=1, initial=0.0)
     turned = np.abs(jacobian[:, angles]).max(axis=1, initial=0.0)
     arms = [float(a / b) for a, b in zip(turned, moved, strict=True) if a > 0 and b > 0]

@@ -14,6 +14,7 @@ def fingerprint(equations: Equations) -> str:
         statement = constraint.statement
         bindings = sorted(f"{place}={meaning}" for place, meaning in statement.bindings.items())
         lines.append(f"{constraint.kind} {constraint.name} {statement.phi} {bindings}")
+        lines += [f"  own {row} {q}" for row, q in statement.own]
         lines.append(f"  reactions {constraint.terms.reactions}")
     for effect in equations.effects:
         terms = effect.terms

@@ -74,11 +74,15 @@ class JointReaction:
         The frame, `I` or `J`, whose body the reaction is computed on.
     sign
         +1 to report the reaction on that body, -1 for its opposite.
+    arm
+        From the body's centre to where the reaction acts, global, 2 × 1, in placeholders; None for
+        the joint's point of this body.
     """
 
     direction: sympy.Matrix
     on: Frame = J
     sign: int = 1
+    arm: sympy.Matrix | None = None
 
 
 @dataclass(frozen=True)
@@ -108,12 +112,17 @@ class Statement:
         Placeholder → number, parameter or coordinate of the model.
     reaction
         How the multipliers are reported as forces.
+    own
+        (row, coordinate) of each coordinate that the element brings itself, such as the parameter
+        of a cam's profile at the contact: it has no mass, and the row determines it, so that
+        ∂(row)/∂(coordinate) vanishes nowhere on the constraints once the rows before are solved.
     """
 
     phi: tuple[sympy.Expr, ...]
     rows: tuple[str, ...]
     reaction: JointReaction | ConjugateReaction
     bindings: dict[sympy.Symbol, sympy.Expr] = field(default_factory=dict)
+    own: tuple[tuple[str, Coordinate], ...] = ()
 
 
 class Element(Protocol):
@@ -139,6 +148,11 @@ class Constraint(Element, Protocol):
 
     def statement(self) -> Statement:
         """The equations."""
+
+
+def own_coordinates(constraint: Constraint) -> tuple[Coordinate, ...]:
+    """The coordinates that a sound joint brings itself."""
+    return () if constraint.problems() else tuple(q for _, q in constraint.statement().own)
 
 
 @runtime_checkable

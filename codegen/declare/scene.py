@@ -18,6 +18,8 @@ class Scene:
         The bodies that take part, in the order of their declaration.
     effects, drivers
         What acts; joints act where all their bodies take part.
+    opened
+        Joints that do not act although their bodies take part.
     start
         Coordinate or velocity (``"crank.phi"``, ``"crank.omega"``) → value that must hold.
     guess
@@ -34,6 +36,7 @@ class Scene:
     bodies: tuple[str, ...]
     effects: tuple[str, ...]
     drivers: tuple[str, ...]
+    opened: tuple[str, ...]
     start: tuple[tuple[str, float], ...]
     guess: tuple[tuple[str, float], ...]
     parameters: tuple[tuple[str, float], ...]

@@ -10,11 +10,12 @@ from codegen.declare.element import Constraint, Effect
 from codegen.declare.names import nearest
 from codegen.declare.parameter import ParameterDeclaration
 from codegen.declare.reading import Reader
+from codegen.declare.symbols import Coordinate
 
 Names = Iterable["str | Body | Constraint | Effect"]
 Values = Mapping["str | sympy.Symbol", Any]
-UNITS = {"x": "m", "y": "m", "phi": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
-"""Coordinates and velocities of a body, with their units."""
+UNITS = {"x": "m", "y": "m", "phi": "rad", "alpha": "rad", "beta": "rad"}
+"""Letters of coordinates, with their units."""
 
 
 def named(
@@ -32,19 +33,25 @@ def named(
 
 
 def states(
-    read: Reader, where: str, bodies: Iterable[str], values: Values
+    read: Reader, where: str, coordinates: Iterable[Coordinate], values: Values
 ) -> tuple[tuple[str, float], ...]:
     """Values of coordinates and velocities (``"crank.phi"``, or the symbol) in SI units."""
-    known = {f"{body}.{letter}": unit for body in bodies for letter, unit in UNITS.items()}
+    known: dict[str, str] = {}
+    for q in coordinates:
+        known |= {_dotted(q): q.unit, _dotted(q.rate): f"{q.unit}/s"}
     found = {}
     for key, value in values.items():
-        name = key if isinstance(key, str) else ".".join(key.name.rsplit("_", 1))
+        name = key if isinstance(key, str) else _dotted(key)
         if name in known:
             found[name] = read.finite(value, known[name], f"{where}, {name}")
         else:
             hint = nearest(name, known)
             read.problems.append(f"{where}: '{name}' is no coordinate or velocity; {hint}")
     return tuple(found.items())
+
+
+def _dotted(symbol: sympy.Symbol) -> str:
+    return ".".join(symbol.name.rsplit("_", 1))
 
 
 def overrides(

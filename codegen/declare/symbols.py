@@ -4,11 +4,19 @@ from typing import Any
 
 import sympy
 
-RATES = {"x": "vx", "y": "vy", "phi": "omega"}
+RATES = {"x": "vx", "y": "vy", "phi": "omega", "alpha": "alphadot", "beta": "betadot"}
+"""Letter of a coordinate → letter of its velocity; α and β are contact parameters of elements."""
+
+LENGTHS = ("x", "y")
 
 
 class Coordinate(sympy.Symbol):  # type: ignore[misc]
     """A generalized coordinate; `rate` is its velocity."""
+
+    @property
+    def unit(self) -> str:
+        """``"m"`` for positions, ``"rad"`` for angles and the parameters of curves."""
+        return "m" if self.name.rpartition("_")[2] in LENGTHS else "rad"
 
     @property
     def rate(self) -> "Velocity":
@@ -43,9 +51,12 @@ class Parameter(sympy.Symbol):  # type: ignore[misc]
 
 t = Time("t", real=True)
 
+alpha = Given("alpha", real=True)
+"""The parameter in which the profile of a cam is written, rad."""
+
 
 def coordinate(owner: str, letter: str) -> Coordinate:
-    """Coordinate `letter` (``x``, ``y`` or ``phi``) of the body `owner`."""
+    """Coordinate `letter` (``x``, ``y``, ``phi``; ``alpha``, ``beta``) of the body or element."""
     return Coordinate(f"{owner}_{letter}", real=True)
 
 

@@ -45,7 +45,8 @@ def constraint_terms(element: Constraint) -> tuple[Statement, ConstraintTerms]:
     statement = element.statement()
     reaction = statement.reaction
     if isinstance(reaction, JointReaction):
-        key = (tuple(reaction.direction), reaction.on, reaction.sign)
+        at = reaction.on.A * reaction.on.s if reaction.arm is None else reaction.arm
+        key = (tuple(reaction.direction), reaction.on, reaction.sign, tuple(at))
         return statement, _derive(statement.phi, key, None)
     return statement, _derive(statement.phi, None, reaction)
 
@@ -53,7 +54,7 @@ def constraint_terms(element: Constraint) -> tuple[Statement, ConstraintTerms]:
 @cache
 def _derive(
     phi: tuple[sympy.Expr, ...],
-    joint: tuple[tuple[sympy.Expr, ...], Frame, int] | None,
+    joint: tuple[tuple[sympy.Expr, ...], Frame, int, tuple[sympy.Expr, ...]] | None,
     conjugate: ConjugateReaction | None,
 ) -> ConstraintTerms:
     coordinates = tuple(kinds(sympy.Tuple(*phi), Coordinate))
@@ -96,13 +97,13 @@ def _joint_reaction(
     direction: tuple[sympy.Expr, ...],
     frame: Frame,
     sign: int,
+    arm: tuple[sympy.Expr, ...],
 ) -> tuple[tuple[str, str, sympy.Expr], ...]:
     """F = -Φ_rᵀ λ and T = (s'ᵀ Bᵀ Φ_rᵀ - Φ_φᵀ) λ at the joint's point (Haug 6.6.9), in its axes."""
     fx, fy, couple = (
         -sign * sum(sympy.diff(e, c) * lam for e, lam in zip(phi, multipliers, strict=True))
         for c in (frame.x, frame.y, frame.phi)
     )
-    arm = frame.A * frame.s
     torque = sympy.expand(couple - (arm[0] * fy - arm[1] * fx))
     ux, uy = direction
     return (

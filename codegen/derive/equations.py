@@ -53,7 +53,7 @@ class Equations:
     ----------
     masses
         The diagonal of M, one entry a coordinate: constants of a body in planar motion about its
-        centre of mass. Empty in kinematic scenes.
+        centre of mass, zero for the coordinates that elements bring. Empty in kinematic scenes.
     """
 
     model: str
@@ -69,13 +69,17 @@ class Equations:
 
 
 def active_joints(model: Model, scene: Scene) -> dict[str, Constraint]:
-    """Joints whose bodies all take part; links that stand for a body, where this body does not."""
+    """Joints whose bodies all take part; links that stand for a body, where this body does not.
+
+    Those that the scene opens do not act.
+    """
     present = {"ground", *scene.bodies}
     chosen = {}
     for name, joint in model.joints.items():
         stands_for = getattr(joint, "instead_of", None)
         replaced = stands_for is None or stands_for.name not in present
-        if replaced and all(body.name in present for body in joint.bodies):
+        closed = name not in scene.opened
+        if closed and replaced and all(body.name in present for body in joint.bodies):
             chosen[name] = joint
     return chosen
 
@@ -106,9 +110,12 @@ def derive(model: Model, scene: Scene) -> Equations:
         model=model.name,
         scene=scene,
         bodies=scene.bodies,
-        coordinates=tuple(q for body in bodies for q in body.coordinates),
+        coordinates=(
+            *(q for body in bodies for q in body.coordinates),
+            *(q for c in constraints for _, q in c.statement.own),
+        ),
         parameters=parameters,
-        masses=_masses(bodies) if dynamic else (),
+        masses=_masses(bodies, constraints) if dynamic else (),
         constraints=constraints,
         effects=effects,
         switches=_switches(effects),
@@ -116,8 +123,11 @@ def derive(model: Model, scene: Scene) -> Equations:
     )
 
 
-def _masses(bodies: tuple[Body, ...]) -> tuple[sympy.Expr, ...]:
-    return tuple(m for body in bodies for m in (body.mass, body.mass, body.inertia))
+def _masses(
+    bodies: tuple[Body, ...], constraints: tuple[ConstraintEquations, ...]
+) -> tuple[sympy.Expr, ...]:
+    of_bodies = (m for body in bodies for m in (body.mass, body.mass, body.inertia))
+    return (*of_bodies, *(sympy.S.Zero for c in constraints for _ in c.statement.own))
 
 
 def _switches(effects: tuple[EffectEquations, ...]) -> tuple[Switch, ...]:

@@ -1,6 +1,6 @@
 """A value written out as one formula, for people."""
 
-from codegen.lower.program import Input, Op, Program
+from codegen.lower.program import Input, Lookup, Op, Program
 
 SIGNS = {Op.ADD: "+", Op.SUB: "-", Op.MUL: "*", Op.DIV: "/"}
 LEVEL = {Op.ADD: 1, Op.SUB: 1, Op.NEG: 1, Op.MUL: 2, Op.DIV: 2}
@@ -20,7 +20,8 @@ def formula(program: Program, number: int) -> str:
         left = _inside(program, value.args[0], level)
         right = _inside(program, value.args[1], level + (value.op in (Op.SUB, Op.DIV)))
         return f"{left} {SIGNS[value.op]} {right}"
-    return f"{value.op.value}({', '.join(formula(program, a) for a in value.args)})"
+    name = value.literal.table.name if isinstance(value.literal, Lookup) else value.op.value
+    return f"{name}({', '.join(formula(program, a) for a in value.args)})"
 
 
 def _inside(program: Program, number: int, level: int) -> str:

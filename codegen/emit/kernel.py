@@ -5,8 +5,9 @@ from collections.abc import Iterator
 
 from codegen.emit.formula import formula
 from codegen.emit.placement import Path, Placement, place
+from codegen.emit.splines import function_name, lookups
 from codegen.lower.ledger import operations
-from codegen.lower.program import LEAVES, Input, Kernel, Op, Output, Program, Value
+from codegen.lower.program import LEAVES, Input, Kernel, Lookup, Op, Output, Program, Value
 
 NOTHING, EITHER, BOTH, NEGATION, SUM, PRODUCT, SIGN = range(7)
 """How tightly a piece of text holds together; looser pieces inside tighter ones take brackets."""
@@ -57,7 +58,7 @@ class KernelText:
         )
         self.constants: dict[int, int] = {n: slots[n] for n in self.plan.numbers if n in slots}
         self.names: dict[int, str] = {}
-        self._taken: set[str] = set(RESERVED)
+        self._taken: set[str] = {*RESERVED, *map(function_name, lookups(program))}
         self._counts: dict[str, int] = {}
         self._wanted = {out.value for out in kernel.outputs}
 
@@ -198,7 +199,10 @@ class KernelText:
             text = f"{self._text(a, level)} {sign} {self._text(b, level + tighter)}"
         else:
             arguments = ", ".join(self._text(a, NOTHING) for a in value.args)
-            text, level = f"math.{value.op.value}({arguments})", SIGN
+            function = f"math.{value.op.value}"
+            if isinstance(value.literal, Lookup):
+                function = function_name(value.literal)
+            text, level = f"{function}({arguments})", SIGN
         return f"({text})" if level < outer else text
 
     def _is_sum(self, number: int) -> bool:

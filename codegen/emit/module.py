@@ -6,6 +6,7 @@ from codegen.artefact import MARK, UNSIGNED, signed
 from codegen.emit.formula import formula
 from codegen.emit.kernel import KernelText
 from codegen.emit.literals import assignment
+from codegen.emit.splines import lookups, spline_lines
 from codegen.lower.kernels import Lowered
 from codegen.lower.ledger import operations
 
@@ -44,12 +45,14 @@ def module_text(lowered: Lowered, origin: Origin) -> str:
         "import math  # noqa: F401",
         "",
         "import numba",
+        *(["import numpy as np"] if lookups(program) else []),
         "",
         *_tables(lowered, origin),
         "",
         f"WEAK_PIVOT = {program.weak_pivot!r}",
         'OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}}',
     ]
+    lines += spline_lines(program)
     for kernel in program.kernels:
         lines += ["", "", *KernelText(program, kernel, len(told.parameters)).lines()]
     return signed("\n".join(lines) + "\n")

@@ -80,8 +80,7 @@ def describe(
         analysis=named.analysis,
         bodies=equations.bodies,
         coordinates=tuple(
-            (_dotted(q.name), _dotted(q.rate.name), "rad" if q.name.endswith("_phi") else "m")
-            for q in equations.coordinates
+            (_dotted(q.name), _dotted(q.rate.name), q.unit) for q in equations.coordinates
         ),
         constraints=tuple(
             (c.name, c.kind, row) for c in equations.constraints for row in c.statement.rows

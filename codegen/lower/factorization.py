@@ -68,6 +68,9 @@ class Elimination:
         The unknowns that are multipliers.
     references
         Unknown → the size that its pivot is held against; the others are not watched.
+    located
+        Pairs to eliminate first, in this order: a coordinate without mass, and the constraint that
+        determines it.
     """
 
     graph: Graph
@@ -75,6 +78,7 @@ class Elimination:
     right: list[list[int]]
     duals: frozenset[int] = frozenset()
     references: dict[int, int] = field(default_factory=dict)
+    located: list[tuple[int, int]] = field(default_factory=list)
     checks: list[Check] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
@@ -87,6 +91,9 @@ class Elimination:
         """Values of the unknowns, one list a right side."""
         steps: list[Single | Pair] = []
         known: list[dict[int, int]] = [{} for _ in self.right]
+        for k, c in self.located:
+            self._watch_pair(k, c)
+            steps.append(self._pair(k, c))
         while self._neighbours:
             if last := self._last_loop():
                 known = self._close_loop(*last)
@@ -172,6 +179,14 @@ class Elimination:
             for right in self.right:
                 right[j] = graph.sub(right[j], graph.mul(scaled[j], right[i]))
         return Single(i, inverse, scaled, tuple(right[i] for right in self.right))
+
+    def _watch_pair(self, k: int, c: int) -> None:
+        """Where the entry between them vanishes, the constraint no longer determines k."""
+        entries = [(j, self._at(j, c)) for j in sorted(self._neighbours[c])]
+        squares = [self.graph.mul(entry, entry) for _, entry in entries]
+        pivot = self.graph.mul(self._at(k, c), self._at(k, c))
+        if self.graph.number(pivot) is None:
+            self.checks.append(Check(pivot, self.graph.total(squares), c))
 
     def _pair(self, k: int, c: int) -> Pair:
         graph = self.graph

@@ -5,7 +5,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
 from codegen.errors import ModelError
-from codegen.lower.program import COMMUTATIVE, Input, Op, Value
+from codegen.lower.program import COMMUTATIVE, Input, Lookup, Op, Value
+from codegen.tables import Table
 
 UNARY: dict[Op, Callable[[float], float]] = {
     Op.SIN: math.sin,
@@ -58,7 +59,7 @@ class Graph:
             self._serves = before
 
     def _add(
-        self, op: Op, args: tuple[int, ...], literal: float | int | Input | None = None
+        self, op: Op, args: tuple[int, ...], literal: float | int | Input | Lookup | None = None
     ) -> int:
         if op in COMMUTATIVE:
             args = tuple(sorted(args))
@@ -231,6 +232,13 @@ class Graph:
             inner = self._add(op, self.values[args[0]].args)
             return self.neg(inner) if op in ODD else inner
         return self._add(op, args)
+
+    def lookup(self, table: Table, order: int, at: int) -> int:
+        """A derivative of a table; numbers are folded."""
+        number = self.number(at)
+        if number is not None:
+            return self.constant(float(table(number, order)))
+        return self._add(Op.TABLE, (at,), Lookup(table, order))
 
     def total(self, terms: list[int]) -> int:
         """The sum of `terms`, from the left."""

@@ -7,10 +7,11 @@ and the build uses it to look at a mechanism before there is any machine code.
 import cmath
 import operator
 from collections.abc import Callable, Mapping
+from functools import partial
 from types import ModuleType
 from typing import Any
 
-from codegen.lower.program import FUNCTIONS, Input, Kernel, Op, Program
+from codegen.lower.program import FUNCTIONS, Input, Kernel, Lookup, Op, Program
 
 ARITHMETIC: dict[Op, Callable[..., Any]] = {
     Op.ADD: operator.add,
@@ -56,6 +57,8 @@ def evaluate(
         else:
             operands = [known[a] for a in value.args]
             function = ARITHMETIC.get(value.op)
+            if isinstance(value.literal, Lookup):
+                function = partial(value.literal.table, order=value.literal.order)
             if function is None:
                 assert value.op in FUNCTIONS
                 function = getattr(functions, value.op.value)

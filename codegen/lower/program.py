@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
+from codegen.tables import Table
+
 
 class Op(Enum):
     """What a value can be."""
@@ -34,6 +36,7 @@ class Op(Enum):
     LOG = "log"
     SQRT = "sqrt"
     POW = "pow"
+    TABLE = "table"
     LESS = "<"
     MODE = "mode"
     NOT = "not"
@@ -61,6 +64,7 @@ FUNCTIONS = frozenset(
         Op.LOG,
         Op.SQRT,
         Op.POW,
+        Op.TABLE,
     }
 )
 
@@ -71,6 +75,13 @@ class Input(NamedTuple):
     array: str
     slot: int
     name: str
+
+
+class Lookup(NamedTuple):
+    """A derivative of a table."""
+
+    table: Table
+    order: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,14 +95,14 @@ class Value:
     args
         Numbers of the values that it takes.
     literal
-        The float of a constant, the slot of an input, the number of a mode.
+        The float of a constant, the slot of an input, the number of a mode, a table's derivative.
     serves
         Name of the element for which the value was first needed; a comment in the text.
     """
 
     op: Op
     args: tuple[int, ...] = ()
-    literal: float | int | Input | None = None
+    literal: float | int | Input | Lookup | None = None
     serves: str = ""
 
 

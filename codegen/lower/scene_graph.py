@@ -17,6 +17,8 @@ class SceneGraph:
         One value a constraint.
     jacobian
         (row, column) → value, structural non-zeros in order.
+    own
+        (row, column) of the constraints that determine a coordinate without mass.
     reactions
         (element, component, unit, value).
     masses
@@ -43,6 +45,7 @@ class SceneGraph:
         self.nu: list[int] = []
         self.gamma: list[int] = []
         self.jacobian: dict[tuple[int, int], int] = {}
+        self.own: list[tuple[int, int]] = []
         self.reactions: list[tuple[str, str, str, int]] = []
         self._constraints()
         self._effects()
@@ -85,6 +88,8 @@ class SceneGraph:
                 if place in terms.coordinates:
                     inner[place.rate] = meaning.rate if meaning in columns else sympy.S.Zero
             first = len(self.phi)
+            rows = element.statement.rows
+            self.own += [(first + rows.index(row), columns[q]) for row, q in element.statement.own]
             for k, multiplier in enumerate(terms.multipliers):
                 inner[multiplier] = self.lam[first + k]
             with self.graph.serving(element.name):

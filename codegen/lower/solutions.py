@@ -25,11 +25,14 @@ def accelerations(scene: SceneGraph) -> tuple[Kernel, Strategy]:
 
 def _dynamics(scene: SceneGraph, strategy: Strategy) -> Kernel:
     n, graph = scene.n, scene.graph
-    entries = {(k, k): mass for k, mass in enumerate(scene.masses)}
+    entries = {(k, k): mass for k, mass in enumerate(scene.masses) if mass != graph.zero}
     references: dict[int, int] = {}
+    located = [(k, n + i) for i, k in scene.own]
     with graph.serving("factorization"):
         for (i, k), entry in scene.jacobian.items():
             entries[n + i, k] = entries[k, n + i] = entry
+            if (k, k) not in entries:
+                continue
             part = graph.div(graph.mul(entry, entry), scene.masses[k])
             references[n + i] = graph.add(references.get(n + i, graph.zero), part)
         system = Elimination(
@@ -38,6 +41,7 @@ def _dynamics(scene: SceneGraph, strategy: Strategy) -> Kernel:
             [scene.applied + scene.gamma],
             frozenset(range(n, n + scene.m)),
             references,
+            located,
         )
         (solution,) = system.solve(strategy)
     outputs = store("a", solution[:n], [q.rate.name for q in scene.equations.coordinates])

@@ -11,6 +11,7 @@ from typing import Any
 import sympy
 from sympy.core.relational import Relational
 
+from codegen.declare.interpolant import Interpolant
 from codegen.declare.symbols import Acceleration, Coordinate, Multiplier, Parameter, Velocity
 from codegen.derive.switching import switching_function
 from codegen.errors import ModelError
@@ -91,6 +92,8 @@ class Translator:
             return graph.function(Op.POW, self(base), self(exponent))
         if isinstance(node, sympy.Piecewise):
             return self._piecewise(node)
+        if isinstance(node, Interpolant):
+            return graph.lookup(node.table, node.order, self(node.at))
         if node.func in FUNCTIONS:
             return graph.function(FUNCTIONS[node.func], *(self(a) for a in node.args))
         if isinstance(node, sympy.logic.boolalg.BooleanFunction | Relational):

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from codegen.declare.body import Body, Ground, Point
-from codegen.declare.element import Constraint, Effect
+from codegen.declare.element import Constraint, Effect, own_coordinates
 from codegen.declare.names import name_problem
 from codegen.declare.parameter import ParameterDeclaration
 from codegen.declare.reading import Reader
@@ -38,6 +38,10 @@ class Declarations:
 
     def _note(self, problem: str) -> None:
         self._read.problems.append(problem)
+
+    def kind(self, name: str) -> str:
+        """What the name was declared as: ``"body"``, ``"joint"``, ``"driver"`` and so on."""
+        return self._kinds.get(name, "element")
 
     def _claim(self, kind: str, name: object) -> bool:
         if problem := name_problem(kind, name):
@@ -75,8 +79,16 @@ class Declarations:
     def _pair(self, name: str, i: Any, j: Any) -> tuple[Point, Point]:
         return self._point(name, i), self._point(name, j)
 
+    def _coordinates(self) -> tuple[Coordinate, ...]:
+        """Those of all bodies, and those that joints bring."""
+        of_bodies = (q for body in self.bodies.values() for q in body.coordinates)
+        of_joints = (q for joint in self.joints.values() for q in own_coordinates(joint))
+        return (*of_bodies, *of_joints)
+
     def _bodies_in(self, *expressions: Any) -> tuple[Body, ...]:
         owners = {
             s.name.rpartition("_")[0] for e in expressions for s in kinds(e, Coordinate, Velocity)
         }
+        for name, joint in self.joints.items():
+            owners |= {body.name for body in joint.bodies} if name in owners else set()
         return tuple(body for name, body in self.bodies.items() if name in owners)

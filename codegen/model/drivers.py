@@ -1,12 +1,24 @@
-"""The drivers of a declaration."""
+"""The drivers of a declaration: what prescribes a motion.
 
-from typing import Any
+Each takes its name, what it drives, and the law that this follows: an expression of the time t and
+of parameters. Positions are in m and angles in rad; differences and distances go from `i` to `j`.
+"""
 
+from typing import Any, Literal
+
+from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint
 from codegen.declare.scene_values import UNITS
 from codegen.declare.symbols import Coordinate
+from codegen.elements.drivers.distance import DistanceDriver
 from codegen.elements.drivers.motion import Motion
+from codegen.elements.drivers.point import PointDriver
+from codegen.elements.drivers.relative import RelativeDriver
+from codegen.elements.drivers.translation import TranslationDriver
+from codegen.model.axis import read_axis
 from codegen.model.base import Declarations
+
+Letter = Literal["x", "y", "phi"]
 
 
 class Drivers(Declarations):
@@ -16,8 +28,49 @@ class Drivers(Declarations):
         """A coordinate, or any expression of coordinates, follows `law`, an expression of t."""
         left = self._read.value(driven, "", f"driver '{name}'")
         unit = UNITS[left.name.rpartition("_")[2]] if isinstance(left, Coordinate) else ""
-        right = self._read.value(law, unit, f"law of driver '{name}'")
-        element = Motion(name, left, right, self._bodies_in(left))
-        if self._claim("driver", name):
-            self.drivers[name] = element
+        right = self._law(name, law, unit)
+        return self._driver(Motion(name, left, right, self._bodies_in(left)))
+
+    def point_driver(self, name: str, on: Point | Body, letter: Letter, law: Any) -> Constraint:
+        """A point's global x or y, or its body's φ, follows `law`."""
+        letter = self._read.choice(letter, ("x", "y", "phi"), f"driver '{name}'")
+        right = self._law(name, law, UNITS[letter])
+        return self._driver(PointDriver(name, self._point(name, on), letter, right))
+
+    def relative_driver(
+        self, name: str, i: Point | Body, j: Point | Body, letter: Letter, law: Any
+    ) -> Constraint:
+        """Global x or y of point `j`, or φ of its body, minus that of `i` follows `law`."""
+        letter = self._read.choice(letter, ("x", "y", "phi"), f"driver '{name}'")
+        right = self._law(name, law, UNITS[letter])
+        return self._driver(RelativeDriver(name, *self._pair(name, i, j), letter, right))
+
+    def rotation_driver(self, name: str, i: Point | Body, j: Point | Body, law: Any) -> Constraint:
+        """φ_j - φ_i follows `law`: the motor in a revolute joint between two bodies."""
+        return self.relative_driver(name, i, j, "phi", law)
+
+    def translation_driver(
+        self,
+        name: str,
+        i: Point | Body,
+        j: Point | Body,
+        law: Any,
+        axis: tuple[Any, Any] = (1, 0),
+    ) -> Constraint:
+        """How far `j` is ahead of `i` along `axis` of body `i` follows `law`: a driven slider."""
+        line = read_axis(self._read, axis, name)
+        right = self._law(name, law, "m")
+        return self._driver(TranslationDriver(name, *self._pair(name, i, j), line, right))
+
+    def distance_driver(self, name: str, i: Point | Body, j: Point | Body, law: Any) -> Constraint:
+        """The distance of two points follows `law`, which stays positive: a cylinder."""
+        right = self._law(name, law, "m")
+        return self._driver(DistanceDriver(name, *self._pair(name, i, j), right))
+
+    def _law(self, name: str, law: Any, unit: str) -> Any:
+        return self._read.value(law, unit, f"law of driver '{name}'")
+
+    def _driver(self, element: Constraint) -> Constraint:
+        if self._claim("driver", element.name):
+            self.drivers[element.name] = element
         return element

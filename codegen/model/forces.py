@@ -1,15 +1,26 @@
 """The effects of a declaration: everything that pushes, pulls or turns."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Literal
+
+import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect
 from codegen.declare.symbols import Coordinate
+from codegen.elements.forces.along import rate
 from codegen.elements.forces.applied import AppliedForce, AppliedTorque
+from codegen.elements.forces.bushing import AXES, Bushing, Triple
+from codegen.elements.forces.contact import Contact, gap_between
 from codegen.elements.forces.expression import GeneralizedForce, Potential
 from codegen.elements.forces.gravity import Gravity
+from codegen.elements.forces.line import Line
+from codegen.elements.forces.spring import Spring
+from codegen.elements.forces.torsion_spring import TorsionSpring, turn
 from codegen.model.base import Declarations
+
+Characteristic = Callable[[sympy.Expr, sympy.Expr], Any]
+"""(length, rate) or (angle, rate) → force or torque."""
 
 
 class Forces(Declarations):
@@ -58,3 +69,202 @@ class Forces(Declarations):
             pairs.append((coordinate, self._read.gated(force, unit, f"force '{name}'", when)))
         bodies = self._bodies_in(*(coordinate for coordinate, _ in pairs))
         return self._effect(GeneralizedForce(name, tuple(pairs), bodies))
+
+    def spring(
+        self,
+        name: str,
+        i: Point | Body,
+        j: Point | Body,
+        stiffness: Any = 0,
+        free_length: Any = None,
+        damping: Any = 0,
+        actuator: Any = 0,
+        force: Characteristic | None = None,
+    ) -> Effect:
+        """A spring, damper and actuator between two points: f = k (ℓ - ℓ0) + c ℓ̇ + F (Haug 6.1).
+
+        Parameters
+        ----------
+        i, j
+            Points of two bodies; a body means its centre of mass.
+        stiffness, free_length
+            k in N/m and ℓ0 in m; a spring needs both.
+        damping, actuator
+            c in N s/m and F in N, each any expression of t, q, q̇ and parameters; F is positive
+            where it pulls the points together.
+        force
+            Any other characteristic: a function of the length ℓ and its rate ℓ̇ that answers a
+            force in N, positive in tension; added to the rest. ``lambda l, v: 5 * (l - 1) ** 3``.
+        """
+        where = f"spring '{name}'"
+        if free_length is None and not _nothing(stiffness):
+            self._note(f"{where} has a stiffness but no free length; give free_length= in m.")
+        ends = self._pair(name, i, j)
+        line = Line(*ends)
+        pull = self._amount(actuator, "N", f"actuator of {where}")
+        pull += self._characteristic(force, line.length, line.rate, "force", "N", where)
+        stiff = self._amount(stiffness, "N/m", f"stiffness of {where}")
+        free = self._amount(
+            0 if free_length is None else free_length, "m", f"free length of {where}"
+        )
+        damp = self._amount(damping, "N s/m", f"damping of {where}")
+        return self._effect(Spring(name, *ends, stiff, free, damp, pull))
+
+    def torsion_spring(
+        self,
+        name: str,
+        i: Body,
+        j: Body,
+        stiffness: Any = 0,
+        free_angle: Any = 0,
+        damping: Any = 0,
+        actuator: Any = 0,
+        torque: Characteristic | None = None,
+    ) -> Effect:
+        """A spring, damper and actuator about the normal: n = k (θ - θ0) + c θ̇ + N (Haug 6.1).
+
+        Parameters
+        ----------
+        i, j
+            Two bodies; θ = φ_j - φ_i, and n acts on body `i`, -n on body `j`.
+        stiffness, free_angle
+            k in N m/rad and θ0 in rad.
+        damping, actuator
+            c in N m s/rad and N in N m, each any expression of t, q, q̇ and parameters.
+        torque
+            Any other characteristic: a function of the angle θ and its rate θ̇ that answers a
+            torque in N m on body `i`; added to the rest.
+        """
+        where = f"torsion spring '{name}'"
+        first, second = self._whole(where, i), self._whole(where, j)
+        turning = self._amount(actuator, "N m", f"actuator of {where}")
+        angle = turn(first, second)
+        turning += self._characteristic(torque, angle, rate(angle), "torque", "N m", where)
+        stiff = self._amount(stiffness, "N m/rad", f"stiffness of {where}")
+        free = self._amount(free_angle, "rad", f"free angle of {where}")
+        damp = self._amount(damping, "N m s/rad", f"damping of {where}")
+        return self._effect(TorsionSpring(name, first, second, stiff, free, damp, turning))
+
+    def contact(
+        self,
+        name: str,
+        i: Point | Body | None = None,
+        j: Point | Body | None = None,
+        *,
+        stiffness: Any,
+        damping: Any = 0,
+        free_length: Any = 0,
+        direction: tuple[Any, Any] | None = None,
+        gap: Any = None,
+        may_pull: bool = True,
+    ) -> Effect:
+        """A spring and damper that act while a gap is negative: f = k g + c ġ (Haug 8.4.2).
+
+        Parameters
+        ----------
+        i, j
+            Points of two bodies (a body means its centre of mass), between which the gap is: along
+            `direction`, g = (A_i u)ᵀ (r_j^P - r_i^P) - ℓ0; without one, g = ℓ - ℓ0.
+        stiffness, damping
+            k in N/m and c in N s/m.
+        free_length
+            ℓ0 in m.
+        direction
+            u in the frame of body `i`, of any length.
+        gap
+            Instead of points: g itself, in m, an expression of coordinates, parameters and t.
+        may_pull
+            False cuts the damper off where it would hold the bodies together.
+        """
+        where = f"contact '{name}'"
+        if gap is not None:
+            if i is not None or j is not None or direction is not None:
+                self._note(f"{where} has both gap= and points; give one of them.")
+            g = self._amount(gap, "m", f"gap of {where}")
+            free = self._amount(free_length, "m", f"free length of {where}")
+            g, bodies = g - free, self._bodies_in(g)
+        else:
+            if i is None or j is None:
+                self._note(f"{where} has no gap; give two points, or gap= an expression.")
+            ends = self._pair(name, *(self.ground if end is None else end for end in (i, j)))
+            along = None
+            if direction is not None:
+                ux, uy = (self._amount(u, "", f"direction of {where}") for u in direction)
+                along = (ux, uy)
+                if ux == 0 and uy == 0:
+                    self._note(f"{where}: the direction (0, 0) points nowhere; give another.")
+                    along = None
+            free = self._amount(free_length, "m", f"free length of {where}")
+            g, bodies = gap_between(*ends, along, free), (ends[0].body, ends[1].body)
+        stiff = self._amount(stiffness, "N/m", f"stiffness of {where}")
+        damp = self._amount(damping, "N s/m", f"damping of {where}")
+        return self._effect(Contact(name, g, stiff, damp, bodies, bool(may_pull)))
+
+    def bushing(
+        self,
+        name: str,
+        i: Point | Body,
+        j: Point | Body,
+        stiffness: tuple[Any, Any, Any] = (0, 0, 0),
+        damping: tuple[Any, Any, Any] = (0, 0, 0),
+        free_angle: Any = 0,
+    ) -> Effect:
+        """Springs and dampers between two points along the axes of body `i`, and about the normal.
+
+        Parameters
+        ----------
+        i, j
+            Points that coincide at rest; a body means its centre of mass.
+        stiffness
+            (k_x, k_y, k_φ) in N/m, N/m and N m/rad.
+        damping
+            (c_x, c_y, c_φ) in N s/m, N s/m and N m s/rad.
+        free_angle
+            φ_j - φ_i at rest, rad.
+        """
+        where = f"bushing '{name}'"
+        ends = self._pair(name, i, j)
+        stiff = self._along_axes(stiffness, tuple(row[1] for row in AXES), f"stiffness of {where}")
+        damp = self._along_axes(damping, tuple(row[2] for row in AXES), f"damping of {where}")
+        free = self._amount(free_angle, "rad", f"free angle of {where}")
+        return self._effect(Bushing(name, *ends, stiff, damp, free))
+
+    def _amount(self, value: Any, unit: str, where: str) -> sympy.Expr:
+        """A value that has to be given."""
+        if value is None:
+            self._note(f"{where} is missing; give it in {unit}.")
+        read: sympy.Expr = self._read.value(0 if value is None else value, unit, where)
+        return read
+
+    def _along_axes(self, values: Any, units: tuple[str, ...], where: str) -> Triple:
+        """Three values, one an axis."""
+        if not isinstance(values, tuple | list) or len(values) != len(units):
+            self._note(f"{where}: {values!r} must be three values, along x, along y and about φ.")
+            values = (0,) * len(units)
+        x, y, phi = (self._amount(v, u, where) for v, u in zip(values, units, strict=True))
+        return x, y, phi
+
+    def _characteristic(
+        self, law: Any, s: sympy.Expr, speed: sympy.Expr, word: str, unit: str, where: str
+    ) -> sympy.Expr:
+        """What a user's function answers for a length or angle and its rate."""
+        if law is None:
+            return sympy.S.Zero
+        if not callable(law):
+            self._note(
+                f"{where}: {word}={law!r} is no function; write {word}=lambda s, rate: ..., or "
+                "give an expression as actuator=."
+            )
+            return sympy.S.Zero
+        return self._amount(law(s, speed), unit, f"{word} of {where}")
+
+    def _whole(self, where: str, body: Any) -> Body:
+        """A body, where a point means nothing."""
+        if isinstance(body, Body):
+            return body
+        self._note(f"{where}: {body!r} is no body; a torsion spring turns two bodies.")
+        return self.ground
+
+
+def _nothing(value: Any) -> bool:
+    return isinstance(value, int | float) and value == 0

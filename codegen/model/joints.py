@@ -1,15 +1,23 @@
 """The joints of a declaration, one method a type."""
 
+from types import MappingProxyType
 from typing import Any, Literal
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint
 from codegen.declare.scene_values import UNITS
 from codegen.elements.joints.absolute import Absolute
+from codegen.elements.joints.distance import Distance
 from codegen.elements.joints.expression import ExpressionConstraint
+from codegen.elements.joints.gear import Gear
+from codegen.elements.joints.rack_and_pinion import RackAndPinion
+from codegen.elements.joints.relative import Relative
 from codegen.elements.joints.revolute import Revolute
 from codegen.elements.joints.revolute_revolute import RevoluteRevolute
+from codegen.elements.joints.revolute_translational import RevoluteTranslational
 from codegen.elements.joints.translational import Translational
+from codegen.elements.joints.weld import Weld
+from codegen.model.axis import read_axis
 from codegen.model.base import Declarations
 
 
@@ -39,9 +47,9 @@ class Joints(Declarations):
         angle
             φ_j - φ_i, rad.
         """
-        ax, ay = (self._read.value(a, "m", f"axis of '{name}'") for a in axis)
+        line = read_axis(self._read, axis, name)
         offset = self._read.value(angle, "rad", f"angle of '{name}'")
-        return self._joint(Translational(name, *self._pair(name, i, j), (ax, ay), offset))
+        return self._joint(Translational(name, *self._pair(name, i, j), line, offset))
 
     def revolute_revolute(
         self, name: str, i: Point, j: Point, length: Any, instead_of: Body | None = None
@@ -53,6 +61,99 @@ class Joints(Declarations):
         span = self._read.value(length, "m", f"length of '{name}'")
         return self._joint(RevoluteRevolute(name, *self._pair(name, i, j), span, instead_of))
 
+    def revolute_translational(
+        self,
+        name: str,
+        i: Point | Body,
+        j: Point | Body,
+        axis: tuple[Any, Any] = (1, 0),
+        distance: Any = 0,
+        instead_of: Body | None = None,
+    ) -> Constraint:
+        """Point `j`, a pin, slides along a line of body `i`; both bodies may turn.
+
+        Parameters
+        ----------
+        i
+            A point on the line; a body means its centre of mass.
+        j
+            The pin.
+        axis
+            Direction of the line in the frame of body `i`.
+        distance
+            What the pin keeps from the line, m; positive to the left of `axis`.
+        instead_of
+            The slide block that the joint stands for: the joint acts in those scenes that leave
+            this body out.
+        """
+        line = read_axis(self._read, axis, name)
+        offset = self._read.value(distance, "m", f"distance of '{name}'")
+        pair = self._pair(name, i, j)
+        return self._joint(RevoluteTranslational(name, *pair, line, offset, instead_of))
+
+    def weld(self, name: str, i: Point | Body, j: Point | Body, angle: Any = 0) -> Constraint:
+        """Points `i` and `j` coincide and φ_j - φ_i keeps `angle`, rad: two bodies move as one."""
+        offset = self._read.value(angle, "rad", f"angle of '{name}'")
+        return self._joint(Weld(name, *self._pair(name, i, j), offset))
+
+    def gear(
+        self,
+        name: str,
+        i: Point | Body,
+        j: Point | Body,
+        radius_i: Any,
+        radius_j: Any,
+        line: Any = None,
+    ) -> Constraint:
+        """Two gears mesh: pinned to one frame, or on a carrier that turns.
+
+        Parameters
+        ----------
+        i, j
+            The gears' centres; a body means its centre of mass. Bearings or a carrier keep them
+            ``abs(radius_i + radius_j)`` apart.
+        radius_i, radius_j
+            Radii of the pitch circles, m; negative for an internal gear.
+        line
+            Angle of the line from centre `i` to centre `j`, rad, at which the teeth mesh with
+            φ_i = φ_j = 0. Left out, it is as the bearings hold the centres, the carrier at φ = 0;
+            without bearings to be seen it is 0.
+        """
+        ri, rj = (self._read.value(r, "m", f"radius of '{name}'") for r in (radius_i, radius_j))
+        angle = self._read.value(line, "rad", f"line of centres of '{name}'")
+        joints = MappingProxyType(self.joints)
+        return self._joint(Gear(name, *self._pair(name, i, j), ri, rj, angle, joints))
+
+    def rack_and_pinion(
+        self,
+        name: str,
+        pinion: Point | Body,
+        rack: Point | Body,
+        radius: Any,
+        axis: tuple[Any, Any] = (1, 0),
+        offset: Any = 0,
+    ) -> Constraint:
+        """A pinion rolls along a rack, at its pitch radius from the rack's pitch line.
+
+        Parameters
+        ----------
+        pinion
+            The pinion's centre; a body means its centre of mass.
+        rack
+            A point on the pitch line; a body means its centre of mass.
+        radius
+            The pinion's pitch radius, m.
+        axis
+            Direction of the pitch line in the rack's frame; the pinion lies to the left of it.
+        offset
+            How far along `axis` the centre lies from `rack`, m, where both bodies have the same φ.
+        """
+        size = self._read.value(radius, "m", f"radius of '{name}'")
+        line = read_axis(self._read, axis, name)
+        start = self._read.value(offset, "m", f"offset of '{name}'")
+        pair = self._pair(name, pinion, rack)
+        return self._joint(RackAndPinion(name, *pair, size, line, start))
+
     def absolute(
         self, name: str, on: Point | Body, letter: Literal["x", "y", "phi"], value: Any
     ) -> Constraint:
@@ -61,6 +162,24 @@ class Joints(Declarations):
         number = self._read.value(value, UNITS[letter], f"value of '{name}'")
         point = self._point(name, on)
         return self._joint(Absolute(name, self.ground, point, letter, number))
+
+    def relative(
+        self,
+        name: str,
+        i: Point | Body,
+        j: Point | Body,
+        letter: Literal["x", "y", "phi"],
+        value: Any,
+    ) -> Constraint:
+        """Global x or y of point `j`, or φ of its body, minus that of `i` keeps `value`."""
+        letter = self._read.choice(letter, ("x", "y", "phi"), f"relative '{name}'")
+        number = self._read.value(value, UNITS[letter], f"value of '{name}'")
+        return self._joint(Relative(name, *self._pair(name, i, j), letter, number))
+
+    def distance(self, name: str, i: Point | Body, j: Point | Body, value: Any) -> Constraint:
+        """Points `i` and `j` keep the distance `value`, m; either may be on the ground."""
+        span = self._read.value(value, "m", f"distance of '{name}'")
+        return self._joint(Distance(name, *self._pair(name, i, j), span))
 
     def constraint(self, name: str, *phi: Any) -> Constraint:
         """Plain equations: each expression of coordinates, parameters and t is held at zero."""

@@ -4,6 +4,7 @@ A declaration never raises for a wrong element: every problem is noted, and `bui
 of them at once (`codegen.check`).
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,17 +12,20 @@ from typing import Any
 from codegen.declare import quantities
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
+from codegen.declare.interpolant import TableFunction, point_problems
 from codegen.declare.names import name_problem
 from codegen.declare.parameter import ParameterDeclaration, SignRule
 from codegen.declare.scene import Analysis, Scene
 from codegen.declare.scene_values import Names, Values, named, overrides, states
 from codegen.declare.symbols import Parameter
+from codegen.model.cams import Cams
 from codegen.model.drivers import Drivers
 from codegen.model.forces import Forces
 from codegen.model.joints import Joints
+from codegen.tables import fit
 
 
-class Model(Joints, Drivers, Forces):
+class Model(Joints, Cams, Drivers, Forces):
     """A planar machine.
 
     Parameters
@@ -109,6 +113,43 @@ class Model(Joints, Drivers, Forces):
             self.parameters[name] = ParameterDeclaration(name, number, unit, sign)
         return symbol
 
+    def table(
+        self,
+        name: str,
+        x: Sequence[Any],
+        y: Sequence[Any],
+        periodic: bool = False,
+        units: tuple[str, str] = ("", ""),
+    ) -> TableFunction:
+        """A function through points, by a cubic spline with continuous second derivatives.
+
+        Called with an expression, ``lift(cam.phi)`` or ``law(t)``, it may stand in motion laws,
+        profiles, forces and constraints, with the derivatives that γ needs.
+
+        Parameters
+        ----------
+        name
+            An identifier.
+        x, y
+            At least four points, x strictly ascending: numbers in `units`, or pint quantities.
+        periodic
+            Whether the function repeats; the last point is the first one, a period later. One
+            that does not repeat is undefined beyond its ends, where a run stops and says so.
+        units
+            SI units of x and y.
+        """
+        where = f"table '{name}'"
+        at, values = (
+            [self._read.finite(v, unit, f"{where}, {axis}[{k}]") for k, v in enumerate(given)]
+            for given, unit, axis in ((x, units[0], "x"), (y, units[1], "y"))
+        )
+        known = len(self.problems)
+        for problem in point_problems(at, values, periodic):
+            self._note(f"{where}: {problem}")
+        if self._claim("table", name) and len(self.problems) == known:
+            return TableFunction(fit(name, at, values, periodic))
+        return TableFunction(fit("none", (0.0, 1.0, 2.0, 3.0), (0.0,) * 4, periodic=False))
+
     def depends_on(self, path: str | Path) -> Path:
         """Name a data file that the declaration reads: a change of it makes builds stale."""
         file = Path(path).resolve()
@@ -157,7 +198,7 @@ class Model(Joints, Drivers, Forces):
         effects, drivers
             What acts, by name or by the object that its declaration returned.
         without
-            Bodies that do not take part; joints and effects on them go with them.
+            Bodies that do not take part, with the joints and effects on them; or joints alone.
         start
             Values that must hold at the beginning: ``{"crank.phi": π, "crank.omega": 30}``.
         guess
@@ -170,14 +211,15 @@ class Model(Joints, Drivers, Forces):
             ``"kinematics"`` compiles neither masses nor forces.
         """
         where = f"scene '{name}'"
-        absent = named(self._read, where, "body", without, self.bodies)
+        absent = named(self._read, where, "body or joint", without, self.bodies | self.joints)
         scene = Scene(
             name=name,
             bodies=tuple(b for b in self.bodies if b not in absent),
             effects=named(self._read, where, "effect", effects, self.effects),
             drivers=named(self._read, where, "driver", drivers, self.drivers),
-            start=states(self._read, where, self.bodies, start or {}),
-            guess=states(self._read, where, self.bodies, guess or {}),
+            opened=tuple(name for name in absent if name in self.joints),
+            start=states(self._read, where, self._coordinates(), start or {}),
+            guess=states(self._read, where, self._coordinates(), guess or {}),
             parameters=overrides(self._read, where, self.parameters, parameters or {}),
             frozen=frozen,
             analysis=self._read.choice(analysis, ("dynamics", "kinematics"), f"{where}, analysis"),

@@ -74,17 +74,17 @@ def _files(chosen: list[Study]) -> str:
 def print_table(rows: list[Row]) -> None:
     """The table "ours, exact, book", with the reasons for differences below."""
     shown = Table(title="Ours, exact, book", box=box.SIMPLE_HEAD, pad_edge=False, padding=0)
-    for heading in ("where", "quantity"):
-        shown.add_column(heading, no_wrap=True)
+    shown.add_column("where", overflow="fold")
+    shown.add_column("quantity", overflow="fold")
     for heading in ("ours", "exact", "book"):
         shown.add_column(heading, justify="right", no_wrap=True)
-    shown.add_column("")
+    shown.add_column("", no_wrap=True)
     reasons: list[str] = []
     for row in rows:
         if row.reason and row.reason not in reasons:
             reasons.append(row.reason)
         mark = f"({reasons.index(row.reason) + 1})" if row.reason else ""
-        book = "" if row.book is None else f"{row.book:.10g}"
+        book = f"{row.book:.10g}" if isinstance(row.book, float) else row.book or ""
         numbers = (f"{row.ours:.9g}", f"{row.exact:.9g}", book)
         shown.add_row(row.section, row.quantity, *numbers, mark)
     console.print(shown)

@@ -65,4 +65,43 @@ STUDIES = (
             *("kinematics", "inverse_dynamics", "inverse_dynamics_without_gas", "compressor"),
         ),
     ),
+    Study(
+        "quick_return",
+        "the shaper of section 8.3",
+        "quick_return",
+        (
+            *("gravity_equilibrium", "kinematics", "inverse_dynamics"),
+            *("inverse_dynamics_of_inertia", "shaper"),
+        ),
+    ),
+    Study(
+        "coil_spring",
+        "the coil spring of section 8.4",
+        "coil_spring",
+        ("surge", "impact", "impact_damped"),
+    ),
+    Study(
+        "valve_lifter",
+        "the valve lifter of section 8.5",
+        "valve_lifter",
+        ("kinematics", "inverse_dynamics", "free_follower"),
+    ),
+    Study(
+        "film_follower",
+        "the film follower of project 8.1",
+        "film_follower",
+        ("kinematics", "inverse_dynamics", "constant_torque", "motor"),
+    ),
+    Study(
+        "web_cutter",
+        "the web cutter of project 8.2",
+        "web_cutter",
+        ("kinematics", "inverse_dynamics", "running"),
+    ),
+    Study(
+        "four_bar",
+        "the four-bar linkage of section 5.3",
+        "four_bar",
+        ("kinematics", "inverse_dynamics", "constant_torque"),
+    ),
 )

@@ -16,7 +16,7 @@ class Row:
     exact
         From an independent solution in extended precision, or a closed form.
     book
-        As printed; None where the book prints no number.
+        As printed, a number or a word; None where the book says nothing.
     reason
         Why the book's number differs from the exact one, if it does.
     """
@@ -25,5 +25,5 @@ class Row:
     quantity: str
     ours: float
     exact: float
-    book: float | None = None
+    book: float | str | None = None
     reason: str = ""

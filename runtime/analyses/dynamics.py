@@ -107,7 +107,6 @@ def simulate(
     require_masses(machine, p)
     begin = start if start is not None else assemble(machine, guess, parameters, t_start)
     equations = Equations(machine, p)
-    inertia = np.diag(equations.mass(begin.q))
     trajectory = integrate(
         machine.system,
         Problem(
@@ -116,7 +115,7 @@ def simulate(
             np.ascontiguousarray(begin.q),
             np.ascontiguousarray(begin.v),
             p,
-            1.0 / np.sqrt(inertia),
+            _mobility(equations, begin.q),
             magnitudes(equations, begin.t, begin.q),
         ),
         # An unknown method is refused there, together with all else that is wrong.
@@ -134,6 +133,17 @@ def simulate(
         lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
     )
     return _result(machine, trajectory, p, began)
+
+
+def _mobility(equations: Equations, q: FloatArray) -> FloatArray:
+    """Typical size of a change of each coordinate, 1/√M_kk, shape (n,).
+
+    A coordinate without mass, such as the place of a contact on a cam, follows most easily: ten
+    times the size of the most mobile body makes it one of the dependent coordinates.
+    """
+    inertia = np.diag(equations.mass(q))
+    heavy = inertia > 0.0
+    return 1.0 / np.sqrt(np.where(heavy, inertia, 0.01 * inertia[heavy].min()))
 
 
 def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) -> Result:

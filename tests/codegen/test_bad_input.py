@@ -208,7 +208,7 @@ from tests.codegen.complaints import check, complaints
         ),
         ("model.scene('s', effects='gravitty')", ["scene 's': no effect 'gravitty'"]),
         ("model.scene('s', drivers=['motor'])", ["scene 's': no driver 'motor'; there are none"]),
-        ("model.scene('s', without=['aa'])", ["scene 's': no body 'aa'; .*'a'"]),
+        ("model.scene('s', without=['aa'])", ["scene 's': no body or joint 'aa'; .*'a'"]),
         ("model.scene('s', without=['a', 'b'])", ["scene 's': no body takes part"]),
         (
             "model.scene('s', start={'a.z': 1.0})",

@@ -7,9 +7,8 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import ConjugateReaction, Statement
-from codegen.declare.symbols import Coordinate, kinds, t
-
-COMPONENTS = {"x": ("fx", "N"), "y": ("fy", "N"), "phi": ("torque", "N m")}
+from codegen.declare.symbols import Coordinate
+from codegen.elements.drivers.law import COMPONENTS, law_problems
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +35,4 @@ class Motion:
         found = []
         if not self.bodies:
             found.append(f"driver '{self.name}': {self.driven} names no coordinate of a body.")
-        found += [
-            f"driver '{self.name}': the law {self.law} contains the coordinate {s.name}; "
-            f"a motion law depends on {t} and parameters only."
-            for s in kinds(self.law, Coordinate)
-        ]
-        return found
+        return found + law_problems(f"driver '{self.name}'", self.law)

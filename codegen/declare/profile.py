@@ -1,0 +1,61 @@
+"""Shapes of cams: whether a profile is closed, smooth, and convex where its follower needs it."""
+
+from collections.abc import Iterator
+
+import sympy
+
+from codegen.declare.interpolant import TableAtom
+from codegen.declare.symbols import alpha
+
+SAMPLES = 720
+TOLERANCE = 1e-9
+
+
+def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Iterator[str]:
+    """What is wrong with x'(α), y'(α), m; numbers only, so parameters have their defaults."""
+    strangers = profile.free_symbols - {alpha}
+    if strangers:
+        names = ", ".join(sorted(repr(s.name) for s in strangers))
+        yield f"unknown symbol {names}; a profile is written in alpha and parameters."
+        return
+    first, second = profile.diff(alpha), profile.diff(alpha, 2)
+    if first.is_zero_matrix:
+        yield f"{tuple(profile)} is a point, not a curve; write it in alpha."
+        return
+    tables = {str(atom): atom.table for atom in profile.atoms(TableAtom)}
+    tables["Interpolant"] = lambda table, order, at: table(at, order)
+    everything = sympy.lambdify(alpha, (*profile, *first, *second), [tables, "math"])
+    points = [everything(2 * sympy.pi.evalf() * k / SAMPLES) for k in range(SAMPLES + 1)]
+    points = [tuple(map(float, point)) for point in points]
+    size = max(abs(c) for point in points for c in point[:2]) or 1.0
+    if closed:
+        for what, k in (("does not close", 0), ("has a corner where it closes", 2)):
+            gap = max(abs(points[-1][k + i] - points[0][k + i]) for i in (0, 1))
+            if gap > TOLERANCE * size:
+                yield (
+                    f"the profile {what}: its {'ends' if k == 0 else 'tangents'} at α = 0 and 2π "
+                    f"are {gap:.3g} m apart; give functions of period 2π."
+                )
+                return
+    speeds = [(dx * dx + dy * dy) ** 0.5 for _, _, dx, dy, _, _ in points]
+    slowest = min(range(len(points)), key=speeds.__getitem__)
+    if speeds[slowest] <= TOLERANCE * size:
+        yield (
+            f"the profile has a cusp: at α = {_angle(slowest)} rad its tangent is "
+            f"{speeds[slowest]:.3g} m per rad; give a smooth profile."
+        )
+    elif convex:
+        bends = [dx * y2 - dy * x2 for _, _, dx, dy, x2, y2 in points]
+        turn = 1.0 if sum(bends) > 0 else -1.0
+        least = min(range(len(points)), key=lambda k: turn * bends[k])
+        if turn * bends[least] <= TOLERANCE * size * size:
+            curvature = turn * bends[least] / speeds[least] ** 3
+            yield (
+                f"the profile is not convex: at α = {_angle(least)} rad its curvature is "
+                f"{curvature:.3g} 1/m, and a flat face needs a positive one everywhere; enlarge "
+                "the base circle, or use a roller."
+            )
+
+
+def _angle(k: int) -> str:
+    return f"{2 * float(sympy.pi) * k / SAMPLES:.4g}"

@@ -1,0 +1,38 @@
+"""Forces along a scalar s(q, t), such as a length, an angle or a gap: what springs share."""
+
+import sympy
+
+from codegen.declare.symbols import Coordinate, Time, Velocity, kinds, t
+
+
+def rate(s: sympy.Expr) -> sympy.Expr:
+    """ds/dt = s_q q̇ + s_t."""
+    slopes = (sympy.diff(s, q) * q.rate for q in kinds(s, Coordinate))
+    return sympy.Add(*slopes, sympy.diff(s, t))
+
+
+def against(s: sympy.Expr, f: sympy.Expr) -> dict[Coordinate, sympy.Expr]:
+    """Generalized forces of a force `f` that tends to make `s` smaller.
+
+    Its virtual work is -f δs, so Q = -f s_q. With s a length this is Haug's Q of a tension (6.1).
+    """
+    return {q: -f * sympy.diff(s, q) for q in kinds(s, Coordinate)}
+
+
+def gathered(*parts: dict[Coordinate, sympy.Expr]) -> dict[Coordinate, sympy.Expr]:
+    """The sum of several sets of generalized forces."""
+    total: dict[Coordinate, sympy.Expr] = {}
+    for part in parts:
+        for q, force in part.items():
+            total[q] = total.get(q, sympy.S.Zero) + force
+    return total
+
+
+def constant(*expressions: sympy.Expr) -> bool:
+    """Whether the expressions are numbers or parameters, the same throughout a run."""
+    return not any(kinds(e, Coordinate, Velocity, Time) for e in expressions)
+
+
+def negative(expression: sympy.Expr) -> bool:
+    """Whether an expression is a number, and less than zero."""
+    return bool(expression.is_number and expression.is_real and expression < 0)

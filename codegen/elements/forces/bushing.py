@@ -1,0 +1,94 @@
+"""Bushing: springs and dampers along two axes of a body and about a third."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import sympy
+
+from codegen.declare.body import Body, Point
+from codegen.declare.symbols import Coordinate
+from codegen.elements.forces.along import against, constant, gathered, negative, rate
+from codegen.elements.forces.line import Line
+from codegen.elements.forces.torsion_spring import turn
+
+Triple = tuple[sympy.Expr, sympy.Expr, sympy.Expr]
+AXES = (("x", "N/m", "N s/m"), ("y", "N/m", "N s/m"), ("phi", "N m/rad", "N m s/rad"))
+
+
+@dataclass(frozen=True, eq=False)
+class Bushing:
+    """Forces -k s - c ṡ along the displacements s = (A_iᵀ d, φ_j - φ_i - θ0), d = r_j^P - r_i^P.
+
+    The springs have the potential V = Σ k s² / 2; the dampers are forces. The axes turn with body
+    i, so a displaced bushing has a moment about it: all of this follows from s.
+
+    Attributes
+    ----------
+    i, j
+        Points that coincide where the bushing is at rest.
+    stiffness
+        (k_x, k_y, k_φ) in N/m, N/m, N m/rad.
+    damping
+        (c_x, c_y, c_φ) in N s/m, N s/m, N m s/rad.
+    free_angle
+        θ0 in rad.
+    """
+
+    kind: ClassVar[str] = "bushing"
+    name: str
+    i: Point
+    j: Point
+    stiffness: Triple
+    damping: Triple
+    free_angle: sympy.Expr
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The two bodies that the bushing connects."""
+        return (self.i.body, self.j.body)
+
+    @property
+    def displacements(self) -> Triple:
+        """Along x' and y' of body i, m, and about the normal, rad."""
+        dx, dy = Line(self.i, self.j).d
+        phi = self.i.body.pose[2]
+        c, s = sympy.cos(phi), sympy.sin(phi)
+        angle = turn(self.i.body, self.j.body) - self.free_angle
+        return c * dx + s * dy, c * dy - s * dx, angle
+
+    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+        """V of the springs."""
+        if not self._conservative or not any(self.stiffness):
+            return None
+        pairs = zip(self.stiffness, self.displacements, strict=True)
+        return sympy.Add(*(k * s**2 / 2 for k, s in pairs))
+
+    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+        """Q of the dampers, and of springs that vary."""
+        rows = zip(self.stiffness, self.damping, self.displacements, strict=True)
+        parts = []
+        for k, c, s in rows:
+            force = c * rate(s) + (0 if self._conservative else k * s)
+            parts.append(against(s, force) if force != 0 else {})
+        return gathered(*parts)
+
+    def problems(self) -> list[str]:
+        """A body against itself, and numbers that no bushing has."""
+        where, found = f"bushing '{self.name}'", []
+        if self.i.body is self.j.body:
+            found.append(f"{where} connects body '{self.i.body.name}' with itself; give two.")
+        if not any((*self.stiffness, *self.damping)):
+            found.append(f"{where}: stiffness and damping are all 0; give at least one.")
+        rows = zip(AXES, self.stiffness, self.damping, strict=True)
+        for (axis, per_way, per_speed), k, c in rows:
+            for word, value, unit in (("stiffness", k, per_way), ("damping", c, per_speed)):
+                if negative(value):
+                    found.append(
+                        f"{where}: the {word} along {axis} is {float(value):g} {unit}; give a "
+                        "number that is not negative."
+                    )
+        return found
+
+    @property
+    def _conservative(self) -> bool:
+        return constant(*self.stiffness, self.free_angle)

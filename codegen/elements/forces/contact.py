@@ -1,0 +1,111 @@
+"""Contact: a spring and a damper that act only while a gap is negative."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import sympy
+
+from codegen.declare.body import Body, Point
+from codegen.declare.symbols import Coordinate, Time, Velocity, kinds
+from codegen.elements.forces.along import against, constant, gathered, negative, rate
+from codegen.elements.forces.line import Line
+
+
+def gap_between(
+    i: Point, j: Point, direction: tuple[sympy.Expr, sympy.Expr] | None, free_length: sympy.Expr
+) -> sympy.Expr:
+    """The gap g between two points, m.
+
+    Along a direction u fixed in body i it is g = (A_i u)ᵀ (r_j^P - r_i^P) - ℓ0, negative once
+    point j has come closer than ℓ0 or gone past; without one it is g = ℓ - ℓ0, as between two
+    discs whose radii add up to ℓ0.
+    """
+    line = Line(i, j)
+    if direction is None:
+        return line.length - free_length
+    ux, uy = direction
+    size = sympy.sqrt(ux**2 + uy**2)
+    phi = i.body.pose[2]
+    c, s = sympy.cos(phi), sympy.sin(phi)
+    dx, dy = line.d
+    return ((ux * c - uy * s) * dx + (ux * s + uy * c) * dy) / size - free_length
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """f = k g + c ġ along the gap g while g < 0, and no force while it is not (Haug 8.4.2).
+
+    The switching is located: g = 0 is an event of a run, and between events every step is smooth.
+    The spring has the potential V = k g² / 2 while g < 0; the damper is a force. With damping the
+    force jumps where the contact begins, and at its end, where c ġ outweighs k g, it pulls.
+    With `may_pull` False it is cut off there: f = min(k g + c ġ, 0).
+
+    Attributes
+    ----------
+    gap
+        g(q, t) in m. One that depends on the time is a moving wall, whose spring has no potential.
+    stiffness, damping
+        k in N/m, c in N s/m.
+    may_pull
+        Whether the damper may hold the bodies together.
+    """
+
+    kind: ClassVar[str] = "contact"
+    name: str
+    gap: sympy.Expr
+    stiffness: sympy.Expr
+    damping: sympy.Expr
+    bodies: tuple[Body, ...]
+    may_pull: bool = True
+
+    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+        """V of the spring."""
+        if not self._conservative or self.stiffness == 0:
+            return None
+        return self._closed(self.stiffness * self.gap**2 / 2)
+
+    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+        """Q of the damper, and of a spring that varies."""
+        push = self.stiffness * self.gap
+        drag = self.damping * rate(self.gap)
+        if not self.may_pull and drag != 0:
+            # Where the damper would pull it takes back what the spring pushes, and no more.
+            drag = sympy.Piecewise((drag, push + drag < 0), (-push, True))
+        parts = [drag] if self._conservative else [push, drag]
+        wanted = [against(self.gap, self._closed(f)) for f in parts if f != 0]
+        return gathered(*wanted)
+
+    def problems(self) -> list[str]:
+        """A gap that never changes or that is no position, and numbers that no contact has."""
+        where, found = f"contact '{self.name}'", []
+        if len(self.bodies) == 2 and self.bodies[0] is self.bodies[1]:
+            return [f"{where} is between body '{self.bodies[0].name}' and itself; give two."]
+        if not kinds(self.gap, Coordinate):
+            found.append(
+                f"{where}: the gap {self.gap} depends on no coordinate and never changes; give two "
+                "points of different bodies, or gap= an expression of coordinates."
+            )
+        found += [
+            f"{where}: the gap {self.gap} contains the velocity {v.name}; it is a position."
+            for v in kinds(self.gap, Velocity)
+        ]
+        if self.stiffness == 0 and self.damping == 0:
+            found.append(f"{where}: stiffness and damping are both 0; give one of them.")
+        for word, value, unit in (
+            ("stiffness", self.stiffness, "N/m"),
+            ("damping", self.damping, "N s/m"),
+        ):
+            if negative(value):
+                found.append(
+                    f"{where}: the {word} is {float(value):g} {unit}; give a number that is not "
+                    "negative."
+                )
+        return found
+
+    @property
+    def _conservative(self) -> bool:
+        # The gap's own coordinates are what a potential is for; a time in it is not.
+        return constant(self.stiffness) and not kinds(self.gap, Time)
+
+    def _closed(self, value: sympy.Expr) -> sympy.Expr:
+        return sympy.Piecewise((value, self.gap < 0), (0, True))

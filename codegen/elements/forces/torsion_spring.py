@@ -1,0 +1,84 @@
+"""Rotational spring-damper-actuator between two bodies (Haug 6.1)."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.symbols import Coordinate
+from codegen.elements.forces.along import against, constant, negative, rate
+
+
+def turn(i: Body, j: Body) -> sympy.Expr:
+    """θ = φ_j - φ_i, rad, counted through full turns."""
+    angle: sympy.Expr = j.pose[2] - i.pose[2]
+    return angle
+
+
+@dataclass(frozen=True, eq=False)
+class TorsionSpring:
+    """n = k (θ - θ0) + c θ̇ + N with θ = φ_j - φ_i; n acts on body i, -n on body j.
+
+    The elastic part has the potential V = k (θ - θ0)² / 2; the damper and the actuator are forces.
+    Where k or θ0 varies in a run, the elastic part is booked with them.
+
+    Attributes
+    ----------
+    i, j
+        The two bodies.
+    stiffness, free_angle, damping, actuator
+        k in N m/rad, θ0 in rad, c in N m s/rad, N in N m.
+    """
+
+    kind: ClassVar[str] = "torsion spring"
+    name: str
+    i: Body
+    j: Body
+    stiffness: sympy.Expr
+    free_angle: sympy.Expr
+    damping: sympy.Expr
+    actuator: sympy.Expr
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The bodies that the spring turns against each other."""
+        return (self.i, self.j)
+
+    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+        """V of the elastic part."""
+        if self.stiffness == 0 or not self._conservative:
+            return None
+        return self.stiffness * (turn(self.i, self.j) - self.free_angle) ** 2 / 2
+
+    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+        """Q of the damper and the actuator, and of a spring that varies."""
+        angle = turn(self.i, self.j)
+        torque = self.damping * rate(angle) + self.actuator
+        if not self._conservative:
+            torque += self.stiffness * (angle - self.free_angle)
+        return against(angle, torque) if torque != 0 else {}
+
+    def problems(self) -> list[str]:
+        """A body against itself, and numbers that no spring has."""
+        where, found = f"torsion spring '{self.name}'", []
+        if self.i is self.j:
+            found.append(f"{where} turns body '{self.i.name}' against itself; give two bodies.")
+        if self.stiffness == 0 and self.damping == 0 and self.actuator == 0:
+            found.append(
+                f"{where} does nothing; give it a stiffness, a damping, an actuator or a torque."
+            )
+        for word, value, unit in (
+            ("stiffness", self.stiffness, "N m/rad"),
+            ("damping", self.damping, "N m s/rad"),
+        ):
+            if negative(value):
+                found.append(
+                    f"{where}: the {word} is {float(value):g} {unit}; give a number that is not "
+                    "negative, and write other characteristics with torque=."
+                )
+        return found
+
+    @property
+    def _conservative(self) -> bool:
+        return constant(self.stiffness, self.free_angle)

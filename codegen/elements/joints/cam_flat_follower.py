@@ -1,0 +1,64 @@
+"""Cam and flat-faced follower: a curve touches a straight line (Haug 3.4)."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import sympy
+
+from codegen.declare.body import Body, Curve, Point
+from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.symbols import Coordinate, coordinate, given
+
+AXIS = sympy.Matrix([given("j_ux"), given("j_uy")])
+NORMAL = sympy.Matrix([-AXIS[1], AXIS[0]])
+AT = coordinate("contact", "alpha")
+
+
+@dataclass(frozen=True, eq=False)
+class CamFlatFollower:
+    """n_jᵀ (r_i + A_i c(α) - r_j^P) = 0 and n_jᵀ A_i c'(α) = 0: the face touches the profile c.
+
+    The second equation is divided by |c'(0)|, so that it is an angle, nearly.
+
+    The parameter α at the contact is a coordinate of the joint's own. The second equation
+    determines it, since n_jᵀ A_i c'' vanishes nowhere on a convex profile. With the normal
+    n = (-u_y, u_x) of the face's axis u pointing from the cam into the follower, the component fy
+    of the reaction is the force of contact: where it is negative, the follower would lift off.
+    """
+
+    kind: ClassVar[str] = "cam and flat-faced follower"
+    name: str
+    cam: Curve
+    face: Point
+    axis: tuple[sympy.Expr, sympy.Expr]
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The cam and the follower."""
+        return (self.cam.body, self.face.body)
+
+    @property
+    def alpha(self) -> Coordinate:
+        """The profile's parameter at the contact, rad."""
+        return coordinate(self.name, "alpha")
+
+    def statement(self) -> Statement:
+        """The face's distance from the contact, and the profile's slope against the face."""
+        profile = self.cam.at(AT)
+        normal = J.A * NORMAL
+        phi = (
+            normal.dot(I.r + I.A * profile - J.point),
+            normal.dot(I.A * profile.diff(AT)) / self.cam.pace,
+        )
+        length = sympy.sqrt(self.axis[0] ** 2 + self.axis[1] ** 2)
+        ux, uy = AXIS
+        bindings = I.bind(self.cam.body.at(0, 0)) | J.bind(self.face) | {AT: self.alpha}
+        bindings |= {ux: self.axis[0] / length, uy: self.axis[1] / length}
+        reaction = JointReaction(J.A * AXIS)
+        return Statement(phi, ("normal", "slope"), reaction, bindings, (("slope", self.alpha),))
+
+    def problems(self) -> list[str]:
+        """A face needs a direction."""
+        if all(a == 0 for a in self.axis):
+            return [f"{self.kind} '{self.name}': the axis (0, 0) has no direction; give one."]
+        return []

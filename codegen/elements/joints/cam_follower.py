@@ -1,0 +1,69 @@
+"""Cam and follower: two curves touch (Haug 3.4, cam-follower)."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import sympy
+
+from codegen.declare.body import Body, Curve
+from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.symbols import Coordinate, coordinate
+
+AT_I, AT_J = coordinate("contact", "alpha"), coordinate("contact", "beta")
+
+
+@dataclass(frozen=True, eq=False)
+class CamFollower:
+    """The contact points coincide, along c_i' and across it, and the tangents are parallel.
+
+    With d = A_iᵀ (r_j + A_j c_j(β) - r_i) - c_i(α) the equations are c_i'ᵀ d = 0, c_i'⊥ᵀ d = 0 and
+    c_i'⊥ᵀ A_iᵀ A_j c_j' = 0, each divided by |c_i'(0)|, the last by |c_j'(0)| too, so that they are
+    lengths and an angle, nearly. The parameters α and β at the contact are coordinates of the
+    joint's own; the first equation determines α and the last one β wherever the curvatures of the
+    two curves differ. The reaction acts at the contact, its y axis along the normal, to the left
+    of the direction in which α runs; a roller is a circle.
+    """
+
+    kind: ClassVar[str] = "cam and follower"
+    name: str
+    cam: Curve
+    follower: Curve
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The cam and the follower."""
+        return (self.cam.body, self.follower.body)
+
+    @property
+    def alpha(self) -> Coordinate:
+        """The parameter of the cam's profile at the contact, rad."""
+        return coordinate(self.name, "alpha")
+
+    @property
+    def beta(self) -> Coordinate:
+        """The parameter of the follower's profile at the contact, rad."""
+        return coordinate(self.name, "beta")
+
+    def statement(self) -> Statement:
+        """Three equations and two coordinates."""
+        on_cam, on_follower = self.cam.at(AT_I), self.follower.at(AT_J)
+        tangent = on_cam.diff(AT_I)
+        normal = sympy.Matrix([-tangent[1], tangent[0]])
+        arm = J.A * on_follower
+        apart = I.A.T * (J.r + arm - I.r) - on_cam
+        slope = I.A.T * J.A * on_follower.diff(AT_J)
+        bindings = I.bind(self.cam.body.at(0, 0)) | J.bind(self.follower.body.at(0, 0))
+        bindings |= {AT_I: self.alpha, AT_J: self.beta}
+        direction = I.A * tangent / sympy.sqrt(tangent.dot(tangent))
+        along, across = (axis.dot(apart) / self.cam.pace for axis in (tangent, normal))
+        return Statement(
+            (along, across, normal.dot(slope) / (self.cam.pace * self.follower.pace)),
+            ("along", "across", "slope"),
+            JointReaction(direction, arm=arm),
+            bindings,
+            (("along", self.alpha), ("slope", self.beta)),
+        )
+
+    def problems(self) -> list[str]:
+        """Nothing can be wrong with two curves by themselves; the model looks at their shapes."""
+        return []

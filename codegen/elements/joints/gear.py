@@ -1,0 +1,107 @@
+"""Gear set: two gears roll on each other's pitch circles (Haug, section 3.4)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import sympy
+
+from codegen.declare.body import Body, Point
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement
+from codegen.declare.symbols import given
+from codegen.elements.joints.bearings import held_apart
+
+ROUNDING = 1e-6
+"""Relative difference of centre distance and radii that rounded inputs explain."""
+
+SHARE_I, SHARE_J, LINE = given("share_i"), given("share_j"), given("line")
+SPAN = J.point - I.point
+THETA = LINE + SHARE_I * I.phi + SHARE_J * J.phi
+PHI = (SPAN[0] * sympy.sin(THETA) - SPAN[1] * sympy.cos(THETA),)
+TOWARDS_J = sympy.Matrix([sympy.cos(THETA), sympy.sin(THETA)])
+
+
+@dataclass(frozen=True, eq=False)
+class Gear:
+    """d_x sin θ - d_y cos θ = 0 with d = r_j^P - r_i^P and the angle θ of the line of centres.
+
+    Rolling without slip makes equal arcs pass the pitch point on both circles,
+    R_i (θ̇ - φ̇_i) + R_j (θ̇ - φ̇_j) = 0, hence (Haug, section 3.4)
+
+        θ = θ_0 + (R_i φ_i + R_j φ_j) / (R_i + R_j),
+
+    and the equation says that the line of centres has this angle. It holds on a carrier that
+    turns, through any number of turns: nothing in it jumps. An internal gear has a negative
+    radius: the same formula. `line` θ_0 is the angle of the line from centre i to centre j, rad,
+    at which the teeth mesh with φ_i = φ_j = 0; None stands for the angle at which the bearings
+    hold the centres, with the body that carries them at φ = 0, and for 0 where there are none. The
+    equation is met by θ and by θ + π, so assembly starts nearer to the one that is meant.
+
+    The gears' centres are kept apart by bearings or a carrier, not by this joint. The reaction is
+    what gear i exerts on gear j, x along the line of centres, at the centre of j: `fy` is the
+    tangential force at the teeth, `torque` its moment, `fx` is 0. The teeth bear in both
+    directions, without play; there is no pressure angle.
+
+    `joints` are those of the model, among which the bearings are looked for.
+    """
+
+    kind: ClassVar[str] = "gear"
+    name: str
+    i: Point
+    j: Point
+    radius_i: sympy.Expr
+    radius_j: sympy.Expr
+    line: sympy.Expr | None
+    joints: Mapping[str, Constraint]
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The two gears."""
+        return (self.i.body, self.j.body)
+
+    def statement(self) -> Statement:
+        """One equation, m: the distance of centre j from the line that the angles call for."""
+        total = self.radius_i + self.radius_j
+        bindings = I.bind(self.i) | J.bind(self.j) | {LINE: self._line()}
+        bindings |= {SHARE_I: self.radius_i / total, SHARE_J: self.radius_j / total}
+        return Statement(PHI, ("mesh",), JointReaction(TOWARDS_J), bindings)
+
+    def problems(self) -> list[str]:
+        """Radii that make no gear set, or none at the distance of the gears' bearings."""
+        problem = self._radius_problem() or self._distance_problem()
+        return [f"gear '{self.name}': {problem}"] if problem else []
+
+    def _radius_problem(self) -> str | None:
+        pair = f"the radii ({self.radius_i}, {self.radius_j}) m"
+        if any(radius == 0 for radius in (self.radius_i, self.radius_j)):
+            return f"{pair} contain a 0; give the radii of the pitch circles."
+        if self.radius_i.is_negative and self.radius_j.is_negative:
+            return f"{pair} are those of two internal gears; make one positive."
+        if sympy.expand(self.radius_i + self.radius_j) == 0:
+            return (
+                f"{pair} add up to 0, so that the centres coincide and the gears cannot turn on "
+                "each other; give the internal gear the larger radius."
+            )
+        return None
+
+    def _distance_problem(self) -> str | None:
+        held = held_apart(self.i, self.j, self.joints)
+        if held is None:
+            return None
+        carrier, dx, dy = held
+        distance, wanted = sympy.sqrt(dx**2 + dy**2), sympy.Abs(self.radius_i + self.radius_j)
+        if not (distance.is_number and wanted.is_number):
+            return None
+        if abs(distance - wanted) <= ROUNDING * wanted:
+            return None
+        return (
+            f"the bearings on '{carrier.name}' hold the centres {float(distance):.9g} m apart, but "
+            f"the radii ({self.radius_i}, {self.radius_j}) m mesh at {float(wanted):.9g} m; change "
+            "one or the other (an internal gear has a negative radius)."
+        )
+
+    def _line(self) -> sympy.Expr:
+        if self.line is not None:
+            return self.line
+        held = held_apart(self.i, self.j, self.joints)
+        return sympy.S.Zero if held is None else sympy.atan2(held[2], held[1])

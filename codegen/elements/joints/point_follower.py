@@ -1,0 +1,59 @@
+"""Point follower: a point of one body moves along a curve of another (Haug 3.4, point-follower)."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import sympy
+
+from codegen.declare.body import Body, Curve, Point
+from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.symbols import Coordinate, coordinate
+
+AT = coordinate("contact", "alpha")
+
+
+@dataclass(frozen=True, eq=False)
+class PointFollower:
+    """d = A_iᵀ (r_j^P - r_i) - c(α) = 0, written along the curve, c'ᵀ d, and across it.
+
+    Both are divided by |c'(0)|, so that they are lengths, nearly.
+
+    The parameter α is a coordinate of the joint's own; the equation along the curve determines
+    it, with the derivative -c'ᵀ c'. Haug writes the two equations in global axes, where neither
+    determines α at every orientation.
+    """
+
+    kind: ClassVar[str] = "point follower"
+    name: str
+    curve: Curve
+    point: Point
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The body with the curve, and the one with the point."""
+        return (self.curve.body, self.point.body)
+
+    @property
+    def alpha(self) -> Coordinate:
+        """The curve's parameter at the point, rad."""
+        return coordinate(self.name, "alpha")
+
+    def statement(self) -> Statement:
+        """Distance of the point from the curve's, along the tangent and across it."""
+        profile = self.curve.at(AT)
+        tangent = profile.diff(AT)
+        apart = I.A.T * (J.point - I.r) - profile
+        across = tangent[0] * apart[1] - tangent[1] * apart[0]
+        direction = I.A * tangent / sympy.sqrt(tangent.dot(tangent))
+        bindings = I.bind(self.curve.body.at(0, 0)) | J.bind(self.point) | {AT: self.alpha}
+        return Statement(
+            (tangent.dot(apart) / self.curve.pace, across / self.curve.pace),
+            ("along", "across"),
+            JointReaction(direction),
+            bindings,
+            (("along", self.alpha),),
+        )
+
+    def problems(self) -> list[str]:
+        """Nothing can be wrong with a curve and a point."""
+        return []

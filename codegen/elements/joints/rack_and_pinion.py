@@ -1,0 +1,60 @@
+"""Rack and pinion: a gear rolls along the pitch line of a toothed bar (Haug, section 3.4)."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import sympy
+
+from codegen.declare.body import Body, Point
+from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.symbols import given
+from codegen.elements.joints.line import ACROSS, ALONG, DIRECTION, Axis, axis_problems, bind_axis
+
+RADIUS, OFFSET = given("radius"), given("offset")
+PHI = (ACROSS - RADIUS, ALONG + RADIUS * (J.phi - I.phi) - OFFSET)
+
+
+@dataclass(frozen=True, eq=False)
+class RackAndPinion:
+    """(u⊥)ᵀ d - R = 0 and uᵀ d + R (φ_pinion - φ_rack) - s0 = 0, both bodies free to move.
+
+    With u the rack's axis and d the way from the rack's point, on the pitch line, to the pinion's
+    centre: the pinion stays on the left of the axis, at its pitch radius, and rolls without slip.
+    A pinion that turns counter-clockwise on a rack held fast moves against the axis; a rack under
+    a pinion held in place moves along it. `offset` s0 is uᵀ d at the angle φ_pinion = φ_rack.
+
+    The reaction is what the pinion exerts on the rack, in the rack's axes (x along `axis`) and
+    about the pinion's centre: `fx` is the force at the teeth, `torque` = R `fx` what it takes to
+    turn the pinion for it. The teeth bear in both directions and without play; `fy` is the force
+    of the guide that keeps the centre at its distance, and not that of a pressure angle.
+    """
+
+    kind: ClassVar[str] = "rack-and-pinion"
+    name: str
+    pinion: Point
+    rack: Point
+    radius: sympy.Expr
+    axis: Axis
+    offset: sympy.Expr
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The pinion and the rack."""
+        return (self.pinion.body, self.rack.body)
+
+    def statement(self) -> Statement:
+        """Two equations, m. The rack carries the line, so that it is frame I here."""
+        bindings = I.bind(self.rack) | J.bind(self.pinion) | bind_axis(self.axis)
+        bindings |= {RADIUS: self.radius, OFFSET: self.offset}
+        return Statement(PHI, ("normal", "rolling"), JointReaction(DIRECTION, J, -1), bindings)
+
+    def problems(self) -> list[str]:
+        """A rack needs a direction, and a pinion a radius."""
+        where = f"rack-and-pinion '{self.name}'"
+        found = axis_problems(where, self.axis)
+        if self.radius.is_number and not self.radius.is_positive:
+            found.append(
+                f"{where}: the radius {self.radius} m is not positive; a pinion on the other side "
+                "of the rack has its radius positive and the rack's axis reversed."
+            )
+        return found

@@ -1,0 +1,48 @@
+"""Relative constraints: x, y or φ of two bodies keeps its difference (Haug, section 3.3)."""
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import sympy
+
+from codegen.declare.body import Body, Point
+from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.symbols import given
+
+VALUE = given("value")
+SPAN = J.point - I.point
+DIFFERENCE = {"x": SPAN[0], "y": SPAN[1], "phi": J.phi - I.phi}
+GLOBAL_X = sympy.Matrix([1, 0])
+
+
+@dataclass(frozen=True, eq=False)
+class Relative:
+    """x_j^P - x_i^P = c, y_j^P - y_i^P = c or φ_j - φ_i = c, in global axes.
+
+    The reaction is what the constraint exerts on body j at its point, in global axes. Body i gets
+    the opposite force at its own point. The moment of this pair, where the points are apart across
+    the force, is borne by whatever keeps the global axes from turning; so a relative x or y
+    between two free bodies keeps their linear momentum and their energy, not the angular momentum.
+    """
+
+    kind: ClassVar[str] = "relative"
+    name: str
+    i: Point
+    j: Point
+    letter: Literal["x", "y", "phi"]
+    value: sympy.Expr
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The two bodies compared."""
+        return (self.i.body, self.j.body)
+
+    def statement(self) -> Statement:
+        """One equation."""
+        bindings = I.bind(self.i) | J.bind(self.j) | {VALUE: self.value}
+        reaction = JointReaction(GLOBAL_X)
+        return Statement((DIFFERENCE[self.letter] - VALUE,), (self.letter,), reaction, bindings)
+
+    def problems(self) -> list[str]:
+        """Nothing can be wrong with a number."""
+        return []

@@ -1,0 +1,48 @@
+"""Composite revolute-translational joint: a pin that slides along a line (Haug, section 3.3)."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import sympy
+
+from codegen.declare.body import Body, Point
+from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.symbols import given
+from codegen.elements.joints.line import ACROSS, DIRECTION, Axis, axis_problems, bind_axis
+
+DISTANCE = given("distance")
+PHI = (ACROSS - DISTANCE,)
+
+
+@dataclass(frozen=True, eq=False)
+class RevoluteTranslational:
+    """(u_i⊥)ᵀ d_ij - c = 0: point j keeps the distance c, to the left, from a line of body i.
+
+    The massless slide block between a guide (body i) and a pin (point j of body j). The reaction's
+    x axis points along the line: the guide pushes across it, so `fx` and `torque` are 0.
+    `instead_of` names the body that the joint stands for: it acts in the scenes that leave this
+    body out.
+    """
+
+    kind: ClassVar[str] = "revolute-translational"
+    name: str
+    i: Point
+    j: Point
+    axis: Axis
+    distance: sympy.Expr
+    instead_of: Body | None = None
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The body with the line and the body with the pin."""
+        return (self.i.body, self.j.body)
+
+    def statement(self) -> Statement:
+        """One equation: the distance of point j from the line, m."""
+        bindings = I.bind(self.i) | J.bind(self.j) | bind_axis(self.axis)
+        bindings |= {DISTANCE: self.distance}
+        return Statement(PHI, ("normal",), JointReaction(DIRECTION), bindings)
+
+    def problems(self) -> list[str]:
+        """A zero axis has no direction."""
+        return axis_problems(f"revolute-translational '{self.name}'", self.axis)

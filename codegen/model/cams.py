@@ -1,0 +1,115 @@
+"""The joints of a declaration in which curves touch."""
+
+from collections.abc import Sequence
+from itertools import accumulate, pairwise
+from math import hypot, pi
+from typing import Any
+
+import sympy
+
+from codegen.declare.body import Body, Curve, Point
+from codegen.declare.interpolant import TableFunction, point_problems
+from codegen.declare.profile import profile_problems
+from codegen.declare.symbols import Parameter, alpha
+from codegen.elements.joints.cam_flat_follower import CamFlatFollower
+from codegen.elements.joints.cam_follower import CamFollower
+from codegen.elements.joints.point_follower import PointFollower
+from codegen.model.base import Declarations
+from codegen.tables import fit
+
+
+class Cams(Declarations):
+    """Cams and followers; the parameter at the contact, `alpha`, is a coordinate of the joint."""
+
+    def cam_flat_follower(
+        self, name: str, cam: Curve, face: Point | Body, axis: tuple[Any, Any] = (1, 0)
+    ) -> CamFlatFollower:
+        """The closed convex profile `cam` touches the flat face of a follower.
+
+        Parameters
+        ----------
+        cam
+            ``body.circle(...)``, ``body.polar(...)`` or ``body.curve(...)``.
+        face, axis
+            A point on the face, and the face's direction in the follower's frame: turned by 90°
+            counter-clockwise it points from the cam into the follower.
+
+        Notes
+        -----
+        A face has two contacts with a cam, one on either side: give a start guess of
+        ``joint.alpha`` near the one that is meant.
+        """
+        profile = self._curve(name, cam, closed=True, convex=True)
+        ax, ay = (self._read.value(a, "m", f"axis of '{name}'") for a in axis)
+        element = CamFlatFollower(name, profile, self._point(name, face), (ax, ay))
+        self._joint(element)
+        return element
+
+    def cam_follower(self, name: str, cam: Curve, follower: Curve) -> CamFollower:
+        """Two closed profiles touch; a roller is ``body.circle(radius)``."""
+        curves = (self._curve(name, curve, closed=True) for curve in (cam, follower))
+        element = CamFollower(name, *curves)
+        self._joint(element)
+        return element
+
+    def point_follower(self, name: str, curve: Curve, point: Point | Body) -> PointFollower:
+        """A point of one body moves along a curve of another, open or closed."""
+        element = PointFollower(name, self._curve(name, curve), self._point(name, point))
+        self._joint(element)
+        return element
+
+    def curve_through(
+        self, name: str, body: Body, points: Sequence[tuple[Any, Any]], closed: bool = True
+    ) -> Curve:
+        """The smooth curve through points of a body, by cubic splines of the chords' length.
+
+        Parameters
+        ----------
+        name
+            An identifier.
+        points
+            (x', y') in m or as quantities; at least four, no two that follow each other the same.
+        closed
+            A closed curve returns to its first point by itself, where α is 2π; on an open one α
+            runs from 0 to 1.
+        """
+        where = f"curve '{name}'"
+        rows = [
+            [self._read.finite(c, "m", f"{where}, point {k}") for c in point]
+            for k, point in enumerate(points)
+        ]
+        if closed and len(rows) > 1 and rows[0] != rows[-1]:
+            rows.append(rows[0])
+        known = len(self.problems)
+        chords = [hypot(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(rows)]
+        along = list(accumulate(chords, initial=0.0))
+        for problem in point_problems(along, along, periodic=False):
+            self._note(f"{where}: {problem}")
+        if not self._claim("curve", name) or len(self.problems) > known:
+            return body.circle(1)
+        unit = 2 * pi if closed else 1.0
+        at = [unit * (distance / along[-1]) for distance in along]
+        x, y = (
+            TableFunction(fit(f"{name}_{axis}", at, [row[k] for row in rows], closed))(alpha)
+            for k, axis in enumerate("xy")
+        )
+        return body.curve(x, y)
+
+    def _curve(self, name: str, curve: Any, closed: bool = False, convex: bool = False) -> Curve:
+        """The curve with its expressions read, its shape looked at for the default parameters."""
+        if not isinstance(curve, Curve):
+            self._note(
+                f"'{name}': {curve!r} is no curve; write body.circle(r) or body.curve(x, y)."
+            )
+            return self.ground.circle(1)
+        where = f"curve of '{name}' on body '{curve.body.name}'"
+        known = len(self.problems)
+        x, y = (self._read.value(c, "m", where) for c in (curve.x, curve.y))
+        defaults = {Parameter(p.name, real=True): p.value for p in self.parameters.values()}
+        if len(self.problems) == known:
+            shape = sympy.Matrix([x, y]).subs(defaults)
+            for problem in profile_problems(shape, closed, convex):
+                self._note(f"{where}: {problem}")
+        if len(self.problems) > known:
+            return curve.body.circle(1)  # stands in, so that nothing else is said of it
+        return Curve(curve.body, x, y)

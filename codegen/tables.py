@@ -1,0 +1,132 @@
+"""Cubic splines through points: plain numbers, which every stage may hold.
+
+The coefficients are computed with Python's own floats, one operation after the other: those of a
+linear-algebra library differ in the last digit from machine to machine, and with them would the
+generated text.
+"""
+
+import hashlib
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+MARGIN = 1e-9
+"""What a law of time may be asked for beyond its ends, in parts of its length: rounding."""
+
+Row = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Table:
+    """A function given by points: twice continuously differentiable, a cubic between two knots.
+
+    Attributes
+    ----------
+    name
+        An identifier.
+    knots
+        The abscissae, ascending; the last one of a periodic table is the first, a period later.
+    rows
+        One (c0, c1, c2, c3) an interval: c0 + c1 s + c2 s² + c3 s³ with s from the left knot.
+    periodic
+        Whether it repeats. One that does not is undefined (nan) beyond its ends.
+    """
+
+    name: str
+    knots: tuple[float, ...]
+    rows: tuple[Row, ...]
+    periodic: bool
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of the numbers."""
+        return hashlib.sha256(repr((self.knots, self.rows, self.periodic)).encode()).hexdigest()
+
+    def __call__(self, x: Any, order: int = 0) -> Any:
+        """The value or a derivative at a number of any kind; complex numbers by their real part."""
+        first, last = self.knots[0], self.knots[-1]
+        at = float(getattr(x, "real", x))
+        if self.periodic:
+            turns = math.floor((at - first) / (last - first))
+            x, at = x - turns * (last - first), at - turns * (last - first)
+        elif not -MARGIN * (last - first) <= at - first <= (1 + MARGIN) * (last - first):
+            return math.nan
+        inner = sum(knot <= at for knot in self.knots[1:-1])
+        s, (c0, c1, c2, c3) = x - self.knots[inner], self.rows[inner]
+        if order == 0:
+            return c0 + s * (c1 + s * (c2 + s * c3))
+        if order == 1:
+            return c1 + s * (2 * c2 + s * (3 * c3))
+        return 2 * c2 + s * (6 * c3) if order == 2 else 6 * c3 + 0 * s
+
+
+def fit(name: str, x: Sequence[float], y: Sequence[float], periodic: bool) -> Table:
+    """The interpolating cubic spline: periodic, or with the not-a-knot condition at both ends.
+
+    Parameters
+    ----------
+    x, y
+        At least four points; x strictly ascending, and of a periodic one the last y the first.
+    """
+    h = [b - a for a, b in pairwise(x)]
+    rise = [(b - a) / step for (a, b), step in zip(pairwise(y), h, strict=True)]
+    slopes = _periodic_slopes(h, rise) if periodic else _open_slopes(h, rise)
+    rows = []
+    for k, step in enumerate(h):
+        bend = (slopes[k] + slopes[k + 1] - 2 * rise[k]) / step
+        rows.append((y[k], slopes[k], (rise[k] - slopes[k]) / step - bend, bend / step))
+    return Table(name, tuple(x), tuple(rows), periodic)
+
+
+def _open_slopes(h: list[float], rise: list[float]) -> list[float]:
+    """Slopes at the knots, the third derivative continuous at the second and the last but one."""
+    n = len(h)
+    lower, diagonal, upper, right = [0.0], [h[1]], [h[0] + h[1]], []
+    wide = h[0] + h[1]
+    right.append(((h[0] + 2 * wide) * h[1] * rise[0] + h[0] ** 2 * rise[1]) / wide)
+    for k in range(1, n):
+        lower.append(h[k])
+        diagonal.append(2 * (h[k - 1] + h[k]))
+        upper.append(h[k - 1])
+        right.append(3 * (h[k] * rise[k - 1] + h[k - 1] * rise[k]))
+    wide = h[-1] + h[-2]
+    lower.append(wide)
+    diagonal.append(h[-2])
+    upper.append(0.0)
+    right.append((h[-1] ** 2 * rise[-2] + (2 * wide + h[-1]) * h[-2] * rise[-1]) / wide)
+    return _tridiagonal(lower, diagonal, upper, right)
+
+
+def _periodic_slopes(h: list[float], rise: list[float]) -> list[float]:
+    """Slopes at the knots of a closed curve: a cyclic system, by Sherman and Morrison's formula."""
+    n = len(h)
+    lower = [h[k] for k in range(n)]
+    diagonal = [2 * (h[k - 1] + h[k]) for k in range(n)]
+    upper = [h[k - 1] for k in range(n)]
+    right = [3 * (h[k] * rise[k - 1] + h[k - 1] * rise[k]) for k in range(n)]
+    corner, other, gamma = lower[0], upper[-1], -diagonal[0]
+    diagonal[0] -= gamma
+    diagonal[-1] -= corner * other / gamma
+    x = _tridiagonal(lower, diagonal, upper, right)
+    z = _tridiagonal(lower, diagonal, upper, [gamma, *[0.0] * (n - 2), other])
+    part = (x[0] + corner * x[-1] / gamma) / (1 + z[0] + corner * z[-1] / gamma)
+    slopes = [a - part * b for a, b in zip(x, z, strict=True)]
+    return [*slopes, slopes[0]]
+
+
+def _tridiagonal(
+    lower: list[float], diagonal: list[float], upper: list[float], right: list[float]
+) -> list[float]:
+    """The solution by elimination from the top."""
+    pivots, sides = [diagonal[0]], [right[0]]
+    for k in range(1, len(diagonal)):
+        factor = lower[k] / pivots[-1]
+        pivots.append(diagonal[k] - factor * upper[k - 1])
+        sides.append(right[k] - factor * sides[-1])
+    x = [sides[-1] / pivots[-1]]
+    for k in range(len(diagonal) - 2, -1, -1):
+        x.append((sides[k] - upper[k] * x[-1]) / pivots[k])
+    return x[::-1]

@@ -1,0 +1,92 @@
+"""What is wrong with a spring, a contact or a bushing is said by name."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.codegen.complaints import check, complaints
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (
+            "model.spring('s', a.at(1, 0), a.at(1, 0), 3, 1)",
+            ["spring 's': both ends, .1, 0. and .1, 0., are on body 'a' and coincide; connect two"],
+        ),
+        (
+            "model.spring('s', model.ground.at(0, 0), model.ground.at(1, 0), 3, 1)",
+            ["spring 's': both ends.* on body 'ground' and keep their distance; connect two"],
+        ),
+        ("model.spring('s', a, b)", ["spring 's' does nothing; give it a stiffness"]),
+        ("model.spring('s', a, b, 3)", ["spring 's' has a stiffness but no free length; give"]),
+        (
+            "model.spring('s', a, b, -3, -1, -2)",
+            ["the stiffness is -3 N/m", "the free length is -1 m", "the damping is -2 N s/m"],
+        ),
+        (
+            "model.spring('s', a, b, 3 * units().kg, 1)",
+            ["stiffness of spring 's': 3 kilogram has the dimension .mass., but N/m is needed"],
+        ),
+        (
+            "model.spring('s', a, b, None, 1)",
+            ["stiffness of spring 's' is missing; give it in", "does nothing"],
+        ),
+        (
+            "model.spring('s', a, b, force=3 * k)",
+            ["spring 's': force=3.k is no function; write", "spring 's' does nothing"],
+        ),
+        (
+            "model.spring('s', a, b, force=lambda length, rate: Symbol('c') * rate)",
+            ["spring 's': unknown symbol 'c'; declare it with model.parameter"],
+        ),
+        (
+            "model.spring('s', a, b, force=lambda length, rate: 'strong')",
+            ["force of spring 's': 'strong' is neither a number nor", "spring 's' does nothing"],
+        ),
+        ("model.torsion_spring('s', a, a, 3)", ["torsion spring 's' turns body 'a' against itse"]),
+        (
+            "model.torsion_spring('s', a, b.at(0, 0), -3)",
+            [
+                "torsion spring 's': Point.* is no body; a torsion spring turns two",
+                "torsion spring 's': the stiffness is -3 N m/rad",
+            ],
+        ),
+        ("model.torsion_spring('s', a, b)", ["torsion spring 's' does nothing"]),
+        ("model.contact('c', a, stiffness=3)", ["contact 'c' has no gap; give two points, or"]),
+        (
+            "model.contact('c', a, b, gap=a.x, stiffness=3)",
+            ["contact 'c' has both gap= and points; give one of them"],
+        ),
+        (
+            "model.contact('c', a.at(0, 0), a.at(1, 0), stiffness=3, free_length=2)",
+            ["contact 'c' is between body 'a' and itself; give two"],
+        ),
+        (
+            "model.contact('c', gap=k, stiffness=3)",
+            ["contact 'c': the gap k depends on no coordinate and never changes"],
+        ),
+        (
+            "model.contact('c', gap=a.vx, stiffness=3)",
+            ["contact 'c': the gap a_vx depends on no coord", "contains the velocity a_vx"],
+        ),
+        (
+            "model.contact('c', a, b, direction=(0, 0), stiffness=3)",
+            ["contact 'c': the direction .0, 0. points nowhere"],
+        ),
+        (
+            "model.contact('c', a, b, stiffness=-3, damping=0)",
+            ["contact 'c': the stiffness is -3 N/m"],
+        ),
+        ("model.contact('c', a, b, stiffness=0)", ["stiffness and damping are both 0"]),
+        ("model.bushing('r', a, b)", ["bushing 'r': stiffness and damping are all 0"]),
+        ("model.bushing('r', a, b, 3)", ["stiffness of bushing 'r': 3 must be three", "all 0"]),
+        ("model.bushing('r', a, a, (1, 2, 3))", ["bushing 'r' connects body 'a' with itself"]),
+        (
+            "model.bushing('r', a, b, (1, 2, 3), (0, -1, 0))",
+            ["bushing 'r': the damping along y is -1 N s/m"],
+        ),
+    ],
+)
+def test_what_is_wrong_is_said_by_name(tmp_path: Path, text: str, expected: list[str]) -> None:
+    check(complaints(tmp_path, text), expected)

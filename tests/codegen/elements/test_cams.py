@@ -1,0 +1,240 @@
+"""Cams and followers against formulas written out by hand, complex steps, and balances."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import sympy
+from numpy.testing import assert_allclose
+
+from codegen import Model, ModelError, alpha
+from codegen.driver import sound_scenes
+from tests.codegen.workbench import A, B, Interpreted, State, complex_gamma, complex_step
+
+TOLERANCE = {"rtol": 1e-12, "atol": 1e-13}
+FACE, AXIS = np.array([0.3, -0.2]), np.array([1.2, 0.5])
+NORMAL = np.array([-AXIS[1], AXIS[0]]) / np.linalg.norm(AXIS)
+X = 0.9 * sympy.cos(alpha) + 0.05 * sympy.sin(2 * alpha)
+Y = 0.6 * sympy.sin(alpha)
+PACE = np.hypot(0.1, 0.6)
+
+
+def profile(a: float) -> list[np.ndarray]:
+    """The curve and its first three derivatives, written by hand."""
+    c, s, c2, s2 = np.cos(a), np.sin(a), np.cos(2 * a), np.sin(2 * a)
+    return [
+        np.array([0.9 * c + 0.05 * s2, 0.6 * s]),
+        np.array([-0.9 * s + 0.1 * c2, 0.6 * c]),
+        np.array([-0.9 * c - 0.2 * s2, -0.6 * s]),
+        np.array([0.9 * s - 0.4 * c2, -0.6 * c]),
+    ]
+
+
+def two_bodies() -> tuple[Model, object, object]:
+    model = Model("pair")
+    first = model.body("first", mass=2.0, inertia=0.5)
+    return model, first, model.body("second", mass=3.0, inertia=0.7)
+
+
+def cam_flat_follower() -> Model:
+    model, first, second = two_bodies()
+    model.cam_flat_follower("touch", first.curve(X, Y), second.at(*FACE), axis=tuple(AXIS))
+    return model
+
+
+def point_follower() -> Model:
+    model, first, second = two_bodies()
+    model.point_follower("touch", first.curve(X, Y), second.at(*FACE))
+    return model
+
+
+def cam_follower() -> Model:
+    model, first, second = two_bodies()
+    model.cam_follower("touch", first.curve(X, Y), second.circle(0.4, center=FACE))
+    return model
+
+
+JOINTS: dict[str, Callable[[], Model]] = {
+    "cam_flat_follower": cam_flat_follower,
+    "point_follower": point_follower,
+    "cam_follower": cam_follower,
+}
+
+
+def test_flat_follower_is_haugs() -> None:
+    machine = Interpreted(cam_flat_follower())
+    for seed in range(5):
+        s = machine.state(seed)
+        (ri, pi, vi, wi), (rj, pj, vj, wj) = s.body(0), s.body(1)
+        a, rate = s.q[6], s.v[6]
+        c, c1, c2, c3 = profile(a)
+        n, turned = A(pj) @ NORMAL, B(pj) @ NORMAL
+        d = ri + A(pi) @ c - rj - A(pj) @ FACE
+        assert_allclose(
+            machine.vector("constraints", s), [n @ d, n @ A(pi) @ c1 / PACE], **TOLERANCE
+        )
+        by_hand = np.array(
+            [
+                [*n, n @ B(pi) @ c, *-n, turned @ d - n @ B(pj) @ FACE, n @ A(pi) @ c1],
+                [0, 0, n @ B(pi) @ c1, 0, 0, turned @ A(pi) @ c1, n @ A(pi) @ c2],
+            ]
+        )
+        by_hand[1] /= PACE
+        assert_allclose(machine.jacobian(s), by_hand, **TOLERANCE)
+        speed = vi + wi * B(pi) @ c + rate * A(pi) @ c1 - vj - wj * B(pj) @ FACE
+        bend = -(wi**2) * A(pi) @ c + 2 * wi * rate * B(pi) @ c1 + rate**2 * A(pi) @ c2
+        bend += wj**2 * A(pj) @ FACE
+        slope = wi * B(pi) @ c1 + rate * A(pi) @ c2
+        curl = -(wi**2) * A(pi) @ c1 + 2 * wi * rate * B(pi) @ c2 + rate**2 * A(pi) @ c3
+        gamma = [
+            -(n @ bend + 2 * wj * turned @ speed - wj**2 * n @ d),
+            -(n @ curl + 2 * wj * turned @ slope - wj**2 * n @ A(pi) @ c1) / PACE,
+        ]
+        assert_allclose(machine.vector("acceleration_rhs", s), gamma, **TOLERANCE)
+
+
+def test_point_follower_is_haugs_in_the_axes_of_the_curve() -> None:
+    machine = Interpreted(point_follower())
+    for seed in range(5):
+        s = machine.state(seed)
+        (ri, pi, _, _), (rj, pj, _, _) = s.body(0), s.body(1)
+        c, c1, c2, _ = profile(s.q[6])
+        reach = rj + A(pj) @ FACE - ri
+        d = A(pi).T @ reach - c
+        left = np.array([[0.0, -1.0], [1.0, 0.0]])
+        rows = []
+        for tangent, change in ((c1, c2), (left @ c1, left @ c2)):
+            on_j = [*(A(pi) @ tangent), tangent @ A(pi).T @ B(pj) @ FACE]
+            on_i = [*(-A(pi) @ tangent), tangent @ B(pi).T @ reach]
+            rows.append([*on_i, *on_j, change @ d - tangent @ c1])
+        assert_allclose(machine.jacobian(s), np.array(rows) / PACE, **TOLERANCE)
+        expected = np.array([c1 @ d, left @ c1 @ d]) / PACE
+        assert_allclose(machine.vector("constraints", s), expected, **TOLERANCE)
+
+
+@pytest.mark.parametrize("kind", JOINTS)
+def test_jacobian_and_gamma_by_complex_steps(kind: str) -> None:
+    machine = Interpreted(JOINTS[kind]())
+    import cmath
+
+    for seed in range(5):
+        s = machine.state(seed)
+
+        def phi(q: np.ndarray, s: State = s) -> np.ndarray:
+            return machine.vector("constraints", State(t=s.t, q=q, v=s.v), cmath)
+
+        assert_allclose(machine.jacobian(s), complex_step(phi, s.q), **TOLERANCE)
+        gamma = machine.vector("acceleration_rhs", s)
+        assert_allclose(gamma, complex_gamma(machine, s), rtol=1e-11, atol=1e-12)
+
+
+def on_the_constraints(machine: Interpreted, seed: int) -> State:
+    """A state near `seed`'s that satisfies Φ and Φ_q q̇ = ν."""
+    s = machine.state(seed)
+    for _ in range(60):
+        phi, jacobian = machine.vector("constraints", s), machine.jacobian(s)
+        step = np.linalg.lstsq(jacobian, -phi, rcond=None)[0]
+        s = State(t=s.t, q=s.q + step / max(1.0, 2 * np.linalg.norm(step)), v=s.v)
+    assert_allclose(machine.vector("constraints", s), 0, atol=1e-13)
+    jacobian = machine.jacobian(s)
+    s.v -= np.linalg.lstsq(jacobian, jacobian @ s.v, rcond=None)[0]
+    return s
+
+
+@pytest.mark.parametrize("kind", JOINTS)
+@pytest.mark.parametrize("seed", range(3))
+def test_accelerations_solve_the_equations_and_contact_does_no_work(kind: str, seed: int) -> None:
+    machine = Interpreted(JOINTS[kind]())
+    s = on_the_constraints(machine, seed)
+    a, lam = machine.solution(s)
+    jacobian = machine.jacobian(s)
+    mass = machine.mass(s)
+    assert_allclose(mass[6:, 6:], 0, atol=0)
+    size = np.abs(lam).max()
+    assert_allclose(mass @ a + jacobian.T @ lam, 0, atol=1e-11 * size)
+    assert_allclose(jacobian @ a, machine.vector("acceleration_rhs", s), rtol=1e-9, atol=1e-10)
+    # No force on the pair from outside: momentum and angular momentum stay as they are.
+    force = -jacobian.T @ lam
+    assert_allclose(force[:2] + force[3:5], 0, atol=1e-11 * size)
+    (ri, *_), (rj, *_) = s.body(0), s.body(1)
+    moment = force[2] + force[5] + ri[0] * force[1] - ri[1] * force[0]
+    moment += rj[0] * force[4] - rj[1] * force[3]
+    assert_allclose(moment, 0, atol=1e-11 * size)
+    # A frictionless contact pushes along the normal and does no work.
+    assert_allclose(force @ s.v, 0, atol=1e-10 * size)
+    table = machine.lowered.description.reactions
+    values = machine.vector("reactions", s, lam=lam)
+    found = {component: x for (_, component, _), x in zip(table, values, strict=True)}
+    assert_allclose(found["fx"], 0, atol=1e-11 * size)
+    assert_allclose(np.hypot(found["fx"], found["fy"]), np.linalg.norm(force[3:5]), rtol=1e-12)
+    if kind != "cam_flat_follower":  # there the torque is about the point of the face
+        assert_allclose(found["torque"], 0, atol=1e-11 * size)
+
+
+def problems(declare: Callable[[Model, object, object], object]) -> str:
+    model, first, second = two_bodies()
+    declare(model, first, second)
+    with pytest.raises(ModelError) as caught:
+        sound_scenes(model, None)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "told"),
+    [
+        (alpha, sympy.sin(alpha), "does not close"),
+        (sympy.cos(alpha), sympy.sin(alpha) + alpha * (2 * sympy.pi - alpha) / 10, "a corner"),
+        (sympy.cos(alpha) + sympy.cos(2 * alpha), sympy.sin(alpha), "not convex: at α = 3.142"),
+        (sympy.cos(alpha) ** 3, sympy.sin(alpha) ** 3, "has a cusp: at α = "),
+        (sympy.Integer(1), sympy.Integer(2), "is a point, not a curve"),
+        (sympy.Symbol("r") * sympy.cos(alpha), sympy.sin(alpha), "unknown symbol 'r'"),
+    ],
+)
+def test_shape_that_a_flat_face_cannot_follow(x: sympy.Expr, y: sympy.Expr, told: str) -> None:
+    text = problems(lambda m, i, j: m.cam_flat_follower("lift", i.curve(x, y), j))
+    assert told in text
+    assert "curve of 'lift' on body 'first'" in text
+
+
+def test_roller_may_follow_a_hollow_cam_and_a_point_an_open_slot() -> None:
+    model, first, second = two_bodies()
+    hollow = first.polar(1 + 0.4 * sympy.cos(2 * alpha))
+    model.cam_follower("roll", hollow, second.circle(0.1))
+    model.point_follower("slot", first.curve(alpha, alpha**2), second)
+    assert sound_scenes(model, None)
+
+
+def test_what_is_no_curve_is_named() -> None:
+    text = problems(lambda m, i, j: m.cam_follower("roll", i.at(0, 0), 3))
+    assert text.count("'roll'") >= 2
+    assert "is no curve; write body.circle(r)" in text
+
+
+def test_parameters_may_shape_a_cam() -> None:
+    model, first, second = two_bodies()
+    offset = model.parameter("offset", 0.2, "m")
+    model.cam_flat_follower("lift", first.circle(1.0, center=(offset, 0)), second)
+    machine = Interpreted(model)
+    s = machine.state(1)
+    assert machine.vector("constraints", s).shape == (2,)
+    machine.p = [0.3]
+    assert abs(machine.vector("constraints", s)[0]) > 0
+
+
+def test_coordinate_of_a_joint_can_be_named_in_a_scene_and_a_joint_left_out() -> None:
+    model, first, second = two_bodies()
+    lift = model.cam_flat_follower("lift", first.circle(1.0), second)
+    model.scene("held", start={"lift.alpha": 1.0}, guess={lift.alpha: 2.0})
+    model.scene("open", without=["lift"])
+    held, free = Interpreted(model, "held"), Interpreted(model, "open")
+    assert held.lowered.description.coordinates[-1] == ("lift.alpha", "lift.alphadot", "rad")
+    assert (held.n, held.m, free.n, free.m) == (7, 2, 6, 0)
+    assert ("lift", "cam and flat-faced follower") in free.lowered.description.left_out
+
+
+def test_start_value_of_a_joint_that_is_left_out() -> None:
+    def declare(model: Model, first: object, second: object) -> None:
+        lift = model.cam_flat_follower("lift", first.circle(1.0), second)  # type: ignore[attr-defined]
+        model.scene("open", without=[lift], start={lift.alpha: 1.0})
+
+    assert "lift.alpha has a start value, but its joint takes no part" in problems(declare)

@@ -1,0 +1,174 @@
+"""Functions given by points: the spline, its derivatives, what is compiled, and bad points."""
+
+import cmath
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sympy
+from numpy.testing import assert_allclose
+from scipy.interpolate import CubicSpline
+
+from codegen import Model, ModelError, t
+from codegen.driver import sound_scenes
+from codegen.tables import fit
+from runtime import load
+from tests.codegen.workbench import (
+    Interpreted,
+    State,
+    complex_gamma,
+    complex_step,
+    python_functions,
+)
+
+RANDOM = np.random.default_rng(5)
+X = np.sort(RANDOM.uniform(-1, 2, 12))
+Y = RANDOM.normal(size=12)
+CLOSED = np.append(Y[:-1], Y[0])
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+@pytest.mark.parametrize("order", range(4))
+@pytest.mark.parametrize("count", [4, 5, 12])
+def test_spline_is_scipys(periodic: bool, order: int, count: int) -> None:
+    x = X[:count]
+    y = np.append(Y[: count - 1], Y[0]) if periodic else Y[:count]
+    theirs = CubicSpline(x, y, bc_type="periodic" if periodic else "not-a-knot")
+    ours = fit("some", x.tolist(), y.tolist(), periodic)
+    inside = np.linspace(x[0], x[-1], 101)[1:-1]
+    expected = theirs(inside, order)
+    assert_allclose([ours(at, order) for at in inside], expected, atol=1e-11 * abs(expected).max())
+
+
+def test_periodic_one_repeats_and_an_open_one_ends() -> None:
+    closed, end = (
+        fit("c", X.tolist(), CLOSED.tolist(), True),
+        fit("o", X.tolist(), Y.tolist(), False),
+    )
+    period = X[-1] - X[0]
+    for at in (X[0] + 0.3, X[0]):
+        assert_allclose(closed(at + 3 * period), closed(at), rtol=1e-12)
+        assert_allclose(closed(at - period, 1), closed(at, 1), rtol=1e-11)
+    assert_allclose(end(X[-1] + 1e-12), Y[-1], rtol=1e-9)
+    assert math.isnan(end(X[-1] + 0.1))
+    assert math.isnan(end(X[0] - 0.1, 2))
+
+
+def driven() -> Model:
+    """A body whose pose follows tables in every way that one may."""
+    model = Model("driven")
+    body = model.body("body", mass=1.0, inertia=1.0)
+    law = model.table("law", X, Y)
+    wave = model.table("wave", X, CLOSED, periodic=True)
+    model.driver("lift", body.x + wave(body.phi) ** 2, law(t / 3) * sympy.sin(t))
+    model.driver("turn", body.phi, 5 * wave(7 * t))
+    model.force("pull", body, fx=wave(body.x) * body.vx)
+    return model
+
+
+def test_derivatives_of_tables_by_complex_steps() -> None:
+    machine = Interpreted(driven())
+    for seed in range(5):
+        s = machine.state(seed)
+
+        def phi(q: np.ndarray, s: State = s) -> np.ndarray:
+            return machine.vector("constraints", State(t=s.t, q=q, v=s.v), cmath)
+
+        assert_allclose(machine.jacobian(s), complex_step(phi, s.q), rtol=1e-12, atol=1e-13)
+        gamma = complex_gamma(machine, s)
+        assert_allclose(machine.vector("acceleration_rhs", s), gamma, rtol=1e-11, atol=1e-11)
+        rate = complex_step(lambda at, s=s: phi(s.q, State(t=at[0], q=s.q, v=s.v)), np.array([s.t]))
+        assert_allclose(machine.vector("velocity_rhs", s), -rate[:, 0], rtol=1e-11, atol=1e-12)
+
+
+def test_generated_text_looks_up_what_the_table_says() -> None:
+    machine = Interpreted(driven())
+    text = machine.text()
+    functions = python_functions(text)
+    table = fit("law", X.tolist(), Y.tolist(), False)
+    for at in np.linspace(X[0], X[-1], 37):
+        assert_allclose(functions["table_law"](at), table(at), rtol=1e-13, atol=1e-13)
+        assert_allclose(functions["table_law_d2"](at), table(at, 2), rtol=1e-12, atol=1e-11)
+    assert math.isnan(functions["table_law"](X[-1] + 1.0))
+    assert text.count("np.array(") == 4
+    assert Interpreted(driven()).text() == text
+
+
+def test_machine_follows_a_measured_motion(tmp_path: Path) -> None:
+    instants = np.linspace(0, 2, 41)
+    model = Model("measured", gravity=(0, -9.81))
+    arm = model.body("arm", mass=2.0, inertia=0.5)
+    model.revolute("pin", model.ground.at(0, 0), arm.at(-0.5, 0))
+    law = model.table("law", instants, np.sin(2 * instants))
+    model.driver("turn", arm.phi, law(t))
+    model.scene("driven", ["gravity"], ["turn"])
+    machine = load(model, folder=tmp_path)
+    at = np.linspace(0, 2, 301)
+    run = machine.inverse_dynamics(at)
+    spline = CubicSpline(instants, np.sin(2 * instants))
+    assert_allclose(run.q("arm.phi"), spline(at), atol=1e-13)
+    assert_allclose(run.a("arm.phi"), spline(at, 2), atol=1e-11)
+    torque = (0.5 + 2 * 0.25) * spline(at, 2) + 2 * 9.81 * 0.5 * np.cos(spline(at))
+    assert_allclose(run.reaction("turn", "torque"), torque, atol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "told"),
+    [
+        ([0, 1, 1, 2], [0, 0, 0, 0], "the abscissa 1 is repeated, at points 1 and 2"),
+        ([0, 2, 1, 3], [0, 0, 0, 0], "x falls from 2 to 1 at point 2; sort the points"),
+        ([0, 1, 2], [0, 0, 0], "3 points are too few"),
+        ([0, 1, 2, 3], [0, 0, 0], "4 abscissae and 3 values"),
+        ([0, 1, math.nan, 3], [0, 0, 0, 0], r"table 'law', x[2]: the value is nan"),
+        ([0, 1, 2, 3], [0, 1, 2, 3], "begins at 0 and ends at 3"),
+    ],
+)
+def test_points_that_no_spline_goes_through(x: list[float], y: list[float], told: str) -> None:
+    model = Model("bad")
+    body = model.body("body")
+    law = model.table("law", x, y, periodic=True)
+    model.driver("turn", body.phi, law(t))
+    with pytest.raises(ModelError) as caught:
+        sound_scenes(model, None)
+    assert told in str(caught.value)
+
+
+def test_table_converts_quantities() -> None:
+    import pint
+
+    unit = pint.application_registry
+    model = Model("units")
+    law = model.table(
+        "law",
+        [k * unit.ms for k in range(5)],
+        [k * k * unit.mm for k in range(5)],
+        units=("s", "m"),
+    )
+    assert_allclose(law.table(0.0015), 2.25e-3, rtol=1e-12)
+
+
+def test_cam_through_points_is_the_curve_they_lie_on() -> None:
+    model = Model("cam")
+    cam, follower = model.body("cam", 1.0, 1.0), model.body("follower", 1.0, 1.0)
+    angles = np.linspace(0, 2 * np.pi, 48, endpoint=False)
+    points = [(0.02 * np.cos(a), 0.03 * np.sin(a)) for a in angles]
+    curve = model.curve_through("oval", cam, points)
+    lift = model.cam_flat_follower("lift", curve, follower)
+    assert sound_scenes(model, None)
+    machine = Interpreted(model)
+    s = machine.state(1)
+    assert_allclose(machine.jacobian(s)[1, :2], 0, atol=0)
+    assert lift.alpha.name == "lift_alpha"
+    x, y = (float(c.table(1.0)) for c in (curve.x, curve.y))
+    assert_allclose((x / 0.02) ** 2 + (y / 0.03) ** 2, 1, atol=1e-5)
+
+
+def test_points_of_a_curve_that_repeat() -> None:
+    model = Model("cam")
+    cam, pin = model.body("cam"), model.body("pin")
+    model.point_follower(
+        "slot", model.curve_through("oval", cam, [(0, 0), (1, 0), (1, 0), (0, 1)]), pin
+    )
+    with pytest.raises(ModelError, match="curve 'oval': the abscissa 1 is repeated"):
+        sound_scenes(model, None)
