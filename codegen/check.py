@@ -11,7 +11,14 @@ import sympy
 
 from codegen.compilable import all_problems, constraint_problems
 from codegen.declare.body import Body
-from codegen.declare.element import ConjugateReaction, Constraint, Effect, own_coordinates
+from codegen.declare.element import (
+    ConjugateReaction,
+    Constraint,
+    Effect,
+    I,
+    J,
+    own_coordinates,
+)
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Given, Parameter, Time, Velocity, kinds
@@ -41,6 +48,7 @@ def check_model(model: Model) -> list[str]:
         for symbol in _strangers(model, constraint, expressions):
             found.append(_unknown(model, constraint, symbol))
         found += constraint_problems(constraint)
+        found += _orientations(constraint)
     for effect in model.effects.values():
         if effect.problems():
             continue
@@ -65,12 +73,15 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
         found.append(f"{where}: no body takes part; leave one in.")
     if scene.analysis == "dynamics":
         for name in scene.bodies:
-            missing = [w for w in ("mass", "inertia") if getattr(model.bodies[name], w) is None]
+            body = model.bodies[name]
+            words = ("mass", "inertia") if body.turns else ("mass",)
+            missing = [word for word in words if getattr(body, word) is None]
             if missing:
+                arguments = ", ".join(f"{word}=..." for word in words)
                 found.append(
                     f"{where}: body '{name}' has no {' and no '.join(missing)}; give it in "
-                    f"model.body('{name}', mass=..., inertia=...), or declare the scene with "
-                    "analysis='kinematics'."
+                    f"model.{'body' if body.turns else 'particle'}('{name}', {arguments}), or "
+                    "declare the scene with analysis='kinematics'."
                 )
     for kind, names in (("effect", scene.effects), ("driver", scene.drivers)):
         for name in names:
@@ -123,6 +134,18 @@ def _bodies(model: Model, element: Constraint | Effect) -> Iterator[str]:
     pair = element.bodies if isinstance(element, Constraint) else ()
     if len(pair) == 2 and pair[0] is pair[1]:
         yield f"{where} connects body '{pair[0].name}' with itself; give two different bodies."
+
+
+def _orientations(constraint: Constraint) -> Iterator[str]:
+    """Joints that would turn a particle; only its place can be held."""
+    phi = sympy.Tuple(*constraint.statement().phi)
+    for frame, body in zip((I, J), constraint.bodies, strict=False):
+        held = phi.xreplace(dict.fromkeys(frame.s, sympy.S.Zero))
+        if not body.turns and held.has(frame.phi):
+            yield (
+                f"{constraint.kind} '{constraint.name}' holds an angle of '{body.name}', a particle "
+                "that has none; use a joint that leaves it free to turn, or a body."
+            )
 
 
 def _needed(model: Model, scene: Scene, name: str) -> list[str]:

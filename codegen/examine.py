@@ -58,6 +58,8 @@ def _jacobian_near(equations: Equations, lowered: Lowered, guess: Array, probe: 
     q = guess + (0.0 if probe == 0 else 0.1) * unit * random.standard_normal(len(guess))
     jacobian = _jacobian(equations, lowered, q)
     for _ in range(25):
+        if not np.all(np.isfinite(jacobian)):
+            break
         phi = _flat(equations, lowered, "constraints", "phi", q)
         step = np.linalg.lstsq(jacobian * unit, -phi, rcond=1e-10)[0]
         length = float(np.linalg.norm(step))

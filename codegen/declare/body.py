@@ -69,6 +69,16 @@ class Body:
         return (self.x, self.y, self.phi)
 
     @property
+    def masses(self) -> tuple[sympy.Expr | None, ...]:
+        """The diagonal of M, one entry a coordinate."""
+        return (self.mass, self.mass, self.inertia)
+
+    @property
+    def turns(self) -> bool:
+        """Whether the body has an orientation."""
+        return True
+
+    @property
     def pose(self) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
         """Position and orientation as expressions; zeros for the ground."""
         return (self.x, self.y, self.phi)
@@ -95,6 +105,36 @@ class Body:
         """The curve at the distance r(α), m, from the body's centre in the direction α."""
         r = plain_length(radius)
         return Curve(self, r * sympy.cos(alpha), r * sympy.sin(alpha))
+
+
+@dataclass(frozen=True, eq=False)
+class Particle(Body):
+    """A point mass: a body without extent, inertia and orientation."""
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The generalized coordinates x, y."""
+        return (self.x, self.y)
+
+    @property
+    def masses(self) -> tuple[sympy.Expr | None, ...]:
+        """The diagonal of M, one entry a coordinate."""
+        return (self.mass, self.mass)
+
+    @property
+    def turns(self) -> bool:
+        """A point has no orientation."""
+        return False
+
+    @property
+    def pose(self) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
+        """Position, and zero for the orientation."""
+        return (self.x, self.y, sympy.S.Zero)
+
+    @property
+    def twist(self) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
+        """Velocity, and zero for the angular velocity."""
+        return (self.vx, self.vy, sympy.S.Zero)
 
 
 @dataclass(frozen=True, eq=False)

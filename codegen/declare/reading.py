@@ -22,9 +22,10 @@ class Reader:
         self.problems: list[str] = []
 
     def value(self, value: Any, unit: str, where: str) -> Any:
-        """A number, quantity or expression, as an expression in `unit`; None stays None."""
+        """A number, quantity or expression, as an expression in `unit`."""
         if value is None:
-            return None
+            self.problems.append(f"{where} is missing; give it{f' in {unit}' if unit else ''}.")
+            return sympy.S.One  # stands in, so that nothing else is said of it
         try:
             return expression(in_unit(value, unit, where, self.problems))
         except (TypeError, sympy.SympifyError):

@@ -126,7 +126,7 @@ def derive(model: Model, scene: Scene) -> Equations:
 def _masses(
     bodies: tuple[Body, ...], constraints: tuple[ConstraintEquations, ...]
 ) -> tuple[sympy.Expr, ...]:
-    of_bodies = (m for body in bodies for m in (body.mass, body.mass, body.inertia))
+    of_bodies = (mass for body in bodies for mass in body.masses)
     return (*of_bodies, *(sympy.S.Zero for c in constraints for _ in c.statement.own))
 
 

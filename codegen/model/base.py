@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any
 
+import sympy
+
 from codegen.declare.body import Body, Ground, Point
 from codegen.declare.element import Constraint, Effect, own_coordinates
 from codegen.declare.names import name_problem
@@ -25,6 +27,7 @@ class Declarations:
         self.drivers: dict[str, Constraint] = {}
         self.effects: dict[str, Effect] = {}
         self.scenes: dict[str, Scene] = {}
+        self.couplers: dict[str, tuple[Body, ...]] = {}
         self.files: list[Path] = []
         self._read = Reader()
         self._kinds: dict[str, str] = {"ground": "body"}
@@ -74,6 +77,12 @@ class Declarations:
             point = self.ground.at(0, 0)
         where = f"point of '{name}' on body '{point.body.name}'"
         sx, sy = (self._read.value(s, "m", where) for s in (point.sx, point.sy))
+        if not (point.body.turns or sx == sy == 0):
+            self._note(
+                f"{where} is ({sx}, {sy}) m off it, and a particle has no extent; write "
+                f"{point.body.name}.at(0, 0), or use a body."
+            )
+            sx = sy = sympy.S.Zero
         return Point(point.body, sx, sy)
 
     def _pair(self, name: str, i: Any, j: Any) -> tuple[Point, Point]:

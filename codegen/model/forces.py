@@ -101,13 +101,13 @@ class Forces(Declarations):
             self._note(f"{where} has a stiffness but no free length; give free_length= in m.")
         ends = self._pair(name, i, j)
         line = Line(*ends)
-        pull = self._amount(actuator, "N", f"actuator of {where}")
+        pull = self._read.value(actuator, "N", f"actuator of {where}")
         pull += self._characteristic(force, line.length, line.rate, "force", "N", where)
-        stiff = self._amount(stiffness, "N/m", f"stiffness of {where}")
-        free = self._amount(
+        stiff = self._read.value(stiffness, "N/m", f"stiffness of {where}")
+        free = self._read.value(
             0 if free_length is None else free_length, "m", f"free length of {where}"
         )
-        damp = self._amount(damping, "N s/m", f"damping of {where}")
+        damp = self._read.value(damping, "N s/m", f"damping of {where}")
         return self._effect(Spring(name, *ends, stiff, free, damp, pull))
 
     def torsion_spring(
@@ -137,12 +137,12 @@ class Forces(Declarations):
         """
         where = f"torsion spring '{name}'"
         first, second = self._whole(where, i), self._whole(where, j)
-        turning = self._amount(actuator, "N m", f"actuator of {where}")
+        turning = self._read.value(actuator, "N m", f"actuator of {where}")
         angle = turn(first, second)
         turning += self._characteristic(torque, angle, rate(angle), "torque", "N m", where)
-        stiff = self._amount(stiffness, "N m/rad", f"stiffness of {where}")
-        free = self._amount(free_angle, "rad", f"free angle of {where}")
-        damp = self._amount(damping, "N m s/rad", f"damping of {where}")
+        stiff = self._read.value(stiffness, "N m/rad", f"stiffness of {where}")
+        free = self._read.value(free_angle, "rad", f"free angle of {where}")
+        damp = self._read.value(damping, "N m s/rad", f"damping of {where}")
         return self._effect(TorsionSpring(name, first, second, stiff, free, damp, turning))
 
     def contact(
@@ -180,8 +180,8 @@ class Forces(Declarations):
         if gap is not None:
             if i is not None or j is not None or direction is not None:
                 self._note(f"{where} has both gap= and points; give one of them.")
-            g = self._amount(gap, "m", f"gap of {where}")
-            free = self._amount(free_length, "m", f"free length of {where}")
+            g = self._read.value(gap, "m", f"gap of {where}")
+            free = self._read.value(free_length, "m", f"free length of {where}")
             g, bodies = g - free, self._bodies_in(g)
         else:
             if i is None or j is None:
@@ -189,15 +189,15 @@ class Forces(Declarations):
             ends = self._pair(name, *(self.ground if end is None else end for end in (i, j)))
             along = None
             if direction is not None:
-                ux, uy = (self._amount(u, "", f"direction of {where}") for u in direction)
+                ux, uy = (self._read.value(u, "", f"direction of {where}") for u in direction)
                 along = (ux, uy)
                 if ux == 0 and uy == 0:
                     self._note(f"{where}: the direction (0, 0) points nowhere; give another.")
                     along = None
-            free = self._amount(free_length, "m", f"free length of {where}")
+            free = self._read.value(free_length, "m", f"free length of {where}")
             g, bodies = gap_between(*ends, along, free), (ends[0].body, ends[1].body)
-        stiff = self._amount(stiffness, "N/m", f"stiffness of {where}")
-        damp = self._amount(damping, "N s/m", f"damping of {where}")
+        stiff = self._read.value(stiffness, "N/m", f"stiffness of {where}")
+        damp = self._read.value(damping, "N s/m", f"damping of {where}")
         return self._effect(Contact(name, g, stiff, damp, bodies, bool(may_pull)))
 
     def bushing(
@@ -226,22 +226,15 @@ class Forces(Declarations):
         ends = self._pair(name, i, j)
         stiff = self._along_axes(stiffness, tuple(row[1] for row in AXES), f"stiffness of {where}")
         damp = self._along_axes(damping, tuple(row[2] for row in AXES), f"damping of {where}")
-        free = self._amount(free_angle, "rad", f"free angle of {where}")
+        free = self._read.value(free_angle, "rad", f"free angle of {where}")
         return self._effect(Bushing(name, *ends, stiff, damp, free))
-
-    def _amount(self, value: Any, unit: str, where: str) -> sympy.Expr:
-        """A value that has to be given."""
-        if value is None:
-            self._note(f"{where} is missing; give it in {unit}.")
-        read: sympy.Expr = self._read.value(0 if value is None else value, unit, where)
-        return read
 
     def _along_axes(self, values: Any, units: tuple[str, ...], where: str) -> Triple:
         """Three values, one an axis."""
         if not isinstance(values, tuple | list) or len(values) != len(units):
             self._note(f"{where}: {values!r} must be three values, along x, along y and about φ.")
             values = (0,) * len(units)
-        x, y, phi = (self._amount(v, u, where) for v, u in zip(values, units, strict=True))
+        x, y, phi = (self._read.value(v, u, where) for v, u in zip(values, units, strict=True))
         return x, y, phi
 
     def _characteristic(
@@ -256,7 +249,7 @@ class Forces(Declarations):
                 "give an expression as actuator=."
             )
             return sympy.S.Zero
-        return self._amount(law(s, speed), unit, f"{word} of {where}")
+        return self._read.value(law(s, speed), unit, f"{word} of {where}")
 
     def _whole(self, where: str, body: Any) -> Body:
         """A body, where a point means nothing."""

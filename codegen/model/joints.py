@@ -120,7 +120,8 @@ class Joints(Declarations):
             without bearings to be seen it is 0.
         """
         ri, rj = (self._read.value(r, "m", f"radius of '{name}'") for r in (radius_i, radius_j))
-        angle = self._read.value(line, "rad", f"line of centres of '{name}'")
+        where = f"line of centres of '{name}'"
+        angle = None if line is None else self._read.value(line, "rad", where)
         joints = MappingProxyType(self.joints)
         return self._joint(Gear(name, *self._pair(name, i, j), ri, rj, angle, joints))
 

@@ -44,9 +44,9 @@ class Line:
         for point, way in ((self.i, pull), (self.j, -pull)):
             if point.body.fixed:
                 continue
-            (qx, qy, qphi), (x, y, _) = point.body.coordinates, point.body.pose
-            found |= {qx: way * dx, qy: way * dy}
+            body, (x, y, _) = point.body, point.body.pose
+            found |= {body.x: way * dx, body.y: way * dy}
             arm = (point.x - x) * dy - (point.y - y) * dx
             if arm != 0:
-                found[qphi] = way * arm
+                found[body.phi] = way * arm
         return found

@@ -1,0 +1,58 @@
+"""The bodies of a declaration."""
+
+from dataclasses import replace
+from typing import Any
+
+import sympy
+
+from codegen.declare.body import Body, Particle
+from codegen.declare.symbols import Parameter
+from codegen.model.base import Declarations
+
+
+class Bodies(Declarations):
+    """What moves."""
+
+    def body(self, name: str, mass: Any = None, inertia: Any = None) -> Body:
+        """A rigid body with its centre of mass at its origin.
+
+        Parameters
+        ----------
+        name
+            An identifier.
+        mass, inertia
+            Numbers in kg and kg m², pint quantities, parameters or expressions of them; may be
+            left out where only kinematic scenes use the body.
+        """
+        heavy = self._positive(mass, "kg", f"mass of body '{name}'")
+        sluggish = self._positive(inertia, "kg m^2", f"inertia of body '{name}'")
+        body = Body(str(name), heavy, sluggish, self.token)
+        if self._claim("body", name):
+            self.bodies[name] = body
+        return body
+
+    def particle(self, name: str, mass: Any = None) -> Particle:
+        """A point mass, with two coordinates and no orientation.
+
+        Parameters
+        ----------
+        name
+            An identifier.
+        mass
+            A number in kg, a pint quantity, a parameter or an expression of them; may be left out
+            where only kinematic scenes use the particle.
+        """
+        heavy = self._positive(mass, "kg", f"mass of particle '{name}'")
+        particle = Particle(str(name), heavy, None, self.token)
+        if self._claim("particle", name):
+            self.bodies[name] = particle
+        return particle
+
+    def _positive(self, value: Any, unit: str, where: str) -> sympy.Expr | None:
+        """A mass or inertia, if given; a parameter that is one must be positive from now on."""
+        known = len(self.problems)
+        read = None if value is None else self._read.value(value, unit, where)
+        if isinstance(read, Parameter) and read.name in self.parameters:
+            declared = self.parameters[read.name]
+            self.parameters[declared.name] = replace(declared, sign="positive")
+        return read if len(self.problems) == known else None

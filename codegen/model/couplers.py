@@ -1,0 +1,71 @@
+"""Couplers: a rod between two pins, taken as heavy as a question needs it (Haug 8.1)."""
+
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from codegen.declare.body import Body, Point
+from codegen.model.bodies import Bodies
+from codegen.model.joints import Joints
+
+Form = Literal["body", "link", "lumped"]
+FORMS = ("body", "link", "lumped")
+
+
+class Couplers(Bodies, Joints):
+    """One declaration, three models: a body, a massless link, a link with its mass at the pins."""
+
+    def coupler(
+        self,
+        name: str,
+        i: Point | Body,
+        j: Point | Body,
+        length: Any,
+        mass: Any = None,
+        inertia: Any = None,
+    ) -> Body:
+        """A rod of `length` from a pin at `i` to a pin at `j`; scenes choose how heavy it is.
+
+        The body `name` has its centre of mass midway, the pins at x' = ±length/2, and the
+        revolute joints ``{name}_i`` and ``{name}_j``. In a scene with ``couplers={name: "link"}``
+        the massless link ``{name}_link`` takes its place; with ``"lumped"`` this link and half the
+        mass at either pin, the particles ``{name}_half_i`` and ``{name}_half_j``. A body of
+        the inertia m L²/4 moves as the lumped one does.
+
+        Parameters
+        ----------
+        i, j
+            Points of two bodies; a body means its centre of mass.
+        length
+            L, m.
+        mass, inertia
+            As in `body`; the inertia about the centre of mass.
+        """
+        span = self._read.value(length, "m", f"length of '{name}'")
+        rod = self.body(name, mass, inertia)
+        ends = self._pair(name, i, j)
+        self.revolute(f"{name}_i", ends[0], Point(rod, -span / 2, 0))
+        self.revolute(f"{name}_j", Point(rod, span / 2, 0), ends[1])
+        self.revolute_revolute(f"{name}_link", *ends, span, instead_of=rod)
+        half = None if rod.mass is None else rod.mass / 2
+        halves = tuple(self.particle(f"{name}_half_{end}", half) for end in "ij")
+        for point, particle in zip(ends, halves, strict=True):
+            if point.body.fixed:
+                self.absolute(f"{particle.name}_x", particle, "x", point.sx)
+                self.absolute(f"{particle.name}_y", particle, "y", point.sy)
+            else:
+                self.revolute(f"{particle.name}_pin", point, particle.at(0, 0))
+        self.couplers[rod.name] = (rod, *halves)
+        return rod
+
+    def _left_out(self, where: str, chosen: Mapping[Any, Any]) -> tuple[str, ...]:
+        """Bodies that the forms of the couplers leave out of a scene."""
+        forms = {key if isinstance(key, str) else key.name: form for key, form in chosen.items()}
+        for name in forms:
+            if name not in self.couplers:
+                self._note(f"{where}: there is no coupler '{name}'.")
+        absent: list[str] = []
+        for name, (rod, *halves) in self.couplers.items():
+            form = self._read.choice(forms.get(name, "body"), FORMS, f"{where}, coupler '{name}'")
+            absent += [rod.name] if form != "body" else []
+            absent += [half.name for half in halves] if form != "lumped" else []
+        return tuple(absent)

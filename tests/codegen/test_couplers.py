@@ -1,0 +1,137 @@
+"""Particles, and a coupler as a body, as a massless link, and with its mass at the pins."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from codegen import Model, ModelError
+from codegen.driver import sound_scenes
+from runtime import Result, load
+from tests.codegen.workbench import Interpreted
+
+MASS, LENGTH = 3.0, 1.6
+
+
+def slider_crank(inertia: float) -> Model:
+    """A free-running slider-crank under gravity, its rod a coupler."""
+    model = Model("slider_crank", gravity=(0, -9.81))
+    crank = model.body("crank", mass=2.0, inertia=0.4)
+    slider = model.body("slider", mass=1.0, inertia=0.1)
+    model.revolute("A", model.ground.at(0, 0), crank.at(0, 0))
+    model.translational("guide", model.ground, slider, axis=(1, 0))
+    rod = model.coupler("rod", crank.at(0.5, 0), slider, LENGTH, mass=MASS, inertia=inertia)
+    start = {crank.phi: 0.6, crank.omega: 8.0}
+    model.scene("whole", ["gravity"], start=start, guess={rod.x: 1.0, slider.x: 1.9})
+    places = {slider.x: 1.9, "rod_half_i.x": 0.4, "rod_half_i.y": 0.3, "rod_half_j.x": 1.9}
+    for form in ("link", "lumped"):
+        guess = places if form == "lumped" else {slider.x: 1.9}
+        model.scene(form, ["gravity"], couplers={rod: form}, start=start, guess=guess)
+    return model
+
+
+def run(tmp_path: Path, inertia: float, scene: str) -> Result:
+    machine = load(slider_crank(inertia), scene, folder=tmp_path)
+    found = machine.simulate(1.5, np.linspace(0, 1.5, 31), rtol=1e-11, atol=1e-11)
+    total = found.data["energy"].sel(part="total")
+    assert_allclose(total, float(total[0]), rtol=1e-9)
+    return found
+
+
+def test_lumped_rod_moves_as_a_body_with_its_mass_at_the_ends(tmp_path: Path) -> None:
+    whole = run(tmp_path, MASS * LENGTH**2 / 4, "whole")
+    lumped = run(tmp_path, MASS * LENGTH**2 / 4, "lumped")
+    for name in ("crank.phi", "slider.x"):
+        assert_allclose(lumped.q(name), whole.q(name), atol=1e-9)
+    assert_allclose(lumped.reaction("A", "fx"), whole.reaction("A", "fx"), atol=1e-6)
+    assert len(lumped.data.coordinate) == 10
+
+
+def test_massless_link_leaves_the_mass_out(tmp_path: Path) -> None:
+    link, whole = run(tmp_path, 0.2, "link"), run(tmp_path, 0.2, "whole")
+    assert len(link.data.coordinate) == 6
+    assert abs(link.q("crank.phi") - whole.q("crank.phi")).max() > 0.1
+
+
+def test_lumped_mass_costs_little_more_than_the_link() -> None:
+    model = slider_crank(0.2)
+    operations = {}
+    for scene in ("whole", "link", "lumped"):
+        lowered = Interpreted(model, scene).lowered
+        from codegen.lower.ledger import operations as count
+
+        (kernel,) = (k for k in lowered.program.kernels if k.name == "accelerations")
+        operations[scene] = count(lowered.program, kernel)
+    assert operations["link"] < operations["lumped"] < 2 * operations["link"]
+
+
+def test_coupler_may_end_on_the_ground(tmp_path: Path) -> None:
+    model = Model("rocker", gravity=(0, -9.81))
+    disc = model.body("disc", mass=1.0, inertia=0.2)
+    model.coupler("arm", model.ground.at(0, 0), disc, 2.0, mass=1.0, inertia=1.0)
+    guess = {disc.y: -2.0, "arm.y": -1.0, "arm.phi": -np.pi / 2}
+    model.scene("whole", ["gravity"], start={disc.x: 0.7}, guess=guess)
+    guess = {disc.y: -2.0, "arm_half_j.y": -2.0}
+    model.scene("lumped", ["gravity"], couplers={"arm": "lumped"}, start={disc.x: 0.7}, guess=guess)
+    ends = []
+    for scene in ("whole", "lumped"):
+        machine = load(model, scene, folder=tmp_path)
+        ends.append(machine.simulate(1.0, rtol=1e-11, atol=1e-11).q("disc.x")[-1])
+    assert_allclose(*ends, atol=1e-9)
+
+
+def test_particle_falls_and_hangs(tmp_path: Path) -> None:
+    model = Model("conical", gravity=(0, -9.81))
+    bob = model.particle("bob", mass=2.0)
+    model.distance("string", model.ground.at(0, 0), bob, 1.0)
+    model.scene("swing", ["gravity"], start={bob.x: 0.6}, guess={bob.y: -0.8})
+    machine = load(model, folder=tmp_path)
+    assert machine.coordinates.names == ("bob.x", "bob.y")
+    rest = machine.equilibrium()
+    assert_allclose([rest["bob.x"], rest["bob.y"]], [0, -1], atol=1e-9)
+    found = machine.simulate(2.0, rtol=1e-11, atol=1e-11)
+    total = found.data["energy"].sel(part="total")
+    assert_allclose(total, float(total[0]), rtol=1e-9)
+
+
+Declare = Callable[[Model], object]
+
+
+@pytest.mark.parametrize(
+    ("declare", "told"),
+    [
+        (lambda m: m.translational("g", m.ground, m.particle("p", 1.0)), "holds an angle of 'p'"),
+        (lambda m: m.weld("w", m.body("b", 1.0, 1.0), m.particle("p", 1.0)), "an angle of 'p'"),
+        (lambda m: m.revolute("r", m.ground.at(0, 0), m.particle("p", 1.0).at(1, 0)),
+         "'p' is (1, 0) m off it, and a particle has no extent"),
+        (lambda m: m.particle("p", -1.0), "mass of body 'p' is -1 kg; it must be positive"),
+        (lambda m: m.particle("p"), "body 'p' has no mass; give it in model.particle('p', mass="),
+        (lambda m: m.torque("t", m.particle("p", 1.0), 2.0), "p_phi"),
+        (lambda m: (m.particle("p", 1.0), m.scene("s", couplers={"p": "link"})),
+         "there is no coupler 'p'"),
+        (lambda m: m.coupler("c", m.ground.at(0, 0), m.body("b", 1.0, 1.0), -1.0, 1.0, 1.0),
+         "the length -1"),
+        (lambda m: (m.coupler("c", m.ground.at(0, 0), m.body("b", 1.0, 1.0), 1.0, 1.0, 1.0),
+                    m.scene("s", couplers={"c": "heavy"})), "'heavy' is none of 'body', 'link'"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_said(declare: Declare, told: str) -> None:
+    model = Model("bad")
+    declare(model)
+    with pytest.raises(ModelError) as caught:
+        sound_scenes(model, None)
+    assert told in str(caught.value)
+
+
+def test_forces_act_on_particles() -> None:
+    model = Model("pair")
+    one, other = model.particle("one", 1.0), model.particle("other", 2.0)
+    model.spring("tie", one, other, stiffness=3.0, free_length=0.5, damping=0.2)
+    model.contact("bump", gap=other.x - one.x - 0.1, stiffness=1e3)
+    model.force("push", one, fx=1.0)
+    machine = Interpreted(model)
+    s = machine.state(3)
+    pull = machine.vector("applied_forces", s)
+    assert_allclose(pull[:2] + pull[2:], [1.0, 0.0], atol=1e-12)
