@@ -195,6 +195,11 @@ def _unknown(model: Model, element: Constraint | Effect, symbol: sympy.Symbol) -
     where = f"{element.kind} '{element.name}'"
     if isinstance(symbol, Coordinate | Velocity):
         owner = symbol.name.rpartition("_")[0]
+        if owner in model.bodies:
+            return (
+                f"{where} uses {symbol.name}, but {model.kind(owner)} '{owner}' has no such "
+                f"coordinate; it has {', '.join(q.name for q in model.bodies[owner].coordinates)}."
+            )
         return (
             f"{where} uses {symbol.name}, but there is no body '{owner}' in '{model.name}'; "
             f"{nearest(owner, model.bodies)}"

@@ -1,4 +1,4 @@
-"""Two gear-slider mechanisms, after Haug, *Computer-Aided Kinematics and Dynamics*, section 5.5.
+r"""Two gear-slider mechanisms, after Haug, *Computer-Aided Kinematics and Dynamics*, section 5.5.
 
 The section's data are not to be had: arrangement, dimensions and masses are assumed (C).
 
@@ -11,7 +11,7 @@ return.
         `-`
       .`   `.   0.06    rod, 0.25        y = 0.03
      /   o---o P---------------------o C [slider]
-     \\   B   /
+     \   B   /
       `.___.`   wheel, R = 0.1, B (0, 0)
 
 The planetary gear (Cardan): a carrier of 0.06 m rolls a planet of R = 0.06 m within a ring on the

@@ -1,4 +1,4 @@
-"""The rack and pinion of Haug, *Computer-Aided Kinematics and Dynamics*, projects 5.3 and 8.3.
+r"""The rack and pinion of Haug, *Computer-Aided Kinematics and Dynamics*, projects 5.3 and 8.3.
 
 A pinion turns about O on the ground and rolls along a rack, whose end C is pinned to a coupler
 that turns about D. The rack slides to and fro, and rocks about the pinion as the coupler lifts its
@@ -6,10 +6,10 @@ end; the coupler can go all the way round:
 
                           C
                          o
-                      .`  \\
-               __  .`  rack \\  coupler, 0.07
-              /  .`          \\
-             | o` |           \\
+                      .`  \
+               __  .`  rack \  coupler, 0.07
+              /  .`          \
+             | o` |           \
               `__/             o D
              O, R = 0.02      ///
               ///

@@ -9,6 +9,7 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import ConjugateReaction, I, J, Statement
 from codegen.declare.symbols import t
 from codegen.elements.drivers.law import law_problems
+from codegen.elements.registry import element
 
 # (1e-90 m)² is lost in the rounding of any distance, and keeps d / |d| and its derivative from
 # 0 / 0 where a guess puts both points in one place: the Jacobian is 0 there, as that of dᵀ d is.
@@ -17,6 +18,7 @@ SPAN = J.point - I.point
 DISTANCE = sympy.sqrt(SPAN.dot(SPAN) + NOTHING)
 
 
+@element(driver=True)
 @dataclass(frozen=True, eq=False)
 class DistanceDriver:
     """sqrt(dᵀ d) - C(t) = 0 with d = r_j^P - r_i^P: a cylinder or a winch between two points.

@@ -9,8 +9,10 @@ from codegen.declare.body import Body
 from codegen.declare.element import ConjugateReaction, Statement
 from codegen.declare.symbols import Coordinate
 from codegen.elements.drivers.law import COMPONENTS, law_problems
+from codegen.elements.registry import element
 
 
+@element(driver=True)
 @dataclass(frozen=True, eq=False)
 class Motion:
     """driven - law(t) = 0; its reaction is what the driver exerts along `driven`."""

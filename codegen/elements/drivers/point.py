@@ -8,10 +8,12 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import ConjugateReaction, J, Statement
 from codegen.elements.drivers.law import COMPONENTS, law_problems
+from codegen.elements.registry import element
 
 DRIVEN = {"x": J.point[0], "y": J.point[1], "phi": J.phi}
 
 
+@element(driver=True)
 @dataclass(frozen=True, eq=False)
 class PointDriver:
     """x_j^P - C(t) = 0, y_j^P - C(t) = 0 or φ_j - C(t) = 0.

@@ -9,8 +9,10 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import ConjugateReaction, I, J, Statement
 from codegen.elements.drivers.law import COMPONENTS, law_problems
 from codegen.elements.joints.relative import DIFFERENCE
+from codegen.elements.registry import element
 
 
+@element(driver=True)
 @dataclass(frozen=True, eq=False)
 class RelativeDriver:
     """x_j^P - x_i^P - C(t) = 0, y_j^P - y_i^P - C(t) = 0 or φ_j - φ_i - C(t) = 0, in global axes.

@@ -9,8 +9,10 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import ConjugateReaction, I, J, Statement
 from codegen.elements.drivers.law import law_problems
 from codegen.elements.joints.line import ALONG, Axis, axis_problems, bind_axis
+from codegen.elements.registry import element
 
 
+@element(driver=True)
 @dataclass(frozen=True, eq=False)
 class TranslationDriver:
     """u_iᵀ d_ij - C(t) = 0: how far point j is ahead of point i along an axis of body i.

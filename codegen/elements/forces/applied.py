@@ -7,8 +7,10 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.symbols import Coordinate
+from codegen.elements.registry import element
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class AppliedForce:
     """F at a point P: Q_r = F, Q_φ = (B s')ᵀ F (Haug 6.1), with F in global or in body axes."""
@@ -37,7 +39,8 @@ class AppliedForce:
             c, s = sympy.cos(phi), sympy.sin(phi)
             fx, fy = c * fx - s * fy, s * fx + c * fy
         torque = (self.point.x - x) * fy - (self.point.y - y) * fx
-        return {body.x: fx, body.y: fy, body.phi: torque}
+        turning = {} if torque == 0 else {body.phi: torque}
+        return {body.x: fx, body.y: fy, **turning}
 
     def problems(self) -> list[str]:
         """The ground cannot be pushed."""
@@ -46,6 +49,7 @@ class AppliedForce:
         return []
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class AppliedTorque:
     """A torque about the axis normal to the plane, counter-clockwise positive."""

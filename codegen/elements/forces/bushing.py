@@ -10,11 +10,13 @@ from codegen.declare.symbols import Coordinate
 from codegen.elements.forces.along import against, constant, gathered, negative, rate
 from codegen.elements.forces.line import Line
 from codegen.elements.forces.torsion_spring import turn
+from codegen.elements.registry import element
 
 Triple = tuple[sympy.Expr, sympy.Expr, sympy.Expr]
 AXES = (("x", "N/m", "N s/m"), ("y", "N/m", "N s/m"), ("phi", "N m/rad", "N m s/rad"))
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class Bushing:
     """Forces -k s - c ṡ along the displacements s = (A_iᵀ d, φ_j - φ_i - θ0), d = r_j^P - r_i^P.

@@ -9,6 +9,7 @@ from codegen.declare.body import Body, Point
 from codegen.declare.symbols import Coordinate, Time, Velocity, kinds
 from codegen.elements.forces.along import against, constant, gathered, negative, rate
 from codegen.elements.forces.line import Line
+from codegen.elements.registry import element
 
 
 def gap_between(
@@ -31,6 +32,7 @@ def gap_between(
     return ((ux * c - uy * s) * dx + (ux * s + uy * c) * dy) / size - free_length
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class Contact:
     """f = k g + c ġ along the gap g while g < 0, and no force while it is not (Haug 8.4.2).

@@ -7,8 +7,10 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.symbols import Coordinate, Velocity, kinds
+from codegen.elements.registry import element
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class Potential:
     """Potential energy V(q), in joule; its forces are -∂V/∂q."""
@@ -35,6 +37,7 @@ class Potential:
         ]
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class GeneralizedForce:
     """Forces Q along coordinates, N for lengths and N m for angles."""

@@ -7,8 +7,10 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.symbols import Coordinate
+from codegen.elements.registry import element
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class Gravity:
     """V = -Σ m (g_x x + g_y y)."""

@@ -9,8 +9,10 @@ from codegen.declare.body import Body, Point
 from codegen.declare.symbols import Coordinate
 from codegen.elements.forces.along import constant, negative
 from codegen.elements.forces.line import Line
+from codegen.elements.registry import element
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class Spring:
     """f = k (ℓ - ℓ0) + c ℓ̇ + F along the line of two points, N, positive in tension.

@@ -8,6 +8,7 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.symbols import Coordinate
 from codegen.elements.forces.along import against, constant, negative, rate
+from codegen.elements.registry import element
 
 
 def turn(i: Body, j: Body) -> sympy.Expr:
@@ -16,6 +17,7 @@ def turn(i: Body, j: Body) -> sympy.Expr:
     return angle
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class TorsionSpring:
     """n = k (θ - θ0) + c θ̇ + N with θ = φ_j - φ_i; n acts on body i, -n on body j.

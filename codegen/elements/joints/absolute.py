@@ -8,12 +8,14 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import I, J, JointReaction, Statement
 from codegen.declare.symbols import given
+from codegen.elements.registry import element
 
 VALUE = given("value")
 LEFT_SIDE = {"x": J.point[0], "y": J.point[1], "phi": J.phi}
 X_AXIS = I.A * sympy.Matrix([1, 0])
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class Absolute:
     """x_j^P = c, y_j^P = c or φ_j = c; the reaction is what the ground exerts on the body."""

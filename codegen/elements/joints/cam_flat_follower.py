@@ -8,12 +8,14 @@ import sympy
 from codegen.declare.body import Body, Curve, Point
 from codegen.declare.element import I, J, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, coordinate, given
+from codegen.elements.registry import element
 
 AXIS = sympy.Matrix([given("j_ux"), given("j_uy")])
 NORMAL = sympy.Matrix([-AXIS[1], AXIS[0]])
 AT = coordinate("contact", "alpha")
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class CamFlatFollower:
     """n_jᵀ (r_i + A_i c(α) - r_j^P) = 0 and n_jᵀ A_i c'(α) = 0: the face touches the profile c.

@@ -8,10 +8,12 @@ import sympy
 from codegen.declare.body import Body, Curve
 from codegen.declare.element import I, J, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, coordinate
+from codegen.elements.registry import element
 
 AT_I, AT_J = coordinate("contact", "alpha"), coordinate("contact", "beta")
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class CamFollower:
     """The contact points coincide, along c_i' and across it, and the tangents are parallel.

@@ -8,8 +8,10 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Statement
 from codegen.elements.joints.revolute_revolute import RevoluteRevolute
+from codegen.elements.registry import element
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class Distance:
     """(r_j^P - r_i^P)ᵀ (r_j^P - r_i^P) - c² = 0; absolute where one of the points is on the ground.

@@ -7,8 +7,10 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import ConjugateReaction, Statement
+from codegen.elements.registry import element
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class ExpressionConstraint:
     """Any equations of coordinates, parameters and t; each expression is held at zero."""

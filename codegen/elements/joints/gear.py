@@ -10,6 +10,7 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import given
 from codegen.elements.joints.bearings import held_apart
+from codegen.elements.registry import element
 
 ROUNDING = 1e-6
 """Relative difference of centre distance and radii that rounded inputs explain."""
@@ -21,6 +22,7 @@ PHI = (SPAN[0] * sympy.sin(THETA) - SPAN[1] * sympy.cos(THETA),)
 TOWARDS_J = sympy.Matrix([sympy.cos(THETA), sympy.sin(THETA)])
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class Gear:
     """d_x sin θ - d_y cos θ = 0 with d = r_j^P - r_i^P and the angle θ of the line of centres.

@@ -8,10 +8,12 @@ import sympy
 from codegen.declare.body import Body, Curve, Point
 from codegen.declare.element import I, J, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, coordinate
+from codegen.elements.registry import element
 
 AT = coordinate("contact", "alpha")
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class PointFollower:
     """d = A_iᵀ (r_j^P - r_i) - c(α) = 0, written along the curve, c'ᵀ d, and across it.

@@ -9,11 +9,13 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import I, J, JointReaction, Statement
 from codegen.declare.symbols import given
 from codegen.elements.joints.line import ACROSS, ALONG, DIRECTION, Axis, axis_problems, bind_axis
+from codegen.elements.registry import element
 
 RADIUS, OFFSET = given("radius"), given("offset")
 PHI = (ACROSS - RADIUS, ALONG + RADIUS * (J.phi - I.phi) - OFFSET)
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class RackAndPinion:
     """(u⊥)ᵀ d - R = 0 and uᵀ d + R (φ_pinion - φ_rack) - s0 = 0, both bodies free to move.

@@ -8,6 +8,7 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import I, J, JointReaction, Statement
 from codegen.declare.symbols import given
+from codegen.elements.registry import element
 
 VALUE = given("value")
 SPAN = J.point - I.point
@@ -15,6 +16,7 @@ DIFFERENCE = {"x": SPAN[0], "y": SPAN[1], "phi": J.phi - I.phi}
 GLOBAL_X = sympy.Matrix([1, 0])
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class Relative:
     """x_j^P - x_i^P = c, y_j^P - y_i^P = c or φ_j - φ_i = c, in global axes.

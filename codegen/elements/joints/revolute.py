@@ -7,11 +7,13 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.elements.registry import element
 
 PHI = tuple(I.point - J.point)
 X_AXIS = I.A * sympy.Matrix([1, 0])
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class Revolute:
     """r_i + A_i s'_i - r_j - A_j s'_j = 0; the reaction axes are those of the first body."""

@@ -8,12 +8,14 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import I, J, JointReaction, Statement
 from codegen.declare.symbols import given
+from codegen.elements.registry import element
 
 LENGTH = given("length")
 SPAN = J.point - I.point
 PHI = (SPAN.dot(SPAN) - LENGTH**2,)
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class RevoluteRevolute:
     """(r_j^P - r_i^P)ᵀ (r_j^P - r_i^P) - L² = 0; the reaction's x axis points along the link.

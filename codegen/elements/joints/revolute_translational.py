@@ -9,11 +9,13 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import I, J, JointReaction, Statement
 from codegen.declare.symbols import given
 from codegen.elements.joints.line import ACROSS, DIRECTION, Axis, axis_problems, bind_axis
+from codegen.elements.registry import element
 
 DISTANCE = given("distance")
 PHI = (ACROSS - DISTANCE,)
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class RevoluteTranslational:
     """(u_i⊥)ᵀ d_ij - c = 0: point j keeps the distance c, to the left, from a line of body i.

@@ -8,6 +8,7 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import I, J, JointReaction, Statement
 from codegen.declare.symbols import given
+from codegen.elements.registry import element
 
 AXIS = sympy.Matrix([given("i_ux"), given("i_uy")])
 NORMAL = sympy.Matrix([-AXIS[1], AXIS[0]])
@@ -15,6 +16,7 @@ OFFSET = given("angle_offset")
 PHI = ((I.A * NORMAL).dot(J.point - I.point), J.phi - I.phi - OFFSET)
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class Translational:
     """The line through point i along `axis` of body i carries point j; the bodies keep their angle.

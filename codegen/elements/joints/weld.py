@@ -10,11 +10,13 @@ from codegen.declare.element import I, J, JointReaction, Statement
 from codegen.declare.symbols import given
 from codegen.elements.joints.revolute import PHI as COINCIDENT
 from codegen.elements.joints.revolute import X_AXIS
+from codegen.elements.registry import element
 
 ANGLE = given("angle")
 PHI = (*COINCIDENT, J.phi - I.phi - ANGLE)
 
 
+@element
 @dataclass(frozen=True, eq=False)
 class Weld:
     """r_i^P - r_j^P = 0 and φ_j - φ_i - α = 0: a revolute joint that cannot turn.

@@ -1,0 +1,151 @@
+"""The kinds of elements: each joint, driver and force is registered under its `kind`.
+
+The library's classes register themselves where they are defined, and a user's own do it in the
+same way in the user's file; nothing that is done with a kind asks who wrote it.
+"""
+
+import importlib
+import pkgutil
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from inspect import cleandoc
+from typing import Any, Literal, TypeVar, overload
+
+from codegen.errors import ModelError
+
+Role = Literal["joint", "driver", "force"]
+Class = TypeVar("Class", bound=type[Any])
+
+LIBRARY = "codegen.elements"
+WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ -]*")
+SHARED = ("name", "bodies", "problems")
+CONSTRAINT = (*SHARED, "statement")
+EFFECT = (*SHARED, "potential", "forces")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A registered class of elements.
+
+    Attributes
+    ----------
+    name
+        Its `kind`, a few words.
+    role
+        Joints and drivers bring equations Φ, forces a potential V or generalized forces Q.
+    element
+        The class.
+    """
+
+    name: str
+    role: Role
+    element: type[Any]
+
+    @property
+    def text(self) -> str:
+        """The docstring of the class, without its indentation."""
+        return cleandoc(self.element.__doc__ or "")
+
+    @property
+    def summary(self) -> str:
+        """The docstring's first sentence, on one line."""
+        return " ".join(self.text.partition("\n\n")[0].split())
+
+    @property
+    def own(self) -> bool:
+        """Whether a user wrote it, and not the library."""
+        return not _of_library(self.element)
+
+
+_KINDS: dict[str, Kind] = {}
+
+
+@overload
+def element(cls: Class, /) -> Class: ...
+@overload
+def element(*, driver: bool = False) -> Callable[[Class], Class]: ...
+def element(
+    cls: type[Any] | None = None, /, *, driver: bool = False
+) -> type[Any] | Callable[[type[Any]], type[Any]]:
+    """Register a class of joints, drivers or forces under its `kind`; a class decorator.
+
+    Parameters
+    ----------
+    cls
+        A class that answers `Constraint` (`kind`, `name`, `bodies`, `problems()`, `statement()`)
+        or `Effect` (`potential()` and `forces()` in place of `statement()`), with a docstring.
+    driver
+        Whether its equations prescribe a motion: ``@element(driver=True)``.
+
+    Raises
+    ------
+    ModelError
+        If the class lacks any of these, or has the kind of another one.
+
+    Notes
+    -----
+    A user's class that is defined anew, as by a cell of a notebook that runs again, replaces the
+    one before.
+    """
+
+    def register(cls: type[Any]) -> type[Any]:
+        if not _of_library(cls):
+            _load()  # so that the library's kinds are taken
+        problems = _problems(cls)
+        if problems:
+            raise ModelError(problems)
+        role: Role = "driver" if driver else "joint" if hasattr(cls, "statement") else "force"
+        _KINDS[cls.kind] = Kind(cls.kind, role, cls)
+        return cls
+
+    return register if cls is None else register(cls)
+
+
+def kinds_of_elements() -> dict[str, Kind]:
+    """All kinds by name: the library's in the order of their roles and names, then a user's."""
+    _load()
+    roles = ("joint", "driver", "force")
+    ordered = sorted(_KINDS.values(), key=lambda k: (k.own, roles.index(k.role), k.name))
+    return {kind.name: kind for kind in ordered}
+
+
+@cache
+def _load() -> None:
+    """Import all modules of the library's elements, which registers them."""
+    package = importlib.import_module(LIBRARY)
+    for found in pkgutil.walk_packages(package.__path__, f"{LIBRARY}."):
+        importlib.import_module(found.name)
+
+
+def _of_library(cls: type[Any]) -> bool:
+    return cls.__module__.startswith(f"{LIBRARY}.")
+
+
+def _problems(cls: type[Any]) -> list[str]:
+    where, kind = f"element class {cls.__qualname__}", getattr(cls, "kind", None)
+    if not isinstance(kind, str) or not WORDS.fullmatch(kind):
+        return [f'{where}: its kind {kind!r} must be a few ASCII words: kind = "belt".']
+    found = []
+    if not (cls.__doc__ or "").strip() or str(cls.__doc__).startswith(f"{cls.__name__}("):
+        found.append(f"{where} has no docstring; say in one sentence what it holds or exerts.")
+    declared = {*dir(cls)}.union(*(vars(c).get("__annotations__", ()) for c in cls.__mro__))
+    wanted = CONSTRAINT if "statement" in declared else EFFECT
+    if missing := [word for word in wanted if word not in declared]:
+        found.append(
+            f"{where} lacks {', '.join(missing)}; a joint or driver answers "
+            f"{', '.join(CONSTRAINT)}, a force {', '.join(EFFECT)}."
+        )
+    known = _KINDS.get(kind)
+    if known and not (known.own and not _of_library(cls)) and not _same(known.element, cls):
+        found.append(
+            f"{where}: the kind '{kind}' is that of {known.element.__module__}."
+            f"{known.element.__qualname__}; give another."
+        )
+    return found
+
+
+def _same(one: type[Any], other: type[Any]) -> bool:
+    """Whether two classes are one definition, met again."""
+    return (one.__module__, one.__qualname__) == (other.__module__, other.__qualname__)
