@@ -17,6 +17,7 @@ from codegen.declare.element import (
     Effect,
     I,
     J,
+    friction_law,
     own_coordinates,
 )
 from codegen.declare.names import nearest
@@ -143,8 +144,8 @@ def _orientations(constraint: Constraint) -> Iterator[str]:
         held = phi.xreplace(dict.fromkeys(frame.s, sympy.S.Zero))
         if not body.turns and held.has(frame.phi):
             yield (
-                f"{constraint.kind} '{constraint.name}' holds an angle of '{body.name}', a particle "
-                "that has none; use a joint that leaves it free to turn, or a body."
+                f"{constraint.kind} '{constraint.name}' holds an angle of '{body.name}', which is "
+                "a particle and has none; use a joint that leaves it free to turn, or a body."
             )
 
 
@@ -154,6 +155,8 @@ def _needed(model: Model, scene: Scene, name: str) -> list[str]:
     needed = [body.name for body in element.bodies if not body.fixed]
     if isinstance(element, Effect):
         bodies = tuple(model.bodies[b] for b in scene.bodies)
+        if law := friction_law(element):
+            needed.append(law.joint)
         for expression in _effect_expressions(element, bodies):
             owners = (s.name.rpartition("_")[0] for s in kinds(expression, Coordinate, Velocity))
             needed += owners
@@ -163,8 +166,10 @@ def _needed(model: Model, scene: Scene, name: str) -> list[str]:
 def _effect_expressions(effect: Effect, bodies: tuple[Body, ...]) -> list[sympy.Basic]:
     potential = effect.potential(bodies)
     forces = effect.forces(bodies)
+    law = friction_law(effect)
     found: list[sympy.Basic] = [*forces, *forces.values()]
-    return found if potential is None else [potential, *found]
+    found += [] if potential is None else [potential]
+    return found if law is None else [*found, law.strength, law.creep, law.along]
 
 
 def _strangers(

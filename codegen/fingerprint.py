@@ -19,6 +19,7 @@ def fingerprint(equations: Equations) -> str:
     for effect in equations.effects:
         terms = effect.terms
         lines.append(f"{effect.kind} {effect.name} {terms.potential} {terms.forces}")
+        lines += [f"  friction {terms.friction}"] if terms.friction else []
     lines += [f"switch {switch.g}" for switch in equations.switches]
     lines.append(f"left out {equations.left_out}")
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()

@@ -41,7 +41,7 @@ model = Model("gear_slider", gravity=(0, -9.81))
 # Parameters may change from run to run without a new build.
 drive_speed = model.parameter("drive_speed", float(4 * pi), unit="rad/s")
 offset = model.parameter("offset", 0.03, unit="m")
-pinion_torque = model.parameter("pinion_torque", 0.5, unit="N m")
+pinion_torque = model.parameter("pinion_torque", 0.2, unit="N m")
 
 # Bodies, with their centres of mass at their origins: disks and uniform bars.
 pinion = model.body("pinion", mass=0.6, inertia=0.6 * PINION**2 / 2)

@@ -125,6 +125,38 @@ class Statement:
     own: tuple[tuple[str, Coordinate], ...] = ()
 
 
+Pressing = tuple[tuple[tuple[str, sympy.Expr], ...], ...]
+"""A contact's load, a vector: each entry a sum of (component of the reaction, factor)."""
+
+
+@dataclass(frozen=True)
+class FrictionLaw:
+    """A force that follows from a joint's reaction, f = -strength · N · tanh(ṡ / creep).
+
+    Attributes
+    ----------
+    joint
+        Name of the joint that rubs.
+    strength
+        μ, or μ times an arm in m.
+    creep
+        The speed below which the joint creeps instead of sticking.
+    along
+        The slip s(q), m or rad; the force acts along it.
+    contacts
+        The loads whose sizes add up to N.
+    unit
+        Of f.
+    """
+
+    joint: str
+    strength: sympy.Expr
+    creep: sympy.Expr
+    along: sympy.Expr
+    contacts: tuple[Pressing, ...]
+    unit: str
+
+
 class Element(Protocol):
     """What joints, drivers and effects have in common."""
 
@@ -155,9 +187,19 @@ def own_coordinates(constraint: Constraint) -> tuple[Coordinate, ...]:
     return () if constraint.problems() else tuple(q for _, q in constraint.statement().own)
 
 
+def friction_law(effect: "Effect") -> FrictionLaw | None:
+    """The law of an effect that follows from a joint's reaction."""
+    answer = getattr(effect, "friction", None)
+    law: FrictionLaw | None = answer() if answer is not None else None
+    return law
+
+
 @runtime_checkable
 class Effect(Element, Protocol):
-    """A force: brings a potential V or generalized forces Q."""
+    """A force: brings a potential V or generalized forces Q.
+
+    One that follows from a joint's reaction answers, besides, ``friction() -> FrictionLaw``.
+    """
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
         """V in joule, if the effect has a potential."""

@@ -87,7 +87,7 @@ def _dynamic_kernels(scene: SceneGraph, powers: list[tuple[str, str, int]]) -> l
         ),
         Kernel(
             "applied_forces",
-            "Generalized forces Q, those of the potential included.",
+            "Generalized forces Q, those of the potential included, those of friction not.",
             (*STATE, "modes", "Q"),
             store("Q", scene.applied, coordinates),
         ),

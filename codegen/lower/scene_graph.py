@@ -1,11 +1,32 @@
 """Equations of a scene → values: every element instantiated in one graph."""
 
+from typing import NamedTuple
+
 import sympy
 
 from codegen.declare.symbols import Acceleration, Parameter, t
+from codegen.derive.effects import FrictionTerms
 from codegen.derive.equations import Equations
 from codegen.lower.graph import Graph
 from codegen.lower.translate import Translator
+
+
+class Friction(NamedTuple):
+    """A force -grip · (sum of the sizes of `loads`) along `direction`.
+
+    Attributes
+    ----------
+    grip
+        The value that a load is multiplied by.
+    direction
+        Column → generalized force of a unit force.
+    loads
+        One a contact: a vector, each entry a sum over row → factor of the multiplier.
+    """
+
+    grip: int
+    direction: dict[int, int]
+    loads: tuple[tuple[dict[int, int], ...], ...]
 
 
 class SceneGraph:
@@ -27,6 +48,8 @@ class SceneGraph:
         V, ∂V/∂q, and Q with the forces of the potential.
     powers
         (effect, power) of the effects without a potential.
+    frictions
+        The forces that follow from reactions.
     """
 
     def __init__(self, equations: Equations) -> None:
@@ -47,6 +70,9 @@ class SceneGraph:
         self.jacobian: dict[tuple[int, int], int] = {}
         self.own: list[tuple[int, int]] = []
         self.reactions: list[tuple[str, str, str, int]] = []
+        laws = (e.terms.friction for e in equations.effects)
+        self._rubbing = {law.joint for law in laws if law}
+        self._pressing: dict[tuple[str, str], dict[int, int]] = {}
         self._constraints()
         self._effects()
 
@@ -109,6 +135,11 @@ class SceneGraph:
                 for component, unit, reaction in terms.reactions:
                     value = translate(reaction)
                     self.reactions.append((element.name, component, unit, value))
+                    if element.name in self._rubbing:
+                        self._pressing[element.name, component] = {
+                            first + k: translate(sympy.diff(reaction, lam))
+                            for k, lam in enumerate(terms.multipliers)
+                        }
         self.jacobian = {k: v for k, v in sorted(self.jacobian.items()) if v != self.graph.zero}
 
     def _effects(self) -> None:
@@ -118,6 +149,7 @@ class SceneGraph:
         self.gradient = [graph.zero] * self.n
         self.forces = [graph.zero] * self.n
         self.powers: list[tuple[str, int]] = []
+        self.frictions: list[Friction] = []
         for effect in equations.effects:
             with graph.serving(effect.name):
                 if effect.terms.potential is not None:
@@ -133,6 +165,42 @@ class SceneGraph:
                     power = graph.add(power, graph.mul(value, self.v[k]))
                 if effect.terms.forces:
                     self.powers.append((effect.name, power))
+                if effect.terms.friction:
+                    self._friction(effect.name, effect.terms.friction)
         with graph.serving("masses"):
             self.masses = [self.translate(m) for m in equations.masses]
         self.applied = [graph.sub(f, g) for f, g in zip(self.forces, self.gradient, strict=True)]
+
+    def _friction(self, name: str, terms: FrictionTerms) -> None:
+        """The force itself, from the multipliers as inputs, its power, and what solves for it."""
+        graph = self.graph
+        columns = {q: k for k, q in enumerate(self.equations.coordinates)}
+        grip = self.translate(terms.grip)
+        direction = {columns[q]: self.translate(slope) for q, slope in terms.direction}
+        loads = tuple(
+            tuple(self._load(terms.joint, entry) for entry in contact) for contact in terms.contacts
+        )
+        self.frictions.append(Friction(grip, direction, loads))
+        sizes = [self.size([self.along(entry, self.lam) for entry in load]) for load in loads]
+        force = graph.neg(graph.mul(grip, graph.total(sizes)))
+        self.reactions.append((name, "force" if terms.unit == "N" else "torque", terms.unit, force))
+        self.powers.append((name, graph.mul(force, self.translate(terms.slip))))
+
+    def _load(self, joint: str, entry: tuple[tuple[str, sympy.Expr], ...]) -> dict[int, int]:
+        """Row → factor of a sum of components of a joint's reaction."""
+        found: dict[int, int] = {}
+        for component, factor in entry:
+            for row, share in self._pressing[joint, component].items():
+                part = self.graph.mul(self.translate(factor), share)
+                found[row] = self.graph.add(found.get(row, self.graph.zero), part)
+        return {row: factor for row, factor in found.items() if factor != self.graph.zero}
+
+    def along(self, entry: dict[int, int], multipliers: list[int]) -> int:
+        """The sum of factors times multipliers."""
+        graph = self.graph
+        return graph.total([graph.mul(factor, multipliers[row]) for row, factor in entry.items()])
+
+    def size(self, vector: list[int]) -> int:
+        """√(vᵀv)."""
+        squares = [self.graph.mul(entry, entry) for entry in vector]
+        return self.graph.power(self.graph.total(squares), 0.5)

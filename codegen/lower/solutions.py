@@ -3,6 +3,7 @@
 from itertools import combinations_with_replacement
 
 from codegen.lower.factorization import Elimination, Strategy
+from codegen.lower.friction import with_friction
 from codegen.lower.hoist import with_constants
 from codegen.lower.ledger import cost
 from codegen.lower.program import STATE, Check, Kernel, store
@@ -38,12 +39,12 @@ def _dynamics(scene: SceneGraph, strategy: Strategy) -> Kernel:
         system = Elimination(
             graph,
             entries,
-            [scene.applied + scene.gamma],
+            [scene.applied + scene.gamma, *_pushes(scene)],
             frozenset(range(n, n + scene.m)),
             references,
             located,
         )
-        (solution,) = system.solve(strategy)
+        solution = with_friction(scene, system.solve(strategy))
     outputs = store("a", solution[:n], [q.rate.name for q in scene.equations.coordinates])
     outputs += store("lam", solution[n:], scene.row_names())
     checks = tuple(check._replace(constraint=check.constraint - n) for check in system.checks)
@@ -55,6 +56,15 @@ def _dynamics(scene: SceneGraph, strategy: Strategy) -> Kernel:
         checks,
         watched=True,
     )
+
+
+def _pushes(scene: SceneGraph) -> list[list[int]]:
+    """Right sides of unit forces of friction."""
+    zero = scene.graph.zero
+    return [
+        [*(f.direction.get(k, zero) for k in range(scene.n)), *[zero] * scene.m]
+        for f in scene.frictions
+    ]
 
 
 def _kinematics(scene: SceneGraph) -> Kernel:

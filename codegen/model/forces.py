@@ -6,13 +6,14 @@ from typing import Any, Literal
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect
+from codegen.declare.element import Constraint, Effect
 from codegen.declare.symbols import Coordinate
 from codegen.elements.forces.along import rate
 from codegen.elements.forces.applied import AppliedForce, AppliedTorque
 from codegen.elements.forces.bushing import AXES, Bushing, Triple
 from codegen.elements.forces.contact import Contact, gap_between
 from codegen.elements.forces.expression import GeneralizedForce, Potential
+from codegen.elements.forces.friction import JointFriction
 from codegen.elements.forces.gravity import Gravity
 from codegen.elements.forces.line import Line
 from codegen.elements.forces.spring import Spring
@@ -199,6 +200,41 @@ class Forces(Declarations):
         stiff = self._read.value(stiffness, "N/m", f"stiffness of {where}")
         damp = self._read.value(damping, "N s/m", f"damping of {where}")
         return self._effect(Contact(name, g, stiff, damp, bodies, bool(may_pull)))
+
+    def friction(
+        self,
+        name: str,
+        joint: Constraint,
+        coefficient: Any,
+        creep: Any,
+        radius: Any = None,
+        length: Any = None,
+    ) -> Effect:
+        """Coulomb friction in a joint, from the joint's own reaction, made smooth at rest.
+
+        Parameters
+        ----------
+        joint
+            A revolute, translational or revolute-translational joint.
+        coefficient
+            μ.
+        creep
+            The speed, in m/s or, in a revolute joint, rad/s, below which the joint creeps instead
+            of sticking.
+        radius
+            Of a revolute joint's pin, m.
+        length
+            Of a translational joint's bearing, m: its moment then presses at both ends.
+        """
+        where = f"friction '{name}'"
+        pin = getattr(joint, "kind", "") == "revolute"
+        speed = self._read.value(creep, "rad/s" if pin else "m/s", f"creep speed of {where}")
+        mu = self._read.value(coefficient, "", f"coefficient of {where}")
+        sizes = (
+            None if size is None else self._read.value(size, "m", f"{word} of {where}")
+            for size, word in ((radius, "radius"), (length, "length"))
+        )
+        return self._effect(JointFriction(name, joint, mu, speed, *sizes))
 
     def bushing(
         self,

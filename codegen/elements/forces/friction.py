@@ -1,0 +1,115 @@
+"""Coulomb friction in a joint, from the joint's own reaction."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.element import Constraint, FrictionLaw
+from codegen.declare.symbols import Coordinate
+from codegen.elements.forces.along import negative
+from codegen.elements.forces.line import Line
+from codegen.elements.forces.torsion_spring import turn
+from codegen.elements.joints.revolute import Revolute
+from codegen.elements.joints.revolute_translational import RevoluteTranslational
+from codegen.elements.joints.translational import Translational
+from codegen.elements.registry import element
+
+JOINTS = (Revolute, Translational, RevoluteTranslational)
+
+
+@element
+@dataclass(frozen=True, eq=False)
+class JointFriction:
+    """f = -μ N tanh(ṡ/v_c) along the slip s, N being the size of the joint's reaction.
+
+    In a revolute joint of radius R the slip is the angle between the bodies, and f the torque
+    -μ R |F| tanh(ω/ω_c). In a translational joint the force across the guide presses; where the
+    bearing's length b is given, it presses at both ends, with |F/2 ± T/b| each. In a
+    revolute-translational joint the force across the line presses.
+
+    The law is Coulomb's, made smooth: below the creep speed v_c the joint creeps instead of
+    sticking, at ṡ = v_c f/(μ N) nearly, and above three times v_c the force is within half a
+    percent of Coulomb's. The reaction depends on the friction in turn: both are solved together.
+
+    Attributes
+    ----------
+    joint
+        The joint that rubs.
+    coefficient, creep
+        μ, and v_c in m/s, or ω_c in rad/s.
+    radius, length
+        R of a revolute joint's pin in m; b of a translational joint's bearing in m, or None.
+    """
+
+    kind: ClassVar[str] = "friction"
+    name: str
+    joint: Any
+    coefficient: sympy.Expr
+    creep: sympy.Expr
+    radius: sympy.Expr | None = None
+    length: sympy.Expr | None = None
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The bodies of the joint."""
+        found: tuple[Body, ...] = self.joint.bodies if isinstance(self.joint, JOINTS) else ()
+        return found
+
+    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+        """Friction has none."""
+        return None
+
+    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+        """None that the state alone gives: friction follows from the joint's reaction."""
+        return {}
+
+    def friction(self) -> FrictionLaw:
+        """Along what it acts, and what presses."""
+        joint, mu = self.joint, self.coefficient
+        if isinstance(joint, Revolute):
+            pressing: tuple[Any, ...] = ((("fx", sympy.S.One),), (("fy", sympy.S.One),))
+            along = turn(joint.i.body, joint.j.body)
+            return FrictionLaw(joint.name, mu * self.radius, self.creep, along, (pressing,), "N m")
+        ux, uy = joint.axis
+        c, s = (f(joint.i.body.pose[2]) for f in (sympy.cos, sympy.sin))
+        dx, dy = Line(joint.i, joint.j).d
+        size = sympy.sqrt(ux**2 + uy**2)
+        along = ((ux * c - uy * s) * dx + (ux * s + uy * c) * dy) / size
+        ends: tuple[Any, ...] = (((("fy", sympy.S.One),),),)
+        if self.length is not None:
+            half = sympy.Rational(1, 2)
+            ends = tuple(((("fy", half), ("torque", sign / self.length)),) for sign in (1, -1))
+        return FrictionLaw(joint.name, mu, self.creep, along, ends, "N")
+
+    def problems(self) -> list[str]:
+        """Joints that do not rub, and numbers that no friction has."""
+        where, found = f"friction '{self.name}'", []
+        joint = self.joint
+        if not isinstance(joint, JOINTS):
+            what = f"'{joint.name}'" if isinstance(joint, Constraint) else repr(joint)
+            found.append(
+                f"{where}: {what} is no joint that rubs; give a revolute, a translational or a "
+                "revolute-translational joint."
+            )
+            return found
+        pin = isinstance(joint, Revolute)
+        if pin and self.radius is None:
+            found.append(f"{where}: revolute joint '{joint.name}' needs radius=, its pin's, in m.")
+        if not pin and self.radius is not None:
+            found.append(f"{where}: joint '{joint.name}' has no pin; leave out radius=.")
+        if not isinstance(joint, Translational) and self.length is not None:
+            found.append(f"{where}: joint '{joint.name}' has no long bearing; leave out length=.")
+        if negative(self.coefficient):
+            found.append(
+                f"{where}: the coefficient of friction is {float(self.coefficient):g}; give a "
+                "number that is not negative."
+            )
+        sizes = (("creep speed", self.creep), ("radius", self.radius), ("length", self.length))
+        found += [
+            f"{where}: the {word} is {float(value):g}; give a positive number."
+            for word, value in sizes
+            if value is not None and value.is_number and not value > 0
+        ]
+        return found

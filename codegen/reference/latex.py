@@ -1,0 +1,127 @@
+r"""Expressions as LaTeX, in Haug's letters: $x_i$, $\dot\phi_j$, $s'_{jx}$, $\lambda_1$.
+
+Nothing here depends on the order of a set: the same expression gives the same characters.
+"""
+
+import re
+from typing import Any
+
+import sympy
+from sympy.printing.latex import LatexPrinter, translate
+
+from codegen.declare.interpolant import Interpolant
+from codegen.declare.symbols import RATES, Coordinate, Multiplier, Velocity
+
+WIDTH = 84
+"""Characters of a line that a page shows without scrolling, nearly."""
+
+GREEK = {"phi": r"\phi", "alpha": r"\alpha", "beta": r"\beta"}
+LETTERS = {rate: letter for letter, rate in RATES.items()}
+OF_CURVES = ("alpha", "beta")
+FRAMED = re.compile(r"([ij])_([su])([xy])")
+COMMAND = re.compile(r"\\(?:left|right|begin|end|quad|mathrm|mathit|tfrac|frac|[,;])(?![a-zA-Z])")
+INVISIBLE = re.compile(r"[{}_^&\s]")
+
+
+class _Printer(LatexPrinter):  # type: ignore[misc]
+    def _print_Symbol(self, expr: sympy.Symbol, style: str = "plain") -> str:
+        return symbol(expr)
+
+    def _print_sin(self, expr: sympy.Expr, exp: str | None = None) -> str:
+        return self._circular(r"\sin", expr, exp)
+
+    def _print_cos(self, expr: sympy.Expr, exp: str | None = None) -> str:
+        return self._circular(r"\cos", expr, exp)
+
+    def _circular(self, name: str, expr: sympy.Expr, exp: str | None) -> str:
+        (angle,) = expr.args
+        text = self._print(angle)
+        name = f"{name}^{{{exp}}}" if exp is not None else name
+        return f"{name} {text}" if angle.is_Symbol else rf"{name}\left({text}\right)"
+
+    def _print_Interpolant(self, expr: Interpolant, exp: str | None = None) -> str:
+        name = rf"{word(expr.table.name)}{chr(39) * expr.order}\left({self._print(expr.at)}\right)"
+        return name if exp is None else rf"\left({name}\right)^{{{exp}}}"
+
+    def _print_Relational(self, expr: sympy.Rel) -> str:
+        # A bare < opens a tag where Markdown is read as HTML.
+        signs = {"<": r"\lt", ">": r"\gt", "<=": r"\le", ">=": r"\ge"}
+        left, right = (self._print(side) for side in (expr.lhs, expr.rhs))
+        return f"{left} {signs[expr.rel_op]} {right}"
+
+
+_PRINT = _Printer({"fold_short_frac": False, "mul_symbol": None, "ln_notation": True})
+
+
+def latex(expression: sympy.Basic) -> str:
+    """An expression in one line."""
+    return str(_PRINT.doprint(expression))
+
+
+def symbol(s: sympy.Symbol) -> str:
+    """A symbol of a declaration."""
+    owner, _, letter = s.name.rpartition("_")
+    if isinstance(s, Multiplier) and letter.isdecimal():
+        return rf"\lambda_{{{int(letter) + 1}}}"
+    if isinstance(s, Coordinate | Velocity) and owner:
+        dot = r"\dot " if isinstance(s, Velocity) else ""
+        letter = LETTERS[letter] if isinstance(s, Velocity) else letter
+        shown = f"{dot}{GREEK.get(letter, letter)}"
+        # The parameter of a curve belongs to the joint; there is none other to confuse it with.
+        return shown if letter in OF_CURVES else f"{shown}_{{{word(owner)}}}"
+    if found := FRAMED.fullmatch(s.name):
+        frame, vector, axis = found.groups()
+        return f"{vector}'_{{{frame}{axis}}}"
+    return word(s.name)
+
+
+def word(name: str) -> str:
+    """A name: Greek or one letter as it stands, a word upright, what follows ``_`` below."""
+    head, _, below = name.partition("_")
+    shown = r"\ell" if head == "l" else translate(head)
+    if len(head) > 1 and not shown.startswith("\\"):
+        shown = rf"\mathrm{{{head}}}"
+    return f"{shown}_{{{word(below)}}}" if below else shown
+
+
+def width(text: str) -> int:
+    """Characters that LaTeX takes on the page, roughly."""
+    return len(INVISIBLE.sub("", re.sub(r"\\[a-zA-Z]+", "m", COMMAND.sub("", text))))
+
+
+def aligned(equations: list[tuple[str, sympy.Expr]]) -> str:
+    r"""``$$ … $$`` with an equation a line, and sums that are too long on several.
+
+    Parameters
+    ----------
+    equations
+        (left side in LaTeX, right side).
+    """
+    lines: list[str] = []
+    for left, right in equations:
+        first, *more = _broken(right, WIDTH - width(left))
+        lines.append(f"{left} &= {first}")
+        lines += [rf"&\quad {line}" for line in more]
+    rows = " \\\\\n".join(lines)
+    return f"$$\n\\begin{{aligned}}\n{rows}\n\\end{{aligned}}\n$$"
+
+
+def _broken(expression: sympy.Expr, room: int) -> list[str]:
+    """A sum in as few lines as it takes; every later line begins with a sign."""
+    whole = latex(expression)
+    if width(whole) <= room or not isinstance(expression, sympy.Add):
+        return [whole]
+    lines: list[str] = []
+    for term in _terms(expression):
+        text = latex(term)
+        signed = text if text.startswith("-") or not lines else f"+ {text}"
+        if lines and width(lines[-1]) + width(signed) <= room:
+            lines[-1] += f" {signed}"
+        else:
+            lines.append(signed)
+    return lines
+
+
+def _terms(expression: sympy.Add) -> list[Any]:
+    ordered: list[Any] = _PRINT._as_ordered_terms(expression, order=None)
+    return ordered
