@@ -29,7 +29,7 @@ free_follower
     Beyond the book: the pushrod may leave the cam, and what a negative force announces happens.
 """
 
-from math import pi, sqrt
+from math import sqrt
 
 import pint
 
@@ -85,9 +85,8 @@ shut = {
     valve.x: 2 * arm,
     valve.y: level - stem / 2,
 }
-touching = shut | {lift.alpha: pi / 2}
 
-model.scene("kinematics", drivers=["camshaft"], guess=touching, analysis="kinematics")
-model.scene("inverse_dynamics", ["valve_spring"], ["camshaft"], guess=touching)
+model.scene("kinematics", drivers=["camshaft"], guess=shut, analysis="kinematics")
+model.scene("inverse_dynamics", ["valve_spring"], ["camshaft"], guess=shut)
 model.scene("free_follower", ["valve_spring", "touch"], ["camshaft"], without=[lift],
             start={pushrod.y: level - rod / 2, pushrod.vy: 0}, guess=shut)  # fmt: skip

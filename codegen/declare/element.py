@@ -1,5 +1,6 @@
 """What every joint, driver and force answers; the library's and a user's own on equal terms."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar, Protocol, runtime_checkable
 
@@ -185,6 +186,14 @@ class Constraint(Element, Protocol):
 def own_coordinates(constraint: Constraint) -> tuple[Coordinate, ...]:
     """The coordinates that a sound joint brings itself."""
     return () if constraint.problems() else tuple(q for _, q in constraint.statement().own)
+
+
+@runtime_checkable
+class Located(Protocol):
+    """A joint with coordinates of its own that knows where they are for a rough pose."""
+
+    def near(self, numbers: Mapping[sympy.Symbol, float]) -> dict[Coordinate, float]:
+        """Its coordinates, from values of the bodies' coordinates and of the parameters."""
 
 
 def friction_law(effect: "Effect") -> FrictionLaw | None:

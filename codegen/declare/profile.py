@@ -1,13 +1,18 @@
 """Shapes of cams: whether a profile is closed, smooth, and convex where its follower needs it."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping
 
+import numpy as np
+import numpy.typing as npt
 import sympy
 
+from codegen.declare.body import Curve
 from codegen.declare.interpolant import TableAtom
 from codegen.declare.symbols import alpha
 
 SAMPLES = 720
+ALPHAS = tuple(2 * math.pi * k / SAMPLES for k in range(SAMPLES + 1))
 TOLERANCE = 1e-9
 
 
@@ -22,11 +27,7 @@ def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Itera
     if first.is_zero_matrix:
         yield f"{tuple(profile)} is a point, not a curve; write it in alpha."
         return
-    tables = {str(atom): atom.table for atom in profile.atoms(TableAtom)}
-    tables["Interpolant"] = lambda table, order, at: table(at, order)
-    everything = sympy.lambdify(alpha, (*profile, *first, *second), [tables, "math"])
-    points = [everything(2 * sympy.pi.evalf() * k / SAMPLES) for k in range(SAMPLES + 1)]
-    points = [tuple(map(float, point)) for point in points]
+    points = _sampled((*profile, *first, *second))
     size = max(abs(c) for point in points for c in point[:2]) or 1.0
     if closed:
         for what, k in (("does not close", 0), ("has a corner where it closes", 2)):
@@ -57,5 +58,26 @@ def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Itera
             )
 
 
+def places(profile: sympy.Matrix) -> npt.NDArray[np.float64]:
+    """Points of a curve that is written in alpha and numbers, at `ALPHAS`, samples × 2."""
+    return np.array(_sampled(tuple(profile)))
+
+
+def in_ground(curve: Curve, numbers: Mapping[sympy.Symbol, float]) -> npt.NDArray[np.float64]:
+    """Points of a curve in the global frame for coordinates and parameters, samples × 2."""
+    x, y, phi = (float(c.subs(numbers)) for c in curve.body.pose)
+    c, s = math.cos(phi), math.sin(phi)
+    turned: npt.NDArray[np.float64] = places(curve.at(alpha).subs(numbers)) @ [[c, s], [-s, c]]
+    return turned + np.array([x, y])
+
+
+def _sampled(expressions: tuple[sympy.Expr, ...]) -> list[tuple[float, ...]]:
+    """Values at `ALPHAS`."""
+    tables = {str(a): a.table for e in expressions for a in e.atoms(TableAtom)}
+    tables["Interpolant"] = lambda table, order, at: table(at, order)
+    everything = sympy.lambdify(alpha, expressions, [tables, "math"])
+    return [tuple(map(float, everything(at))) for at in ALPHAS]
+
+
 def _angle(k: int) -> str:
-    return f"{2 * float(sympy.pi) * k / SAMPLES:.4g}"
+    return f"{ALPHAS[k]:.4g}"

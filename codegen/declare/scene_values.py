@@ -14,6 +14,7 @@ from codegen.declare.symbols import Coordinate
 
 Names = Iterable["str | Body | Constraint | Effect"]
 Values = Mapping["str | sympy.Symbol", Any]
+NamedValues = tuple[tuple[str, float], ...]
 UNITS = {"x": "m", "y": "m", "phi": "rad", "alpha": "rad", "beta": "rad"}
 """Letters of coordinates, with their units."""
 
@@ -38,10 +39,10 @@ def states(
     """Values of coordinates and velocities (``"crank.phi"``, or the symbol) in SI units."""
     known: dict[str, str] = {}
     for q in coordinates:
-        known |= {_dotted(q): q.unit, _dotted(q.rate): f"{q.unit}/s"}
+        known |= {dotted(q): q.unit, dotted(q.rate): f"{q.unit}/s"}
     found = {}
     for key, value in values.items():
-        name = key if isinstance(key, str) else _dotted(key)
+        name = key if isinstance(key, str) else dotted(key)
         if name in known:
             found[name] = read.finite(value, known[name], f"{where}, {name}")
         else:
@@ -50,7 +51,8 @@ def states(
     return tuple(found.items())
 
 
-def _dotted(symbol: sympy.Symbol) -> str:
+def dotted(symbol: sympy.Symbol) -> str:
+    """``crank_phi`` → ``crank.phi``."""
     return ".".join(symbol.name.rsplit("_", 1))
 
 

@@ -36,8 +36,8 @@ class Cams(Declarations):
 
         Notes
         -----
-        A face has two contacts with a cam, one on either side: give a start guess of
-        ``joint.alpha`` near the one that is meant.
+        A face has two contacts with a cam, one on either side. A scene that says nothing of
+        ``joint.alpha`` begins where the cam reaches farthest into the follower.
         """
         profile = self._curve(name, cam, closed=True, convex=True)
         ax, ay = (self._read.value(a, "m", f"axis of '{name}'") for a in axis)

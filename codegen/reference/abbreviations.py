@@ -1,24 +1,24 @@
-"""Letters for the sums that an element's equations repeat, so that they fit on a page."""
+"""Short names for the sums that an element's equations repeat, so that they fit on a page."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from itertools import count
 
 import sympy
 
-from codegen.declare.element import I, J
 from codegen.declare.symbols import given
 from codegen.reference.latex import latex, width
+from codegen.reference.letters import lettered, used
 
-LONG = 14
-"""Characters from which a sum that occurs again is given a letter."""
+LONG = 16
+"""Characters from which a sum that occurs again is given a name."""
 
-SPAN = tuple(J.point - I.point)
-KNOWN = dict(zip(SPAN, (given("d_x"), given("d_y")), strict=True))
-"""The way from point i to point j has its letters in every book."""
+WIDE = 56
+"""Characters from which a sum inside a product is: lines are broken between terms alone."""
 
 
 class Abbreviations:
-    """Sums that occur more than once, each with a letter.
+    """The letters of the book, and a_1, a_2 … for other sums that occur more than once.
 
     Parameters
     ----------
@@ -27,54 +27,67 @@ class Abbreviations:
     """
 
     def __init__(self, expressions: Iterable[sympy.Expr]) -> None:
+        shown = [lettered(expression) for expression in expressions]
         counts: Counter[sympy.Expr] = Counter()
-        for expression in expressions:
+        wide: set[sympy.Expr] = set()
+        for expression in shown:
             for sum_ in _sums(expression):
-                # -(a + b) is the sum of -a and -b, and the same thing to a reader.
-                counts[-sum_ if -sum_ in counts else sum_] += 1
-        repeated = [s for s, n in counts.items() if n > 1 and width(latex(s)) >= LONG]
-        self._letters: dict[sympy.Expr, sympy.Symbol] = {}
-        for sum_ in repeated:
-            turned = -sum_ if -sum_ in KNOWN else sum_
-            free = given(f"a_{len(self._letters) + 1}")
-            self._letters[turned] = KNOWN.get(turned, free)
-        self._used: dict[sympy.Symbol, None] = {}
+                scaled = _scaled(sum_)[1]
+                counts[scaled] += 1
+                if sum_ is not expression and width(latex(sum_)) >= WIDE:
+                    wide.add(scaled)
+        taken = {s.name for expression in shown for s in expression.free_symbols}
+        free = (given(f"a_{k}") for k in count(1) if f"a_{k}" not in taken)
+        chosen = [
+            sum_
+            for sum_, times in counts.items()
+            if sum_ in wide or (times > 1 and width(latex(sum_)) >= LONG)
+        ]
+        self._names = {sum_: next(free) for sum_ in chosen}
+        self._meanings = {name: sum_ for sum_, name in self._names.items()}
+        self._met: list[sympy.Expr] = []
 
     def __call__(self, expression: sympy.Expr) -> sympy.Expr:
-        """The same expression, with letters in place of the sums."""
-        for sign in (1, -1):
-            if letter := self._letters.get(sign * expression):
-                self._used[letter] = None
-                return sign * letter
-        return self.inside(expression)
-
-    def inside(self, expression: sympy.Expr) -> sympy.Expr:
-        """The same, where `expression` itself is not to become a letter."""
-        if not expression.args or expression.is_Relational:
-            return expression
-        arguments = [self(a) if isinstance(a, sympy.Expr) else a for a in expression.args]
-        return expression.func(*arguments)
+        """The same expression, shorter."""
+        short = self._named(lettered(expression))
+        self._met.append(short)
+        return short
 
     def definitions(self) -> list[tuple[str, sympy.Expr]]:
-        """(letter in LaTeX, sum) of the letters in use, each before it is used in another."""
-        meanings = {letter: sum_ for sum_, letter in self._letters.items()}
+        """(name in LaTeX, meaning) of all that has been used, each before what it is used in."""
         found: dict[sympy.Symbol, sympy.Expr] = {}
 
-        def define(letter: sympy.Symbol) -> None:
-            if letter in found:
-                return
-            shown = self.inside(meanings[letter])
-            inner = (s for s in shown.free_symbols if s in meanings)
-            for other in sorted(inner, key=lambda s: s.name):
-                define(other)
-            found[letter] = shown
+        def define(names: set[sympy.Symbol]) -> None:
+            for name in (n for n in self._meanings if n in names and n not in found):
+                meaning = self._inside(self._meanings[name])
+                define(meaning.free_symbols)
+                found[name] = meaning
 
-        for letter in sorted(self._used, key=lambda s: s.name):
-            define(letter)
-        return [(latex(letter), shown) for letter, shown in found.items()]
+        define(set().union(*(e.free_symbols for e in self._met)))
+        letters = used([*self._met, *found.values()])
+        return [(latex(name), meaning) for name, meaning in (*letters, *found.items())]
+
+    def _named(self, expression: sympy.Basic) -> sympy.Basic:
+        if isinstance(expression, sympy.Add):
+            number, sum_ = _scaled(expression)
+            if sum_ in self._names:
+                return number * self._names[sum_]
+        return self._inside(expression)
+
+    def _inside(self, expression: sympy.Basic) -> sympy.Basic:
+        if not expression.args:
+            return expression
+        return expression.func(*(self._named(argument) for argument in expression.args))
 
 
-def _sums(expression: sympy.Basic) -> Iterable[sympy.Expr]:
+def _scaled(sum_: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr]:
+    """A number and the sum without it: 2 a - 2 b and b - a are multiples of one sum."""
+    first = min(sum_.args, key=sympy.default_sort_key)
+    number = first.as_coeff_Mul()[0]
+    return number, sympy.Add(*(term / number for term in sum_.args))
+
+
+def _sums(expression: sympy.Basic) -> Iterator[sympy.Expr]:
     """Sums inside an expression and it itself, from the outside, in the order of its arguments."""
     if isinstance(expression, sympy.Add):
         yield expression

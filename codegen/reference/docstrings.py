@@ -4,6 +4,7 @@ import re
 from inspect import cleandoc
 
 UNDERLINE = re.compile(r"-{3,}\s*")
+LISTS = ("Attributes", "Parameters", "Raises", "Returns")
 
 
 def markdown(docstring: str | None) -> str:
@@ -13,7 +14,7 @@ def markdown(docstring: str | None) -> str:
     listing = False
     for k, line in enumerate(lines):
         if UNDERLINE.fullmatch(line):
-            listing = True
+            listing = lines[k - 1] in LISTS
         elif k + 1 < len(lines) and UNDERLINE.fullmatch(lines[k + 1]):
             shown += [f"**{line}**", ""]
         elif listing and line and not line.startswith(" "):

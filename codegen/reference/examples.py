@@ -1,8 +1,8 @@
 """A small sound model for each kind of the library: the element between two free bodies.
 
 The reference pages show these declarations, their equations and their costs, and the tests hold
-every kind to the same laws with them. An example is a function named after the method of `Model`
-that declares the kind; it names the things that it needs of `Pair`.
+every kind to the same laws with them. An example is a function with the name of the method of
+`Model` that declares the kind; it names what it needs of `Pair`.
 """
 
 import inspect
@@ -84,7 +84,7 @@ def example_of(kind: str, model: Model | None = None) -> Example:
             "a model file that declares one: python -m codegen elements --model FILE."
         )
     recipe = _RECIPES[kind]
-    pair = Pair(recipe.declare.__name__)
+    pair = Pair("example")
     wanted = inspect.signature(recipe.declare).parameters
     recipe.declare(**{name: pair if name == "model" else getattr(pair, name) for name in wanted})
     (element,) = (e for e in _elements(pair) if e.kind == kind)
@@ -102,7 +102,7 @@ def _example(kind: str, *methods: str) -> Callable[[Callable[..., None]], Callab
     """Note a function as the example of `kind`; the method is called as it is, unless named."""
 
     def note(declare: Callable[..., None]) -> Callable[..., None]:
-        _RECIPES[kind] = _Recipe(declare, methods or (declare.__name__,))
+        _RECIPES[kind] = _Recipe(declare, methods or (declare.__name__.removeprefix("_"),))
         return declare
 
     return note
@@ -112,75 +112,75 @@ def _example(kind: str, *methods: str) -> Callable[[Callable[..., None]], Callab
 
 
 @_example("absolute")
-def absolute(model: Model, Q: Point) -> None:
+def _absolute(model: Model, Q: Point) -> None:
     model.absolute("level", Q, "y", 0.5)
 
 
 @_example("cam and flat-faced follower")
-def cam_flat_follower(model: Model, i: Body, Q: Point) -> None:
+def _cam_flat_follower(model: Model, i: Body, Q: Point) -> None:
     e = model.parameter("e", 0.1, unit="m")
     model.cam_flat_follower("touch", i.circle(0.5, center=(e, 0)), Q, axis=(1, 0))
 
 
 @_example("cam and follower")
-def cam_follower(model: Model, i: Body, j: Body) -> None:
+def _cam_follower(model: Model, i: Body, j: Body) -> None:
     e = model.parameter("e", 0.1, unit="m")
-    model.cam_follower("touch", i.circle(0.5, center=(e, 0)), j.circle(0.2))
+    model.cam_follower("touch", i.circle(0.5, center=(e, 0)), j.circle(0.25))
 
 
 @_example("constraint")
-def constraint(model: Model, i: Body, j: Body) -> None:
+def _constraint(model: Model, i: Body, j: Body) -> None:
     model.constraint("pulley", i.y + 2 * j.y - 1)
 
 
 @_example("distance")
-def distance(model: Model, P: Point, Q: Point) -> None:
+def _distance(model: Model, P: Point, Q: Point) -> None:
     model.distance("wire", P, Q, 2.0)
 
 
 @_example("gear")
-def gear(model: Model, i: Body, j: Body) -> None:
+def _gear(model: Model, i: Body, j: Body) -> None:
     model.gear("mesh", i, j, 0.2, 0.3)
 
 
 @_example("point follower")
-def point_follower(model: Model, i: Body, Q: Point) -> None:
+def _point_follower(model: Model, i: Body, Q: Point) -> None:
     a = model.parameter("a", 0.6, unit="m")
-    model.point_follower("slot", i.curve(a * cos(alpha), 0.4 * sin(alpha)), Q)
+    model.point_follower("slot", i.curve(a * cos(alpha), 0.5 * sin(alpha)), Q)
 
 
 @_example("rack-and-pinion")
-def rack_and_pinion(model: Model, P: Point, Q: Point) -> None:
+def _rack_and_pinion(model: Model, P: Point, Q: Point) -> None:
     model.rack_and_pinion("teeth", P, Q, 0.2, axis=(1, 0))
 
 
 @_example("relative")
-def relative(model: Model, P: Point, Q: Point) -> None:
+def _relative(model: Model, P: Point, Q: Point) -> None:
     model.relative("beside", P, Q, "x", 0.5)
 
 
 @_example("revolute")
-def revolute(model: Model, P: Point, Q: Point) -> None:
+def _revolute(model: Model, P: Point, Q: Point) -> None:
     model.revolute("pin", P, Q)
 
 
 @_example("revolute-revolute")
-def revolute_revolute(model: Model, P: Point, Q: Point) -> None:
+def _revolute_revolute(model: Model, P: Point, Q: Point) -> None:
     model.revolute_revolute("link", P, Q, 2.0)
 
 
 @_example("revolute-translational")
-def revolute_translational(model: Model, P: Point, Q: Point) -> None:
+def _revolute_translational(model: Model, P: Point, Q: Point) -> None:
     model.revolute_translational("slot", P, Q, axis=(2, 1))
 
 
 @_example("translational")
-def translational(model: Model, P: Point, Q: Point) -> None:
+def _translational(model: Model, P: Point, Q: Point) -> None:
     model.translational("guide", P, Q, axis=(2, 1), angle=0.3)
 
 
 @_example("weld")
-def weld(model: Model, P: Point, Q: Point) -> None:
+def _weld(model: Model, P: Point, Q: Point) -> None:
     model.weld("seam", P, Q, angle=0.3)
 
 
@@ -188,29 +188,29 @@ def weld(model: Model, P: Point, Q: Point) -> None:
 
 
 @_example("distance driver")
-def distance_driver(model: Model, P: Point, Q: Point) -> None:
+def _distance_driver(model: Model, P: Point, Q: Point) -> None:
     model.distance_driver("cylinder", P, Q, 2 + sin(3 * t) / 2)
 
 
 @_example("driver")
-def driver(model: Model, i: Body) -> None:
+def _driver(model: Model, i: Body) -> None:
     omega = model.parameter("omega", 2.0, unit="rad/s")
     model.driver("motor", i.phi, pi / 4 + omega * t)
 
 
 @_example("point driver")
-def point_driver(model: Model, Q: Point) -> None:
+def _point_driver(model: Model, Q: Point) -> None:
     lift = model.table("lift", [0, 1, 2, 3, 4], [0, 0.3, 1, 0.6, 0], units=("s", "m"))
     model.point_driver("hand", Q, "y", lift(t))
 
 
 @_example("relative driver", "relative_driver", "rotation_driver")
-def rotation_driver(model: Model, P: Point, Q: Point) -> None:
+def _rotation_driver(model: Model, P: Point, Q: Point) -> None:
     model.rotation_driver("motor", P, Q, 2 * t**2)
 
 
 @_example("translation driver")
-def translation_driver(model: Model, P: Point, Q: Point) -> None:
+def _translation_driver(model: Model, P: Point, Q: Point) -> None:
     model.translation_driver("slide", P, Q, sin(3 * t), axis=(2, 1))
 
 
@@ -218,41 +218,41 @@ def translation_driver(model: Model, P: Point, Q: Point) -> None:
 
 
 @_example("bushing")
-def bushing(model: Model, P: Point, Q: Point) -> None:
+def _bushing(model: Model, P: Point, Q: Point) -> None:
     kx, ky = (model.parameter(k, 90.0, unit="N/m") for k in ("k_x", "k_y"))
     cx, cy = (model.parameter(c, 3.0, unit="N s/m") for c in ("c_x", "c_y"))
     model.bushing("rubber", P, Q, stiffness=(kx, ky, 5.0), damping=(cx, cy, 0.2))
 
 
 @_example("contact")
-def contact(model: Model, P: Point, Q: Point) -> None:
+def _contact(model: Model, P: Point, Q: Point) -> None:
     k = model.parameter("k", 1e4, unit="N/m")
     c = model.parameter("c", 20.0, unit="N s/m")
     model.contact("stop", P, Q, stiffness=k, damping=c, free_length=1, direction=(1, 0))
 
 
 @_example("force")
-def force(model: Model, i: Body, P: Point) -> None:
+def _force(model: Model, i: Body, P: Point) -> None:
     model.force("brake", on=P, fx=-5 * i.vx, fy=3.0, frame="body")
 
 
 @_example("generalized force")
-def generalized_force(model: Model, i: Body, j: Body) -> None:
+def _generalized_force(model: Model, i: Body, j: Body) -> None:
     model.generalized_force("friction", {j.phi: -0.1 * (j.omega - i.omega)})
 
 
 @_example("gravity")
-def gravity(model: Model) -> None:
+def _gravity(model: Model) -> None:
     model.gravity("weight", (0, -9.81))
 
 
 @_example("potential")
-def potential(model: Model, i: Body) -> None:
+def _potential(model: Model, i: Body) -> None:
     model.potential("pendulum", 20 * (1 - cos(i.phi)))
 
 
 @_example("spring")
-def spring(model: Model, P: Point, Q: Point) -> None:
+def _spring(model: Model, P: Point, Q: Point) -> None:
     k = model.parameter("k", 200.0, unit="N/m")
     l0 = model.parameter("l_0", 0.8, unit="m")
     c = model.parameter("c", 3.0, unit="N s/m")
@@ -260,12 +260,12 @@ def spring(model: Model, P: Point, Q: Point) -> None:
 
 
 @_example("torque")
-def torque(model: Model, j: Body) -> None:
+def _torque(model: Model, j: Body) -> None:
     model.torque("motor", on=j, value=10 - 2 * j.omega, when=j.omega > 0)
 
 
 @_example("torsion spring")
-def torsion_spring(model: Model, i: Body, j: Body) -> None:
+def _torsion_spring(model: Model, i: Body, j: Body) -> None:
     k = model.parameter("k", 30.0, unit="N m/rad")
     c = model.parameter("c", 0.4, unit="N m s/rad")
     model.torsion_spring("coil", i, j, stiffness=k, free_angle=pi / 6, damping=c)

@@ -10,12 +10,18 @@ import sympy
 from sympy.printing.latex import LatexPrinter, translate
 
 from codegen.declare.interpolant import Interpolant
-from codegen.declare.symbols import RATES, Coordinate, Multiplier, Velocity
+from codegen.declare.symbols import RATES, Coordinate, Given, Multiplier, Velocity
 
 WIDTH = 84
 """Characters of a line that a page shows without scrolling, nearly."""
 
 GREEK = {"phi": r"\phi", "alpha": r"\alpha", "beta": r"\beta"}
+SHORT = {
+    "length": "L", "distance": "c", "value": "C", "radius": "R", "share": r"\rho",
+    "offset": "s_{0}", "line": r"\theta_{0}", "angle": r"\theta_{0}", "angle_offset": r"\theta_{0}",
+}  # fmt: skip
+"""Placeholders that books write with a letter."""
+
 LETTERS = {rate: letter for letter, rate in RATES.items()}
 OF_CURVES = ("alpha", "beta")
 FRAMED = re.compile(r"([ij])_([su])([xy])")
@@ -72,6 +78,10 @@ def symbol(s: sympy.Symbol) -> str:
     if found := FRAMED.fullmatch(s.name):
         frame, vector, axis = found.groups()
         return f"{vector}'_{{{frame}{axis}}}"
+    if isinstance(s, Given) and s.name in SHORT:
+        return SHORT[s.name]
+    if isinstance(s, Given) and owner in SHORT:
+        return f"{SHORT[owner]}_{{{letter}}}"
     return word(s.name)
 
 
@@ -81,7 +91,10 @@ def word(name: str) -> str:
     shown = r"\ell" if head == "l" else translate(head)
     if len(head) > 1 and not shown.startswith("\\"):
         shown = rf"\mathrm{{{head}}}"
-    return f"{shown}_{{{word(below)}}}" if below else shown
+    if not below:
+        return shown
+    # Axes and numbers stay as they are: s_{ix}, a_{10}.
+    return f"{shown}_{{{below if len(below) < 3 else word(below)}}}"
 
 
 def width(text: str) -> int:

@@ -104,4 +104,22 @@ STUDIES = (
         "four_bar",
         ("kinematics", "inverse_dynamics", "constant_torque"),
     ),
+    Study(
+        "rack_and_pinion",
+        "the rack and pinion of project 8.3",
+        "rack_and_pinion",
+        (
+            *("kinematics", "kinematics_massless_coupler", "inverse_dynamics"),
+            *("inverse_dynamics_massless_coupler", "running", "running_massless_coupler"),
+        ),
+    ),
+    Study(
+        "gear_slider",
+        "the gear-slider mechanisms of section 5.5",
+        "gear_slider",
+        (
+            *("train_kinematics", "train_inverse_dynamics", "train_running"),
+            *("planetary_kinematics", "planetary_inverse_dynamics"),
+        ),
+    ),
 )

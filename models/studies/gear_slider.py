@@ -30,7 +30,7 @@ FloatArray = npt.NDArray[np.float64]
 PLACE = "5.5"
 SPEED, TORQUE, TURNS, G = 4 * pi, 0.2, 10, 9.81
 RATIO, CRANK, ROD, OFFSET, PLANET = -2.0, 0.06, 0.25, 0.03, 0.06
-OFFSETS = (0.03, 0.0, 0.06)
+OFFSETS = (0.0, 0.03, 0.06)
 DRIVERS = {"train": "pinion_drive", "planetary": "carrier_drive"}
 TURN = {"train": 1.0, "planetary": 0.5}
 """How long one stroke and return takes at 4π rad/s, s."""

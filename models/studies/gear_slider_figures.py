@@ -40,6 +40,8 @@ def _machines(runs: Study) -> Figure:
     left, right = figure.subplots(1, 2, width_ratios=(1.35, 1))
     _train(left, runs.moved["train"], 1260)
     _planetary(right, runs.moved["planetary"], 180)
+    for axes in (left, right):
+        axes.margins(0.04)
     left.set(title="The train", xlabel="x, mm", ylabel="y, mm", aspect="equal")
     right.set(title="The planetary gear", xlabel="x, mm", aspect="equal")
     return figure
@@ -64,18 +66,18 @@ def _train(axes: Axes, run: Result, k: int) -> None:
 
 
 def _planetary(axes: Axes, run: Result, k: int) -> None:
-    O, centre, C = (
+    middle, centre, C = (
         1e3 * path(run, body, place).at[k]
         for body, place in (("carrier", -PLANET / 2), ("planet", 0), ("planet", PLANET))
     )
     # At φ = 0 planet and ring touch on the x axis: a tooth in a gap.
-    ring(axes, O, 120, 40, 0.0)
+    ring(axes, middle, 120, 40, 0.0)
     gear(axes, centre, 60, 20, run.q("planet.phi")[k])
     trace(axes, 1e3 * path(run, "planet", PLANET).at, TEAL)
     trace(axes, 1e3 * path(run, "planet").at, RED)
     block(axes, C, 24, 16)
-    bars(axes, (O, centre, C))
-    ground(axes, (O,), "O")
+    bars(axes, (middle, centre, C))
+    ground(axes, (middle,), "O")
     mark(axes, C, "C", (6, 8))
 
 

@@ -10,6 +10,7 @@ from models.studies.paths import ComplexArray, FloatArray
 
 # Along the pitch, from the middle of a tooth: where a flank begins and ends, and the tip between.
 FLANK = np.array([-0.36, -0.14, 0.14, 0.36])
+BODY = "#dfe2e5"
 ROOT, TIP = -1.2, 1.0  # depth and height of a tooth over the pitch line, in modules
 
 
@@ -30,7 +31,8 @@ def ring(axes: Axes, centre: complex, radius: float, teeth: int, angle: float) -
     phase = angle + np.pi / teeth
     inner = _toothed(radius, teeth, phase, (-ROOT * module, -TIP * module))
     around = np.exp(1j * np.linspace(0, 2 * np.pi, 361)) * (radius + 4 * module)
-    fill(axes, centre + np.concatenate([around, [inner[-1]], inner[::-1]]))
+    whole = centre + np.concatenate([around, inner[::-1]])
+    axes.fill(whole.real, whole.imag, facecolor=BODY, edgecolor="none", zorder=2)
     for line in (inner, around):
         edge = centre + line
         axes.plot(edge.real, edge.imag, color=BAR, linewidth=0.8, zorder=2.2)
@@ -68,7 +70,7 @@ def fill(axes: Axes, outline: Iterable[complex], faint: bool = False) -> None:
     """A body as its filled outline; faint ones show where it has been."""
     line = np.array(list(outline), dtype=np.complex128)
     axes.fill(
-        line.real, line.imag, facecolor="none" if faint else "#dfe2e5",
+        line.real, line.imag, facecolor="none" if faint else BODY,
         edgecolor="#b9bfc5" if faint else BAR, linewidth=0.6 if faint else 0.8,
         zorder=1.5 if faint else 2,
     )  # fmt: skip

@@ -69,7 +69,7 @@ def period(slowness: Callable[[FloatArray], FloatArray], left: float, right: flo
 
 
 def duration(slowness: Callable[[FloatArray], FloatArray], left: float, right: float) -> float:
-    """Time from `left` to `right`, s, where θ̇ grows from 0 as the root of θ - left; Gauss's rule."""
+    """Time from rest at `left` to `right`, s, by Gauss's rule: θ̇ grows as the root of θ - left."""
     edges = np.sqrt(np.linspace(0.0, right - left, 2 + int(16 * (right - left) / np.pi)))
     nodes, weights = np.polynomial.legendre.leggauss(24)
     half = 0.5 * np.diff(edges)[:, None]

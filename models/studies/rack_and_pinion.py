@@ -1,9 +1,9 @@
 """Projects 5.3 and 8.3: the rack and pinion driven, and running under a torque, ours and exact.
 
-The exact values are independent of this program. Points of the plane are complex numbers, R = 0.02
-m. The coupler's angle θ says where everything is: its end is C = D + L e^{iθ}. The rack's pitch line
-runs through C and touches the pinion's circle, on the right of its direction e^{iψ}, at the distance
-s from C:
+The exact values are independent of this program. Points of the plane are complex numbers. The
+coupler's angle θ says where everything is: its end is C = D + L e^{iθ}. The rack's pitch line runs
+through C in the direction e^{iψ}, and touches the pinion's circle, on its left, at the distance s
+from C:
 
     C = (s - iR) e^{iψ},   hence   s² = |C|² - R²;
 

@@ -26,15 +26,16 @@ def figures() -> Iterator[tuple[str, Figure]]:
 
 
 def _models(runs: Study) -> Figure:
-    """Both models at rest at φ = 0, the ends of the swing faint, with the path of C."""
-    figure = Figure(figsize=(7.5, 3.6), layout="constrained")
+    """Both models at φ = 0, at the ends of the swing faint, with the path of C."""
+    figure = Figure(figsize=(7.5, 2.9), layout="constrained")
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     for axes, (ending, run) in zip(panels, runs.swung.items(), strict=True):
         for k in (360, 1080):
             _machine(axes, run, k, faint=True)
         _machine(axes, run, 0)
         trace(axes, 1e3 * path(run, "rack", HALF).at, COLOURS[ending])
-        ground(axes, (0, 1e3 * D), "OD")
+        ground(axes, (0, 1e3 * D), ("", "D"))
+        mark(axes, 0, "O", (-3, 6))
         mark(axes, 1e3 * path(run, "rack", HALF).at[0], "C", (-3, 7))
         axes.set(xlabel="x, mm", aspect="equal")
     panels[0].set(title="Model 1: the coupler a body", ylabel="y, mm")
@@ -55,8 +56,10 @@ def _machine(axes: Axes, run: Result, k: int, faint: bool = False) -> None:
         bars(axes, (end, 1e3 * D), faint)
     else:
         line = np.array([end, 1e3 * D])
-        axes.plot(line.real, line.imag, "o--", color=BAR, markersize=4, markerfacecolor="white",
-                  linewidth=0.8 if faint else 1.2, alpha=0.45 if faint else 1.0, zorder=3)  # fmt: skip
+        axes.plot(
+            line.real, line.imag, "o--", color=BAR, markersize=4, markerfacecolor="white",
+            linewidth=0.8 if faint else 1.2, alpha=0.45 if faint else 1.0, zorder=3,
+        )  # fmt: skip
 
 
 def _driven(runs: Study) -> Figure:
@@ -94,8 +97,8 @@ def _running(runs: Study) -> Figure:
     angle.axhline(DEAD[0], color="#202a33", linewidth=0.8, linestyle=":")
     angle.annotate("dead centre", (0.0, DEAD[0]), (2, -3), textcoords="offset points", va="top")
     angle.set(title=f"Project 8.3: from rest under {TORQUE:g} N m, one period",
-              ylabel="φ of the pinion, rad")  # fmt: skip
-    angle.legend(loc="lower center")
+              ylabel="φ of the pinion, rad", ylim=(-0.7, 5.4))  # fmt: skip
+    angle.legend(loc="upper center", ncols=2)
     rate.set(title="Angular velocity of the pinion", ylabel="φ̇, rad/s", xlabel="t, s",
              xlim=(0, None))  # fmt: skip
     return figure

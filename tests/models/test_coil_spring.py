@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from models.coil_spring import machine
-from models.studies.coil_spring import arrival, frequencies, modal, separations, table
+from models.studies.coil_spring import arrival, estimate, frequencies, modal, separations, table
 from runtime import Machine, Outcome, Result, load
 
 DATA = Path(__file__).parent.parent / "data"
@@ -163,6 +163,27 @@ def test_damping_ends_chattering_sooner() -> None:
     assert gaps[1] < gaps[0]
     assert separations(damped)[1][0] < separations(free)[1][0]
     assert abs(separations(damped)[-1][0] - separations(free)[-1][0]) < 0.2
+
+
+def test_the_estimate_bounds_the_deflection_and_nears_it_as_the_spring_grows_light() -> None:
+    """Without mass in the spring all energy of the striker is in the springs at the deepest point.
+
+    With masses the striker keeps less for them: the estimate is too large by a share that falls
+    with the mass of the spring over that of the striker. The contact gives way, too: it is a
+    seventh spring, of a stiffness of 20 000 times that of the others.
+    """
+    assert estimate(load("coil_spring", "impact").simulate(0.001)) == pytest.approx(sqrt(6 / 50))
+    shares = []
+    for m in (2.5, 0.25, 0.025):
+        instants = np.linspace(0.0, 8.0, 8001)
+        run = load("coil_spring", "impact").simulate(8.0, instants, rtol=1e-10, parameters={"m": m})
+        x = run.q("striker.x")
+        shares.append((x[0] - x.min()) / estimate(run))
+    assert shares[0] < shares[1] < shares[2] < sqrt(1 + 50 / 6e6)
+    assert shares[0] == pytest.approx(0.326739 / 0.346410, rel=1e-5)
+    lags = [1 - share for share in shares]
+    for heavy, light in pairwise(lags):
+        assert 0.15 < light / heavy < 0.2
 
 
 def test_every_row_of_the_study_is_exact_and_says_why_the_book_differs() -> None:

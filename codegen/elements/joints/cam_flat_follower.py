@@ -1,13 +1,17 @@
 """Cam and flat-faced follower: a curve touches a straight line (Haug 3.4)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from math import cos, sin
 from typing import ClassVar
 
+import numpy as np
 import sympy
 
 from codegen.declare.body import Body, Curve, Point
 from codegen.declare.element import I, J, JointReaction, Statement
-from codegen.declare.symbols import Coordinate, coordinate, given
+from codegen.declare.profile import ALPHAS, places
+from codegen.declare.symbols import Coordinate, alpha, coordinate, given
 from codegen.elements.registry import element
 
 AXIS = sympy.Matrix([given("j_ux"), given("j_uy")])
@@ -58,6 +62,14 @@ class CamFlatFollower:
         bindings |= {ux: self.axis[0] / length, uy: self.axis[1] / length}
         reaction = JointReaction(J.A * AXIS)
         return Statement(phi, ("normal", "slope"), reaction, bindings, (("slope", self.alpha),))
+
+    def near(self, numbers: Mapping[sympy.Symbol, float]) -> dict[Coordinate, float]:
+        """The contact for a rough pose: where the cam reaches farthest towards the follower."""
+        tilt = float((self.face.body.pose[2] - self.cam.body.pose[2]).subs(numbers))
+        ux, uy = (float(a.subs(numbers)) for a in self.axis)
+        towards = np.array([-uy * cos(tilt) - ux * sin(tilt), ux * cos(tilt) - uy * sin(tilt)])
+        reach = places(self.cam.at(alpha).subs(numbers)) @ towards
+        return {self.alpha: ALPHAS[int(np.argmax(np.round(reach, 9)))]}
 
     def problems(self) -> list[str]:
         """A face needs a direction."""

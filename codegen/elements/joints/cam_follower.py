@@ -1,12 +1,15 @@
 """Cam and follower: two curves touch (Haug 3.4, cam-follower)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
 import sympy
 
 from codegen.declare.body import Body, Curve
 from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.profile import ALPHAS, in_ground
 from codegen.declare.symbols import Coordinate, coordinate
 from codegen.elements.registry import element
 
@@ -65,6 +68,13 @@ class CamFollower:
             bindings,
             (("along", self.alpha), ("slope", self.beta)),
         )
+
+    def near(self, numbers: Mapping[sympy.Symbol, float]) -> dict[Coordinate, float]:
+        """The contact for a rough pose: where the two curves are nearest to each other."""
+        one, other = (in_ground(curve, numbers)[::4] for curve in (self.cam, self.follower))
+        apart = np.linalg.norm(one[:, None] - other[None], axis=2)
+        on_cam, on_follower = divmod(int(np.argmin(np.round(apart, 9))), len(other))
+        return {self.alpha: ALPHAS[4 * on_cam], self.beta: ALPHAS[4 * on_follower]}
 
     def problems(self) -> list[str]:
         """Nothing can be wrong with two curves by themselves; the model looks at their shapes."""

@@ -1,12 +1,15 @@
 """Point follower: a point of one body moves along a curve of another (Haug 3.4, point-follower)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
 import sympy
 
 from codegen.declare.body import Body, Curve, Point
 from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.profile import ALPHAS, in_ground
 from codegen.declare.symbols import Coordinate, coordinate
 from codegen.elements.registry import element
 
@@ -55,6 +58,13 @@ class PointFollower:
             bindings,
             (("along", self.alpha),),
         )
+
+    def near(self, numbers: Mapping[sympy.Symbol, float]) -> dict[Coordinate, float]:
+        """The place on the curve for a rough pose: the nearest one to the point."""
+        curve = in_ground(self.curve, numbers)
+        point = np.array([float(c.subs(numbers)) for c in (self.point.x, self.point.y)])
+        apart = np.linalg.norm(curve - point, axis=1)
+        return {self.alpha: ALPHAS[int(np.nanargmin(np.round(apart, 9)))]}
 
     def problems(self) -> list[str]:
         """Nothing can be wrong with a curve and a point."""

@@ -238,3 +238,30 @@ def test_start_value_of_a_joint_that_is_left_out() -> None:
         model.scene("open", without=[lift], start={lift.alpha: 1.0})
 
     assert "lift.alpha has a start value, but its joint takes no part" in problems(declare)
+
+
+@pytest.mark.parametrize(("phi", "side"), [(0.0, 1.0), (np.pi, -1.0)])
+def test_contact_is_sought_where_the_cam_reaches_the_follower(phi: float, side: float) -> None:
+    model, first, second = two_bodies()
+    oval = first.curve(0.3 * sympy.cos(alpha), 0.2 * sympy.sin(alpha))
+    flat = model.cam_flat_follower("flat", oval, second)
+    pin = model.point_follower("pin", oval, second.at(0.4, 0))
+    roll = model.cam_follower("roll", oval, second.circle(0.1, center=(-0.4, 0)))
+    model.scene("near", guess={second.phi: phi})
+    (scene,) = sound_scenes(model, "near")
+    found = dict(scene.guess)
+    assert_allclose(np.sin(found["flat.alpha"]), side, atol=1e-4)
+    assert_allclose(np.cos(found["pin.alpha"]), side, atol=1e-4)
+    assert_allclose(
+        [np.cos(found["roll.alpha"]), np.cos(found["roll.beta"])], [-side, 1], atol=1e-3
+    )
+    assert {flat.alpha, pin.alpha, roll.alpha, roll.beta} == set(
+        Interpreted(model).equations.coordinates[6:]
+    )
+
+
+def test_scene_that_says_where_a_contact_is_keeps_its_word() -> None:
+    model, first, second = two_bodies()
+    lift = model.cam_flat_follower("lift", first.circle(1.0), second)
+    model.scene("named", guess={lift.alpha: 1.25})
+    assert sound_scenes(model, "named")[0].guess == (("lift.alpha", 1.25),)

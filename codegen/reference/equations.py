@@ -1,0 +1,151 @@
+"""The equations of an element as sections of its page, and how its reaction is reported."""
+
+from collections.abc import Iterator
+from itertools import chain
+
+import sympy
+
+from codegen.declare.element import Constraint, Effect, J, JointReaction, Statement
+from codegen.declare.symbols import RATES, Coordinate, Given, kinds
+from codegen.derive.constraints import ConstraintTerms, constraint_terms
+from codegen.derive.equations import Equations
+from codegen.reference.abbreviations import Abbreviations
+from codegen.reference.latex import FRAMED, aligned, latex
+from codegen.reference.letters import lettered
+
+NUMBERS = ("No", "One", "Two", "Three", "Four", "Five", "Six")
+
+Pairs = list[tuple[str, sympy.Expr]]
+
+
+def constraint_sections(element: Constraint) -> Iterator[str]:
+    """Φ, Φ_q, ν and γ, and the reaction, of a joint or driver."""
+    statement, terms = constraint_terms(element)
+    reactions = [e for _, _, e in terms.reactions]
+    axis = _axis(statement)
+    rows = (*terms.jacobian, terms.nu, terms.gamma, reactions, axis)
+    short = Abbreviations(chain(terms.phi, *rows))
+    count = len(terms.phi)
+    phis = [r"\Phi" if count == 1 else rf"\Phi_{{{k + 1}}}" for k in range(count)]
+    phi = [(f"{name} = 0", e) for name, e in zip(phis, map(short, terms.phi), strict=True)]
+    slopes = list(_jacobian(terms, phis, short))
+    right = [
+        (rf"{letter}_{{{k + 1}}}" if count > 1 else letter, short(e))
+        for letter, side in ((r"\nu", terms.nu), (r"\gamma", terms.gamma))
+        for k, e in enumerate(side)
+        if e != 0
+    ]
+    report = list(_reaction(element, statement, terms, short))
+    yield f"## Equations\n\n{_counted(statement, phi)}"
+    yield aligned([(name.removesuffix(" = 0"), e) for name, e in phi])
+    if meanings := short.definitions():
+        yield f"with\n\n{aligned(meanings)}"
+    yield from _placeholders(statement, terms)
+    if slopes:
+        yield f"The Jacobian Φ_q, its other entries being 0:\n\n{aligned(slopes)}"
+    yield (
+        "The right sides of the velocities, ν = -Φ_t, and of the accelerations, "
+        "γ = -(Φ_q q̇)_q q̇ - 2 Φ_qt q̇ - Φ_tt"
+        + (f"; those that are not 0:\n\n{aligned(right)}" if right else ", are 0.")
+    )
+    yield "## Reaction\n\n" + "\n\n".join(report)
+
+
+def effect_sections(equations: Equations, element: Effect) -> Iterator[str]:
+    """V and Q of a force, and what switches it."""
+    (terms,) = (e.terms for e in equations.effects if e.name == element.name)
+    switches = [s.g for s in equations.switches if s.effect == element.name]
+    shown = [e for _, e in (*terms.gradient, *terms.forces)]
+    energy = [] if terms.potential is None else [terms.potential]
+    short = Abbreviations(chain(energy, shown, switches))
+    potential = [("V", short(e)) for e in energy]
+    gradient = [(rf"V_{{{latex(q)}}}", short(e)) for q, e in terms.gradient if e != 0]
+    forces = [(rf"Q_{{{latex(q)}}}", short(e)) for q, e in terms.forces]
+    modes = [(f"g_{{{k}}}", short(g)) for k, g in enumerate(switches, 1)]
+    yield "## Equations"
+    if potential:
+        yield f"The potential energy, J:\n\n{aligned(potential)}"
+    if gradient:
+        yield f"Its gradient; the generalized forces are the opposite:\n\n{aligned(gradient)}"
+    if forces:
+        other = "The other generalized forces" if potential else "The generalized forces"
+        yield f"{other}, N along lengths and N m along angles:\n\n{aligned(forces)}"
+    if meanings := short.definitions():
+        yield f"with\n\n{aligned(meanings)}"
+    if modes:
+        many = "Switching functions: their" if len(modes) > 1 else "A switching function: its"
+        yield f"{many} change of sign is an event of a run.\n\n{aligned(modes)}"
+
+
+def _counted(statement: Statement, phi: Pairs) -> str:
+    rows = ", ".join(f"`{row}`" for row in statement.rows)
+    number = NUMBERS[len(phi)] if len(phi) < len(NUMBERS) else str(len(phi))
+    text = f"{number} equation{'s' if len(phi) > 1 else ''} Φ = 0: {rows}."
+    for row, q in statement.own:
+        place = next((k for k, v in statement.bindings.items() if v == q), q)
+        text += f" The coordinate ${latex(place)}$ is the element's own; `{row}` determines it."
+    return text
+
+
+def _jacobian(
+    terms: ConstraintTerms, phis: list[str], short: Abbreviations
+) -> Iterator[tuple[str, sympy.Expr]]:
+    for name, row in zip(phis, terms.jacobian, strict=True):
+        entries = zip(terms.coordinates, row, strict=True)
+        for q, entry in sorted(entries, key=lambda pair: _place(pair[0])):
+            if entry != 0:
+                yield rf"\partial {name} / \partial {latex(q)}", short(entry)
+
+
+def _place(q: Coordinate) -> tuple[str, int]:
+    """Body by body, in the order x, y, φ."""
+    owner, _, letter = q.name.rpartition("_")
+    return owner, list(RATES).index(letter)
+
+
+def _placeholders(statement: Statement, terms: ConstraintTerms) -> Iterator[str]:
+    """What the letters are that stand for neither coordinates nor points."""
+    met = set(kinds(sympy.Tuple(*terms.phi, *(e for _, _, e in terms.reactions)), Given))
+    shown = []
+    for place, value in statement.bindings.items():
+        framed = FRAMED.fullmatch(place.name)
+        if place in met and not (framed and framed[2] == "s"):
+            shown.append(f"${latex(place)}$ (`{place.name}`) is ${latex(lettered(value))}$")
+    if shown:
+        yield f"In the example {', '.join(shown)}."
+
+
+def _axis(statement: Statement) -> tuple[sympy.Expr, ...]:
+    reaction = statement.reaction
+    return tuple(reaction.direction) if isinstance(reaction, JointReaction) else ()
+
+
+def _reaction(
+    element: Constraint, statement: Statement, terms: ConstraintTerms, short: Abbreviations
+) -> Iterator[str]:
+    reaction = statement.reaction
+    if isinstance(reaction, JointReaction):
+        on, other = ("j", "i") if reaction.on is J else ("i", "j")
+        giver, taker = (other, on) if reaction.sign > 0 else (on, other)
+        where = (
+            f"the element's point of body {on}" if reaction.arm is None else "the point of contact"
+        )
+        yield (
+            f"The force and the torque that body {giver} exerts on body {taker}, at {where}, in "
+            "axes of which x points along"
+        )
+        ux, uy = map(short, reaction.direction)
+        yield aligned([("u_x", ux), ("u_y", uy)])
+    else:
+        yield "Each multiplier as the force along what its equation holds:"
+    found = [
+        (rf"\mathrm{{{name}}}" + (rf"\;[\mathrm{{{_unit(unit)}}}]" if unit else ""), short(e))
+        for name, unit, e in terms.reactions
+    ]
+    yield aligned(found)
+    names = ", ".join(f'`r.reaction("{element.name}", "{name}")`' for name, *_ in terms.reactions)
+    yield f"In a result of the example: {names}."
+
+
+def _unit(unit: str) -> str:
+    return unit.replace(" ", r"\,")

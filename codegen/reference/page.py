@@ -1,0 +1,111 @@
+"""The page of one kind: what it is, how it is declared, its equations, its reaction, its cost."""
+
+import inspect
+from collections.abc import Iterator
+
+from codegen.declare.element import Constraint
+from codegen.derive.equations import Equations, derive
+from codegen.driver import sound_scenes
+from codegen.elements.registry import Kind, kinds_of_elements
+from codegen.errors import ModelError
+from codegen.lower.kernels import lower
+from codegen.lower.ledger import by_element
+from codegen.model import Model
+from codegen.reference.docstrings import markdown
+from codegen.reference.equations import constraint_sections, effect_sections
+from codegen.reference.examples import Example, example_of
+
+COUNTED = (
+    *("constants", "constraints", "jacobian", "velocity_rhs", "acceleration_rhs"),
+    *("potential", "potential_gradient", "applied_forces", "accelerations"),
+    *("correction", "reactions", "powers", "switching", "switching_rates"),
+)
+"""Kernels in the order in which a page lists them."""
+
+COST = """## Cost
+
+Operations that the kernels of the example do for the element, after equal ones have become one:
+
+| kernel | operations |
+|---|--:|"""
+
+
+def page(kind: str, model: Model | None = None) -> str:
+    """The reference page of a kind, Markdown with LaTeX between dollars.
+
+    Parameters
+    ----------
+    kind
+        As in `kinds_of_elements`.
+    model
+        Where to find an element of the kind; the library's kinds have examples.
+
+    Raises
+    ------
+    ModelError
+        If there is no such kind, no example of it, or the example is not sound.
+    """
+    example = example_of(kind, model)
+    registered = kinds_of_elements()[kind]
+    sections = (
+        f"# {kind.capitalize()}",
+        markdown(registered.element.__doc__),
+        *_declaration(registered, example),
+        *_compiled(example),
+        f"*Written by `python -m codegen elements` from `{registered.element.__module__}`.*"
+        if not registered.own
+        else "*Written by `python -m codegen elements`.*",
+    )
+    return "\n\n".join(sections) + "\n"
+
+
+def _declaration(kind: Kind, example: Example) -> Iterator[str]:
+    yield "## Declaration"
+    for name in example.methods:
+        method = getattr(Model, name)
+        yield f"```python\nmodel.{name}{_arguments(method, drop=1)}\n```"
+        yield markdown(method.__doc__)
+    if not example.methods:
+        made = f"{kind.element.__name__}{_arguments(kind.element, drop=0)}"
+        yield f"```python\nmodel.add({made})\n```"
+    if example.source:
+        yield (
+            f"An example, between two free bodies `i` and `j` with the points `P` on i and `Q` on "
+            f"j:\n\n```python\n{example.source}\n```"
+        )
+
+
+def _arguments(function: object, drop: int) -> str:
+    assert callable(function)
+    signature = inspect.signature(function)
+    bare = [
+        parameter.replace(annotation=parameter.empty)
+        for parameter in list(signature.parameters.values())[drop:]
+    ]
+    return str(signature.replace(parameters=bare, return_annotation=signature.empty))
+
+
+def _compiled(example: Example) -> Iterator[str]:
+    element, equations = example.element, _equations(example)
+    if isinstance(element, Constraint):
+        yield from constraint_sections(element)
+    else:
+        yield from effect_sections(equations, element)
+    program = lower(equations).program
+    counts = {kernel.name: by_element(program, kernel)[element.name] for kernel in program.kernels}
+    rows = [f"| `{name}` | {counts[name]} |" for name in COUNTED if counts.get(name)]
+    if rows:
+        yield "\n".join((COST, *rows))
+
+
+def _equations(example: Example) -> Equations:
+    """Those of the first scene that the element takes part in."""
+    model, element = example.model, example.element
+    for scene in sound_scenes(model, None):
+        equations = derive(model, scene)
+        if element.name in {e.name for e in (*equations.constraints, *equations.effects)}:
+            return equations
+    raise ModelError(
+        f"no scene of model '{model.name}' has {element.kind} '{element.name}' in it; name it "
+        "in one."
+    )

@@ -1,0 +1,117 @@
+"""All pages of the reference as files in a folder, and whether they are what they should be."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from codegen.elements.registry import Kind, kinds_of_elements
+from codegen.errors import ModelError
+from codegen.model import Model
+from codegen.reference.page import page
+from codegen.write import is_current, write_if_changed
+
+INDEX = "index.md"
+ROLES = {"joint": "Joints", "driver": "Drivers", "force": "Forces"}
+
+
+@dataclass(frozen=True)
+class Written:
+    """The pages of a folder, and those among them that were missing, old, or of no kind."""
+
+    pages: tuple[Path, ...]
+    stale: tuple[Path, ...]
+
+
+def slug(kind: str) -> str:
+    """The name of a kind's file, without its ending: ``cam-and-follower``."""
+    return "-".join(kind.lower().split())
+
+
+def find_kind(name: str) -> str:
+    """The kind that a command line means: by its name or its file's.
+
+    Raises
+    ------
+    ModelError
+        If there is none.
+    """
+    from codegen.declare.names import nearest
+
+    known = kinds_of_elements()
+    for kind in known:
+        if name in (kind, slug(kind)):
+            return kind
+    raise ModelError(f"there is no element '{name}'; {nearest(name, known)}")
+
+
+def chosen_kinds(model: Model | None = None, only: str | None = None) -> dict[str, Kind]:
+    """The kinds that have pages: the library's, and a user's own that `model` has an example of."""
+    elements = () if model is None else (*model.joints.values(), *model.effects.values())
+    met = {element.kind for element in elements}
+    return {
+        name: kind
+        for name, kind in kinds_of_elements().items()
+        if only in (None, name) and (not kind.own or name in met or only == name)
+    }
+
+
+def write(
+    folder: Path, model: Model | None = None, only: str | None = None, *, check: bool = False
+) -> Written:
+    """Write the pages of all kinds and their index, or the page of one kind.
+
+    Parameters
+    ----------
+    folder
+        Where the pages are; made where it is missing.
+    model
+        A model with elements of one's own.
+    only
+        One kind, without the index.
+    check
+        Write nothing; only say what is stale.
+
+    Raises
+    ------
+    InputError
+        If a kind has no sound example, or the folder cannot be written.
+    """
+    wanted = {folder / name: text for name, text in _texts(model, only)}
+    stale = []
+    for path, text in wanted.items():
+        fresh = is_current(path, text) if check else not write_if_changed(path, text)
+        stale += [] if fresh else [path]
+    if only is None and folder.is_dir():
+        stale += sorted(path for path in folder.glob("*.md") if path not in wanted)
+    return Written(tuple(wanted), tuple(stale))
+
+
+def _texts(model: Model | None, only: str | None) -> Iterator[tuple[str, str]]:
+    kinds = chosen_kinds(model, only)
+    for name in kinds:
+        yield f"{slug(name)}.md", page(name, model)
+    if only is None:
+        yield INDEX, index(kinds)
+
+
+def index(kinds: dict[str, Kind]) -> str:
+    """The list of the kinds, role by role."""
+    parts = [
+        "# Elements",
+        (
+            "What holds bodies together, moves them and pushes them. Each page has the equations "
+            "that are compiled, as the compiler has them, and what they cost. In them i and j are "
+            "the two bodies of an element, with the coordinates x, y, φ; s'_i is a point in the "
+            "frame of body i, s_i = A_i s'_i the same vector in global axes, and d the way from "
+            "the point of i to that of j."
+        ),
+    ]
+    for role, heading in ROLES.items():
+        rows = [
+            f"- [{kind.name}]({slug(kind.name)}.md): {kind.summary}"
+            for kind in kinds.values()
+            if kind.role == role
+        ]
+        parts.append("\n".join((f"## {heading}", "", *rows)))
+    parts.append("*Written by `python -m codegen elements --out docs/elements`.*")
+    return "\n\n".join(parts) + "\n"
