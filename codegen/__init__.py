@@ -1,7 +1,9 @@
 """Linkwright's compiler: a declared mechanism in, a module of numba kernels out.
 
-Public names: `Model` to declare, `build` to compile, and the errors. They load SymPy only when
-they are first used, so that the runtime can ask for the errors alone.
+Public names: `Model` to declare, `build` to compile, the errors, and what an element of one's own
+is written with: `element` registers its class, `Statement` holds its equations in the placeholders
+of the frames `I` and `J`. They load SymPy only when they are first used, so that the runtime can
+ask for the errors alone.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -9,29 +11,46 @@ from typing import TYPE_CHECKING, Any
 from codegen.errors import InputError, LinkwrightError, ModelError
 
 if TYPE_CHECKING:
-    from codegen.declare.symbols import alpha, t
+    from codegen.declare.body import Body, Curve, Point
+    from codegen.declare.element import ConjugateReaction, I, J, JointReaction, Statement
+    from codegen.declare.symbols import Coordinate, alpha, coordinate, given, t
     from codegen.driver import BuildReport, build
+    from codegen.elements.registry import element
     from codegen.model import Model
 
 __version__ = "0.1.0"
 
-_HOMES = {
-    "Model": "codegen.model",
-    "alpha": "codegen.declare.symbols",
-    "t": "codegen.declare.symbols",
-    "build": "codegen.driver",
-    "BuildReport": "codegen.driver",
+_ROOMS = {
+    "codegen.model": ("Model",),
+    "codegen.declare.body": ("Body", "Curve", "Point"),
+    "codegen.declare.element": ("ConjugateReaction", "I", "J", "JointReaction", "Statement"),
+    "codegen.declare.symbols": ("Coordinate", "alpha", "coordinate", "given", "t"),
+    "codegen.driver": ("BuildReport", "build"),
+    "codegen.elements.registry": ("element",),
 }
+_HOMES = {name: room for room, names in _ROOMS.items() for name in names}
 
 __all__ = [
+    "Body",
     "BuildReport",
+    "ConjugateReaction",
+    "Coordinate",
+    "Curve",
+    "I",
     "InputError",
+    "J",
+    "JointReaction",
     "LinkwrightError",
     "Model",
     "ModelError",
+    "Point",
+    "Statement",
     "__version__",
     "alpha",
     "build",
+    "coordinate",
+    "element",
+    "given",
     "t",
 ]
 

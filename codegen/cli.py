@@ -1,4 +1,4 @@
-"""The command line: ``python -m codegen build`` and ``python -m codegen explain``."""
+"""The command line: ``python -m codegen build``, ``explain`` and ``elements``."""
 
 import json
 from collections.abc import Callable
@@ -152,6 +152,50 @@ def explain(model: ModelArgument, scene: SceneOption = None, as_json: JsonOption
         Console(width=PAPER, highlight=False).print(table)
         for name, kind in ledger.left_out:
             output.print(f"  left out: {name} ({kind}): the scene does not name it")
+
+
+@app.command()
+@answers_errors
+def elements(
+    kind: Annotated[
+        str | None, typer.Argument(help="A kind of element, as listed without one.")
+    ] = None,
+    model: Annotated[
+        str | None, typer.Option(help="A model file with elements of your own.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder to write the pages into, as docs/elements.")
+    ] = None,
+    check: Annotated[
+        bool, typer.Option("--check", help="Write nothing; fail if a page is out of date.")
+    ] = False,
+) -> None:
+    """The joints, drivers and forces: a list, the page of one kind, or all pages as files."""
+    from codegen.modelfile import read_model
+    from codegen.reference.page import page
+    from codegen.reference.pages import chosen_kinds, find_kind, write
+
+    declared = read_model(model).model if model else None
+    only = find_kind(kind) if kind else None
+    folder = out or (Path("docs/elements") if check else None)
+    if folder is None and only is None:
+        table = Table("kind", "role", "what it is")
+        for name, registered in chosen_kinds(declared).items():
+            table.add_row(name, registered.role, escaped(registered.summary))
+        Console(width=PAPER, highlight=False).print(table)
+    elif folder is None and only is not None:
+        typer.echo(page(only, declared), nl=False)
+    elif folder is not None:
+        done = write(folder, declared, only, check=check)
+        for path in done.stale if check else ():
+            errors.print(
+                f"[bold red]stale:[/] {escaped(str(path))} is missing, not what the library gives, "
+                f"or of no kind; run: python -m codegen elements --out {escaped(str(folder))}"
+            )
+        if check and done.stale:
+            raise typer.Exit(1)
+        changed = len(done.stale)
+        output.print(f"{len(done.pages)} pages in {escaped(str(folder))}, {changed} of them new")
 
 
 def main() -> None:

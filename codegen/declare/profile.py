@@ -67,8 +67,9 @@ def in_ground(curve: Curve, numbers: Mapping[sympy.Symbol, float]) -> npt.NDArra
     """Points of a curve in the global frame for coordinates and parameters, samples × 2."""
     x, y, phi = (float(c.subs(numbers)) for c in curve.body.pose)
     c, s = math.cos(phi), math.sin(phi)
-    turned: npt.NDArray[np.float64] = places(curve.at(alpha).subs(numbers)) @ [[c, s], [-s, c]]
-    return turned + np.array([x, y])
+    turned = places(curve.at(alpha).subs(numbers)) @ np.array([[c, s], [-s, c]])
+    found: npt.NDArray[np.float64] = turned + np.array([x, y])
+    return found
 
 
 def _sampled(expressions: tuple[sympy.Expr, ...]) -> list[tuple[float, ...]]:

@@ -8,9 +8,9 @@ import sympy
 
 from codegen.declare.symbols import given
 from codegen.reference.latex import latex, width
-from codegen.reference.letters import lettered, used
+from codegen.reference.letters import lettered, scaled, used
 
-LONG = 16
+LONG = 9
 """Characters from which a sum that occurs again is given a name."""
 
 WIDE = 56
@@ -32,10 +32,10 @@ class Abbreviations:
         wide: set[sympy.Expr] = set()
         for expression in shown:
             for sum_ in _sums(expression):
-                scaled = _scaled(sum_)[1]
-                counts[scaled] += 1
+                bare = scaled(sum_)[1]
+                counts[bare] += 1
                 if sum_ is not expression and width(latex(sum_)) >= WIDE:
-                    wide.add(scaled)
+                    wide.add(bare)
         taken = {s.name for expression in shown for s in expression.free_symbols}
         free = (given(f"a_{k}") for k in count(1) if f"a_{k}" not in taken)
         chosen = [
@@ -47,9 +47,9 @@ class Abbreviations:
         self._meanings = {name: sum_ for sum_, name in self._names.items()}
         self._met: list[sympy.Expr] = []
 
-    def __call__(self, expression: sympy.Expr) -> sympy.Expr:
-        """The same expression, shorter."""
-        short = self._named(lettered(expression))
+    def __call__(self, expression: sympy.Expr, *, whole: bool = True) -> sympy.Expr:
+        """The same expression, shorter; unless `whole`, it has no name itself, but its parts do."""
+        short = (self._named if whole else self._inside)(lettered(expression))
         self._met.append(short)
         return short
 
@@ -69,7 +69,7 @@ class Abbreviations:
 
     def _named(self, expression: sympy.Basic) -> sympy.Basic:
         if isinstance(expression, sympy.Add):
-            number, sum_ = _scaled(expression)
+            number, sum_ = scaled(expression)
             if sum_ in self._names:
                 return number * self._names[sum_]
         return self._inside(expression)
@@ -78,13 +78,6 @@ class Abbreviations:
         if not expression.args:
             return expression
         return expression.func(*(self._named(argument) for argument in expression.args))
-
-
-def _scaled(sum_: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr]:
-    """A number and the sum without it: 2 a - 2 b and b - a are multiples of one sum."""
-    first = min(sum_.args, key=sympy.default_sort_key)
-    number = first.as_coeff_Mul()[0]
-    return number, sympy.Add(*(term / number for term in sum_.args))
 
 
 def _sums(expression: sympy.Basic) -> Iterator[sympy.Expr]:

@@ -6,8 +6,9 @@ from itertools import chain
 import sympy
 
 from codegen.declare.element import Constraint, Effect, J, JointReaction, Statement
-from codegen.declare.symbols import RATES, Coordinate, Given, kinds
+from codegen.declare.symbols import RATES, Coordinate, Given, given, kinds
 from codegen.derive.constraints import ConstraintTerms, constraint_terms
+from codegen.derive.effects import FrictionTerms
 from codegen.derive.equations import Equations
 from codegen.reference.abbreviations import Abbreviations
 from codegen.reference.latex import FRAMED, aligned, latex
@@ -27,7 +28,7 @@ def constraint_sections(element: Constraint) -> Iterator[str]:
     short = Abbreviations(chain(terms.phi, *rows))
     count = len(terms.phi)
     phis = [r"\Phi" if count == 1 else rf"\Phi_{{{k + 1}}}" for k in range(count)]
-    phi = [(f"{name} = 0", e) for name, e in zip(phis, map(short, terms.phi), strict=True)]
+    phi = [(name, short(e, whole=False)) for name, e in zip(phis, terms.phi, strict=True)]
     slopes = list(_jacobian(terms, phis, short))
     right = [
         (rf"{letter}_{{{k + 1}}}" if count > 1 else letter, short(e))
@@ -37,7 +38,7 @@ def constraint_sections(element: Constraint) -> Iterator[str]:
     ]
     report = list(_reaction(element, statement, terms, short))
     yield f"## Equations\n\n{_counted(statement, phi)}"
-    yield aligned([(name.removesuffix(" = 0"), e) for name, e in phi])
+    yield aligned(phi)
     if meanings := short.definitions():
         yield f"with\n\n{aligned(meanings)}"
     yield from _placeholders(statement, terms)
@@ -55,12 +56,14 @@ def effect_sections(equations: Equations, element: Effect) -> Iterator[str]:
     """V and Q of a force, and what switches it."""
     (terms,) = (e.terms for e in equations.effects if e.name == element.name)
     switches = [s.g for s in equations.switches if s.effect == element.name]
-    shown = [e for _, e in (*terms.gradient, *terms.forces)]
+    rubbing = [] if terms.friction is None else list(_friction(terms.friction))
+    shown = [e for _, e in (*terms.gradient, *terms.forces, *rubbing)]
     energy = [] if terms.potential is None else [terms.potential]
     short = Abbreviations(chain(energy, shown, switches))
     potential = [("V", short(e)) for e in energy]
     gradient = [(rf"V_{{{latex(q)}}}", short(e)) for q, e in terms.gradient if e != 0]
     forces = [(rf"Q_{{{latex(q)}}}", short(e)) for q, e in terms.forces]
+    friction = [(left, short(e)) for left, e in rubbing]
     modes = [(f"g_{{{k}}}", short(g)) for k, g in enumerate(switches, 1)]
     yield "## Equations"
     if potential:
@@ -70,11 +73,34 @@ def effect_sections(equations: Equations, element: Effect) -> Iterator[str]:
     if forces:
         other = "The other generalized forces" if potential else "The generalized forces"
         yield f"{other}, N along lengths and N m along angles:\n\n{aligned(forces)}"
+    if friction:
+        yield (
+            "The slip, what presses in the joint by its own reaction, and the force along the "
+            f"slip:\n\n{aligned(friction)}"
+        )
     if meanings := short.definitions():
         yield f"with\n\n{aligned(meanings)}"
     if modes:
         many = "Switching functions: their" if len(modes) > 1 else "A switching function: its"
         yield f"{many} change of sign is an event of a run.\n\n{aligned(modes)}"
+
+
+def _friction(terms: FrictionTerms) -> Iterator[tuple[str, sympy.Expr]]:
+    """ṡ, the sizes N of the loads, and f; and Q = f s_q."""
+    yield r"\dot s", terms.slip
+    sizes = (
+        sympy.sqrt(sympy.Add(*(_load(load) ** 2 for load in contact))) for contact in terms.contacts
+    )
+    yield "N", sympy.Add(*sizes)
+    yield "f", -terms.grip * given("N")
+    for q, slope in terms.direction:
+        yield rf"Q_{{{latex(q)}}}", given("f") * slope
+
+
+def _load(load: tuple[tuple[str, sympy.Expr], ...]) -> sympy.Expr:
+    """A sum of components of the joint's reaction."""
+    names = {"fx": "f_x", "fy": "f_y", "torque": "T"}
+    return sympy.Add(*(weight * given(names[name]) for name, weight in load))
 
 
 def _counted(statement: Statement, phi: Pairs) -> str:

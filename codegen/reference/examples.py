@@ -151,7 +151,7 @@ def _point_follower(model: Model, i: Body, Q: Point) -> None:
 
 @_example("rack-and-pinion")
 def _rack_and_pinion(model: Model, P: Point, Q: Point) -> None:
-    model.rack_and_pinion("teeth", P, Q, 0.2, axis=(1, 0))
+    model.rack_and_pinion("teeth", pinion=Q, rack=P, radius=0.2, axis=(1, 0))
 
 
 @_example("relative")
@@ -234,6 +234,13 @@ def _contact(model: Model, P: Point, Q: Point) -> None:
 @_example("force")
 def _force(model: Model, i: Body, P: Point) -> None:
     model.force("brake", on=P, fx=-5 * i.vx, fy=3.0, frame="body")
+
+
+@_example("friction")
+def _friction(model: Model, P: Point, Q: Point) -> None:
+    mu = model.parameter("mu", 0.2)
+    pin = model.revolute("pin", P, Q)
+    model.friction("rub", pin, mu, creep=1e-3, radius=0.02)
 
 
 @_example("generalized force")

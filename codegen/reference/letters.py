@@ -6,11 +6,13 @@ no value.
 """
 
 from collections.abc import Iterator
+from functools import cache
 
 import sympy
 
 from codegen.declare.element import I, J
-from codegen.declare.symbols import given
+from codegen.declare.symbols import Parameter, given
+from codegen.reference.latex import FRAMED
 
 Sum = dict[sympy.Expr, sympy.Expr]
 """Terms without their numbers → the numbers."""
@@ -35,19 +37,34 @@ SPAN = {
 MEANINGS: dict[sympy.Symbol, sympy.Expr] = {**ROTATED, **SPAN}
 
 
+@cache
 def lettered(expression: sympy.Basic) -> sympy.Basic:
     """The same expression in letters, with sin² + cos² = 1, and 1/2 where the computer has 0.5."""
     if expression.is_Float:
-        eighths = 8 * expression
-        return sympy.Rational(int(eighths), 8) if eighths == int(eighths) else expression
+        eighths = 8 * float(expression)
+        return sympy.Rational(int(eighths), 8) if eighths.is_integer() else expression
+    if isinstance(expression, Parameter) and FRAMED.fullmatch(expression.name):
+        return given(expression.name)
     if not expression.args:
         return expression
     inner = expression.func(*(lettered(argument) for argument in expression.args))
+    if isinstance(inner, sympy.Mul):
+        parts = [scaled(factor) for factor in inner.args]
+        return sympy.Mul(*(number for number, _ in parts), *(factor for _, factor in parts))
     if not isinstance(inner, sympy.Add):
         return inner
     for letter, meaning in (*_ones(inner), *MEANINGS.items()):
         inner = _factored(inner, letter, meaning)
     return inner
+
+
+def scaled(expression: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr]:
+    """A number, and a sum without it: 2 a - 2 b and b - a are multiples of one sum."""
+    if not isinstance(expression, sympy.Add):
+        return sympy.S.One, expression
+    first = min((a for a in expression.args if not a.is_number), key=sympy.default_sort_key)
+    number = first.as_coeff_Mul()[0]
+    return number, sympy.Add(*(term / number for term in expression.args))
 
 
 def used(expressions: list[sympy.Expr]) -> list[tuple[sympy.Symbol, sympy.Expr]]:

@@ -103,7 +103,8 @@ def _equations(example: Example) -> Equations:
     model, element = example.model, example.element
     for scene in sound_scenes(model, None):
         equations = derive(model, scene)
-        if element.name in {e.name for e in (*equations.constraints, *equations.effects)}:
+        names = [*(c.name for c in equations.constraints), *(e.name for e in equations.effects)]
+        if element.name in names:
             return equations
     raise ModelError(
         f"no scene of model '{model.name}' has {element.kind} '{element.name}' in it; name it "

@@ -4,11 +4,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from codegen.declare.names import nearest
 from codegen.elements.registry import Kind, kinds_of_elements
-from codegen.errors import ModelError
+from codegen.errors import GeneratedFileError, ModelError
 from codegen.model import Model
 from codegen.reference.page import page
-from codegen.write import is_current, write_if_changed
+from codegen.write import is_current
 
 INDEX = "index.md"
 ROLES = {"joint": "Joints", "driver": "Drivers", "force": "Forces"}
@@ -35,8 +36,6 @@ def find_kind(name: str) -> str:
     ModelError
         If there is none.
     """
-    from codegen.declare.names import nearest
-
     known = kinds_of_elements()
     for kind in known:
         if name in (kind, slug(kind)):
@@ -79,11 +78,23 @@ def write(
     wanted = {folder / name: text for name, text in _texts(model, only)}
     stale = []
     for path, text in wanted.items():
-        fresh = is_current(path, text) if check else not write_if_changed(path, text)
-        stale += [] if fresh else [path]
+        if not is_current(path, text):
+            stale.append(path)
+            if not check:
+                _put(path, text)
     if only is None and folder.is_dir():
         stale += sorted(path for path in folder.glob("*.md") if path not in wanted)
     return Written(tuple(wanted), tuple(stale))
+
+
+def _put(path: Path, text: str) -> None:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(text.encode())
+    except OSError as error:
+        raise GeneratedFileError(
+            f"cannot write {path}: {error.strerror or error}; choose another folder with --out."
+        ) from error
 
 
 def _texts(model: Model | None, only: str | None) -> Iterator[tuple[str, str]]:

@@ -202,6 +202,8 @@ def _positions(runs: Study) -> list[Row]:
                 Row(PLACE, f"{what}: φ of the rack, rad", float(run.q("rack.phi")[k]), tilt),
                 Row(PLACE, f"{what}: x of the rack, m", float(run.q("rack.x")[k]), place),
             ]
+    # Kinematics stops at the last position that is regular to it, 3e-4 rad of the coupler ahead of
+    # the dead centre: 5e-7 rad of the pinion.
     ours = float(runs.locked.q("pinion.phi")[-1])
     return [*rows, Row(PLACE, f"a swing of {TOO_FAR:g} rad locks at φ, rad", ours, DEAD[1])]
 

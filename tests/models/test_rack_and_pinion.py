@@ -1,5 +1,6 @@
 """Projects 5.3 and 8.3: the rack and pinion against its closed form, in both models."""
 
+from itertools import pairwise
 from math import pi
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from models.studies.rack_and_pinion import (
     SWING,
     TORQUE,
     D,
+    Driven,
     G,
     L,
     R,
@@ -51,7 +53,7 @@ def slopes(track: Track, theta: np.ndarray) -> float:
     """How far the derivatives of a track are from differences of its values."""
     step = theta[1] - theta[0]
     worst = 0.0
-    for value, rate in zip(track, track[1:], strict=False):
+    for value, rate in pairwise(track):
         difference = np.diff(value) - step * 0.5 * (rate[1:] + rate[:-1])
         worst = max(worst, float(np.abs(difference).max()))
     return worst
@@ -106,9 +108,9 @@ def test_both_models_move_as_the_closed_form(ending: str) -> None:
 def check_motion(run: Result, phi: np.ndarray) -> None:
     """Positions, velocities and accelerations of all bodies in the driven run."""
     exact = driven(run.t)
-    names = [name for name in run.description.bodies]
     assert np.abs(run.q("pinion.phi") - phi).max() < 1e-12
-    for name, mover in zip(names, movers(exact.theta), strict=False):
+    # The second model lacks the last of them, the coupler.
+    for name, mover in zip(run.description.bodies, movers(exact.theta), strict=False):
         ours = path(run, name)
         for place, found in ((mover.centre, ours), (mover.angle, angle(run, name))):
             for value, wanted in zip(found, over_time(place, exact), strict=True):
@@ -121,7 +123,7 @@ def angle(run: Result, name: str) -> tuple[np.ndarray, ...]:
     return tuple(read(f"{name}.phi") for read in (run.q, run.v, run.a))
 
 
-def over_time(place: Track, exact: object) -> tuple[np.ndarray, ...]:
+def over_time(place: Track, exact: Driven) -> tuple[np.ndarray, ...]:
     """A track over θ as a function of time, by the chain rule."""
     rate, second = exact.rate, exact.second
     return place.at, place.first * rate, place.second * rate**2 + place.first * second
@@ -137,10 +139,10 @@ def test_the_models_have_their_joints() -> None:
 
 
 def test_a_swing_too_far_locks_at_the_dead_centre() -> None:
-    """The run ends at the last position whose pivots, squares of sines, are above 1e-9.
+    """The run ends at the last position whose pivots are above 1e-9 of their diagonals.
 
-    There the sine is 3e-5 and more, and φ, which has its extreme, off by the square of an angle of
-    that size over φ'': 1e-6 at the most.
+    A pivot is the square of a singular value: this one falls below 3e-4 rad of the coupler ahead of
+    the dead centre, where φ = -3 + 4.8 δθ² is within 1e-6 rad of its extreme.
     """
     run = study().locked
     assert run.outcome is Outcome.LOCKED

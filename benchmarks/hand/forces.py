@@ -1,0 +1,172 @@
+"""Generalized forces Q by the formulas of Haug's section 6.1, written out by hand.
+
+q = (x_i, y_i, φ_i, x_j, y_j, φ_j). Points, axis and names are those of `benchmarks.hand.joints`;
+a tension f along d pulls with f d / ℓ on i and its opposite on j, and a point's force F turns its
+body by a × F. All of Q is written, as a kernel must that is asked for all of it.
+"""
+
+import math
+
+from benchmarks.hand.signatures import force, small, solution
+
+SIX, SIY, SJX, SJY = 0.3, -0.2, -0.5, 0.1
+UX, UY = 0.6, 0.8
+MASS_I, MASS_J = 2.0, 3.0
+
+
+@small
+def rotated(phi, x, y):
+    """A (x, y)."""
+    c, s = math.cos(phi), math.sin(phi)
+    return c * x - s * y, s * x + c * y
+
+
+@force
+def gravity(t, q, v, p, modes, Q):
+    Q[0] = 0.0
+    Q[1] = -9.81 * MASS_I
+    Q[2] = 0.0
+    Q[3] = 0.0
+    Q[4] = -9.81 * MASS_J
+    Q[5] = 0.0
+
+
+@force
+def applied(t, q, v, p, modes, Q):
+    jx, jy = rotated(q[5], SJX, SJY)
+    Q[0] = 0.0
+    Q[1] = 0.0
+    Q[2] = 0.0
+    Q[3] = 4.0
+    Q[4] = -7.0
+    Q[5] = -7.0 * jx - 4.0 * jy
+
+
+@force
+def following(t, q, v, p, modes, Q):
+    """A force fixed in the body: its moment s'_x F'_y - s'_y F'_x is constant."""
+    fx, fy = rotated(q[5], 4.0, -7.0)
+    Q[0] = 0.0
+    Q[1] = 0.0
+    Q[2] = 0.0
+    Q[3] = fx
+    Q[4] = fy
+    Q[5] = SJX * -7.0 - SJY * 4.0
+
+
+@force
+def torque(t, q, v, p, modes, Q):
+    Q[0] = 0.0
+    Q[1] = 0.0
+    Q[2] = 0.0
+    Q[3] = 0.0
+    Q[4] = 0.0
+    Q[5] = 20.0 - 3.0 * v[5]
+
+
+@force
+def spring(t, q, v, p, modes, Q):
+    """f = 120 (ℓ - 0.8) + 9 ℓ̇ + 5."""
+    ix, iy = rotated(q[2], SIX, SIY)
+    jx, jy = rotated(q[5], SJX, SJY)
+    wi, wj = v[2], v[5]
+    dx, dy = q[3] + jx - q[0] - ix, q[4] + jy - q[1] - iy
+    vx, vy = v[3] - wj * jy - v[0] + wi * iy, v[4] + wj * jx - v[1] - wi * ix
+    length = math.sqrt(dx * dx + dy * dy)
+    inverse = 1.0 / length
+    pull = 120.0 * (length - 0.8) + 9.0 * (inverse * (dx * vx + dy * vy)) + 5.0
+    pull *= inverse
+    fx, fy = pull * dx, pull * dy
+    Q[0] = fx
+    Q[1] = fy
+    Q[2] = ix * fy - iy * fx
+    Q[3] = -fx
+    Q[4] = -fy
+    Q[5] = jy * fx - jx * fy
+
+
+@force
+def torsion_spring(t, q, v, p, modes, Q):
+    """n = 12 (θ - 0.2) + 0.6 θ̇ + 1.5."""
+    n = 12.0 * (q[5] - q[2] - 0.2) + 0.6 * (v[5] - v[2]) + 1.5
+    Q[0] = 0.0
+    Q[1] = 0.0
+    Q[2] = n
+    Q[3] = 0.0
+    Q[4] = 0.0
+    Q[5] = -n
+
+
+@force
+def bushing(t, q, v, p, modes, Q):
+    """k = (900, 700, 50), c = (8, 6, 0.4), θ0 = 0.1."""
+    c, s = math.cos(q[2]), math.sin(q[2])
+    jx, jy = rotated(q[5], SJX, SJY)
+    wi, wj = v[2], v[5]
+    ex, ey = q[3] + jx - q[0], q[4] + jy - q[1]
+    vx, vy = v[3] - wj * jy - v[0] + wi * ey, v[4] + wj * jx - v[1] - wi * ex
+    fx = 900.0 * (c * ex + s * ey - SIX) + 8.0 * (c * vx + s * vy)
+    fy = 700.0 * (c * ey - s * ex - SIY) + 6.0 * (c * vy - s * vx)
+    n = 50.0 * (q[5] - q[2] - 0.1) + 0.4 * (wj - wi)
+    fx, fy = c * fx - s * fy, s * fx + c * fy
+    Q[0] = fx
+    Q[1] = fy
+    Q[2] = n + ex * fy - ey * fx
+    Q[3] = -fx
+    Q[4] = -fy
+    Q[5] = jy * fx - jx * fy - n
+
+
+@force
+def contact(t, q, v, p, modes, Q):
+    """f = 5000 g + 30 ġ while g = u'd - 0.1 is negative."""
+    closed = modes[0]
+    ux, uy = rotated(q[2], UX, UY)
+    jx, jy = rotated(q[5], SJX, SJY)
+    wi, wj = v[2], v[5]
+    ex, ey = q[3] + jx - q[0], q[4] + jy - q[1]
+    vx, vy = v[3] - wj * jy - v[0] + wi * ey, v[4] + wj * jx - v[1] - wi * ex
+    if closed:
+        gap = ux * ex + uy * ey - (UX * SIX + UY * SIY + 0.1)
+        f = 5000.0 * gap + 30.0 * (ux * vx + uy * vy)
+    else:
+        f = 0.0
+    fx, fy = f * ux, f * uy
+    Q[0] = fx
+    Q[1] = fy
+    Q[2] = ex * fy - ey * fx
+    Q[3] = -fx
+    Q[4] = -fy
+    Q[5] = jy * fx - jx * fy
+
+
+@force
+def potential(t, q, v, p, modes, Q):
+    """A user's own: V = 6 (x_i² + y_i²)²."""
+    pull = -24.0 * (q[0] * q[0] + q[1] * q[1])
+    Q[0] = pull * q[0]
+    Q[1] = pull * q[1]
+    Q[2] = 0.0
+    Q[3] = 0.0
+    Q[4] = 0.0
+    Q[5] = 0.0
+
+
+@force
+def generalized(t, q, v, p, modes, Q):
+    """A user's own: -3 ẋ_i |ẋ_i|, written with a square root."""
+    Q[0] = -3.0 * v[0] * math.sqrt(v[0] * v[0] + 0.01)
+    Q[1] = 0.0
+    Q[2] = 0.0
+    Q[3] = 0.0
+    Q[4] = 0.0
+    Q[5] = 0.0
+
+
+@solution
+def friction(t, q, v, p, modes, a, lam):
+    """Body i slides on a level guide, pressed by its weight: ẍ_i = 6 - μ g tanh(ẋ_i / v_c)."""
+    a[0] = 6.0 - 0.3 * 9.81 * math.tanh(100.0 * v[0])
+    a[1] = 0.0
+    a[2] = 0.0
+    return 0
