@@ -1,60 +1,65 @@
-"""``python -m benchmarks [kernels | compressor]...``: tables on the terminal, JSON in results/."""
+"""``python -m benchmarks [elements | kernels | machines | compressor]...``: tables, and files."""
 
-import json
-import platform
+import tempfile
+from collections.abc import Sequence
 from dataclasses import asdict
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Annotated, Any
+from statistics import median
+from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.table import Table
 
-from benchmarks import compressor, kernels
+from benchmarks import compressor, elements, kernels, machines, twins
+from benchmarks.report import Report, finish, records, save, verdict
+
+__all__ = ["main", "save"]
 
 RESULTS = Path(__file__).resolve().parent / "results"
-LIBRARIES = ("linkwright", "numba", "numpy", "scipy", "sympy")
-NAMES = ("kernels", "compressor")
-console = Console(width=110, highlight=False)
+SIDES = ("operations", "hand", "weighted", "hand", "ns", "hand", "ratio", "difference")
 
 
-def versions() -> dict[str, str]:
-    """What the numbers were measured with."""
-    found = {"python": platform.python_version(), "processor": _processor()}
-    for name in LIBRARIES:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "source tree"
-    return found
+def cells(row: twins.Row) -> tuple[str, ...]:
+    """A pair of twins in the columns `SIDES`."""
+    return (
+        str(row.operations),
+        str(row.hand_operations),
+        str(row.cost),
+        str(row.hand_cost),
+        f"{row.nanoseconds:.1f}",
+        f"{row.hand_nanoseconds:.1f}",
+        f"{row.ratio:.2f}",
+        f"{row.difference:.1e}",
+    )
 
 
-def _processor() -> str:
-    information = Path("/proc/cpuinfo")
-    if information.is_file():
-        for line in information.read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.processor() or platform.machine()
+def of_elements(quick: bool) -> list[Report]:
+    """Every joint, driver and force beside its twin."""
+    with tempfile.TemporaryDirectory() as folder:
+        pairs = elements.twins(elements.SAMPLES, Path(folder) / "generated")
+        rows = twins.measure(pairs, *((5_000, 2) if quick else (200_000, 15)))
+    worst = max(rows, key=lambda row: row.ratio)
+    most = max(rows, key=lambda row: row.operations - row.hand_operations)
+    middle = median(row.ratio for row in rows)
+    enough = sum(row.operations <= row.hand_operations for row in rows)
+    times = (
+        f"A generated kernel takes {middle:.2f} times the hand-written one in the median; the "
+        f"most, {worst.ratio:.2f} times, {worst.kernel} of {worst.subject}."
+    )
+    counts = (
+        f"{enough} of {len(rows)} need no more operations than by hand; the most too many needs "
+        f"{most.kernel} of {most.subject}, {most.operations} for {most.hand_operations}."
+    )
+    title = "elements: generated kernels and hand-written twins"
+    table = [(row.subject, row.kernel, *cells(row)) for row in rows]
+    headings = ("element", "kernel", *SIDES)
+    return [Report("elements", title, headings, table, (times, counts), records(rows), 2)]
 
 
-def save(name: str, rows: list[dict[str, Any]], folder: Path) -> Path:
-    """The measurement as JSON."""
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{name}.json"
-    path.write_text(json.dumps({"versions": versions(), "rows": rows}, indent=2) + "\n")
-    return path
-
-
-def show_kernels(quick: bool, folder: Path) -> None:
-    """Generated kernels and their hand-written twins."""
+def of_kernels(quick: bool) -> list[Report]:
+    """The slider-crank's kernels beside their twins."""
     rows = kernels.measure(*((20_000, 3) if quick else (1_000_000, 15)))
-    table = Table(title="slider-crank: generated kernels and hand-written twins")
-    for heading in ("generated", "hand", "operations", "hand", "ns", "hand", "ratio", "difference"):
-        table.add_column(heading, justify="left" if heading == "generated" else "right")
-    for row in rows:
-        table.add_row(
+    table = [
+        (
             row.generated,
             row.hand,
             str(row.operations),
@@ -64,26 +69,61 @@ def show_kernels(quick: bool, folder: Path) -> None:
             f"{row.ratio:.2f}",
             f"{row.difference:.1e}",
         )
-    console.print(table)
-    ratio = rows[-1].ratio
-    verdict = "holds" if ratio <= kernels.BAR else "is missed"
-    console.print(
-        f"all 9 accelerations and 8 multipliers take {ratio:.2f} times the hand-derived equation "
-        f"of one degree of freedom; the bar of {kernels.BAR} {verdict}"
+        for row in rows
+    ]
+    times = "All 9 accelerations and 8 multipliers, in times of the hand-derived equation of one"
+    told = verdict(f"{times} degree of freedom:", rows[-1].ratio, kernels.BAR)
+    headings = ("generated", "by hand", "operations", "hand", "ns", "hand", "ratio", "difference")
+    title = "slider-crank: generated kernels and hand-written twins"
+    found = [{**asdict(row), "ratio": row.ratio} for row in rows]
+    return [Report("kernels", title, headings, table, (told,), found, 2)]
+
+
+def of_machines(quick: bool) -> list[Report]:
+    """All machines: beside equations of one degree of freedom, and by the operation."""
+    size = (5_000, 2) if quick else (100_000, 150)
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder) / "generated"
+        pairs = twins.measure(machines.twins(machines.REDUCED, place), *size)
+        rows = machines.measure(machines.MACHINES, place, *size)
+    reduced = Report(
+        "reduced",
+        "machines: all accelerations and multipliers, and equations of one degree of freedom",
+        ("machine", *SIDES),
+        [(row.subject, *cells(row)) for row in pairs],
+        [
+            verdict(f"{row.subject}, in times of its equation:", row.ratio, machines.BAR)
+            for row in pairs
+        ],
+        records(pairs),
     )
-    records = [{**asdict(row), "ratio": row.ratio} for row in rows]
-    console.print(f"written: {save('kernels', records, folder)}")
+    pace = Report(
+        "machines",
+        "machines: time of a weighted operation of the accelerations",
+        ("machine", "scene", "operations", "weighted", "ns", "ns an operation"),
+        [
+            (
+                row.machine,
+                row.scene,
+                str(row.operations),
+                str(row.cost),
+                f"{row.nanoseconds:.1f}",
+                f"{row.pace:.3f}",
+            )
+            for row in rows
+        ],
+        [verdict(f"{row.machine}, an operation:", row.pace, machines.PACE, " ns") for row in rows],
+        records(rows),
+        2,
+    )
+    return [reduced, pace]
 
 
-def show_compressor(quick: bool, folder: Path) -> None:
+def of_compressor(quick: bool) -> list[Report]:
     """One second of motion."""
     rows = compressor.measure(1 if quick else 5)
-    table = Table(title="compressor, J = 450 kg m², 1 s")
-    headings = ("method", "rtol", "ms", "times ours", "error of crank.phi, rad", "evaluations")
-    for heading in headings:
-        table.add_column(heading, justify="left" if heading == "method" else "right")
-    for row in rows:
-        table.add_row(
+    table = [
+        (
             row.method,
             f"{row.rtol:.0e}",
             f"{row.milliseconds:.2f}",
@@ -91,22 +131,41 @@ def show_compressor(quick: bool, folder: Path) -> None:
             f"{row.error:.1e}",
             str(row.evaluations),
         )
-    console.print(table)
-    records = [asdict(row) for row in rows]
-    console.print(f"written: {save('compressor', records, folder)}")
+        for row in rows
+    ]
+    headings = ("method", "rtol", "ms", "times ours", "error of crank.phi, rad", "evaluations")
+    return [
+        Report("compressor", "compressor, J = 450 kg m², 1 s", headings, table, (), records(rows))
+    ]
+
+
+MEASUREMENTS = {
+    "elements": of_elements,
+    "kernels": of_kernels,
+    "machines": of_machines,
+    "compressor": of_compressor,
+}
+
+
+def chosen(names: Sequence[str] | None) -> Sequence[str]:
+    """The measurements asked for; all of them without names."""
+    for name in names or ():
+        if name not in MEASUREMENTS:
+            raise typer.BadParameter(f"{name!r} is none of {', '.join(MEASUREMENTS)}")
+    return names or tuple(MEASUREMENTS)
 
 
 def main(
-    names: Annotated[list[str] | None, typer.Argument(help="kernels, compressor; both")] = None,
+    names: Annotated[
+        list[str] | None, typer.Argument(help="elements, kernels, machines, compressor; all")
+    ] = None,
     quick: Annotated[bool, typer.Option(help="Fewer repeats; times are rough.")] = False,
-    out: Annotated[Path, typer.Option(help="Folder for the JSON files.")] = RESULTS,
+    out: Annotated[Path, typer.Option(help="Folder for the JSON and Markdown files.")] = RESULTS,
 ) -> None:
     """Measure, print, and write down."""
-    for name in names or NAMES:
-        if name not in NAMES:
-            raise typer.BadParameter(f"{name!r} is none of {', '.join(NAMES)}")
-    for name in names or NAMES:
-        {"kernels": show_kernels, "compressor": show_compressor}[name](quick, out)
+    for name in chosen(names):
+        for report in MEASUREMENTS[name](quick):
+            finish(report, out)
 
 
 if __name__ == "__main__":

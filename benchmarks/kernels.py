@@ -1,18 +1,15 @@
 """The generated slider-crank against its hand-written twins: same numbers, and how fast."""
 
-import ast
-import inspect
 import tempfile
-import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from benchmarks.counting import operations
 from benchmarks.hand import slider_crank as hand
 from benchmarks.states import turn_of_the_crank
 from benchmarks.timing import (
@@ -61,13 +58,6 @@ def parameters(module: ModuleType) -> npt.NDArray[np.float64]:
     p = np.array([*values, *[0.0] * len(module.CONSTANTS)])
     module.constants(p)
     return p
-
-
-def operations(function: Any) -> int:
-    """Arithmetic in the source of a compiled function: signs, constants and loads are free."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function.py_func)))
-    body = [node for statement in tree.body[0].body for node in ast.walk(statement)]
-    return sum(isinstance(node, ast.BinOp | ast.AugAssign | ast.Call) for node in body)
 
 
 def differences(module: ModuleType) -> dict[str, float]:

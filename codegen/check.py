@@ -139,10 +139,14 @@ def _bodies(model: Model, element: Constraint | Effect) -> Iterator[str]:
 
 def _orientations(constraint: Constraint) -> Iterator[str]:
     """Joints that would turn a particle; only its place can be held."""
-    phi = sympy.Tuple(*constraint.statement().phi)
-    for frame, body in zip((I, J), constraint.bodies, strict=False):
+    statement = constraint.statement()
+    phi = sympy.Tuple(*statement.phi)
+    for frame in (I, J):
         held = phi.xreplace(dict.fromkeys(frame.s, sympy.S.Zero))
-        if not body.turns and held.has(frame.phi):
+        if not held.has(frame.phi):
+            continue
+        body = next((b for b in constraint.bodies if statement.bindings.get(frame.x) == b.x), None)
+        if body and not body.turns:
             yield (
                 f"{constraint.kind} '{constraint.name}' holds an angle of '{body.name}', which is "
                 "a particle and has none; use a joint that leaves it free to turn, or a body."

@@ -88,8 +88,9 @@ _TEXT = {
     Outcome.NOT_FINITE: (
         "The accelerations are not finite.",
         (
-            "Look for a division by zero, a root of a negative number or a mass of zero in "
-            "the effects at this state."
+            "Look in the effects for a division by zero, a root of a negative number, a spring "
+            "whose ends coincide or a mass of zero; in motion laws, curves and effects for a table "
+            "asked beyond its ends; in joints with friction for one that jams."
         ),
     ),
     Outcome.INTERRUPTED: (

@@ -33,13 +33,14 @@ def gravity(t, q, v, p, modes, Q):
 
 @force
 def applied(t, q, v, p, modes, Q):
-    jx, jy = rotated(q[5], SJX, SJY)
+    """F = (4, -7) N: what its moment is at φ = 0 and at φ = -π/2 is known before."""
+    at_0, at_minus_90 = SJX * -7.0 - SJY * 4.0, SJY * -7.0 + SJX * 4.0
     Q[0] = 0.0
     Q[1] = 0.0
     Q[2] = 0.0
     Q[3] = 4.0
     Q[4] = -7.0
-    Q[5] = -7.0 * jx - 4.0 * jy
+    Q[5] = at_0 * math.cos(q[5]) - at_minus_90 * math.sin(q[5])
 
 
 @force
@@ -154,7 +155,7 @@ def potential(t, q, v, p, modes, Q):
 
 @force
 def generalized(t, q, v, p, modes, Q):
-    """A user's own: -3 ẋ_i |ẋ_i|, written with a square root."""
+    """A user's own: a drag -3 ẋ_i √(ẋ_i² + 0.01)."""
     Q[0] = -3.0 * v[0] * math.sqrt(v[0] * v[0] + 0.01)
     Q[1] = 0.0
     Q[2] = 0.0

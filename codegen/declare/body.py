@@ -5,7 +5,7 @@ from typing import Any
 
 import sympy
 
-from codegen.declare.quantities import plain_length
+from codegen.declare.quantities import is_quantity, plain_length
 from codegen.declare.symbols import Coordinate, Velocity, alpha, coordinate
 
 
@@ -98,13 +98,15 @@ class Body:
 
     def circle(self, radius: Any, center: tuple[Any, Any] = (0, 0)) -> "Curve":
         """A circle in this body, m, run through counter-clockwise."""
-        r, x, y = (plain_length(value) for value in (radius, *center))
-        return Curve(self, x + r * sympy.cos(alpha), y + r * sympy.sin(alpha))
+        r, (x, y) = plain_length(radius), map(plain_length, center)
+        try:
+            return Curve(self, x + r * sympy.cos(alpha), y + r * sympy.sin(alpha))
+        except Exception:  # no length, and reported with its joint
+            return Curve(self, *((r, y) if is_quantity(r) or r is None else (x, y)))
 
     def polar(self, radius: Any) -> "Curve":
         """The curve at the distance r(α), m, from the body's centre in the direction α."""
-        r = plain_length(radius)
-        return Curve(self, r * sympy.cos(alpha), r * sympy.sin(alpha))
+        return self.circle(radius)
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,18 +199,16 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A curve fixed in a body: x'(α), y'(α) in the body's frame, m; closed ones have period 2π."""
+    """A curve fixed in a body: x'(α), y'(α) in the body's frame, m; closed ones have period 2π.
+
+    `pace` is a typical |c'|, m per rad, by which equations are divided that hold tangents.
+    """
 
     body: Body
     x: Any
     y: Any
+    pace: float = 1.0
 
     def at(self, parameter: sympy.Expr) -> sympy.Matrix:
         """The point of the curve at a parameter, in the body's frame, 2 × 1."""
         return sympy.Matrix([sympy.sympify(c).subs(alpha, parameter) for c in (self.x, self.y)])
-
-    @property
-    def pace(self) -> sympy.Expr:
-        """|c'(0)|, m per rad: makes unit tangents of tangents, nearly, at no cost in a run."""
-        slope = sympy.Matrix([sympy.diff(c, alpha) for c in (self.x, self.y)]).subs(alpha, 0)
-        return sympy.sqrt(slope.dot(slope))

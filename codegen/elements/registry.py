@@ -111,6 +111,11 @@ def kinds_of_elements() -> dict[str, Kind]:
     return {kind.name: kind for kind in ordered}
 
 
+def role(kind: str) -> Role | None:
+    """What elements of a registered kind are."""
+    return _KINDS[kind].role if kind in _KINDS else None
+
+
 @cache
 def _load() -> None:
     """Import all modules of the library's elements, which registers them."""

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from codegen.emit.formula import formula
 from codegen.emit.placement import Path, Placement, place
-from codegen.emit.splines import function_name, lookups
+from codegen.emit.splines import lookups
 from codegen.lower.ledger import operations
 from codegen.lower.program import LEAVES, Input, Kernel, Lookup, Op, Output, Program, Value
 
@@ -58,7 +58,8 @@ class KernelText:
         )
         self.constants: dict[int, int] = {n: slots[n] for n in self.plan.numbers if n in slots}
         self.names: dict[int, str] = {}
-        self._taken: set[str] = {*RESERVED, *map(function_name, lookups(program))}
+        self._lookups = lookups(program)
+        self._taken: set[str] = {*RESERVED, *self._lookups.values()}
         self._counts: dict[str, int] = {}
         self._wanted = {out.value for out in kernel.outputs}
 
@@ -92,6 +93,10 @@ class KernelText:
                 self.names[number] = name = "t" if wanted == "t" else self._free(wanted)
                 if literal.array != "t":
                     yield f"    {name} = {literal.array}[{literal.slot}]"
+            elif self.program.values[number].op is Op.MODE:
+                # Read before the first branch: numba counts references to an array behind one.
+                self.names[number] = name = self._free(f"mode_{literal}")
+                yield f"    {name} = modes[{literal}]"
 
     def _block(self, path: Path, depth: int) -> Iterator[str]:
         serves = None
@@ -175,7 +180,7 @@ class KernelText:
     def _text(self, number: int, outer: int) -> str:
         if number in self.names:
             return self.names[number]
-        if number in self.plan.inlined or self.program.values[number].op in (Op.CONST, Op.MODE):
+        if number in self.plan.inlined or self.program.values[number].op is Op.CONST:
             return self._expression(number, outer)
         raise KeyError(f"value {number} of kernel {self.kernel.name} is used before it is computed")
 
@@ -184,8 +189,6 @@ class KernelText:
         if value.op is Op.CONST:
             text, level = repr(value.literal), SIGN
             level = SUM if text.startswith("-") else SIGN
-        elif value.op is Op.MODE:
-            text, level = f"modes[{value.literal}]", SIGN
         elif value.op in (Op.NOT, Op.NEG):
             word, level, inner = (
                 ("not ", NEGATION, NEGATION) if value.op is Op.NOT else ("-", SUM, SIGN)
@@ -201,7 +204,7 @@ class KernelText:
             arguments = ", ".join(self._text(a, NOTHING) for a in value.args)
             function = f"math.{value.op.value}"
             if isinstance(value.literal, Lookup):
-                function = function_name(value.literal)
+                function = self._lookups[value.literal]
             text, level = f"{function}({arguments})", SIGN
         return f"({text})" if level < outer else text
 

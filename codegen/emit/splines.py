@@ -14,32 +14,38 @@ POLYNOMIALS = (
 )
 
 
-def lookups(program: Program) -> tuple[Lookup, ...]:
-    """The derivatives of tables that a program takes, in the order of their names."""
+def lookups(program: Program) -> dict[Lookup, str]:
+    """The derivatives of tables that a program takes → names of the functions that look them up.
+
+    Tables are numbered in the order of their names: what a modeller calls them may be the name of
+    something else in the module.
+    """
     found = {v.literal for v in program.values if isinstance(v.literal, Lookup)}
-    return tuple(sorted(found, key=lambda look: (look.table.name, look.order)))
-
-
-def function_name(look: Lookup) -> str:
-    """``table_lift``, and ``table_lift_d1`` for its first derivative."""
-    return f"table_{look.table.name}" + (f"_d{look.order}" if look.order else "")
+    wanted = sorted(found, key=lambda look: (look.table.name, look.table.digest, look.order))
+    numbers: dict[Table, int] = {}
+    names = {}
+    for look in wanted:
+        number = numbers.setdefault(look.table, len(numbers))
+        names[look] = f"table_{number}" + (f"_d{look.order}" if look.order else "")
+    return names
 
 
 def spline_lines(program: Program) -> Iterator[str]:
     """Tables and functions, nothing where a program takes none."""
-    wanted = lookups(program)
-    for table in dict.fromkeys(look.table for look in wanted):
+    names = lookups(program)
+    for number, table in enumerate(dict.fromkeys(look.table for look in names)):
         yield from ("", "")
-        yield from _table(table)
-        for look in wanted:
+        yield from _table(table, f"table_{number}")
+        for look, name in names.items():
             if look.table == table:
                 yield from ("", "")
-                yield from _function(look)
+                yield from _function(look, name, f"table_{number}")
 
 
-def _table(table: Table) -> Iterator[str]:
-    upper, name = table.name.upper(), f"table_{table.name}"
+def _table(table: Table, name: str) -> Iterator[str]:
+    upper = name.upper()
     first, length = table.knots[0], table.knots[-1] - table.knots[0]
+    yield f"# {table.name}"
     yield from assignment(f"{upper}_KNOTS", table.knots)
     yield from assignment(f"{upper}_ROWS", table.rows)
     yield f"{upper}_X, {upper}_C = np.array({upper}_KNOTS), np.array({upper}_ROWS)"
@@ -64,11 +70,11 @@ def _table(table: Table) -> Iterator[str]:
     yield f"    return low, x - {upper}_X[low]"
 
 
-def _function(look: Lookup) -> Iterator[str]:
+def _function(look: Lookup, name: str, table: str) -> Iterator[str]:
     yield '@numba.njit("f8(f8)", **OPTIONS)'
-    yield f"def {function_name(look)}(x):"
+    yield f"def {name}(x):"
     what = f"Derivative {look.order} of the" if look.order else "The"
     yield f'    """{what} cubic spline {look.table.name}."""'
-    yield f"    k, s = table_{look.table.name}_at(x)"
-    yield f"    c = {look.table.name.upper()}_C"
+    yield f"    k, s = {table}_at(x)"
+    yield f"    c = {table.upper()}_C"
     yield f"    return {POLYNOMIALS[look.order]}"

@@ -69,8 +69,10 @@ class Elimination:
     references
         Unknown → the size that its pivot is held against; the others are not watched.
     located
-        Pairs to eliminate first, in this order: a coordinate without mass, and the constraint that
-        determines it.
+        Pairs to eliminate first, in this order: a coordinate without mass, the constraint that
+        determines it, and whether to watch that it does. Along a curve without cusps it does
+        always; where two directions have to differ, the entry is held against those of the row as
+        it was stated, which are angles like it.
     """
 
     graph: Graph
@@ -78,7 +80,7 @@ class Elimination:
     right: list[list[int]]
     duals: frozenset[int] = frozenset()
     references: dict[int, int] = field(default_factory=dict)
-    located: list[tuple[int, int]] = field(default_factory=list)
+    located: list[tuple[int, int, bool]] = field(default_factory=list)
     checks: list[Check] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
@@ -91,8 +93,10 @@ class Elimination:
         """Values of the unknowns, one list a right side."""
         steps: list[Single | Pair] = []
         known: list[dict[int, int]] = [{} for _ in self.right]
-        for k, c in self.located:
-            self._watch_pair(k, c)
+        sizes = {c: self._row_size(c) for _, c, watched in self.located if watched}
+        for k, c, watched in self.located:
+            if watched:
+                self._watch_pair(k, c, sizes[c])
             steps.append(self._pair(k, c))
         while self._neighbours:
             if last := self._last_loop():
@@ -180,13 +184,16 @@ class Elimination:
                 right[j] = graph.sub(right[j], graph.mul(scaled[j], right[i]))
         return Single(i, inverse, scaled, tuple(right[i] for right in self.right))
 
-    def _watch_pair(self, k: int, c: int) -> None:
+    def _row_size(self, c: int) -> int:
+        """Sum of the squares of a row's entries."""
+        entries = [self._at(j, c) for j in sorted(self._neighbours[c])]
+        return self.graph.total([self.graph.mul(entry, entry) for entry in entries])
+
+    def _watch_pair(self, k: int, c: int, size: int) -> None:
         """Where the entry between them vanishes, the constraint no longer determines k."""
-        entries = [(j, self._at(j, c)) for j in sorted(self._neighbours[c])]
-        squares = [self.graph.mul(entry, entry) for _, entry in entries]
         pivot = self.graph.mul(self._at(k, c), self._at(k, c))
         if self.graph.number(pivot) is None:
-            self.checks.append(Check(pivot, self.graph.total(squares), c))
+            self.checks.append(Check(pivot, size, c))
 
     def _pair(self, k: int, c: int) -> Pair:
         graph = self.graph

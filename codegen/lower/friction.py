@@ -1,62 +1,93 @@
 """Friction from reactions: the accelerations and multipliers that agree with their own friction.
 
-Without friction the solution is x₀; a unit force of friction i adds x_i. With the force
-f_i = -g_i Σ N over the contacts of i, the load of a contact is a linear function of the solution,
+Without friction the solution is x₀; a unit force of friction j adds x_j. With the force -g_j S_j,
+S_j the sum of the sizes of its loads, every load is linear in the solution, and the sums obey
 
-    N = |c + d N|,   c = load(x₀) - Σ g_j N' load(x_j),   d = -g_i load(x_i),
+    S_i = Σ |c + e_i S_i|,   c = load(x₀) - Σ_{j≠i} g_j S_j load(x_j),   e_i = -g_i load(x_i).
 
-where N' runs over all other contacts. Each of these equations has the closed solution
+The right side is convex, so Newton's steps from 0 rise to the smallest solution: at once where one
+load keeps its sign, in a step more for each sign that changes. Several frictions take a step each
+in turn, a fixed number of times, so that the kernel stays one straight line.
 
-    N = (cᵀd + √((cᵀd)² + (1 - dᵀd) cᵀc)) / (1 - dᵀd)
-
-while dᵀd < 1; at 1 the joint jams. A single contact is solved by that. Several are solved in turn,
-a fixed number of times, so that the kernel stays one smooth straight line.
+The kernel watches what came out: a slope 1 - d/dS Σ|c + e S| that is not positive means that no
+friction holds what it brings about: the joint jams, and the answer is no number. A remainder means
+that the steps did not suffice, and is told with the joint's name.
 """
 
-from codegen.lower.scene_graph import SceneGraph
+from codegen.lower.program import Check
+from codegen.lower.scene_graph import Friction, SceneGraph
 
-SWEEPS = 8
-"""Each sweep multiplies the error by the product of two couplings, a few parts in a hundred."""
+ALONE, SWEEPS = 6, 12
+"""Steps for a single friction; sweeps over several."""
+
+AGREED = 1e-7
+"""The remainder that is let pass, in parts of the loads."""
+
+TINY = 1e-300
+"""Added to squares under a root, so that a load of nothing has a size of nothing."""
+
+Loads = list[list[tuple[int, list[int]]]]
+"""A contact → its entries → (value without friction, change for a unit of each friction)."""
 
 
-def with_friction(scene: SceneGraph, solutions: list[list[int]]) -> list[int]:
+def with_friction(
+    scene: SceneGraph, solutions: list[list[int]]
+) -> tuple[list[int], tuple[Check, ...]]:
     """The solution with its friction, from the one without and those of unit forces."""
     graph, n = scene.graph, scene.n
     base, *units = solutions
     if not scene.frictions:
-        return base
-    contacts = [
-        (i, [scene.along(entry, base[n:]) for entry in load],
-         [[scene.along(entry, unit[n:]) for entry in load] for unit in units])
-        for i, friction in enumerate(scene.frictions)
-        for load in friction.loads
-    ]  # fmt: skip
+        return base, ()
     grips = [graph.neg(friction.grip) for friction in scene.frictions]
-    sizes = [scene.size(free) for _, free, _ in contacts]
-    for _ in range(SWEEPS if len(contacts) > 1 else 1):
-        for k, (i, free, reach) in enumerate(contacts):
-            pressed = list(free)
-            for other, (j, *_) in enumerate(contacts):
-                if other != k:
-                    push = graph.mul(grips[j], sizes[other])
-                    pressed = [
-                        graph.add(c, graph.mul(push, share))
-                        for c, share in zip(pressed, reach[j], strict=True)
-                    ]
-            sizes[k] = _agreeing(scene, pressed, [graph.mul(grips[i], d) for d in reach[i]])
+    changes = [
+        [graph.mul(grip, x) for x in unit[n:]] for grip, unit in zip(grips, units, strict=True)
+    ]
+    loads = [_loads(scene, friction, base[n:], changes) for friction in scene.frictions]
+    sums = [graph.zero] * len(loads)
+    for _ in range(ALONE if len(loads) == 1 else SWEEPS):
+        for i, contacts in enumerate(loads):
+            rest, slope = _remainder(scene, contacts, sums, i)
+            sums[i] = graph.sub(sums[i], graph.div(rest, slope))
+    checks: list[Check] = []
+    for i, (friction, contacts) in enumerate(zip(scene.frictions, loads, strict=True)):
+        row = min(row for load in friction.loads for entry in load for row in entry)
+        rest, slope = _remainder(scene, contacts, sums, i)
+        allowed = graph.mul(graph.constant(AGREED), graph.add(sums[i], graph.constant(TINY)))
+        checks.append(Check(slope, graph.one, row))
+        root = graph.power(slope, 0.5)  # nan where the joint jams: no number there means anything
+        sums[i] = graph.div(graph.mul(sums[i], graph.mul(root, root)), slope)
+        checks.append(Check(graph.sub(allowed, scene.size([rest])), graph.zero, row))
     result = list(base)
-    for i, unit in enumerate(units):
-        total = graph.total([s for s, (of, *_) in zip(sizes, contacts, strict=True) if of == i])
-        force = graph.mul(grips[i], total)
+    for total, grip, unit in zip(sums, grips, units, strict=True):
+        force = graph.mul(grip, total)
         result = [graph.add(x, graph.mul(force, y)) for x, y in zip(result, unit, strict=True)]
-    return result
+    return result, tuple(checks)
 
 
-def _agreeing(scene: SceneGraph, c: list[int], d: list[int]) -> int:
-    """N = |c + d N|."""
+def _loads(
+    scene: SceneGraph, friction: Friction, base: list[int], changes: list[list[int]]
+) -> Loads:
+    return [
+        [
+            (scene.along(entry, base), [scene.along(entry, change) for change in changes])
+            for entry in load
+        ]
+        for load in friction.loads
+    ]
+
+
+def _remainder(scene: SceneGraph, contacts: Loads, sums: list[int], i: int) -> tuple[int, int]:
+    """S_i - Σ |c + e S|, and its derivative by S_i."""
     graph = scene.graph
-    both = graph.total([graph.mul(x, y) for x, y in zip(c, d, strict=True)])
-    rest = graph.sub(graph.one, graph.total([graph.mul(y, y) for y in d]))
-    square = graph.total([graph.mul(x, x) for x in c])
-    root = graph.add(graph.mul(both, both), graph.mul(rest, square))
-    return graph.div(graph.add(both, graph.power(root, 0.5)), rest)
+    rest, slope = sums[i], graph.one
+    for load in contacts:
+        pressed, pull = [], graph.zero
+        for free, changes in load:
+            terms = [graph.mul(e, s) for e, s in zip(changes, sums, strict=True)]
+            pressed.append(graph.total([free, *terms]))
+            pull = graph.add(pull, graph.mul(pressed[-1], changes[i]))
+        squares = [graph.mul(x, x) for x in pressed]
+        size = graph.power(graph.total([graph.constant(TINY), *squares]), 0.5)
+        rest = graph.sub(rest, size)
+        slope = graph.sub(slope, graph.div(pull, size))
+    return rest, slope

@@ -28,7 +28,9 @@ def _dynamics(scene: SceneGraph, strategy: Strategy) -> Kernel:
     n, graph = scene.n, scene.graph
     entries = {(k, k): mass for k, mass in enumerate(scene.masses) if mass != graph.zero}
     references: dict[int, int] = {}
-    located = [(k, n + i) for i, k in scene.own]
+    lengths = {k for k, q in enumerate(scene.equations.coordinates) if q.unit == "m"}
+    with_lengths = {i for i, k in scene.jacobian if k in lengths}
+    located = [(k, n + i, i not in with_lengths) for i, k in scene.own]
     with graph.serving("factorization"):
         for (i, k), entry in scene.jacobian.items():
             entries[n + i, k] = entries[k, n + i] = entry
@@ -44,10 +46,11 @@ def _dynamics(scene: SceneGraph, strategy: Strategy) -> Kernel:
             references,
             located,
         )
-        solution = with_friction(scene, system.solve(strategy))
+        solution, rubbing = with_friction(scene, system.solve(strategy))
     outputs = store("a", solution[:n], [q.rate.name for q in scene.equations.coordinates])
     outputs += store("lam", solution[n:], scene.row_names())
     checks = tuple(check._replace(constraint=check.constraint - n) for check in system.checks)
+    checks += rubbing
     return Kernel(
         "accelerations",
         "q̈ and λ of M q̈ + Φ_qᵀ λ = Q, Φ_q q̈ = γ.",

@@ -1,5 +1,6 @@
 """What every part of a declaration shares: the elements so far, their names, and the problems."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,10 +9,10 @@ import sympy
 from codegen.declare.body import Body, Ground, Point
 from codegen.declare.element import Constraint, Effect, own_coordinates
 from codegen.declare.names import name_problem
-from codegen.declare.parameter import ParameterDeclaration
+from codegen.declare.parameter import ParameterDeclaration, SignRule
 from codegen.declare.reading import Reader
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import Coordinate, Velocity, kinds
+from codegen.declare.symbols import Coordinate, Parameter, Velocity, kinds
 
 
 class Declarations:
@@ -41,6 +42,14 @@ class Declarations:
 
     def _note(self, problem: str) -> None:
         self._read.problems.append(problem)
+
+    def _ruled(self, read: sympy.Expr, sign: SignRule) -> sympy.Expr:
+        """An expression; a parameter that stands alone obeys the sign rule from now on."""
+        if isinstance(read, Parameter) and read.name in self.parameters:
+            declared = self.parameters[read.name]
+            if declared.sign != "positive":
+                self.parameters[declared.name] = replace(declared, sign=sign)
+        return read
 
     def kind(self, name: str) -> str:
         """What the name was declared as: ``"body"``, ``"joint"``, ``"driver"`` and so on."""

@@ -1,12 +1,10 @@
 """The bodies of a declaration."""
 
-from dataclasses import replace
 from typing import Any
 
 import sympy
 
 from codegen.declare.body import Body, Particle
-from codegen.declare.symbols import Parameter
 from codegen.model.base import Declarations
 
 
@@ -50,9 +48,8 @@ class Bodies(Declarations):
 
     def _positive(self, value: Any, unit: str, where: str) -> sympy.Expr | None:
         """A mass or inertia, if given; a parameter that is one must be positive from now on."""
+        if value is None:
+            return None
         known = len(self.problems)
-        read = None if value is None else self._read.value(value, unit, where)
-        if isinstance(read, Parameter) and read.name in self.parameters:
-            declared = self.parameters[read.name]
-            self.parameters[declared.name] = replace(declared, sign="positive")
+        read = self._ruled(self._read.value(value, unit, where), "positive")
         return read if len(self.problems) == known else None

@@ -8,14 +8,17 @@ from typing import Any
 import sympy
 
 from codegen.declare.body import Body, Curve, Point
-from codegen.declare.interpolant import TableFunction, point_problems
-from codegen.declare.profile import profile_problems
+from codegen.declare.interpolant import FEWEST, TableFunction
+from codegen.declare.profile import pace, profile_problems
 from codegen.declare.symbols import Parameter, alpha
 from codegen.elements.joints.cam_flat_follower import CamFlatFollower
 from codegen.elements.joints.cam_follower import CamFollower
 from codegen.elements.joints.point_follower import PointFollower
+from codegen.model.axis import read_axis
 from codegen.model.base import Declarations
 from codegen.tables import fit
+
+ROUNDING = 1e-9
 
 
 class Cams(Declarations):
@@ -40,13 +43,17 @@ class Cams(Declarations):
         ``joint.alpha`` begins where the cam reaches farthest into the follower.
         """
         profile = self._curve(name, cam, closed=True, convex=True)
-        ax, ay = (self._read.value(a, "m", f"axis of '{name}'") for a in axis)
-        element = CamFlatFollower(name, profile, self._point(name, face), (ax, ay))
+        line = read_axis(self._read, axis, name)
+        element = CamFlatFollower(name, profile, self._point(name, face), line)
         self._joint(element)
         return element
 
     def cam_follower(self, name: str, cam: Curve, follower: Curve) -> CamFollower:
-        """Two closed profiles touch; a roller is ``body.circle(radius)``."""
+        """Two closed profiles touch; a roller is ``body.circle(radius)``.
+
+        A scene that says nothing of ``joint.alpha`` and ``joint.beta`` begins with the contact from
+        outside; for a roller inside a ring, give start guesses of both.
+        """
         curves = (self._curve(name, curve, closed=True) for curve in (cam, follower))
         element = CamFollower(name, *curves)
         self._joint(element)
@@ -78,13 +85,19 @@ class Cams(Declarations):
             [self._read.finite(c, "m", f"{where}, point {k}") for c in point]
             for k, point in enumerate(points)
         ]
-        if closed and len(rows) > 1 and rows[0] != rows[-1]:
+        if closed and len(rows) > 1:
+            size = max(abs(c) for row in rows for c in row)
+            if all(abs(a - b) <= ROUNDING * size for a, b in zip(rows[0], rows[-1], strict=True)):
+                rows.pop()  # the first point again, to rounding
             rows.append(rows[0])
         known = len(self.problems)
         chords = [hypot(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(rows)]
         along = list(accumulate(chords, initial=0.0))
-        for problem in point_problems(along, along, periodic=False):
-            self._note(f"{where}: {problem}")
+        for k, chord in enumerate(chords):
+            if chord == 0.0:
+                self._note(f"{where}: points {k} and {k + 1} are both {tuple(rows[k])}; drop one.")
+        if len(rows) < FEWEST:
+            self._note(f"{where}: {len(points)} points are too few; give at least {FEWEST}.")
         if not self._claim("curve", name) or len(self.problems) > known:
             return body.circle(1)
         unit = 2 * pi if closed else 1.0
@@ -106,10 +119,10 @@ class Cams(Declarations):
         known = len(self.problems)
         x, y = (self._read.value(c, "m", where) for c in (curve.x, curve.y))
         defaults = {Parameter(p.name, real=True): p.value for p in self.parameters.values()}
+        shape = sympy.Matrix([x, y]).subs(defaults)
         if len(self.problems) == known:
-            shape = sympy.Matrix([x, y]).subs(defaults)
             for problem in profile_problems(shape, closed, convex):
                 self._note(f"{where}: {problem}")
         if len(self.problems) > known:
             return curve.body.circle(1)  # stands in, so that nothing else is said of it
-        return Curve(curve.body, x, y)
+        return Curve(curve.body, x, y, pace(shape))

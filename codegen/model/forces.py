@@ -230,8 +230,12 @@ class Forces(Declarations):
         pin = getattr(joint, "kind", "") == "revolute"
         speed = self._read.value(creep, "rad/s" if pin else "m/s", f"creep speed of {where}")
         mu = self._read.value(coefficient, "", f"coefficient of {where}")
+        self._ruled(speed, "positive")
+        self._ruled(mu, "nonnegative")
         sizes = (
-            None if size is None else self._read.value(size, "m", f"{word} of {where}")
+            None
+            if size is None
+            else self._ruled(self._read.value(size, "m", f"{word} of {where}"), "positive")
             for size, word in ((radius, "radius"), (length, "length"))
         )
         return self._effect(JointFriction(name, joint, mu, speed, *sizes))

@@ -58,7 +58,7 @@ class Joints(Declarations):
 
         With `instead_of`, the link acts in those scenes that leave this body out.
         """
-        span = self._read.value(length, "m", f"length of '{name}'")
+        span = self._ruled(self._read.value(length, "m", f"length of '{name}'"), "positive")
         return self._joint(RevoluteRevolute(name, *self._pair(name, i, j), span, instead_of))
 
     def revolute_translational(
@@ -179,7 +179,7 @@ class Joints(Declarations):
 
     def distance(self, name: str, i: Point | Body, j: Point | Body, value: Any) -> Constraint:
         """Points `i` and `j` keep the distance `value`, m; either may be on the ground."""
-        span = self._read.value(value, "m", f"distance of '{name}'")
+        span = self._ruled(self._read.value(value, "m", f"distance of '{name}'"), "positive")
         return self._joint(Distance(name, *self._pair(name, i, j), span))
 
     def constraint(self, name: str, *phi: Any) -> Constraint:

@@ -7,6 +7,7 @@ of them at once (`codegen.check`).
 from typing import Any
 
 from codegen.declare.element import Constraint, Effect
+from codegen.elements.registry import role
 from codegen.model.cams import Cams
 from codegen.model.drivers import Drivers
 from codegen.model.forces import Forces
@@ -40,7 +41,7 @@ class Model(Values, Scenes, Cams, Drivers, Forces):
     def add(self, element: Constraint | Effect) -> Constraint | Effect:
         """An element of one's own: anything that answers `Constraint` or `Effect`."""
         if isinstance(element, Constraint):
-            return self._joint(element)
+            return self._driver(element) if role(element.kind) == "driver" else self._joint(element)
         given: object = element
         if isinstance(given, Effect):
             return self._effect(given)

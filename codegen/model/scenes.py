@@ -64,10 +64,8 @@ class Scenes(Couplers):
             ``"kinematics"`` compiles neither masses nor forces.
         """
         where = f"scene '{name}'"
-        absent = (
-            *named(self._read, where, "body or joint", without, self.bodies | self.joints),
-            *self._left_out(where, couplers or {}),
-        )
+        gone = named(self._read, where, "body or joint", without, self.bodies | self.joints)
+        absent = (*gone, *self._left_out(where, gone, couplers or {}))
         known = states(self._read, where, self._coordinates(), start or {})
         given = states(self._read, where, self._coordinates(), guess or {})
         scene = Scene(

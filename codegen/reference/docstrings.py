@@ -25,8 +25,3 @@ def markdown(docstring: str | None) -> str:
         else:
             shown.append(line)
     return "\n".join(shown).strip()
-
-
-def summary(docstring: str | None) -> str:
-    """The first paragraph on one line."""
-    return " ".join(cleandoc(docstring or "").partition("\n\n")[0].split())

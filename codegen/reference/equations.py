@@ -136,7 +136,8 @@ def _placeholders(statement: Statement, terms: ConstraintTerms) -> Iterator[str]
     for place, value in statement.bindings.items():
         framed = FRAMED.fullmatch(place.name)
         if place in met and not (framed and framed[2] == "s"):
-            shown.append(f"${latex(place)}$ (`{place.name}`) is ${latex(lettered(value))}$")
+            meaning = f"`{value.name}`" if value.is_Symbol else f"${latex(lettered(value))}$"
+            shown.append(f"${latex(place)}$ (`{place.name}`) is {meaning}")
     if shown:
         yield f"In the example {', '.join(shown)}."
 

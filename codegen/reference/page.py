@@ -82,7 +82,8 @@ def _arguments(function: object, drop: int) -> str:
         parameter.replace(annotation=parameter.empty)
         for parameter in list(signature.parameters.values())[drop:]
     ]
-    return str(signature.replace(parameters=bare, return_annotation=signature.empty))
+    shown = str(signature.replace(parameters=bare, return_annotation=signature.empty))
+    return shown.replace("'", '"')
 
 
 def _compiled(example: Example) -> Iterator[str]:

@@ -17,6 +17,7 @@ from rich.table import Table
 
 from codegen import build
 from models.studies.chapter import STUDIES, Study
+from models.studies.gallery import Shown, markdown
 from models.studies.rows import Row
 
 console = Console(highlight=False)
@@ -30,13 +31,18 @@ def main(
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the figures.")] = Path("figures"),
     only_figures: Annotated[bool, typer.Option(help="No table.")] = False,
+    gallery: Annotated[
+        Path | None, typer.Option(help="A Markdown file to write the tables into.")
+    ] = None,
 ) -> None:
     """Build, simulate, tabulate and draw the machines of chapter 8."""
     for name in names or ():
         if name not in NAMES:
             raise typer.BadParameter(f"{name!r} is none of {', '.join(NAMES)}")
+    if gallery and only_figures:
+        raise typer.BadParameter("--gallery writes the tables; leave out --only-figures")
     chosen = [study for study in STUDIES if study.name in (names or NAMES)]
-    rows: list[Row] = []
+    shown: list[Shown] = []
     paths: list[Path] = []
     with console.status("starting") as status:
         clock = perf_counter()
@@ -51,18 +57,23 @@ def main(
             f"[bold]Built[/] {len(scenes)} scenes of {_files(chosen)}, {operations} operations "
             f"in all: {perf_counter() - clock:.1f} s"
         )
-        for study in () if only_figures else chosen:
+        for study in chosen:
             clock = perf_counter()
             status.update(f"simulating {study.title}")
-            rows += study.table()
-            console.print(f"[bold]Ran[/] {study.title}: {perf_counter() - clock:.1f} s")
+            shown.append(Shown(study, [] if only_figures else study.table()))
+            if not only_figures:
+                console.print(f"[bold]Ran[/] {study.title}: {perf_counter() - clock:.1f} s")
         from models.studies.drawing import draw
 
-        for study in chosen:
-            status.update(f"drawing {study.title}")
-            paths += draw(study.figures(), out)
+        for part in shown:
+            status.update(f"drawing {part.study.title}")
+            paths += draw(part.noting(part.study.figures()), out)
     if not only_figures:
-        print_table(rows)
+        print_table([row for part in shown for row in part.rows])
+    if gallery:
+        gallery.parent.mkdir(parents=True, exist_ok=True)
+        gallery.write_text(markdown(shown), encoding="utf-8")
+        console.print(f"[bold]Wrote[/] {gallery}")
     numbers = sorted({path.stem.removeprefix("figure_").replace("_", ".") for path in paths})
     console.print(f"[bold]Drew[/] {len(paths)} files into {out}: figures {', '.join(numbers)}")
 

@@ -125,6 +125,7 @@ def equilibrium(
             f"balance. Leave the drivers out of the scene, or ask for inverse dynamics."
         )
     equations = Equations(machine, p)
+    _require_finite(equations, float(t), start.q)
     rest = Rest(equations, float(t), equations.scale(equations.size(t, start.q)))
     stats: dict[str, Any]
     if method == "settling":
@@ -229,3 +230,19 @@ def _message(machine: "Machine", found: Found, judged: Judgement, ran: list[str]
         ),
     }
     return f"{notes[judged.stability]} Unbalanced share of the forces {found.unbalanced:.1e}."
+
+
+def _require_finite(equations: Equations, t: float, q: FloatArray) -> None:
+    """Refuse a start where forces have no value."""
+    modes, still = equations.rest_modes(t, q), np.zeros(len(q))
+    force = equations.forces(t, q, still, modes) + equations.potential_gradient(t, q, modes)
+    if np.isfinite(force).all():
+        return
+    told = equations.description
+    lost = [row.name for row, f in zip(told.coordinates, force, strict=True) if not np.isfinite(f)]
+    effects = ", ".join(row.name for row in told.effects) or "none"
+    raise AnalysisError(
+        f"{told.title}: at the start position the forces along {', '.join(lost)} are not finite "
+        f"(effects: {effects}). Look for a spring whose ends coincide, a division by zero or a "
+        f"table asked beyond its ends, and start elsewhere: give guess= or a guess in the scene."
+    )

@@ -283,6 +283,15 @@ def _singular_start(machine: "Machine", start: Assembly, weak: int) -> AnalysisE
 def _lock_up(equations: Equations, t: float, q: FloatArray) -> str:
     """Name the drivers that cannot go on, the joints in their way, and the singular value."""
     told = equations.description
+    ahead = equations.constraints(t + 1e-6 * max(abs(t), 1e-3), q)
+    undefined = [row.element for row, gap in zip(told.constraints, ahead, strict=True)
+                 if not np.isfinite(gap)]  # fmt: skip
+    if undefined:
+        return (
+            f"Stopped at t = {t:.9g} s: {', '.join(dict.fromkeys(undefined))} has no value just "
+            f"after. Look for a table asked beyond its ends, a division by zero or a root of a "
+            f"negative number."
+        )
     matrix = equations.jacobian(t, q) * equations.scale(equations.size(t, q))
     matrix /= np.linalg.norm(matrix, axis=1)[:, None]
     left, values, _ = np.linalg.svd(matrix)

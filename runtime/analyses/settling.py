@@ -100,6 +100,8 @@ def relax(
         for i in range(n):
             of_q = h * (-5.0 * v[i] + 6.0 * v2[i] + 8.0 * v3[i] - 9.0 * v4[i]) / 72.0
             of_v = h * h * (-5.0 * a1[i] + 6.0 * a2[i] + 8.0 * a3[i] - 9.0 * a4[i]) / 72.0
+            if not np.isfinite(of_q + of_v):  # which a maximum would pass over
+                error = np.inf
             error = max(error, abs(of_q) / scale[i], abs(of_v) / scale[i])
         error /= _TOLERANCE
         if weak != 0 or not error <= 1.0:
@@ -118,6 +120,8 @@ def relax(
                 q4[i] += dq[i]
                 v4[i] += dv[i]
                 change = max(change, abs(dq[i]) / scale[i])
+                if not np.isfinite(dq[i]):
+                    change = np.inf
             if not change > 1e-3 * _CORRECTED:
                 break
         long = False

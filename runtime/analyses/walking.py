@@ -8,6 +8,7 @@ last position at which the machine still assembles.
 
 from typing import Any
 
+import numpy as np
 from numba import types
 
 from runtime.compiled import ADDRESSES, compiled
@@ -48,6 +49,8 @@ def settle(
         size = 0.0
         largest = 1.0
         for i in range(n):
+            if not np.isfinite(dq[i]):
+                return -1
             size = max(size, abs(dq[i]) / scale[i])
             largest = max(largest, abs(q[i]) / scale[i])
         if not size < 1e6:

@@ -50,12 +50,12 @@ def correct(correction: Kernel, t: float, index: int, weighing: int, w: Vector, 
         moved = 0.0
         turned = 0.0
         for j in range(n):
+            if not np.isfinite(dq[j] + dv[j]):  # which a maximum would pass over
+                return FAILED
             q[j] += dq[j]
             v[j] += dv[j]
             moved = max(moved, abs(dq[j]) / (0.01 * abs(q[j]) + size[j]))
             turned = max(turned, abs(dv[j]) / (abs(v[j]) + size[n + j]))
-        if not (np.isfinite(moved) and np.isfinite(turned)):
-            return FAILED
         settled = moved <= _POSITION and turned <= _VELOCITY
         at_rounding = previous < 1e-10 and moved > 0.25 * previous
         if settled or at_rounding:

@@ -116,6 +116,19 @@ Declare = Callable[[Model], object]
          "the length -1"),
         (lambda m: (m.coupler("c", m.ground.at(0, 0), m.body("b", 1.0, 1.0), 1.0, 1.0, 1.0),
                     m.scene("s", couplers={"c": "heavy"})), "'heavy' is none of 'body', 'link'"),
+        (lambda m: m.torsion_spring("t", m.body("b", 1.0, 1.0), m.particle("p", 1.0), 1.0, 0.0),
+         "torsion spring 't' turns 'p', which is a particle"),
+        (lambda m: m.bushing("t", m.body("b", 1.0, 1.0).at(0, 0), m.particle("p", 1.0).at(0, 0),
+                             (1, 1, 1)), "bushing 't' turns 'p'"),
+        (lambda m: m.friction("f", m.revolute("r", m.body("b", 1.0, 1.0).at(0, 0),
+                                              m.particle("p", 1.0).at(0, 0)), 0.1, 1, radius=1),
+         "friction 'f' turns 'p'"),
+        (lambda m: m.point_driver("d", m.particle("p", 1.0), "phi", 1), "holds an angle of 'p'"),
+        (lambda m: (m.coupler("c", m.body("a", 1.0, 1.0).at(0, 0), m.body("b", 1.0, 1.0), 1, 1, 1),
+                    m.revolute("on", m.bodies["c"].at(0, 0), m.body("d", 1.0, 1.0).at(0, 0)),
+                    m.scene("s", couplers={"c": "link"})),
+         "joint 'on' holds 'c', which is no body as 'link'"),
+        (lambda m: (m.body("a", 1.0, 1.0), m.scene("s", couplers=["c"])), "is no mapping"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_said(declare: Declare, told: str) -> None:
@@ -136,3 +149,11 @@ def test_forces_act_on_particles() -> None:
     s = machine.state(3)
     pull = machine.vector("applied_forces", s)
     assert_allclose(pull[:2] + pull[2:], [1.0, 0.0], atol=1e-12)
+
+
+def test_coupler_without_one_of_its_ends_leaves_nothing_loose() -> None:
+    model = Model("cut")
+    one, other = model.body("one", 1.0, 1.0), model.body("other", 1.0, 1.0)
+    rod = model.coupler("rod", one, other, 1.0, 1.0, 1.0)
+    model.scene("s", without=[other], couplers={rod: "lumped"})
+    assert sound_scenes(model, "s")[0].bodies == ("one",)

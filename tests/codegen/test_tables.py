@@ -88,9 +88,9 @@ def test_generated_text_looks_up_what_the_table_says() -> None:
     functions = python_functions(text)
     table = fit("law", X.tolist(), Y.tolist(), False)
     for at in np.linspace(X[0], X[-1], 37):
-        assert_allclose(functions["table_law"](at), table(at), rtol=1e-13, atol=1e-13)
-        assert_allclose(functions["table_law_d2"](at), table(at, 2), rtol=1e-12, atol=1e-11)
-    assert math.isnan(functions["table_law"](X[-1] + 1.0))
+        assert_allclose(functions["table_0"](at), table(at), rtol=1e-13, atol=1e-13)
+        assert_allclose(functions["table_0_d2"](at), table(at, 2), rtol=1e-12, atol=1e-11)
+    assert math.isnan(functions["table_0"](X[-1] + 1.0))
     assert text.count("np.array(") == 4
     assert Interpreted(driven()).text() == text
 
@@ -111,6 +111,24 @@ def test_machine_follows_a_measured_motion(tmp_path: Path) -> None:
     assert_allclose(run.a("arm.phi"), spline(at, 2), atol=1e-11)
     torque = (0.5 + 2 * 0.25) * spline(at, 2) + 2 * 9.81 * 0.5 * np.cos(spline(at))
     assert_allclose(run.reaction("turn", "torque"), torque, atol=1e-11)
+
+
+def test_names_of_tables_cannot_meet_those_of_the_module() -> None:
+    """Each is read where its own name, or that of a derivative, is something else's."""
+    model = Model("names")
+    body = model.body("body", mass=1.0, inertia=1.0)
+    points = [0.0, 1.0, 2.0, 3.0, 4.0]
+    names = ("lift", "lift_d1", "lift_at", "Lift", "mass", "jacobian", "table_0")
+    for k, name in enumerate(names, 1):
+        law = model.table(name, points, [k * x * x for x in points])
+        model.force(f"push_{k}", body, fx=law(t) * body.y**k)
+    model.parameter("TABLE_0_X", 1.0)
+    functions = python_functions(Interpreted(model).text())
+    q, v, out = np.array([0.0, 2.0, 0.0]), np.zeros(3), np.zeros(3)
+    p = np.array([1.0, *np.zeros(len(functions["CONSTANTS"]))])
+    functions["constants"](p)
+    functions["applied_forces"](1.5, q, v, p, np.zeros(0, np.int64), out)
+    assert_allclose(out[0], sum(k * 2.25 * 2.0**k for k in range(1, 8)), rtol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -170,5 +188,18 @@ def test_points_of_a_curve_that_repeat() -> None:
     model.point_follower(
         "slot", model.curve_through("oval", cam, [(0, 0), (1, 0), (1, 0), (0, 1)]), pin
     )
-    with pytest.raises(ModelError, match="curve 'oval': the abscissa 1 is repeated"):
+    with pytest.raises(ModelError, match=r"curve 'oval': points 1 and 2 are both \(1.0, 0.0\)"):
         sound_scenes(model, None)
+
+
+def test_motion_that_runs_off_its_table_says_so(tmp_path: Path) -> None:
+    model = Model("short")
+    arm = model.body("arm", mass=1.0, inertia=1.0)
+    model.revolute("pin", model.ground.at(0, 0), arm)
+    law = model.table("law", [0.0, 0.3, 0.6, 1.0], [0.0, 0.2, 0.5, 0.4])
+    model.driver("turn", arm.phi, law(t))
+    model.scene("driven", drivers=["turn"])
+    run = load(model, folder=tmp_path).kinematics(np.linspace(0, 1.5, 31))
+    assert run.failed
+    assert "turn has no value just after. Look for a table asked beyond its ends" in run.message
+    assert_allclose(run.t[-1], 1.0, atol=1e-6)

@@ -4,7 +4,13 @@ import sympy
 
 from codegen.declare.symbols import Coordinate, kinds, t
 
-COMPONENTS = {"x": ("fx", "N"), "y": ("fy", "N"), "phi": ("torque", "N m")}
+COMPONENTS = {
+    "x": ("fx", "N"),
+    "y": ("fy", "N"),
+    "phi": ("torque", "N m"),
+    "alpha": ("torque", "N m"),
+    "beta": ("torque", "N m"),
+}
 """Letter of what is driven → name and unit of what the driver exerts along it."""
 
 

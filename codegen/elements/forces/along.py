@@ -2,6 +2,7 @@
 
 import sympy
 
+from codegen.declare.body import Body
 from codegen.declare.symbols import Coordinate, Time, Velocity, kinds, t
 
 
@@ -26,6 +27,15 @@ def gathered(*parts: dict[Coordinate, sympy.Expr]) -> dict[Coordinate, sympy.Exp
         for q, force in part.items():
             total[q] = total.get(q, sympy.S.Zero) + force
     return total
+
+
+def without_angle(where: str, *bodies: Body) -> list[str]:
+    """Particles among the bodies, which nothing can turn."""
+    return [
+        f"{where} turns '{body.name}', which is a particle and has no angle; use a body."
+        for body in bodies
+        if not body.turns
+    ]
 
 
 def constant(*expressions: sympy.Expr) -> bool:

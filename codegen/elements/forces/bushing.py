@@ -7,7 +7,7 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.symbols import Coordinate
-from codegen.elements.forces.along import against, constant, gathered, negative, rate
+from codegen.elements.forces.along import against, constant, gathered, negative, rate, without_angle
 from codegen.elements.forces.line import Line
 from codegen.elements.forces.torsion_spring import turn
 from codegen.elements.registry import element
@@ -76,7 +76,8 @@ class Bushing:
 
     def problems(self) -> list[str]:
         """A body against itself, and numbers that no bushing has."""
-        where, found = f"bushing '{self.name}'", []
+        where = f"bushing '{self.name}'"
+        found = without_angle(where, self.i.body, self.j.body)
         if self.i.body is self.j.body:
             found.append(f"{where} connects body '{self.i.body.name}' with itself; give two.")
         if not any((*self.stiffness, *self.damping)):

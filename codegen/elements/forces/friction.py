@@ -8,7 +8,7 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, FrictionLaw
 from codegen.declare.symbols import Coordinate
-from codegen.elements.forces.along import negative
+from codegen.elements.forces.along import negative, without_angle
 from codegen.elements.forces.line import Line
 from codegen.elements.forces.torsion_spring import turn
 from codegen.elements.joints.revolute import Revolute
@@ -31,7 +31,9 @@ class JointFriction:
 
     The law is Coulomb's, made smooth: below the creep speed v_c the joint creeps instead of
     sticking, at ṡ = v_c f/(μ N) nearly, and above three times v_c the force is within half a
-    percent of Coulomb's. The reaction depends on the friction in turn: both are solved together.
+    percent of Coulomb's. The reaction depends on the friction in turn: both are solved together,
+    and where no reaction agrees with the friction that it causes, the joint jams: accelerations and
+    reactions are not a number there, and a run ends.
 
     Attributes
     ----------
@@ -95,6 +97,7 @@ class JointFriction:
             )
             return found
         pin = isinstance(joint, Revolute)
+        found += without_angle(where, *joint.bodies) if pin else []
         if pin and self.radius is None:
             found.append(f"{where}: revolute joint '{joint.name}' needs radius=, its pin's, in m.")
         if not pin and self.radius is not None:

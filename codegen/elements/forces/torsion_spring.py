@@ -7,7 +7,7 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.symbols import Coordinate
-from codegen.elements.forces.along import against, constant, negative, rate
+from codegen.elements.forces.along import against, constant, negative, rate, without_angle
 from codegen.elements.registry import element
 
 
@@ -63,7 +63,8 @@ class TorsionSpring:
 
     def problems(self) -> list[str]:
         """A body against itself, and numbers that no spring has."""
-        where, found = f"torsion spring '{self.name}'", []
+        where = f"torsion spring '{self.name}'"
+        found = without_angle(where, self.i, self.j)
         if self.i is self.j:
             found.append(f"{where} turns body '{self.i.name}' against itself; give two bodies.")
         if self.stiffness == 0 and self.damping == 0 and self.actuator == 0:

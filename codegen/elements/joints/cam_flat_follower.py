@@ -24,7 +24,7 @@ AT = coordinate("contact", "alpha")
 class CamFlatFollower:
     """n_jᵀ (r_i + A_i c(α) - r_j^P) = 0 and n_jᵀ A_i c'(α) = 0: the face touches the profile c.
 
-    The second equation is divided by |c'(0)|, so that it is an angle, nearly.
+    The second equation is divided by a typical |c'|, so that it is an angle, nearly.
 
     The parameter α at the contact is a coordinate of the joint's own. The second equation
     determines it, since n_jᵀ A_i c'' vanishes nowhere on a convex profile. With the normal

@@ -9,11 +9,14 @@ import sympy
 
 from codegen.declare.body import Body, Curve
 from codegen.declare.element import I, J, JointReaction, Statement
-from codegen.declare.profile import ALPHAS, in_ground
+from codegen.declare.profile import ALPHAS, in_ground, outward
 from codegen.declare.symbols import Coordinate, coordinate
 from codegen.elements.registry import element
 
 AT_I, AT_J = coordinate("contact", "alpha"), coordinate("contact", "beta")
+
+FACING, AWAY = -0.999, 20.0
+"""Normals that oppose; what a step beside the normal counts against one along it."""
 
 
 @element
@@ -22,11 +25,11 @@ class CamFollower:
     """The contact points coincide, along c_i' and across it, and the tangents are parallel.
 
     With d = A_iᵀ (r_j + A_j c_j(β) - r_i) - c_i(α) the equations are c_i'ᵀ d = 0, c_i'⊥ᵀ d = 0 and
-    c_i'⊥ᵀ A_iᵀ A_j c_j' = 0, each divided by |c_i'(0)|, the last by |c_j'(0)| too, so that they are
-    lengths and an angle, nearly. The parameters α and β at the contact are coordinates of the
-    joint's own; the first equation determines α and the last one β wherever the curvatures of the
-    two curves differ. The reaction acts at the contact, its y axis along the normal, to the left
-    of the direction in which α runs; a roller is a circle.
+    c_i'⊥ᵀ A_iᵀ A_j c_j' = 0, each divided by a typical |c_i'|, the last by |c_j'| too, so that
+    they are lengths and an angle, nearly. The parameters α and β at the contact are coordinates of
+    the joint's own; the first equation determines α and the last one β wherever the curvatures of
+    the two curves differ. The reaction acts at the contact, its y axis along the normal, to the
+    left of the direction in which α runs; a roller is a circle.
     """
 
     kind: ClassVar[str] = "cam and follower"
@@ -70,10 +73,17 @@ class CamFollower:
         )
 
     def near(self, numbers: Mapping[sympy.Symbol, float]) -> dict[Coordinate, float]:
-        """The contact for a rough pose: where the two curves are nearest to each other."""
+        """The contact for a rough pose: from outside, where the curves face each other closest.
+
+        Of the pairs of points whose outward normals oppose, the one that lies most along them.
+        """
         one, other = (in_ground(curve, numbers)[::4] for curve in (self.cam, self.follower))
-        apart = np.linalg.norm(one[:, None] - other[None], axis=2)
-        on_cam, on_follower = divmod(int(np.argmin(np.round(apart, 9))), len(other))
+        out_one, out_other = outward(one), outward(other)
+        apart = other[None] - one[:, None]
+        gap = np.einsum("ijk,ik->ij", apart, out_one)
+        beside = np.linalg.norm(apart - gap[..., None] * out_one[:, None], axis=2)
+        score = np.where(out_one @ out_other.T < FACING, gap - AWAY * beside, -np.inf)
+        on_cam, on_follower = divmod(int(np.argmax(np.round(score, 9))), len(other))
         return {self.alpha: ALPHAS[4 * on_cam], self.beta: ALPHAS[4 * on_follower]}
 
     def problems(self) -> list[str]:

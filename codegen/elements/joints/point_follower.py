@@ -21,7 +21,7 @@ AT = coordinate("contact", "alpha")
 class PointFollower:
     """d = A_iᵀ (r_j^P - r_i) - c(α) = 0, written along the curve, c'ᵀ d, and across it.
 
-    Both are divided by |c'(0)|, so that they are lengths, nearly.
+    Both are divided by a typical |c'|, so that they are lengths, nearly.
 
     The parameter α is a coordinate of the joint's own; the equation along the curve determines
     it, with the derivative -c'ᵀ c'. Haug writes the two equations in global axes, where neither

@@ -7,16 +7,24 @@ import pytest
 import sympy
 from numpy.testing import assert_allclose
 
-from codegen import Model, ModelError, alpha
+from codegen import Model, ModelError, alpha, t
 from codegen.driver import sound_scenes
-from tests.codegen.workbench import A, B, Interpreted, State, complex_gamma, complex_step
+from tests.codegen.workbench import (
+    A,
+    B,
+    Interpreted,
+    State,
+    complex_gamma,
+    complex_step,
+    python_functions,
+)
 
 TOLERANCE = {"rtol": 1e-12, "atol": 1e-13}
 FACE, AXIS = np.array([0.3, -0.2]), np.array([1.2, 0.5])
 NORMAL = np.array([-AXIS[1], AXIS[0]]) / np.linalg.norm(AXIS)
 X = 0.9 * sympy.cos(alpha) + 0.05 * sympy.sin(2 * alpha)
 Y = 0.6 * sympy.sin(alpha)
-PACE = np.hypot(0.1, 0.6)
+PACE = 0.608  # |c'(0)| = √0.37 to three digits
 
 
 def profile(a: float) -> list[np.ndarray]:
@@ -263,3 +271,75 @@ def test_scene_that_says_where_a_contact_is_keeps_its_word() -> None:
     lift = model.cam_flat_follower("lift", first.circle(1.0), second)
     model.scene("named", guess={lift.alpha: 1.25})
     assert sound_scenes(model, "named")[0].guess == (("lift.alpha", 1.25),)
+
+
+def test_radius_of_a_cam_may_be_a_parameter() -> None:
+    for cam in ("circle", "polar"):
+        model, first, second = two_bodies()
+        r = model.parameter("r", 0.7, "m", sign="positive")
+        model.cam_flat_follower("lift", getattr(first, cam)(r), second)
+        model.cam_follower("roll", getattr(first, cam)(r), second.circle(r / 4))
+        model.point_follower("slot", getattr(first, cam)(r), second)
+        assert Interpreted(model).m == 7
+
+
+@pytest.mark.parametrize(("x", "y"), [(0.0, 0.05), (0.0, -0.3), (0.02, 0.0)])
+def test_roller_begins_outside_the_cam(x: float, y: float) -> None:
+    model, first, second = two_bodies()
+    model.cam_follower("roll", first.circle(0.1), second.circle(0.02))
+    model.scene("near", guess={second.x: x, second.y: y})
+    found = dict(sound_scenes(model, "near")[0].guess)
+    a, b = found["roll.alpha"], found["roll.beta"]
+    assert_allclose([np.cos(a), np.sin(a)], np.array([x, y]) / np.hypot(x, y), atol=0.02)
+    assert_allclose([np.cos(b), np.sin(b)], -np.array([x, y]) / np.hypot(x, y), atol=0.02)
+
+
+def test_size_of_a_cam_does_not_matter_to_what_is_watched() -> None:
+    for size in (1e-6, 1.0, 1e3):
+        model, first, second = two_bodies()
+        model.cam_follower("roll", first.circle(size), second.circle(size / 3))
+        machine = Interpreted(model)
+        q = np.zeros(8)
+        q[3], q[7] = size * 4 / 3, np.pi
+        s = State(t=0.0, q=q, v=np.zeros(8))
+        assert_allclose(machine.vector("constraints", s), 0, atol=1e-12 * max(size, 1.0))
+        functions = python_functions(machine.text())
+        a, lam = np.zeros(8), np.zeros(3)
+        p = np.zeros(len(functions["PARAMETERS"]) + len(functions["CONSTANTS"]))
+        functions["constants"](p)
+        assert functions["accelerations"](0.0, q, s.v, p, np.zeros(0, int), a, lam) == 0, size
+
+
+def test_place_of_a_contact_may_be_driven() -> None:
+    model, first, second = two_bodies()
+    roll = model.point_follower("roll", first.circle(1.0), second)
+    model.driver("run", roll.alpha, 2 * t)
+    machine = Interpreted(model)
+    assert machine.lowered.description.reactions[-1] == ("run", "torque", "N m")
+    assert machine.vector("velocity_rhs", machine.state(1))[-1] == 2.0
+
+
+@pytest.mark.parametrize(
+    ("cam", "told"),
+    [
+        (lambda i: i.circle(None), "is missing; give it in m"),
+        (lambda i: i.curve(sympy.sqrt(alpha - 1), sympy.sin(alpha)), "cannot be evaluated"),
+        (lambda i: i.curve(sympy.log(alpha), sympy.sin(alpha)), "cannot be evaluated"),
+        (lambda i: i.curve(abs(alpha - 1), sympy.sin(alpha)), "cannot be evaluated"),
+    ],
+)
+def test_profile_without_a_value_is_named(cam: Callable[[object], object], told: str) -> None:
+    text = problems(lambda m, i, j: m.cam_flat_follower("lift", cam(i), j))
+    assert "curve of 'lift' on body 'first'" in text
+    assert told in text
+
+
+def test_quantity_that_is_no_length_is_named() -> None:
+    import pint
+
+    kilogram = pint.application_registry.kg
+    text = problems(lambda m, i, j: m.cam_follower("roll", i.circle(2 * kilogram), j.circle(1)))
+    assert "curve of 'roll' on body 'first'" in text
+    assert "but m is needed" in text
+    text = problems(lambda m, i, j: m.cam_flat_follower("lift", i.circle(1), j, axis=None))
+    assert "axis of 'lift': None is no pair" in text

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from codegen import Model, ModelError
 from codegen.driver import sound_scenes
 from runtime import load
-from tests.codegen.workbench import A, Interpreted, State
+from tests.codegen.workbench import A, Interpreted, State, python_functions
 
 MU, CREEP, RADIUS, BEARING = 0.3, 0.2, 0.15, 0.4
 
@@ -120,6 +120,66 @@ def test_single_friction_is_solved_outright() -> None:
         assert_allclose(a[:2], expected * along, rtol=1e-12)
 
 
+def drawer(height: float, offset: float) -> tuple[Interpreted, State]:
+    """A drawer on a guide `height` below its centre, pushed `offset` above the guide."""
+    model = Model("drawer", gravity=(0, -9.81))
+    box = model.body("box", mass=2.0, inertia=0.3)
+    guide = model.translational("guide", model.ground, box.at(0, -height))
+    model.friction("rub", guide, 0.3, 1e-3, length=BEARING)
+    model.force("push", box.at(0, offset - height), fx=50.0)
+    state = State(t=0.0, q=np.array([0.0, height, 0.0]), v=np.array([1.0, 0.0, 0.0]))
+    return Interpreted(model), state
+
+
+def held(height: float, offset: float) -> list[float]:
+    """Friction forces that agree with the loads at both ends, by trying their signs."""
+    weight, found = 2.0 * 9.81, []
+    for one in (1, -1):
+        for other in (1, -1):
+            turn = (offset - height) * 50.0
+            fixed = MU * ((one + other) * weight / 2 + (one - other) * turn / BEARING)
+            force = fixed / (1 - MU * height / BEARING * (one - other))
+            moment = turn + height * force
+            ends = one * (weight / 2 + moment / BEARING), other * (weight / 2 - moment / BEARING)
+            if min(*ends, force) >= 0:
+                found.append(force)
+    return found
+
+
+@pytest.mark.parametrize("height", [0.3, 0.5, 0.65])
+@pytest.mark.parametrize("offset", [-2.0, 0.0, 0.5, 1.0, 4.0])
+def test_long_bearing_presses_at_both_ends(height: float, offset: float) -> None:
+    machine, s = drawer(height, offset)
+    a, _ = machine.solution(s)
+    assert_allclose(a[0], (50.0 - min(held(height, offset))) / 2.0, rtol=1e-9)
+
+
+def test_joint_that_jams_has_no_answer() -> None:
+    assert held(0.7, 4.0) == []
+    machine, s = drawer(0.7, 4.0)
+    functions = python_functions(machine.text())
+    p = np.zeros(len(functions["PARAMETERS"]) + len(functions["CONSTANTS"]))
+    functions["constants"](p)
+    a, lam = np.zeros(3), np.zeros(2)
+    with pytest.raises(ValueError, match="math domain error"):  # the root that compiles to nan
+        functions["accelerations"](0.0, s.q, s.v, p, np.zeros(0, np.int64), a, lam)
+
+
+def test_run_into_a_jam_ends(tmp_path: Path) -> None:
+    """Painlevé's rod: dragged along with μ = 1, no force at its tip agrees with its friction."""
+    model = Model("rod", gravity=(0, -9.81))
+    rod = model.body("rod", mass=1.0, inertia=0.1)
+    slide = model.revolute_translational("slide", model.ground, rod.at(-1, 0), axis=(1, 0))
+    model.friction("rub", slide, 1.0, 1e-3)
+    model.scene(
+        "drag", ["gravity", "rub"], start={rod.phi: 1.2, rod.x: 0.0, rod.vx: -3.0, rod.omega: 0.0},
+        guess={rod.y: 0.93},
+    )  # fmt: skip
+    run = load(model, folder=tmp_path).simulate(0.02)
+    assert run.failed
+    assert run.t[-1] < 0.02
+
+
 def test_flywheel_runs_down_by_coulombs_law(tmp_path: Path) -> None:
     model = Model("flywheel", gravity=(0, -9.81))
     wheel = model.body("wheel", mass=5.0, inertia=0.5)
@@ -144,7 +204,7 @@ def test_energy_falls_by_what_friction_takes(tmp_path: Path) -> None:
         start={"crank.phi": 0.4, "crank.omega": 12.0}, guess={"slider.x": 2.0, "rod.x": 1.2},
     )  # fmt: skip
     machine = load(model, folder=tmp_path)
-    run = machine.simulate(0.5, np.linspace(0, 0.5, 4001), rtol=1e-11, atol=1e-11)
+    run = machine.simulate(0.5, np.linspace(0, 0.5, 16001), rtol=1e-11, atol=1e-11)
     total = run.data["energy"].sel(part="total").to_numpy()
     power = run.data["power"].sum("source").to_numpy()
     spent = (run.t[1] - run.t[0]) / 3 * np.array([power[:-2:2], 4 * power[1::2], power[2::2]]).sum()
@@ -198,3 +258,14 @@ def test_what_is_wrong_is_said(declare: Declare, told: str) -> None:
     with pytest.raises(ModelError) as caught:
         sound_scenes(model, None)
     assert told in str(caught.value)
+
+
+def test_parameters_of_friction_have_a_sign() -> None:
+    model = Model("signed")
+    mu, creep = model.parameter("mu", 0.2), model.parameter("creep", 1e-3, "m/s")
+    block = model.body("block", 1.0, 1.0)
+    model.friction("rub", model.translational("g", model.ground, block), mu, creep)
+    assert (model.parameters["mu"].sign, model.parameters["creep"].sign) == (
+        "nonnegative",
+        "positive",
+    )

@@ -1,0 +1,275 @@
+"""One small model an element: two bodies, the element between them, and its hand-written twins."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from sympy import cos, sin, sqrt
+
+from benchmarks.hand import cams, drivers, forces, joints
+from benchmarks.twins import Generated, States, Twin, generate
+from codegen import Model, alpha, t
+from codegen.declare.body import Body, Point
+
+STATES = 64
+S_I, S_J, AXIS = (0.3, -0.2), (-0.5, 0.1), (0.6, 0.8)
+LAW = 0.4 + 0.3 * sin(2 * t)
+RHS = "acceleration_rhs"
+
+Declare = Callable[[Model, Point, Point], Any]
+
+
+@dataclass(frozen=True)
+class Sample:
+    """An element as it is measured.
+
+    Attributes
+    ----------
+    kind
+        The kind under which the library knows it.
+    label
+        What the table calls it.
+    declare
+        Adds it to a model between two points.
+    twins
+        Generated kernel → hand-written one.
+    """
+
+    kind: str
+    label: str
+    declare: Declare
+    twins: dict[str, Any]
+
+
+def _joint(kind: str, declare: Declare, jacobian: Any, rhs: Any, label: str = "") -> Sample:
+    return Sample(kind, label or kind, declare, {"jacobian": jacobian, RHS: rhs})
+
+
+def _force(kind: str, declare: Declare, twin: Any, label: str = "") -> Sample:
+    return Sample(kind, label or kind, declare, {"applied_forces": twin})
+
+
+def _ellipse(body: Body) -> Any:
+    return body.curve(0.2 * cos(alpha), 0.1 * sin(alpha))
+
+
+def _rubbing(m: Model, i: Point, j: Point) -> None:
+    guide = m.translational("guide", m.ground, i.body)
+    m.force("push", on=i.body, fx=12)
+    m.gravity("weight", (0, -9.81))
+    m.friction("e", guide, 0.3, 0.01)
+
+
+def _drag(m: Model, i: Point, j: Point) -> None:
+    vx = i.body.vx
+    m.generalized_force("e", {i.body.x: -3 * vx * sqrt(vx**2 + 0.01)})
+
+
+JOINTS = (
+    _joint(
+        "absolute",
+        lambda m, i, j: m.absolute("e", j, "x", 0.4),
+        joints.absolute_jacobian,
+        joints.absolute_rhs,
+        "absolute x",
+    ),
+    _joint(
+        "relative",
+        lambda m, i, j: m.relative("e", i, j, "x", 0.4),
+        joints.relative_jacobian,
+        joints.relative_rhs,
+        "relative x",
+    ),
+    _joint(
+        "distance",
+        lambda m, i, j: m.distance("e", i, j, 1.5),
+        joints.distance_jacobian,
+        joints.distance_rhs,
+    ),
+    _joint(
+        "revolute",
+        lambda m, i, j: m.revolute("e", i, j),
+        joints.revolute_jacobian,
+        joints.revolute_rhs,
+    ),
+    _joint(
+        "translational",
+        lambda m, i, j: m.translational("e", i, j, AXIS, 0.2),
+        joints.translational_jacobian,
+        joints.translational_rhs,
+    ),
+    _joint(
+        "weld",
+        lambda m, i, j: m.weld("e", i, j, 0.2),
+        joints.weld_jacobian,
+        joints.weld_rhs,
+    ),
+    _joint(
+        "revolute-revolute",
+        lambda m, i, j: m.revolute_revolute("e", i, j, 1.5),
+        joints.distance_jacobian,
+        joints.distance_rhs,
+    ),
+    _joint(
+        "revolute-translational",
+        lambda m, i, j: m.revolute_translational("e", i, j, AXIS, 0.1),
+        joints.revolute_translational_jacobian,
+        joints.revolute_translational_rhs,
+    ),
+    _joint(
+        "gear",
+        lambda m, i, j: m.gear("e", i.body, j.body, 0.3, 0.2, line=0.7),
+        joints.gear_jacobian,
+        joints.gear_rhs,
+    ),
+    _joint(
+        "rack-and-pinion",
+        lambda m, i, j: m.rack_and_pinion("e", j.body, i, 0.25, AXIS),
+        joints.rack_and_pinion_jacobian,
+        joints.rack_and_pinion_rhs,
+    ),
+    _joint(
+        "constraint",
+        lambda m, i, j: m.constraint("e", j.body.y - 2 * i.body.x**2),
+        joints.parabola_jacobian,
+        joints.parabola_rhs,
+        "constraint, y = 2 x²",
+    ),
+    _joint(
+        "cam and flat-faced follower",
+        lambda m, i, j: m.cam_flat_follower("e", i.body.circle(0.1, (0.02, 0.01)), j, AXIS),
+        cams.flat_jacobian,
+        cams.flat_rhs,
+    ),
+    _joint(
+        "cam and follower",
+        lambda m, i, j: m.cam_follower("e", _ellipse(i.body), j.body.circle(0.05)),
+        cams.roller_jacobian,
+        cams.roller_rhs,
+        "cam and roller",
+    ),
+    _joint(
+        "point follower",
+        lambda m, i, j: m.point_follower("e", _ellipse(i.body), j),
+        cams.point_jacobian,
+        cams.point_rhs,
+    ),
+)
+
+DRIVERS = (
+    _joint(
+        "driver",
+        lambda m, i, j: m.driver("e", j.body.phi, LAW),
+        drivers.motion_jacobian,
+        drivers.motion_rhs,
+        "driver of φ",
+    ),
+    _joint(
+        "point driver",
+        lambda m, i, j: m.point_driver("e", j, "x", LAW),
+        drivers.point_jacobian,
+        drivers.point_rhs,
+        "point driver of x",
+    ),
+    _joint(
+        "relative driver",
+        lambda m, i, j: m.relative_driver("e", i, j, "x", LAW),
+        drivers.relative_jacobian,
+        drivers.relative_rhs,
+        "relative driver of x",
+    ),
+    _joint(
+        "translation driver",
+        lambda m, i, j: m.translation_driver("e", i, j, LAW, AXIS),
+        drivers.translation_jacobian,
+        drivers.translation_rhs,
+    ),
+    _joint(
+        "distance driver",
+        lambda m, i, j: m.distance_driver("e", i, j, 1.1 + LAW),
+        drivers.distance_jacobian,
+        drivers.distance_rhs,
+    ),
+)
+
+FORCES = (
+    _force("gravity", lambda m, i, j: m.gravity("e", (0, -9.81)), forces.gravity),
+    _force("force", lambda m, i, j: m.force("e", j, 4, -7), forces.applied),
+    _force(
+        "force",
+        lambda m, i, j: m.force("e", j, 4, -7, frame="body"),
+        forces.following,
+        "force fixed in the body",
+    ),
+    _force("torque", lambda m, i, j: m.torque("e", j.body, 20 - 3 * j.body.omega), forces.torque),
+    _force("spring", lambda m, i, j: m.spring("e", i, j, 120, 0.8, 9, 5), forces.spring),
+    _force(
+        "torsion spring",
+        lambda m, i, j: m.torsion_spring("e", i.body, j.body, 12, 0.2, 0.6, 1.5),
+        forces.torsion_spring,
+    ),
+    _force(
+        "bushing",
+        lambda m, i, j: m.bushing("e", i, j, (900, 700, 50), (8, 6, 0.4), 0.1),
+        forces.bushing,
+    ),
+    _force(
+        "contact",
+        lambda m, i, j: m.contact(
+            "e", i, j, stiffness=5000, damping=30, free_length=0.1, direction=AXIS
+        ),
+        forces.contact,
+    ),
+    _force(
+        "potential",
+        lambda m, i, j: m.potential("e", 6 * (i.body.x**2 + i.body.y**2) ** 2),
+        forces.potential,
+        "potential, 6 r⁴",
+    ),
+    _force("generalized force", _drag, forces.generalized, "generalized force, drag"),
+    Sample("friction", "friction in a guide", _rubbing, {"accelerations": forces.friction}),
+)
+
+SAMPLES = JOINTS + DRIVERS + FORCES
+
+
+def generated(sample: Sample, folder: Path) -> Generated:
+    """The element's kernels, from a model with two bodies."""
+    model = Model(f"sample_{SAMPLES.index(sample)}")
+    i = model.body("i", mass=forces.MASS_I, inertia=0.1)
+    points = [i.at(*S_I)]
+    if sample.kind != "friction":
+        points.append(model.body("j", mass=forces.MASS_J, inertia=0.2).at(*S_J))
+    sample.declare(model, points[0], points[-1])
+    model.scene("alone", effects=model.effects, drivers=model.drivers)
+    return generate(model, "alone", tuple(sample.twins), folder)
+
+
+def states(module: Any) -> States:
+    """Positions and velocities anywhere: the formulas hold off the constraints too.
+
+    Conditions hold in the first half of the states and not in the second, so that a processor that
+    guesses branches guesses all but two right.
+    """
+    random, n = np.random.default_rng(7), len(module.COORDINATES)
+    q, v = random.uniform(-2.0, 2.0, (2, STATES, n))
+    held = np.arange(STATES) < STATES // 2
+    modes = np.repeat(held[:, None], len(module.SWITCHES), axis=1).astype(np.int64)
+    return States(q, v, np.ascontiguousarray(modes))
+
+
+def twins(samples: Sequence[Sample], folder: Path) -> list[Twin]:
+    """All pairs of the samples, ready to be called."""
+    found = []
+    for sample in samples:
+        made = generated(sample, folder)
+        where = states(made.module)
+        outputs = {"jacobian": len(made.module.JACOBIAN_ROWS), RHS: len(made.module.CONSTRAINTS)}
+        for kernel, hand in sample.twins.items():
+            # Of the body on its guide, the acceleration along it is the one that friction changes.
+            size = 1 if kernel == "accelerations" else outputs.get(kernel, where.q.shape[1])
+            p = made.p
+            found.append(Twin(sample.label, kernel, made, hand, where, range(size), p, p))
+    return found

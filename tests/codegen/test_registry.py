@@ -1,0 +1,108 @@
+"""The registry of elements: what is in it, what a class must answer to be."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from inspect import isfunction, signature
+from pathlib import Path
+from typing import Any, ClassVar
+
+import pytest
+
+from codegen import Model, ModelError, element
+from codegen.declare.element import Constraint, Effect
+from codegen.elements import registry
+from codegen.elements.registry import kinds_of_elements
+from codegen.reference.examples import example_of
+from tests.codegen.elements.drum import StringOnDrum
+
+LIBRARY = {name: kind for name, kind in kinds_of_elements().items() if not kind.own}
+
+
+@pytest.fixture
+def own_kinds(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """What a test registers is forgotten after it."""
+    kinds_of_elements()
+    monkeypatch.setattr(registry, "_KINDS", dict(registry._KINDS))
+    return
+
+
+def test_every_class_of_the_library_is_registered(root: Path) -> None:
+    folder = root / "codegen" / "elements"
+    declared = [
+        line.partition('"')[2].rpartition('"')[0]
+        for path in folder.rglob("*.py")
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if line.strip().startswith("kind: ClassVar[str] =")
+    ]
+    assert len(declared) >= 28
+    assert sorted(declared) == sorted(LIBRARY)
+
+
+def test_roles_are_those_of_the_rooms() -> None:
+    for kind in LIBRARY.values():
+        assert kind.element.__module__.split(".")[2] == f"{kind.role}s"
+        assert hasattr(kind.element, "forces" if kind.role == "force" else "statement")
+
+
+def test_every_declaring_method_is_on_a_page() -> None:
+    shown = {name for kind in LIBRARY for name in example_of(kind).methods}
+    classes = (Constraint, Effect, *(kind.element for kind in LIBRARY.values()))
+    declaring = {
+        name
+        for name in dir(Model)
+        if not name.startswith("_")
+        and isfunction(getattr(Model, name))
+        and signature(getattr(Model, name)).return_annotation in classes
+    }
+    assert declaring
+    assert declaring <= shown
+
+
+@pytest.mark.usefixtures("own_kinds")
+def test_an_own_class_is_registered_and_defined_anew() -> None:
+    def define() -> type:
+        @element
+        @dataclass(frozen=True, eq=False)
+        class Tape(StringOnDrum):
+            """A tape."""
+
+            kind: ClassVar[str] = "tape"
+
+        return Tape
+
+    first, second = define(), define()
+    assert first is not second
+    assert kinds_of_elements()["tape"].element is second
+    assert kinds_of_elements()["tape"].role == "joint"
+    assert kinds_of_elements()["tape"].own
+
+
+@pytest.mark.usefixtures("own_kinds")
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ({}, "its kind None must be a few ASCII words"),
+        ({"kind": "größe"}, "its kind 'größe' must be a few ASCII words"),
+        ({"kind": "tape"}, "has no docstring"),
+        (
+            {"kind": "tape", "__doc__": "A tape."},
+            "lacks name, bodies, problems, potential, forces",
+        ),
+        (
+            {"kind": "tape", "__doc__": "A tape.", "statement": None, "name": "", "bodies": ()},
+            "lacks problems; a joint or driver answers name, bodies, problems, statement",
+        ),
+        (
+            {**vars(StringOnDrum), "kind": "weld"},
+            "the kind 'weld' is that of codegen.elements.joints.weld.Weld",
+        ),
+    ],
+)
+def test_a_class_that_is_no_element_is_refused(body: dict[str, Any], words: str) -> None:
+    made = {k: v for k, v in body.items() if k not in ("__dict__", "__weakref__")}
+    cls = type("Tape", (), {**made, "__module__": __name__, "__qualname__": "Tape"})
+    with pytest.raises(ModelError) as error:
+        element(cls)
+    assert "element class Tape" in error.value.problems[0]
+    assert words in str(error.value)
+    assert "tape" not in kinds_of_elements()
