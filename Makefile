@@ -68,18 +68,20 @@ imports: $(READY) ## who may import whom
 	$(VENV)/bin/lint-imports
 
 # Goes through all the models, and fails at the end where one was stale.
-check: $(READY) ## is every module in generated/ what its declaration says today?
+check: $(READY) ## are generated/ and docs/elements what the declarations say today?
 	@test -n "$(MODELS)" || { echo "models/ declares no machine" >&2; exit 1; }
 	@failed=; for model in $(MODELS); do \
 		$(PY) -W error -m codegen build --check $$model || failed="$$failed $$model"; \
 	done; \
+	$(PY) -m codegen elements --out docs/elements --check || failed="$$failed docs/elements"; \
 	if [ -n "$$failed" ]; then echo "stale or failing:$$failed; run make build and look at the difference" >&2; exit 1; fi
 
-build: $(READY) ## bring generated/ up to date
+build: $(READY) ## bring generated/ and docs/elements up to date
 	@set -e; for model in $(MODELS); do $(PY) -m codegen build $$model; done
+	$(PY) -m codegen elements --out docs/elements
 
 gallery: $(READY) ## run every machine of the chapter: one table, all figures into figures/
-	$(PY) -m models.studies
+	$(PY) -m models.studies --gallery docs/gallery.md
 
 figures: $(READY) ## draw the book's figures into figures/
 	$(FIGURES)

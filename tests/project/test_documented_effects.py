@@ -1,0 +1,37 @@
+"""The examples of docs/effects.md, run as they stand there."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from runtime import load
+
+
+@pytest.fixture(scope="module")
+def documented(root: Path) -> dict[str, Any]:
+    """Everything that the page's code defines."""
+    text = (root / "docs" / "effects.md").read_text(encoding="utf-8")
+    names: dict[str, Any] = {"__name__": "documented_effects"}
+    for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL):
+        exec(block, names)
+    return names
+
+
+def test_ball_falls_with_drag(documented: dict[str, Any], tmp_path: Path) -> None:
+    machine = load(documented["falling"], folder=tmp_path)
+    run = machine.simulate(10.0, np.linspace(0, 10, 41), rtol=1e-10, atol=1e-10)
+    terminal = np.sqrt(2 * 0.5 * 9.81 / (1.2 * 0.01))
+    assert_allclose(run.v("ball.y"), -terminal * np.tanh(9.81 * run.t / terminal), atol=1e-7)
+
+
+def test_wheel_coasts_to_rest(documented: dict[str, Any], tmp_path: Path) -> None:
+    machine = load(documented["rolling"], folder=tmp_path)
+    slowing = 0.02 * 4.0 * 9.81 * 0.2 / (0.08 + 4.0 * 0.2**2) * 0.2
+    stop = 3.0 / slowing
+    run = machine.simulate(0.9 * stop, np.linspace(0, 0.9 * stop, 31), rtol=1e-10, atol=1e-10)
+    assert_allclose(run.v("wheel.x"), 3.0 - slowing * run.t, atol=1e-7)
+    assert_allclose(run.q("wheel.phi"), -run.q("wheel.x") / 0.2, atol=1e-10)
