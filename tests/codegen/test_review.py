@@ -28,7 +28,7 @@ def test_a_kink_inside_a_condition_acts_only_where_the_condition_holds() -> None
     model.force("stop", on=body, fy=Abs(body.vy), when=body.y < 0)
     machine = scene_of(model)
     text = machine.text()
-    assert "if modes" in text
+    assert "if mode_" in text
     from tests.codegen.workbench import python_functions
 
     force = python_functions(text)["applied_forces"]

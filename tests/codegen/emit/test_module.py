@@ -156,16 +156,18 @@ def test_branches_ask_modes_only(texts: Texts) -> None:
             for piece in ast.walk(node):
                 if (
                     isinstance(piece, ast.Assign)
-                    and isinstance(piece.value, ast.BoolOp | ast.UnaryOp)
+                    and isinstance(piece.value, ast.BoolOp | ast.UnaryOp | ast.Subscript)
                     and names_in(piece.value) <= allowed
                 ):
-                    allowed |= names_in(piece.targets[0])  # a condition made of modes
+                    allowed |= names_in(piece.targets[0])  # a mode, or a condition made of modes
             for branch in ast.walk(node):
                 assert not isinstance(branch, ast.For | ast.While)
                 if isinstance(branch, ast.If | ast.IfExp):
                     names = names_in(branch.test)
                     watch = "WEAK_PIVOT" in names
-                    assert watch or names <= allowed, f"{name}, {kernel}: {ast.unparse(branch)}"
+                    # The array itself is not read behind a branch: numba would count references.
+                    fine = watch or names <= allowed - {"modes"}
+                    assert fine, f"{name}, {kernel}: {ast.unparse(branch)}"
                     asked += not watch
     assert asked > 20
 
