@@ -1,11 +1,13 @@
 """Functions given by points, as SymPy functions that can be differentiated and compiled."""
 
+import math
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
 
 import sympy
 
+from codegen.declare.quantities import is_quantity
 from codegen.tables import Table
 
 DEGREE = 3
@@ -40,6 +42,14 @@ class Interpolant(sympy.Function):  # type: ignore[misc]
     nargs = 3
     is_real = True
 
+    @classmethod
+    def eval(cls, data: TableAtom, order: sympy.Integer, at: sympy.Expr) -> sympy.Expr | None:
+        """A number, where it is taken at a number."""
+        if not (at.is_number and at.is_real):
+            return None
+        value = data.table(float(at), int(order))
+        return sympy.nan if math.isnan(value) else sympy.Float(value)
+
     @property
     def table(self) -> Table:
         """The points."""
@@ -70,7 +80,9 @@ class TableFunction:
         self.table = table
 
     def __call__(self, at: Any) -> sympy.Expr:
-        """The table at `at`, an expression of t, coordinates, `alpha` or parameters."""
+        """The table at `at`: t, coordinates, `alpha` or parameters, in SI units, or a quantity."""
+        if is_quantity(at):
+            at = at.to_base_units().magnitude
         return Interpolant(TableAtom(self.table), sympy.S.Zero, sympy.sympify(at))
 
     def __repr__(self) -> str:

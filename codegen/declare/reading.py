@@ -32,6 +32,17 @@ class Reader:
             self.problems.append(f"{where}: {value!r} is neither a number nor an expression.")
             return sympy.S.Zero
 
+    def pair(
+        self, value: Any, unit: str, where: str, like: str = "two values, (1, 0)"
+    ) -> tuple[Any, Any]:
+        """Two values; what is no pair is noted, and read as (1, 0)."""
+        try:
+            first, second = value
+        except (TypeError, ValueError):
+            self.problems.append(f"{where}: {value!r} is no pair; write {like}.")
+            first, second = 1, 0
+        return self.value(first, unit, where), self.value(second, unit, where)
+
     def gated(self, value: Any, unit: str, where: str, when: Any) -> Any:
         """A value while the condition `when` holds, else zero; None holds always."""
         force = self.value(value, unit, where)

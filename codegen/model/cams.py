@@ -81,16 +81,17 @@ class Cams(Declarations):
             runs from 0 to 1.
         """
         where = f"curve '{name}'"
+        known = len(self.problems)
+        pairs = [self._read.pair(p, "m", f"{where}, point {k}") for k, p in enumerate(points)]
         rows = [
-            [self._read.finite(c, "m", f"{where}, point {k}") for c in point]
-            for k, point in enumerate(points)
+            [self._read.finite(c, "m", f"{where}, point {k}") for c in pair]
+            for k, pair in enumerate(pairs)
         ]
         if closed and len(rows) > 1:
             size = max(abs(c) for row in rows for c in row)
             if all(abs(a - b) <= ROUNDING * size for a, b in zip(rows[0], rows[-1], strict=True)):
                 rows.pop()  # the first point again, to rounding
             rows.append(rows[0])
-        known = len(self.problems)
         chords = [hypot(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(rows)]
         along = list(accumulate(chords, initial=0.0))
         for k, chord in enumerate(chords):

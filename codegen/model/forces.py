@@ -29,7 +29,7 @@ class Forces(Declarations):
 
     def gravity(self, name: str, g: tuple[Any, Any]) -> Effect:
         """Uniform gravity (g_x, g_y), m/s², on every body of the scene."""
-        gx, gy = (self._read.value(a, "m/s^2", f"gravity '{name}'") for a in g)
+        gx, gy = self._read.pair(g, "m/s^2", f"gravity '{name}'")
         return self._effect(Gravity(name, gx, gy))
 
     def force(
@@ -190,7 +190,7 @@ class Forces(Declarations):
             ends = self._pair(name, *(self.ground if end is None else end for end in (i, j)))
             along = None
             if direction is not None:
-                ux, uy = (self._read.value(u, "", f"direction of {where}") for u in direction)
+                ux, uy = self._read.pair(direction, "", f"direction of {where}")
                 along = (ux, uy)
                 if ux == 0 and uy == 0:
                     self._note(f"{where}: the direction (0, 0) points nowhere; give another.")
@@ -295,7 +295,8 @@ class Forces(Declarations):
         """A body, where a point means nothing."""
         if isinstance(body, Body):
             return body
-        self._note(f"{where}: {body!r} is no body; a torsion spring turns two bodies.")
+        what = f"Point of '{body.body.name}'" if isinstance(body, Point) else repr(body)
+        self._note(f"{where}: {what} is no body; a torsion spring turns two bodies.")
         return self.ground
 
 

@@ -1,15 +1,24 @@
 """The numbers of a declaration: parameters, tables, and the files that they come from."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from codegen.declare import quantities
-from codegen.declare.interpolant import TableFunction, point_problems
+from codegen.declare.interpolant import FEWEST, TableFunction, point_problems
 from codegen.declare.parameter import ParameterDeclaration, SignRule
 from codegen.declare.symbols import Parameter
 from codegen.model.base import Declarations
 from codegen.tables import fit
+
+
+def known_units(units: Any) -> bool:
+    """Whether they are two SI units."""
+    pair = isinstance(units, tuple | list) and len(units) == 2
+    return pair and all(
+        isinstance(unit, str) and quantities.known_unit(unit) and quantities.si_factor(unit) == 1.0
+        for unit in units
+    )
 
 
 class Values(Declarations):
@@ -57,8 +66,8 @@ class Values(Declarations):
     def table(
         self,
         name: str,
-        x: Sequence[Any],
-        y: Sequence[Any],
+        x: Any,
+        y: Any,
         periodic: bool = False,
         units: tuple[str, str] = ("", ""),
     ) -> TableFunction:
@@ -80,6 +89,13 @@ class Values(Declarations):
             SI units of x and y.
         """
         where = f"table '{name}'"
+        if not known_units(units):
+            self._note(f"{where}: units={units!r}; give the SI units of x and y: ('s', 'm').")
+            units = ("", "")
+        for axis, given in (("x", x), ("y", y)):
+            if not isinstance(given, Iterable):
+                self._note(f"{where}: {axis} is {given!r}; give at least {FEWEST} numbers.")
+                x, y = (), ()
         at, values = (
             [self._read.finite(v, unit, f"{where}, {axis}[{k}]") for k, v in enumerate(given)]
             for given, unit, axis in ((x, units[0], "x"), (y, units[1], "y"))

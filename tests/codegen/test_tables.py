@@ -152,6 +152,34 @@ def test_points_that_no_spline_goes_through(x: list[float], y: list[float], told
     assert told in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("x", "units", "told"),
+    [
+        (None, ("", ""), "table 'law': x is None; give at least 4 numbers"),
+        ([0, 1, 2, 3], ("s",), "units=('s',); give the SI units of x and y"),
+        ([0, 1, 2, 3], ("blorb", "m"), "give the SI units"),
+        ([0, 1, 2, 3], ("ms", "m"), "give the SI units"),
+    ],
+)
+def test_what_is_no_table_is_said(x: object, units: tuple[str, str], told: str) -> None:
+    model = Model("bad")
+    model.body("body")
+    model.table("law", x, [0, 1, 4, 9], units=units)
+    with pytest.raises(ModelError) as caught:
+        sound_scenes(model, None)
+    assert told in str(caught.value)
+
+
+def test_table_of_a_number_is_a_number() -> None:
+    import pint
+
+    model = Model("numbers")
+    law = model.table("law", [0, 1, 2, 3], [0, 1, 4, 9], units=("s", "kg"))
+    assert law(1.5) == law(1500 * pint.application_registry.ms) == 2.25
+    assert law(4) is sympy.nan
+    assert model.body("body", mass=law(1.5), inertia=1.0).mass == 2.25
+
+
 def test_table_converts_quantities() -> None:
     import pint
 
