@@ -57,6 +57,12 @@ HOOK = i8(integers, f8, f8, vector, run_record)  # machine t h w run
 CORRECT = i8(integers, f8, i8, i8, vector, vector)  # machine t row weighing w p
 FIELD = i8(integers, f8, vector, vector, vector, integers, vector, vector)
 # machine t q v p modes a lam; as ACCELERATIONS
+IMPACT = f8(
+    integers, i8, f8, i8, vector, vector, vector, integers, vector
+)  # machine first t state w sw p modes lam; time of the next flight, infinite where it goes on
+RETURN_HELD = i8(
+    integers, f8, i8, vector, vector, integers, vector
+)  # machine t state w p modes lam
 ATTEMPT = i8(integers, f8, f8, vector, run_record, vector, integers, vector)
 # machine t h w run p modes lam
 REPARTITION = i8(integers, f8, i8, vector, run_record, vector)  # machine t state w run p
@@ -95,6 +101,8 @@ Propose = types.FunctionType(PROPOSE)
 Hook = types.FunctionType(HOOK)
 Correct = types.FunctionType(CORRECT)
 Field = types.FunctionType(FIELD)
+Impact = types.FunctionType(IMPACT)
+ReturnHeld = types.FunctionType(RETURN_HELD)
 Attempt = types.FunctionType(ATTEMPT)
 Repartition = types.FunctionType(REPARTITION)
 Locate = types.FunctionType(LOCATE)

@@ -22,11 +22,13 @@ from runtime.integrate.signatures import (
     Field,
     FirstStep,
     Hook,
+    Impact,
     Jacobian,
     Locate,
     Mass,
     Propose,
     Repartition,
+    ReturnHeld,
     RightSide,
     Settle,
     Stages,
@@ -76,6 +78,8 @@ class Slot(IntEnum):
     EMIT = auto()
     WATCH = auto()
     BENT = auto()
+    IMPACT = auto()
+    RETURN_HELD = auto()
     # Numbers.
     COORDINATES = auto()
     CONSTRAINT_COUNT = auto()
@@ -83,6 +87,9 @@ class Slot(IntEnum):
     NONZEROS = auto()
     LOG_ROWS = auto()
     BENDS = auto()
+    HELD = auto()
+    STABILIZED = auto()
+    RIGID_COUNT = auto()
     EACH_STAGE = auto()
     CORRECTING = auto()
     # Arrays.
@@ -94,6 +101,16 @@ class Slot(IntEnum):
     COLUMN_ORDER = auto()
     LOG_TIMES = auto()
     LOG_SETS = auto()
+    LOW = auto()
+    HIGH = auto()
+    SHARE = auto()
+    RIGID = auto()
+    STICKS = auto()
+    RESTITUTION = auto()
+    PLAIN = auto()
+    WORK = auto()
+    SETTINGS = auto()
+    WEIGHTS = auto()
     MEMORY = auto()
     NOTES = auto()
 
@@ -127,6 +144,8 @@ first_step_of = at(FirstStep, Slot.FIRST_STEP)
 emit_of = at(Emit, Slot.EMIT)
 watch_of = at(Watch, Slot.WATCH)
 bent_of = at(Field, Slot.BENT)
+impact_of = at(Impact, Slot.IMPACT)
+return_held_of = at(ReturnHeld, Slot.RETURN_HELD)
 
 # Compiled code needs plain numbers.
 COORDINATES = int(Slot.COORDINATES)
@@ -145,5 +164,18 @@ ROW_ORDER = int(Slot.ROW_ORDER)
 COLUMN_ORDER = int(Slot.COLUMN_ORDER)
 LOG_TIMES = int(Slot.LOG_TIMES)
 LOG_SETS = int(Slot.LOG_SETS)
+HELD = int(Slot.HELD)
+STABILIZED = int(Slot.STABILIZED)
+RIGID_COUNT = int(Slot.RIGID_COUNT)
+LOW = int(Slot.LOW)
+HIGH = int(Slot.HIGH)
+SHARE = int(Slot.SHARE)
+RIGID = int(Slot.RIGID)
+STICKS = int(Slot.STICKS)
+RESTITUTION = int(Slot.RESTITUTION)
+PLAIN = int(Slot.PLAIN)
+WORK = int(Slot.WORK)
+SETTINGS = int(Slot.SETTINGS)
+WEIGHTS = int(Slot.WEIGHTS)
 MEMORY = int(Slot.MEMORY)
 NOTES = int(Slot.NOTES)

@@ -39,7 +39,11 @@ SCAN = 8  # first of SUBDIVISIONS + 1 rows: g at equal distances over the step
 SUBDIVISIONS = 8
 BETWEEN = SCAN + SUBDIVISIONS + 1  # first of 3 rows: g at points between the ends of the step
 MISMATCH = BETWEEN + 3  # how far these are from the cubic of g
-SWITCH_ROWS = MISMATCH + 1
+RESERVE = MISMATCH + 1  # running maximum of |g| while the function itself is held at zero
+NOW = RESERVE + 1  # g itself, also of what is held
+RATE_NOW = NOW + 1  # its rate
+PREFERRED = RATE_NOW + 1  # mode that is tried first
+SWITCH_ROWS = PREFERRED + 1
 
 _FLOATS = [
     "t",  # where the run stands
