@@ -104,10 +104,15 @@ class Machine:
             jacobian_rows=told.jacobian_rows.astype(np.int64),
             jacobian_columns=told.jacobian_columns.astype(np.int64),
             coordinates=len(told.coordinates),
-            constraints=len(told.constraints),
+            constraint_count=len(told.constraints),
             switches=len(told.switches),
             switching=kernels.switching,
             switching_rates=kernels.switching_rates,
+            constraints=kernels.constraints,
+            velocity_rhs=kernels.velocity_rhs,
+            acceleration_rhs=kernels.acceleration_rhs,
+            mass=kernels.mass,
+            applied_forces=kernels.applied_forces,
         )
 
     @property

@@ -7,8 +7,8 @@ with the same bits.
 
 from runtime.compiled import ADDRESSES, compiled
 from runtime.integrate.attempt import DONE, NEWTON, NOT_FINITE, TOO_LARGE
-from runtime.integrate.control import factor
-from runtime.integrate.modes import CONSISTENT, ON_SURFACE, measure
+from runtime.integrate.field import field
+from runtime.integrate.modes import CONSISTENT, ON_SURFACE
 from runtime.integrate.signatures import (
     IntegerMatrix,
     Integers,
@@ -20,25 +20,21 @@ from runtime.integrate.signatures import (
     matrix,
     vector,
 )
-from runtime.integrate.start import LOOK_AHEAD
-from runtime.integrate.tables import (
-    accelerations_of,
+from runtime.integrate.slots import (
+    LOG_ROWS,
+    accepted_of,
     attempt_of,
-    correct_of,
-    correction_of,
     dense_of,
     emit_of,
-    error_of,
     first_step_of,
-    jacobian_of,
     locate_of,
-    repartition_of,
+    propose_of,
+    restart_of,
     settle_of,
-    stages_of,
-    switching_of,
-    switching_rates_of,
     watch_of,
 )
+from runtime.integrate.start import LOOK_AHEAD
+from runtime.integrate.surfaces import measure
 from runtime.integrate.views import borrow, view
 from runtime.integrate.watch import UNRESOLVED
 from runtime.integrate.workspace import (
@@ -82,7 +78,6 @@ LOG_MARGIN = 16  # free rows of the partition log that one step may need
     i8(
         i8,
         ADDRESSES,
-        ADDRESSES,
         vector,
         vector,
         run_record,
@@ -90,14 +85,6 @@ LOG_MARGIN = 16  # free rows of the partition log that one step may need
         integers,
         integers,
         vector,
-        integers,
-        integers,
-        vector,
-        matrix,
-        integers,
-        integers,
-        vector,
-        integer_matrix,
         vector,
         vector,
         matrix,
@@ -110,8 +97,7 @@ LOG_MARGIN = 16  # free rows of the partition log that one step may need
 )
 def advance(
     budget: int,
-    kernels: Integers,
-    functions: Integers,
+    machine: Integers,
     w: Vector,
     sw: Vector,
     run: Run,
@@ -119,14 +105,6 @@ def advance(
     modes: Integers,
     scratch: Integers,
     lam: Vector,
-    rows: Integers,
-    columns: Integers,
-    values: Vector,
-    dense_jacobian: Matrix,
-    row_order: Integers,
-    column_order: Integers,
-    times: Vector,
-    sets: IntegerMatrix,
     t_eval: Vector,
     out_t: Vector,
     out_y: Matrix,
@@ -141,23 +119,10 @@ def advance(
     Returns `GOING`, or the code of the outcome. `run.index` names the switching function or
     constraint where an outcome concerns one.
     """
-    accelerations = accelerations_of(kernels)
-    correction = correction_of(kernels)
-    jacobian = jacobian_of(kernels)
-    switching = switching_of(kernels)
-    switching_rates = switching_rates_of(kernels)
-    correct = correct_of(functions)
-    stages = stages_of(functions)
-    error = error_of(functions)
-    dense = dense_of(functions)
-    attempt = attempt_of(functions)
-    repartition = repartition_of(functions)
-    locate = locate_of(functions)
-    settle = settle_of(functions)
-    first_step = first_step_of(functions)
-    emit = emit_of(functions)
-    watch = watch_of(functions)
+    attempt = attempt_of(machine)
+    first_step = first_step_of(machine)
     # Handed on below as borrowed: counting references costs more than a stage.
+    machine = borrow(machine)
     w = borrow(w)
     sw = borrow(sw)
     run = borrow(run)
@@ -165,14 +130,6 @@ def advance(
     modes = borrow(modes)
     scratch = borrow(scratch)
     lam = borrow(lam)
-    rows = borrow(rows)
-    columns = borrow(columns)
-    values = borrow(values)
-    dense_jacobian = borrow(dense_jacobian)
-    row_order = borrow(row_order)
-    column_order = borrow(column_order)
-    times = borrow(times)
-    sets = borrow(sets)
     t_eval = borrow(t_eval)
     out_t = borrow(out_t)
     out_y = borrow(out_y)
@@ -195,7 +152,10 @@ def advance(
         t = r.t
         if t >= r.t_end:
             return _OK
-        if r.logged_events + s > event_t.size or r.logged_repartitions + LOG_MARGIN > times.size:
+        if (
+            r.logged_events + s > event_t.size
+            or r.logged_repartitions + LOG_MARGIN > machine[LOG_ROWS]
+        ):
             return GOING
         if r.steps + r.rejected >= r.max_steps:
             return _MAX_STEPS
@@ -210,11 +170,7 @@ def advance(
             return _NOT_FINITE if r.reason == NOT_FINITE else _STEP_TOO_SMALL
 
         # Try the step.
-        code = attempt(
-            accelerations, correction, correct, jacobian, repartition, stages, error, t, h, w, run,
-            p, modes, lam, rows, columns, values, dense_jacobian, row_order, column_order, times,
-            sets,
-        )  # fmt: skip
+        code = attempt(machine, t, h, w, run, p, modes, lam)
         if code != DONE:
             r.rejected += 1
             r.reason = code
@@ -229,16 +185,13 @@ def advance(
             continue
         h_next = r.h
         if r.fixed == 0:
-            ratio = factor(r.error, r.error_old, r.exponent, r.beta, r.safety, r.shrink, r.grow)
-            if r.rejected_before != 0:
-                ratio = min(ratio, 1.0)
-            h_next = h * ratio
+            h_next = h * propose_of(machine)(machine, h, w, run)
 
         # Look for a crossing, and end the step where the first one is.
         crossing = -1
         dense_ready = 0
         if s > 0:
-            suspects = watch(switching, switching_rates, t, h, t1, w, sw, run, p, modes)
+            suspects = watch_of(machine)(machine, t, h, t1, w, sw, run, p, modes, lam)
             if suspects == UNRESOLVED:
                 r.rejected += 1
                 r.reason = UNRESOLVED
@@ -247,11 +200,11 @@ def advance(
                 continue
             h_next = min(h_next, h * r.stretch)
             if suspects > 0:
-                dense(accelerations, correction, correct, t, h, w, p, modes, lam, r.each_stage)
+                dense_of(machine)(machine, t, h, w, p, modes, lam)
                 dense_ready = 1
                 r.dense_outputs += 1
                 r.rhs += r.dense_calls
-                x = locate(switching, t, h, r.dense_rows, w, sw, p, modes, found)
+                x = locate_of(machine)(machine, t, h, r.dense_rows, w, sw, p, modes, lam, found)
                 if x <= 1.0:
                     crossing = found[0]
                     reach = h
@@ -275,15 +228,11 @@ def advance(
             r.standing = 0
             for retake in range(_RETAKES):
                 t1 = t + h
-                code = attempt(
-                    accelerations, correction, correct, jacobian, repartition, stages, error, t, h,
-                    w, run, p, modes, lam, rows, columns, values, dense_jacobian, row_order,
-                    column_order, times, sets,
-                )  # fmt: skip
+                code = attempt(machine, t, h, w, run, p, modes, lam)
                 r.retakes += 1
                 if code != DONE:
                     break
-                measure(switching, switching_rates, t1, Y1, K + r.last, G1, w, sw, p)
+                measure(machine, t1, Y1, K + r.last, G1, w, sw, p, modes, lam)
                 g = sw[G1 * s + crossing]
                 if abs(g) <= 4e-16 * sw[LARGEST * s + crossing] or retake == _RETAKES - 1:
                     break
@@ -311,8 +260,8 @@ def advance(
 
         # Write the samples, then accept.
         if h > 0.0:
-            written = emit(
-                accelerations, correction, correct, dense, t, t1, h, dense_ready, w, run, p, modes,
+            written = emit_of(machine)(
+                machine, t, t1, h, dense_ready, w, run, p, modes,
                 lam, t_eval, out_t, out_y, out_modes,
             )  # fmt: skip
             if written < 0:
@@ -324,6 +273,7 @@ def advance(
             r.steps += 1
             r.rejected_before = 0
             r.error_old = max(r.error, 1e-4)
+            accepted_of(machine)(machine, t, h, w, run)
             r.weak = r.weak + 1 if r.weak_row > 0 else 0
         r.t = t1
         r.h = h_next
@@ -340,8 +290,8 @@ def advance(
                 clock = 8.0 * _ULP * abs(t1 * sw[R1 * s + k])
                 if k == crossing or g <= max(ON_SURFACE * largest, clock):
                     sw[BAND * s + k] = 2.0 * g + 1e-14 * largest + 1e-300
-            blamed = settle(
-                accelerations, switching, crossing, t1, LOOK_AHEAD * h_next, Y1, G1, w, sw, p,
+            blamed = settle_of(machine)(
+                machine, crossing, t1, LOOK_AHEAD * h_next, Y1, G1, w, sw, p,
                 modes, scratch, lam,
             )  # fmt: skip
             r.rhs += 1
@@ -359,8 +309,8 @@ def advance(
                     r.logged_events += 1
                     r.events += 1
             if changed > 0 and blamed == CONSISTENT:
-                accelerations(t1, view(y1, 0, n), view(y1, n, n), p, modes, view(k1, n, n), lam)
-                measure(switching, switching_rates, t1, Y1, K + r.last, G1, w, sw, p)
+                field(machine, t1, view(y1, 0, n), view(y1, n, n), p, modes, view(k1, n, n), lam)
+                measure(machine, t1, Y1, K + r.last, G1, w, sw, p, modes, lam)
                 r.rhs += 1
         else:
             for k in range(s):
@@ -389,8 +339,9 @@ def advance(
             if endless or r.events > r.max_events:
                 r.index = crossing
                 return _ZENO
+            restart_of(machine)(machine, t1, h_next, w, run)
             if r.fixed == 0:
-                first = first_step(accelerations, t1, r.h_max, r.rtol, r.order, w, p, modes, lam)
+                first = first_step(machine, t1, r.h_max, r.rtol, r.order, w, p, modes, lam)
                 r.h = min(h_next, 2.0 * first)
                 r.rhs += 1
                 r.error_old = 1e-4

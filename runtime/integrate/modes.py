@@ -6,20 +6,10 @@ is taken at the smallest look-ahead at which the change stands out of rounding, 
 is zero leaves the word to the acceleration.
 """
 
-from numba import types
-
 from runtime.compiled import compiled, inner
-from runtime.integrate.signatures import (
-    Accelerations,
-    Integers,
-    Kernel,
-    Switching,
-    Vector,
-    f8,
-    i8,
-    integers,
-    vector,
-)
+from runtime.integrate.field import field
+from runtime.integrate.signatures import SETTLE, Integers, Vector
+from runtime.integrate.slots import switching_of
 from runtime.integrate.views import view
 from runtime.integrate.workspace import (
     BAND,
@@ -35,38 +25,12 @@ ON_SURFACE = 1e-13  # |g| over its running maximum below which g counts as zero 
 CONSISTENT = -1
 _SIGNIFICANT = 1e-14  # change of g over its maximum that is no rounding
 _FIRST = 1e-7  # first look-ahead over the last
-SETTLE = i8(
-    Accelerations, Switching, i8, f8, f8, i8, i8, vector, vector, vector, integers, integers, vector
-)  # first t d state slot w sw p modes scratch lam
-Settle = types.FunctionType(SETTLE)
 _MOST = 10  # functions whose modes are tried in all combinations
 
 
 @inner
-def measure(
-    switching: Kernel,
-    switching_rates: Kernel,
-    t: float,
-    state: int,
-    derivative: int,
-    slot: int,
-    w: Vector,
-    sw: Vector,
-    p: Vector,
-) -> None:
-    """Write g into row `slot` of `sw` and dg/dt into the next, for two rows of the workspace."""
-    n = w.size // (2 * ROWS)
-    s = sw.size // SWITCH_ROWS
-    q = view(w, state * 2 * n, n)
-    v = view(w, state * 2 * n + n, n)
-    a = view(w, derivative * 2 * n + n, n)
-    switching(t, q, v, p, view(sw, slot * s, s))
-    switching_rates(t, q, v, a, p, view(sw, (slot + 1) * s, s))
-
-
-@inner
 def carry(
-    switching: Kernel, t: float, d: float, state: int, w: Vector, sw: Vector, p: Vector
+    machine: Integers, t: float, d: float, state: int, w: Vector, sw: Vector, p: Vector
 ) -> None:
     """Write into row TRIAL of `sw` the functions after a time `d` at constant acceleration.
 
@@ -80,15 +44,13 @@ def carry(
     for j in range(n):
         z[j] = y[j] + d * (y[n + j] + 0.5 * d * a[j])
         z[n + j] = y[n + j] + d * a[j]
-    switching(
-        t + d, view(w, SAMPLE * 2 * n, n), view(w, SAMPLE * 2 * n + n, n), p, view(sw, TRIAL * s, s)
-    )
+    q, v = view(w, SAMPLE * 2 * n, n), view(w, SAMPLE * 2 * n + n, n)
+    switching_of(machine)(t + d, q, v, p, view(sw, TRIAL * s, s))
 
 
 @inner
 def contradicted(
-    accelerations: Kernel,
-    switching: Kernel,
+    machine: Integers,
     t: float,
     d: float,
     state: int,
@@ -113,13 +75,13 @@ def contradicted(
     largest = view(sw, LARGEST * s, s)
     q = view(w, state * 2 * n, n)
     v = view(w, state * 2 * n + n, n)
-    accelerations(t, q, v, p, candidate, view(w, DELTA * 2 * n + n, n), lam)
+    field(machine, t, q, v, p, candidate, view(w, DELTA * 2 * n + n, n), lam)
     for i in range(count):
         signs[i] = 0
     distance = d * _FIRST
     open_members = count
     while open_members > 0 and distance <= 1.5 * d:
-        carry(switching, t, distance, state, w, sw, p)
+        carry(machine, t, distance, state, w, sw, p)
         for i in range(count):
             k = members[i]
             change = ahead[k] - g[k]
@@ -136,8 +98,7 @@ def contradicted(
 
 @compiled(SETTLE)
 def settle(
-    accelerations: Kernel,
-    switching: Kernel,
+    machine: Integers,
     first: int,
     t: float,
     d: float,
@@ -199,8 +160,7 @@ def settle(
                 if (mask >> bit) & 1:
                     candidate[members[bit]] = 1 - candidate[members[bit]]
             wrong = contradicted(
-                accelerations,
-                switching,
+                machine,
                 t,
                 d,
                 state,
@@ -225,8 +185,7 @@ def settle(
 
 @compiled(SETTLE)
 def begin(
-    accelerations: Kernel,
-    switching: Kernel,
+    machine: Integers,
     first: int,
     t: float,
     d: float,
@@ -251,11 +210,11 @@ def begin(
     band = view(sw, BAND * s, s)
     q = view(w, state * 2 * n, n)
     v = view(w, state * 2 * n + n, n)
-    switching(t, q, v, p, g)
+    switching_of(machine)(t, q, v, p, g)
     for k in range(s):
         modes[k] = 1 if g[k] > 0.0 else 0
-    accelerations(t, q, v, p, modes, view(w, DELTA * 2 * n + n, n), lam)
-    carry(switching, t, d, state, w, sw, p)
+    field(machine, t, q, v, p, modes, view(w, DELTA * 2 * n + n, n), lam)
+    carry(machine, t, d, state, w, sw, p)
     for k in range(s):
         # What is crossed within a millionth of the look-ahead is crossed now.
         near = max(ON_SURFACE * largest[k], 1e-6 * abs(ahead[k] - g[k]))
@@ -263,4 +222,4 @@ def begin(
         band[k] = 0.0
         if abs(g[k]) <= near:
             band[k] = 2.0 * abs(g[k]) + 1e-14 * largest[k] + 1e-300
-    return settle(accelerations, switching, first, t, d, state, slot, w, sw, p, modes, scratch, lam)
+    return settle(machine, first, t, d, state, slot, w, sw, p, modes, scratch, lam)

@@ -12,6 +12,12 @@ from runtime.integrate.signatures import (
     Kernel,
     Matrix,
     Vector,
+    no_accelerations_tangent,
+    no_correction_tangent,
+    no_forces,
+    no_mass,
+    no_right_side,
+    no_state_right_side,
     no_switching,
     no_switching_rates,
 )
@@ -24,11 +30,14 @@ class System:
 
     Attributes
     ----------
-    accelerations, correction, jacobian, switching, switching_rates
-        Kernels with the signatures in `signatures`.
+    accelerations, correction, jacobian, switching, switching_rates, constraints, velocity_rhs, \
+    acceleration_rhs, mass, applied_forces, gap_accelerations, accelerations_tangent, \
+    correction_tangent
+        Kernels with the signatures in `signatures`; those that the method and the scene have no
+        use for may be left out.
     jacobian_rows, jacobian_columns : (nnz,) int64
         Where the values that `jacobian` writes belong.
-    coordinates, constraints, switches
+    coordinates, constraint_count, switches
         n, m and s.
     """
 
@@ -38,10 +47,18 @@ class System:
     jacobian_rows: Integers
     jacobian_columns: Integers
     coordinates: int
-    constraints: int
+    constraint_count: int
     switches: int = 0
     switching: Kernel = no_switching
     switching_rates: Kernel = no_switching_rates
+    constraints: Kernel = no_right_side
+    velocity_rhs: Kernel = no_right_side
+    acceleration_rhs: Kernel = no_state_right_side
+    mass: Kernel = no_mass
+    applied_forces: Kernel = no_forces
+    gap_accelerations: Kernel = no_switching_rates
+    accelerations_tangent: Kernel = no_accelerations_tangent
+    correction_tangent: Kernel = no_correction_tangent
 
 
 @dataclass(frozen=True)

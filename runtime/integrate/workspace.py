@@ -69,7 +69,6 @@ _INTEGERS = [
     "order",  # of the method
     "dense_rows",
     "dense_calls",
-    "each_stage",
     "fixed",  # 1: no error control
     "steps",
     "rejected",
