@@ -10,32 +10,20 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-from numba import types
-
 from codegen.artefact import check_signature, import_generated, tangents_path
 from codegen.errors import SupersededError
-from runtime.compiled import addresses, at
-from runtime.kernels import MODES, SCALAR, VECTOR, Kernel
+from runtime.kernels import Kernel
 
 if TYPE_CHECKING:
     from codegen import Model
 
 _BELONGS = re.compile(r'^MODULE_SHA256 = "([0-9a-f]{64})"$', re.MULTILINE)
 
-_STATE = (SCALAR, VECTOR, VECTOR, VECTOR)
-SIGNATURES = {
-    "accelerations_tangent": types.none(*_STATE, MODES, VECTOR, VECTOR, VECTOR),
-    "correction_tangent": types.none(*_STATE, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR),
-}
-TYPES = {name: types.FunctionType(signature) for name, signature in SIGNATURES.items()}
-FETCH = {name: at(kind, slot) for slot, (name, kind) in enumerate(TYPES.items())}
-"""Kernel → what takes it, inside compiled code, out of `Tangents.table`."""
-
 
 class Tangents(NamedTuple):
     """The compiled derivatives of a scene, along one direction (dq, dv) a call.
+
+    The fields are called as those of `runtime.integrate.problem.System`, which takes them.
 
     Attributes
     ----------
@@ -52,10 +40,6 @@ class Tangents(NamedTuple):
 
     accelerations_tangent: Kernel
     correction_tangent: Kernel
-
-    def table(self) -> npt.NDArray[np.int64]:
-        """Addresses in the order of the fields, for compiled loops."""
-        return addresses(self)
 
 
 class Origin(NamedTuple):

@@ -1,5 +1,6 @@
 """Derivatives of a loaded machine: what they compute, and when their file is trusted."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,10 @@ from codegen.modelfile import read_model
 from codegen.write import write_if_changed
 from runtime import load
 from runtime.compiled import ADDRESSES, compiled
+from runtime.integrate.slots import accelerations_tangent_of, correction_tangent_of
+from runtime.integrate.tables import wire
 from runtime.machine import Machine
-from runtime.tangents import FETCH, Tangents
+from runtime.tangents import Tangents
 from tests.codegen.directions import assembled, by_complex_step, dependent
 from tests.codegen.workbench import Interpreted
 
@@ -114,19 +117,23 @@ def test_independent_coordinates_carry_the_dependent_ones(
         assert other < max(one / 50.0, 1e-12)  # a wrong column's would fall by 10; rounding
 
 
-def test_compiled_loops_take_them_out_of_a_table(stone: Path) -> None:
+def test_compiled_loops_take_them_out_of_the_table_of_a_run(stone: Path) -> None:
     machine = load("stone", folder=stone)
-    fetch = FETCH["accelerations_tangent"]
-    kinds = (ADDRESSES, types.int64[::1], *[types.float64[::1]] * 5)
+    system = replace(machine.system, **machine.tangents._asdict())
+    run = wire(system, "dopri5", 1)
 
-    @compiled(types.none(*kinds))
-    def call(table, modes, q, v, p, dq, da):
-        fetch(table)(0.0, q, v, p, modes, dq, v, da)
+    @compiled(types.none(ADDRESSES, types.int64[::1], types.float64[:, ::1], types.float64[::1]))
+    def call(table, modes, rows, p):
+        q, v, w, dq, da = rows[0], rows[1], rows[2], rows[3], rows[4]
+        accelerations_tangent_of(table)(0.0, q, v, p, modes, dq, v, da)
+        correction_tangent_of(table)(0.0, q, v, p, w, dq, v, rows[5], rows[6])
 
-    q, dq, v, da = np.array([0.5, 0.0, 0.0]), np.array([1.0, 0.0, 0.0]), np.zeros(3), np.zeros(3)
-    p = machine.parameter_values()
-    call(machine.tangents.table(), np.zeros(0, dtype=np.int64), q, v, p, dq, da)
-    assert da[0] == slope(machine.tangents, machine, 0.5) == -24.0 * 0.5**2 / 2.0
+    rows = np.full((7, 3), np.nan)
+    rows[:4] = 0.0
+    rows[0, 0], rows[3, 0] = 0.5, 1.0
+    call(run.table, np.zeros(0, dtype=np.int64), rows, machine.parameter_values())
+    assert rows[4, 0] == slope(machine.tangents, machine, 0.5) == -24.0 * 0.5**2 / 2.0
+    assert not rows[5:].any()  # nothing constrains the stone
 
 
 # When their file is trusted
