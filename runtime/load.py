@@ -44,8 +44,11 @@ def load(
     here = (Path(folder) if folder is not None else Path.cwd()).resolve()
     for attempt in range(_ATTEMPTS):
         if isinstance(model, str | os.PathLike):
-            path, digest = _fresh_module(_locate(os.fspath(model), here), scene)
+            place = _locate(os.fspath(model), here)
+            source: Path | Model = place.model
+            path, digest = _fresh_module(place, scene)
         else:
+            source = model
             path, digest = _build(model, scene, here / "generated")
         try:
             module = import_generated(path, digest)
@@ -56,8 +59,11 @@ def load(
     from runtime.description import describe
     from runtime.kernels import gather
     from runtime.machine import Machine
+    from runtime.tangents import Origin
 
-    return Machine(describe(module), gather(module), path)
+    description = describe(module)
+    origin = Origin(source, description.scene, path, digest)
+    return Machine(description, gather(module), path, origin)
 
 
 class _Place(NamedTuple):

@@ -59,7 +59,7 @@ class KernelText:
         self.constants: dict[int, int] = {n: slots[n] for n in self.plan.numbers if n in slots}
         self.names: dict[int, str] = {}
         self._lookups = lookups(program)
-        self._taken: set[str] = {*RESERVED, *self._lookups.values()}
+        self._taken: set[str] = {*RESERVED, *kernel.arguments, *self._lookups.values()}
         self._counts: dict[str, int] = {}
         self._wanted = {out.value for out in kernel.outputs}
 
