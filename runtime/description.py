@@ -93,10 +93,22 @@ class Effect(NamedTuple):
 
 
 class Switch(NamedTuple):
-    """A condition on which an effect depends; it holds where its function is positive."""
+    """A condition on which an effect depends; it holds where its function is positive.
+
+    `kind` is "condition"; "friction" where the function is a slip that may stay zero; "contact"
+    where it is the gap of a rigid contact.
+    """
 
     name: str
     condition: str
+    kind: str = "condition"
+
+
+class RigidContact(NamedTuple):
+    """A rigid contact and the number of its switch."""
+
+    name: str
+    switch: int
 
 
 class ReactionRow(NamedTuple):
@@ -153,6 +165,7 @@ class Description(NamedTuple):
     mass_columns: npt.NDArray[np.intp]
     operations: tuple[tuple[str, int], ...]
     has_masses: bool
+    rigid: Table[RigidContact] = Table()
 
     @property
     def title(self) -> str:
@@ -203,6 +216,7 @@ def describe(module: ModuleType) -> Description:
         mass_columns=indices("MASS_COLUMNS"),
         operations=tuple(module.OPERATIONS),
         has_masses=hasattr(module, "mass"),
+        rigid=Table(RigidContact(*row) for row in getattr(module, "RIGID", ())),
     )
 
 

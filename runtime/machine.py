@@ -113,6 +113,11 @@ class Machine:
             acceleration_rhs=kernels.acceleration_rhs,
             mass=kernels.mass,
             applied_forces=kernels.applied_forces,
+            gap_accelerations=kernels.gap_accelerations,
+            holds=kernels.holds,
+            restitution=kernels.restitution,
+            rigid=tuple(contact.switch for contact in told.rigid),
+            sticking=tuple(k for k, row in enumerate(told.switches) if row.kind == "friction"),
         )
 
     @property

@@ -20,6 +20,7 @@ constraints_of = FETCH["constraints"]
 jacobian_of = FETCH["jacobian"]
 velocity_rhs_of = FETCH["velocity_rhs"]
 reactions_of = FETCH["reactions"]
+switched_reactions_of = FETCH["switched_reactions"]
 powers_of = FETCH["powers"]
 kinetic_energy_of = FETCH["kinetic_energy"]
 potential_of = FETCH["potential"]
@@ -70,6 +71,7 @@ def _evaluate(
     jacobian = jacobian_of(kernels)
     velocity_rhs = velocity_rhs_of(kernels)
     reactions = reactions_of(kernels)
+    switched_reactions = switched_reactions_of(kernels)
     powers = powers_of(kernels)
     kinetic_energy = kinetic_energy_of(kernels)
     potential = potential_of(kernels)
@@ -95,6 +97,7 @@ def _evaluate(
             largest = max(largest, abs(phi[i]))
         residual[k, 1] = largest
         reactions(t, q[k], v[k], p, lam[k], reaction[k])
+        switched_reactions(t, q[k], v[k], p, modes[k], lam[k], reaction[k])
         powers(t, q[k], v[k], p, modes[k], lam[k], power[k])
         energy[k, 0] = kinetic_energy(q[k], v[k], p)
         energy[k, 1] = potential(t, q[k], p, modes[k])

@@ -5,6 +5,7 @@ import numpy as np
 from runtime.compiled import compiled, inner
 from runtime.constraints.correction import FAILED, WEAK
 from runtime.constraints.partition import choose, growth
+from runtime.integrate.bent import STEP
 from runtime.integrate.field import field
 from runtime.integrate.signatures import ATTEMPT, REPARTITION, Integers, Vector
 from runtime.integrate.slots import (
@@ -12,6 +13,7 @@ from runtime.integrate.slots import (
     CONSTRAINT_COUNT,
     CORRECTING,
     DENSE_JACOBIAN,
+    HELD,
     JACOBIAN_COLUMNS,
     JACOBIAN_ROWS,
     JACOBIAN_VALUES,
@@ -20,11 +22,13 @@ from runtime.integrate.slots import (
     LOG_TIMES,
     NONZEROS,
     ROW_ORDER,
+    SETTINGS,
     correct_of,
     correction_of,
     error_of,
     jacobian_of,
     repartition_of,
+    return_held_of,
     stages_of,
 )
 from runtime.integrate.views import (
@@ -231,6 +235,7 @@ def attempt(
     r = run[0]
     length = w.size // ROWS
     n = length // 2
+    floats_at(machine, SETTINGS, 2)[STEP] = h
     taken = stages_of(machine)(machine, t, h, w, run, p, modes, lam)
     r.rhs += r.stage_calls
     if taken < 0:
@@ -240,6 +245,8 @@ def attempt(
         code = returned(machine, t + h, w, run, p)
         if code != DONE:
             return code
+    if machine[HELD] != 0:
+        return_held_of(machine)(machine, t + h, Y1, w, p, modes, lam)
     slope = view(w, (K + r.last) * length, n)
     a = view(w, (K + r.last) * length + n, n)
     v = view(w, Y1 * length + n, n)

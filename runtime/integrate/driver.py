@@ -5,10 +5,11 @@ first-class functions; all state lies in its arrays, so that a run can stop afte
 with the same bits.
 """
 
+import numpy as np
+
 from runtime.compiled import ADDRESSES, compiled
 from runtime.integrate.attempt import DONE, NEWTON, NOT_FINITE, TOO_LARGE
-from runtime.integrate.field import field
-from runtime.integrate.modes import CONSISTENT, ON_SURFACE
+from runtime.integrate.modes import CONSISTENT
 from runtime.integrate.signatures import (
     IntegerMatrix,
     Integers,
@@ -30,10 +31,9 @@ from runtime.integrate.slots import (
     locate_of,
     propose_of,
     restart_of,
-    settle_of,
+    transition_of,
     watch_of,
 )
-from runtime.integrate.start import LOOK_AHEAD
 from runtime.integrate.surfaces import measure
 from runtime.integrate.views import borrow, view
 from runtime.integrate.watch import UNRESOLVED
@@ -65,6 +65,7 @@ _SINGULAR = int(Outcome.SINGULAR)
 _NOT_FINITE = int(Outcome.NOT_FINITE)
 
 _ULP = 2.3e-16
+_FLIGHT = 0.6  # of the time between two impacts: a first step that meets none
 _RETAKES = 5
 _WEAK_STATES = 3  # accepted states in a row with a weak pivot that make a singular run
 _ZENO_EVENTS = 30  # events in a row with such a ratio that are no accident
@@ -140,20 +141,18 @@ def advance(
     event_y = borrow(event_y)
     r = run[0]
     length = w.size // ROWS
-    n = length // 2
     s = sw.size // SWITCH_ROWS
     y0 = view(w, Y0 * length, length)
     y1 = view(w, Y1 * length, length)
     k0 = view(w, K * length, length)
     k1 = view(w, (K + r.last) * length, length)
     found = view(scratch, 3 * s, 1)
-    before = view(scratch, 3 * s + 1, s)
     for _ in range(budget):
         t = r.t
         if t >= r.t_end:
             return _OK
         if (
-            r.logged_events + s > event_t.size
+            r.logged_events + 2 * s > event_t.size
             or r.logged_repartitions + LOG_MARGIN > machine[LOG_ROWS]
         ):
             return GOING
@@ -279,39 +278,13 @@ def advance(
         r.h = h_next
         for k in range(s):
             sw[LARGEST * s + k] = max(sw[LARGEST * s + k], abs(sw[G1 * s + k]))
-        blamed = CONSISTENT
         changed = 0
         if crossing >= 0:
-            for k in range(s):
-                before[k] = modes[k]
-                g = abs(sw[G1 * s + k])
-                largest = sw[LARGEST * s + k]
-                sw[BAND * s + k] = 0.0
-                clock = 8.0 * _ULP * abs(t1 * sw[R1 * s + k])
-                if k == crossing or g <= max(ON_SURFACE * largest, clock):
-                    sw[BAND * s + k] = 2.0 * g + 1e-14 * largest + 1e-300
-            blamed = settle_of(machine)(
-                machine, crossing, t1, LOOK_AHEAD * h_next, Y1, G1, w, sw, p,
-                modes, scratch, lam,
+            changed = transition_of(machine)(
+                machine, crossing, t1, h_next, w, sw, run, p, modes, scratch, lam, event_t,
+                event_kind, event_y,
             )  # fmt: skip
             r.rhs += 1
-            for k in range(s):
-                if modes[k] != before[k] or (k == crossing and blamed != CONSISTENT):
-                    changed += 1
-                    at = r.logged_events
-                    event_t[at] = t1
-                    event_kind[at, 0] = k
-                    event_kind[at, 1] = 0
-                    if modes[k] != before[k]:
-                        event_kind[at, 1] = 1 if modes[k] != 0 else -1
-                    for j in range(length):
-                        event_y[at, j] = y1[j]
-                    r.logged_events += 1
-                    r.events += 1
-            if changed > 0 and blamed == CONSISTENT:
-                field(machine, t1, view(y1, 0, n), view(y1, n, n), p, modes, view(k1, n, n), lam)
-                measure(machine, t1, Y1, K + r.last, G1, w, sw, p, modes, lam)
-                r.rhs += 1
         else:
             for k in range(s):
                 side = 1.0 if modes[k] != 0 else -1.0
@@ -330,10 +303,11 @@ def advance(
             for i in range(RECENT - 1):
                 recent[i] = recent[i + 1]
             recent[RECENT - 1] = t1
-            r.shrinking = r.shrinking + 1 if span < _ZENO_RATIO * r.event_span else 0
+            faster = span < _ZENO_RATIO * r.event_span and r.flight == np.inf
+            r.shrinking = r.shrinking + 1 if faster else 0
             r.event_span = span
-            if blamed != CONSISTENT:
-                r.index = blamed
+            if r.blamed != CONSISTENT:
+                r.index = r.blamed
                 return _ZENO if r.shrinking >= RECENT else _SLIDING
             endless = r.shrinking >= _ZENO_EVENTS and span < _ZENO_SPAN * r.duration
             if endless or r.events > r.max_events:
@@ -342,7 +316,7 @@ def advance(
             restart_of(machine)(machine, t1, h_next, w, run)
             if r.fixed == 0:
                 first = first_step(machine, t1, r.h_max, r.rtol, r.order, w, p, modes, lam)
-                r.h = min(h_next, 2.0 * first)
+                r.h = min(h_next, 2.0 * first, _FLIGHT * r.flight)
                 r.rhs += 1
                 r.error_old = 1e-4
         if r.weak >= _WEAK_STATES:

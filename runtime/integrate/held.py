@@ -6,12 +6,13 @@ or a rigid contact is closed. With accelerations a⁰ and a¹ of modes 0 and 1 t
 
     a = a⁰ + α (a¹ - a⁰),     dg/dt = 0,
 
-the share α between bounds: 0 and 1; wider by the ratio of the coefficients where friction sticks
-(beyond 1 the force is more than the kinetic one). A rigid contact has a¹ without its force and a⁰
-with a unit of it, g̈ = 0 decides, and its share counts units of force, from 0 to infinity.
-Several are held by as many shares at once: forces of different effects add up, so that the
-accelerations of one changed mode each are enough.
+the share α between bounds: 0 and 1; wider by the ratio of the coefficients where friction sticks.
+A rigid contact has a¹ without its force and a⁰ with a unit of it; g̈ = 0 decides, and the reaction
+is 1 - α units, from 0 to infinity. Several are held by as many shares at once: forces of different
+effects add up, so that the accelerations of one changed mode each are enough.
 """
+
+import numpy as np
 
 from runtime.compiled import inner
 from runtime.integrate.signatures import Integers, Vector
@@ -35,8 +36,8 @@ HELD_MODE = 2
 
 
 def work_size(n: int, m: int, s: int, r: int) -> int:
-    """Floats that this module works on, for n coordinates, m constraints, s switches, r contacts."""
-    return (s + 2) * (n + m) + s * s + 4 * s + r + 4 * n
+    """Floats of WORK for n coordinates, m constraints, s switches and r contacts."""
+    return (s + 2) * (n + m) + 2 * s * s + 4 * s + r
 
 
 @inner
@@ -89,14 +90,13 @@ def units(
     size = n + m
     plain = integers_at(machine, PLAIN, 2 * s)
     held = view(plain, s, s)
-    rigid = integers_at(machine, RIGID, s)
-    work = floats_at(machine, WORK, (s + 2) * size + s * s + 4 * s + machine[RIGID_COUNT] + 4 * n)
+    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
     accelerations = accelerations_of(machine)
     count = 0
     for k in range(s):
         plain[k] = modes[k]
         if modes[k] == HELD_MODE:
-            plain[k] = 1 if rigid[k] >= 0 else 0
+            plain[k] = 0
             held[count] = k
             count += 1
     base_a, base_lam = view(work, 0, n), view(work, n, m)
@@ -106,11 +106,11 @@ def units(
     respond(machine, t, q, v, base_a, p, held, count, base)
     for c in range(count):
         k = held[c]
-        plain[k] = 1 - plain[k]
+        plain[k] = 1
         unit_a = view(work, (c + 1) * size, n)
         unit_lam = view(work, (c + 1) * size + n, m)
         accelerations(t, q, v, p, plain, unit_a, unit_lam)
-        plain[k] = 1 - plain[k]
+        plain[k] = 0
         column = view(work, (s + 1) * size + s * s + s, s)
         respond(machine, t, q, v, unit_a, p, held, count, column)
         for i in range(count):
@@ -139,7 +139,7 @@ def respond(
     r = machine[RIGID_COUNT]
     size = n + m
     rigid = integers_at(machine, RIGID, s)
-    work = floats_at(machine, WORK, (s + 2) * size + s * s + 4 * s + r + 4 * n)
+    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + r)
     rates = view(work, (s + 1) * size + s * s + 2 * s, s)
     gaps = view(work, (s + 1) * size + s * s + 4 * s, r)
     switching_rates_of(machine)(t, q, v, a, p, rates)
@@ -151,25 +151,26 @@ def respond(
 
 
 @inner
-def shares(machine: Integers, count: int) -> int:
-    """Shares by which the `count` functions are held, into SHARE; 1 where none hold them."""
+def shares(machine: Integers, count: int) -> None:
+    """Shares by which the `count` functions are held, into SHARE; not a number where none do.
+
+    The matrix that `units` left is kept.
+    """
     n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
     size = n + m
     held = view(integers_at(machine, PLAIN, 2 * s), s, s)
     share = floats_at(machine, SHARE, s)
-    work = floats_at(machine, WORK, (s + 2) * size + s * s + 4 * s + machine[RIGID_COUNT] + 4 * n)
-    # Solved in the last rows, so that the matrix is there for who asks next.
+    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
     matrix = view(work, (s + 1) * size, s * s)
     base = view(work, (s + 1) * size + s * s, s)
     right = view(work, (s + 1) * size + s * s + 3 * s, s)
-    if count == 1:
-        right[0] = -base[0] / matrix[0] if matrix[0] != 0.0 else float("nan")
-    else:
+    copy = view(work, (s + 1) * size + s * s + 4 * s + machine[RIGID_COUNT], s * s)
+    for i in range(count):
+        right[i] = -base[i]
+    for i in range(count * count):
+        copy[i] = matrix[i]
+    if solve(copy, right, count) != 0:
         for i in range(count):
-            right[i] = -base[i]
-        if solve(matrix, right, count) != 0:
-            for i in range(count):
-                right[i] = float("nan")
+            right[i] = np.nan
     for c in range(count):
         share[held[c]] = right[c]
-    return 0

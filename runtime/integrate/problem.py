@@ -16,10 +16,12 @@ from runtime.integrate.signatures import (
     no_correction_tangent,
     no_forces,
     no_mass,
+    no_restitution,
     no_right_side,
     no_state_right_side,
     no_switching,
     no_switching_rates,
+    plain_holds,
 )
 from runtime.outcomes import Outcome
 
@@ -39,6 +41,10 @@ class System:
         Where the values that `jacobian` writes belong.
     coordinates, constraint_count, switches
         n, m and s.
+    holds, restitution
+        Fill the bounds of the shares, and the coefficients of restitution, from the parameters.
+    rigid, sticking
+        Switching functions that are gaps of rigid contacts, and slips of frictions that stick.
     """
 
     accelerations: Kernel
@@ -59,6 +65,10 @@ class System:
     gap_accelerations: Kernel = no_switching_rates
     accelerations_tangent: Kernel = no_accelerations_tangent
     correction_tangent: Kernel = no_correction_tangent
+    holds: Kernel = plain_holds
+    restitution: Kernel = no_restitution
+    rigid: tuple[int, ...] = ()
+    sticking: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)

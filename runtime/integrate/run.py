@@ -88,7 +88,8 @@ def initial_modes(
     Returns
     -------
     (s,) int64
-        1 where the condition holds. A function whose surface attracts from both sides gets 0.
+        1 where the condition holds, 0 where it does not; 2 where its function stays at zero: the
+        motion slides on its surface, friction sticks, or a rigid contact is closed.
     """
     problem = Problem(t, t + 1.0, q, v, p, np.ones(system.coordinates))
     run = _Run(system, problem, Options(rtol=rtol))
@@ -123,11 +124,14 @@ class _Run:
         self.r = self.record[0]
         self._fill_record(problem, options, parts)
         self.modes = np.zeros(s, np.int64)
-        self.wiring = wire(system, options.method, 4 * driver.LOG_MARGIN)
+        p = np.ascontiguousarray(problem.p, dtype=np.float64)
+        self.wiring = wire(system, options.method, p, 4 * driver.LOG_MARGIN)
         table = self.wiring.table
         table[Slot.EACH_STAGE] = 1 if options.correction == "stage" and m > 0 else 0
-        self.log_t, self.log_sets = self.wiring.log_times, self.wiring.log_sets
-        self.event_t = np.zeros(_EVENT_ROWS + s)
+        arrays = self.wiring.arrays
+        self.log_t, self.log_sets = arrays[Slot.LOG_TIMES], arrays[Slot.LOG_SETS]
+        arrays[Slot.WEIGHTS][:n] = problem.scale**2
+        self.event_t = np.zeros(_EVENT_ROWS + 2 * s)
         self.event_kind = np.zeros((self.event_t.size, 2), np.int64)
         self.event_y = np.zeros((self.event_t.size, 2 * n))
         self.samples, self.happened, self.sets = Samples(), Samples(), Samples()
@@ -136,7 +140,7 @@ class _Run:
             self.w,
             self.sw,
             self.record,
-            np.ascontiguousarray(problem.p, dtype=np.float64),
+            p,
             self.modes,
             np.zeros(4 * s + 1, np.int64),
             np.zeros(m),

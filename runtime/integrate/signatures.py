@@ -63,6 +63,22 @@ IMPACT = f8(
 RETURN_HELD = i8(
     integers, f8, i8, vector, vector, integers, vector
 )  # machine t state w p modes lam
+TRANSITION = i8(
+    integers,
+    i8,
+    f8,
+    f8,
+    vector,
+    vector,
+    run_record,
+    vector,
+    integers,
+    integers,
+    vector,
+    vector,
+    integer_matrix,
+    matrix,
+)  # machine crossing t h w sw run p modes scratch lam event_t event_kind event_y
 ATTEMPT = i8(integers, f8, f8, vector, run_record, vector, integers, vector)
 # machine t h w run p modes lam
 REPARTITION = i8(integers, f8, i8, vector, run_record, vector)  # machine t state w run p
@@ -103,6 +119,7 @@ Correct = types.FunctionType(CORRECT)
 Field = types.FunctionType(FIELD)
 Impact = types.FunctionType(IMPACT)
 ReturnHeld = types.FunctionType(RETURN_HELD)
+Transition = types.FunctionType(TRANSITION)
 Attempt = types.FunctionType(ATTEMPT)
 Repartition = types.FunctionType(REPARTITION)
 Locate = types.FunctionType(LOCATE)
@@ -169,3 +186,11 @@ def no_correction_tangent(
     dv: Vector,
 ) -> None:
     """Stand in for the derivatives where the method is explicit."""
+
+
+def plain_holds(p: Vector, low: Vector, high: Vector) -> None:
+    """Bounds of shares between two fields: 0 and 1."""
+
+
+def no_restitution(p: Vector, e: Vector) -> None:
+    """Stand in where there is no rigid contact."""

@@ -35,6 +35,7 @@ from runtime.integrate.signatures import (
     StateRightSide,
     Switching,
     SwitchingRates,
+    Transition,
     Watch,
 )
 
@@ -80,6 +81,7 @@ class Slot(IntEnum):
     BENT = auto()
     IMPACT = auto()
     RETURN_HELD = auto()
+    TRANSITION = auto()
     # Numbers.
     COORDINATES = auto()
     CONSTRAINT_COUNT = auto()
@@ -144,6 +146,7 @@ first_step_of = at(FirstStep, Slot.FIRST_STEP)
 emit_of = at(Emit, Slot.EMIT)
 watch_of = at(Watch, Slot.WATCH)
 bent_of = at(Field, Slot.BENT)
+transition_of = at(Transition, Slot.TRANSITION)
 impact_of = at(Impact, Slot.IMPACT)
 return_held_of = at(ReturnHeld, Slot.RETURN_HELD)
 

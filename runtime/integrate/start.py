@@ -4,7 +4,9 @@ import numpy as np
 
 from runtime.compiled import ADDRESSES, compiled
 from runtime.constraints.correction import FAILED, WEAK
+from runtime.integrate.bent import STEP
 from runtime.integrate.field import field
+from runtime.integrate.held import HELD_MODE
 from runtime.integrate.modes import CONSISTENT
 from runtime.integrate.outputs import record
 from runtime.integrate.signatures import (
@@ -20,6 +22,7 @@ from runtime.integrate.signatures import (
 )
 from runtime.integrate.slots import (
     ROW_ORDER,
+    SETTINGS,
     begin_of,
     correct_of,
     first_step_of,
@@ -27,7 +30,8 @@ from runtime.integrate.slots import (
     restart_of,
 )
 from runtime.integrate.surfaces import measure
-from runtime.integrate.views import integers_at, view
+from runtime.integrate.transition import LOOK_AHEAD
+from runtime.integrate.views import floats_at, integers_at, view
 from runtime.integrate.workspace import (
     BAND,
     G0,
@@ -41,8 +45,6 @@ from runtime.integrate.workspace import (
     run_record,
 )
 from runtime.outcomes import Outcome
-
-LOOK_AHEAD = 0.05  # of a step: how far ahead modes are judged
 
 _OK = int(Outcome.OK)
 _SLIDING = int(Outcome.SLIDING)
@@ -114,6 +116,7 @@ def start(
     outcome = _OK
     if s > 0:
         h = first_step(machine, t, r.h_max, r.rtol, r.order, w, p, modes, lam)
+        floats_at(machine, SETTINGS, 2)[STEP] = h
         settled = begin_of(machine)(
             machine, 0, t, LOOK_AHEAD * h, Y0, G0, w, sw, p, modes, scratch, lam
         )
@@ -124,6 +127,8 @@ def start(
         measure(machine, t, Y0, K, G0, w, sw, p, modes, lam)
         for k in range(s):
             sw[LARGEST * s + k] = abs(sw[G0 * s + k])
+            if modes[k] == HELD_MODE:
+                sw[LARGEST * s + k], sw[BAND * s + k] = 1.0, 0.0
         r.rhs += 2
     for j in range(n):
         if not np.isfinite(a[j]):

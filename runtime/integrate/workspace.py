@@ -65,6 +65,7 @@ _FLOATS = [
     "largest_dq",
     "event_span",  # time that the last events took
     "stretch",  # ratio of two steps' lengths that the switching functions allow
+    "flight",  # time to the next impact of a contact that bounces
     "finest",  # length of a step that is never too long for them
 ]
 _INTEGERS = [
@@ -99,6 +100,7 @@ _INTEGERS = [
     "rejected_before",
     "shrinking",  # events in a row, each in less time than the one before
     "standing",  # events in a row without time between them
+    "blamed",  # switching function for which no mode is consistent, or -1
     "index",  # function or constraint that an outcome concerns
 ]
 RUN = np.dtype(
