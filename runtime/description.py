@@ -178,6 +178,19 @@ class Description(NamedTuple):
         return np.array([row.element in self.drivers for row in self.constraints], dtype=np.bool_)
 
     @property
+    def friction_limits(self) -> tuple[tuple[int, int, int], ...]:
+        """(switch, row of its force, row of its limit) of the frictions that report a limit."""
+        rows = {(row.element, row.component): i for i, row in enumerate(self.reactions)}
+        return tuple(
+            (k, rows[switch.name, part], rows[switch.name, "limit"])
+            for k, switch in enumerate(self.switches)
+            for part in ("force", "torque")
+            if switch.kind == "friction"
+            and (switch.name, part) in rows
+            and (switch.name, "limit") in rows
+        )
+
+    @property
     def is_angle(self) -> npt.NDArray[np.bool_]:
         """Which coordinates are angles, shape (n,)."""
         return np.array([row.unit == "rad" for row in self.coordinates], dtype=np.bool_)

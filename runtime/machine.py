@@ -118,6 +118,10 @@ class Machine:
             restitution=kernels.restitution,
             rigid=tuple(contact.switch for contact in told.rigid),
             sticking=tuple(k for k, row in enumerate(told.switches) if row.kind == "friction"),
+            reactions=kernels.reactions,
+            switched_reactions=kernels.switched_reactions,
+            reaction_rows=len(told.reactions),
+            limits=told.friction_limits,
         )
 
     @property

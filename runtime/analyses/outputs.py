@@ -180,9 +180,18 @@ def evaluate(
     power = np.zeros((count, len(told.powers)))
     energy, residual = np.zeros((count, 2)), np.zeros((count, 2))
     weak = np.zeros(count, dtype=np.int64)
+    plain = np.where(modes == 2, 0, modes)
+    for contact in told.rigid:
+        plain[:, contact.switch] = 1
     _evaluate(
-        machine.kernel_table, t, p, q, v, modes,
+        machine.kernel_table, t, p, q, v, plain,
         told.jacobian_rows.astype(np.int64), told.jacobian_columns.astype(np.int64),
         a, lam, reaction, power, energy, residual, weak, np.zeros(len(told.jacobian_rows)),
     )  # fmt: skip
-    return Samples(t, q, v, a, lam, reaction, power, energy, residual, modes)
+    if (modes == 2).any():
+        from runtime.analyses.holding import mix_held
+
+        share = mix_held(machine, p, t, q, v, modes, a, lam, reaction, power)
+    else:
+        share = np.full(modes.shape, np.nan)
+    return Samples(t, q, v, a, lam, reaction, power, energy, residual, modes, share)

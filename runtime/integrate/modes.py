@@ -18,6 +18,7 @@ from runtime.integrate.slots import (
     COORDINATES,
     HELD,
     HIGH,
+    LIMITS,
     LOW,
     PLAIN,
     RIGID,
@@ -27,6 +28,7 @@ from runtime.integrate.slots import (
     STICKS,
     WORK,
     impact_of,
+    limited_of,
     switching_of,
     switching_rates_of,
 )
@@ -84,8 +86,8 @@ def hold(machine: Integers, modes: Integers) -> None:
 
 
 @inner
-def loose(machine: Integers, s: int, candidate: Integers) -> int:
-    """First function that `candidate` claims to be held and that nothing holds, else `CONSISTENT`.
+def loose(machine: Integers, t: float, q: Vector, v: Vector, p: Vector, lam: Vector, s: int) -> int:
+    """First function that is said to be held and that nothing holds, else `CONSISTENT`.
 
     To be called after the field was evaluated.
     """
@@ -100,6 +102,8 @@ def loose(machine: Integers, s: int, candidate: Integers) -> int:
     for c in range(count):
         k = int(held[c])
         inside = low[k] - _SHARE <= share[k] <= high[k] + _SHARE
+        if integers_at(machine, LIMITS, 2 * s)[2 * k] >= 0:
+            inside = limited_of(machine)(machine, t, q, v, p, lam, k) >= -_SHARE
         if not inside or not matrix[c * count + c] < 0.0:
             return k
     return CONSISTENT
@@ -134,7 +138,7 @@ def contradicted(
     hold(machine, candidate)
     field(machine, t, q, v, p, candidate, view(w, DELTA * 2 * n + n, n), lam)
     if machine[HELD] != 0:
-        k = loose(machine, s, candidate)
+        k = loose(machine, t, q, v, p, lam, s)
         if k != CONSISTENT:
             return k
     open_members = 0

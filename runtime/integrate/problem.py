@@ -16,9 +16,11 @@ from runtime.integrate.signatures import (
     no_correction_tangent,
     no_forces,
     no_mass,
+    no_reactions,
     no_restitution,
     no_right_side,
     no_state_right_side,
+    no_switched_reactions,
     no_switching,
     no_switching_rates,
     plain_holds,
@@ -45,6 +47,11 @@ class System:
         Fill the bounds of the shares, and the coefficients of restitution, from the parameters.
     rigid, sticking
         Switching functions that are gaps of rigid contacts, and slips of frictions that stick.
+    reactions, switched_reactions, reaction_rows
+        Kernels that fill reactions, and how many there are.
+    limits
+        (switching function, row of the force, row of what it may be) of frictions whose pressing
+        force depends on them.
     """
 
     accelerations: Kernel
@@ -69,6 +76,10 @@ class System:
     restitution: Kernel = no_restitution
     rigid: tuple[int, ...] = ()
     sticking: tuple[int, ...] = ()
+    reactions: Kernel = no_reactions
+    switched_reactions: Kernel = no_switched_reactions
+    reaction_rows: int = 0
+    limits: tuple[tuple[int, int, int], ...] = ()
 
 
 @dataclass(frozen=True)

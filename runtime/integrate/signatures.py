@@ -79,6 +79,11 @@ TRANSITION = i8(
     integer_matrix,
     matrix,
 )  # machine crossing t h w sw run p modes scratch lam event_t event_kind event_y
+LIMIT = f8(integers, f8, vector, vector, vector, vector, i8)  # machine t q v p lam k
+REACTIONS = none(f8, vector, vector, vector, vector, vector)  # t q v p lam out
+SWITCHED_REACTIONS = none(
+    f8, vector, vector, vector, integers, vector, vector
+)  # t q v p modes lam out
 ATTEMPT = i8(integers, f8, f8, vector, run_record, vector, integers, vector)
 # machine t h w run p modes lam
 REPARTITION = i8(integers, f8, i8, vector, run_record, vector)  # machine t state w run p
@@ -120,6 +125,9 @@ Field = types.FunctionType(FIELD)
 Impact = types.FunctionType(IMPACT)
 ReturnHeld = types.FunctionType(RETURN_HELD)
 Transition = types.FunctionType(TRANSITION)
+Limit = types.FunctionType(LIMIT)
+Reactions = types.FunctionType(REACTIONS)
+SwitchedReactions = types.FunctionType(SWITCHED_REACTIONS)
 Attempt = types.FunctionType(ATTEMPT)
 Repartition = types.FunctionType(REPARTITION)
 Locate = types.FunctionType(LOCATE)
@@ -186,6 +194,18 @@ def no_correction_tangent(
     dv: Vector,
 ) -> None:
     """Stand in for the derivatives where the method is explicit."""
+
+
+@compiled(REACTIONS)
+def no_reactions(t: float, q: Vector, v: Vector, p: Vector, lam: Vector, out: Vector) -> None:
+    """Stand in where nobody asks for reactions."""
+
+
+@compiled(SWITCHED_REACTIONS)
+def no_switched_reactions(
+    t: float, q: Vector, v: Vector, p: Vector, modes: Integers, lam: Vector, out: Vector
+) -> None:
+    """Stand in where no mode decides on a reaction."""
 
 
 def plain_holds(p: Vector, low: Vector, high: Vector) -> None:

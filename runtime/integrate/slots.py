@@ -24,15 +24,18 @@ from runtime.integrate.signatures import (
     Hook,
     Impact,
     Jacobian,
+    Limit,
     Locate,
     Mass,
     Propose,
+    Reactions,
     Repartition,
     ReturnHeld,
     RightSide,
     Settle,
     Stages,
     StateRightSide,
+    SwitchedReactions,
     Switching,
     SwitchingRates,
     Transition,
@@ -59,6 +62,8 @@ class Slot(IntEnum):
     MASS = auto()
     APPLIED_FORCES = auto()
     GAP_ACCELERATIONS = auto()
+    REACTIONS = auto()
+    SWITCHED_REACTIONS = auto()
     ACCELERATIONS_TANGENT = auto()
     CORRECTION_TANGENT = auto()
     # The method.
@@ -82,6 +87,7 @@ class Slot(IntEnum):
     IMPACT = auto()
     RETURN_HELD = auto()
     TRANSITION = auto()
+    LIMITED = auto()
     # Numbers.
     COORDINATES = auto()
     CONSTRAINT_COUNT = auto()
@@ -92,6 +98,7 @@ class Slot(IntEnum):
     HELD = auto()
     STABILIZED = auto()
     RIGID_COUNT = auto()
+    REACTION_ROWS = auto()
     EACH_STAGE = auto()
     CORRECTING = auto()
     # Arrays.
@@ -110,6 +117,8 @@ class Slot(IntEnum):
     STICKS = auto()
     RESTITUTION = auto()
     PLAIN = auto()
+    LIMITS = auto()
+    REACTION = auto()
     WORK = auto()
     SETTINGS = auto()
     WEIGHTS = auto()
@@ -146,6 +155,9 @@ first_step_of = at(FirstStep, Slot.FIRST_STEP)
 emit_of = at(Emit, Slot.EMIT)
 watch_of = at(Watch, Slot.WATCH)
 bent_of = at(Field, Slot.BENT)
+limited_of = at(Limit, Slot.LIMITED)
+reactions_of = at(Reactions, Slot.REACTIONS)
+switched_reactions_of = at(SwitchedReactions, Slot.SWITCHED_REACTIONS)
 transition_of = at(Transition, Slot.TRANSITION)
 impact_of = at(Impact, Slot.IMPACT)
 return_held_of = at(ReturnHeld, Slot.RETURN_HELD)
@@ -177,6 +189,9 @@ RIGID = int(Slot.RIGID)
 STICKS = int(Slot.STICKS)
 RESTITUTION = int(Slot.RESTITUTION)
 PLAIN = int(Slot.PLAIN)
+LIMITS = int(Slot.LIMITS)
+REACTION = int(Slot.REACTION)
+REACTION_ROWS = int(Slot.REACTION_ROWS)
 WORK = int(Slot.WORK)
 SETTINGS = int(Slot.SETTINGS)
 WEIGHTS = int(Slot.WEIGHTS)

@@ -9,14 +9,16 @@ from runtime.integrate.signatures import Integers, Vector
 from runtime.integrate.slots import (
     HELD,
     HIGH,
+    LIMITS,
     LOW,
     SETTINGS,
     SHARE,
     bent_of,
+    limited_of,
     switching_of,
     switching_rates_of,
 )
-from runtime.integrate.views import floats_at, view
+from runtime.integrate.views import floats_at, integers_at, view
 from runtime.integrate.workspace import DELTA, ROWS, SAMPLE, SWITCH_ROWS
 
 _AHEAD = 1e-4  # of a step: the distance over which the rate of a margin is taken
@@ -67,12 +69,19 @@ def margins(
     bent_of(machine)(machine, t, q, v, p, modes, view(w, DELTA * 2 * n, n), lam)
     for k in range(s):
         if modes[k] == HELD_MODE:
-            sw[slot * s + k] = margin(machine, s, k)
+            sw[slot * s + k] = margin(machine, t, q, v, p, lam, s, k)
 
 
 @inner
-def margin(machine: Integers, s: int, k: int) -> float:
-    """How far the share of function `k` is from its bounds: zero on both, negative beyond."""
+def margin(
+    machine: Integers, t: float, q: Vector, v: Vector, p: Vector, lam: Vector, s: int, k: int
+) -> float:
+    """How far what holds function `k` is from letting go: zero where it does, negative beyond.
+
+    That is the share's distance from its bounds, or what is left of the force that friction bears.
+    """
+    if integers_at(machine, LIMITS, 2 * s)[2 * k] >= 0:
+        return float(limited_of(machine)(machine, t, q, v, p, lam, k))
     share = floats_at(machine, SHARE, s)[k]
     low, high = floats_at(machine, LOW, s)[k], floats_at(machine, HIGH, s)[k]
     room = high - share
@@ -114,9 +123,10 @@ def measure(
     for j in range(n):
         z[j] = y[j] + ahead * (y[n + j] + 0.5 * ahead * a[j])
         z[n + j] = y[n + j] + ahead * a[j]
-    bent_of(machine)(
-        machine, t + ahead, view(z, 0, n), view(z, n, n), p, modes, view(w, DELTA * length, n), lam
-    )
+    z_q, z_v = view(z, 0, n), view(z, n, n)
+    bent_of(machine)(machine, t + ahead, z_q, z_v, p, modes, view(w, DELTA * length, n), lam)
     for k in range(s):
         if modes[k] == HELD_MODE:
-            rates[k] = (margin(machine, s, k) - sw[slot * s + k]) / ahead
+            rates[k] = (
+                margin(machine, t + ahead, z_q, z_v, p, lam, s, k) - sw[slot * s + k]
+            ) / ahead

@@ -15,6 +15,7 @@ from runtime.integrate import (
     control,
     events,
     impact,
+    mixing,
     modes,
     outputs,
     transition,
@@ -61,6 +62,7 @@ def _loop() -> Integers:
             impact.impact,
             impact.return_held,
             transition.transition,
+            mixing.limited,
         )
     )
 
@@ -98,6 +100,9 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     s, contacts = system.switches, len(system.rigid)
     rigid = np.full(s, -1, np.int64)
     rigid[list(system.rigid)] = np.arange(contacts)
+    limits = np.full(2 * s, -1, np.int64)
+    for k, force, limit in system.limits:
+        limits[2 * k], limits[2 * k + 1] = force, limit
     nonzeros = len(system.jacobian_rows)
     arrays = {
         Slot.JACOBIAN_ROWS: np.ascontiguousarray(system.jacobian_rows, dtype=np.int64),
@@ -113,6 +118,8 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         Slot.SHARE: np.full(s, np.nan),
         Slot.RIGID: rigid,
         Slot.STICKS: np.array([k in system.sticking for k in range(s)], dtype=np.int64),
+        Slot.LIMITS: limits,
+        Slot.REACTION: np.zeros(3 * system.reaction_rows + m),
         Slot.RESTITUTION: np.zeros(contacts),
         Slot.PLAIN: np.zeros(2 * s, np.int64),
         Slot.WORK: np.zeros(work_size(n, m, s, contacts)),
@@ -127,7 +134,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     table[Slot.SWITCHES], table[Slot.NONZEROS] = system.switches, nonzeros
     system.holds(p, arrays[Slot.LOW], arrays[Slot.HIGH])
     system.restitution(p, arrays[Slot.RESTITUTION])
-    table[Slot.RIGID_COUNT] = contacts
+    table[Slot.RIGID_COUNT], table[Slot.REACTION_ROWS] = contacts, system.reaction_rows
     table[Slot.LOG_ROWS] = log_rows
     table[Slot.CORRECTING] = 1
     return Wiring(table, arrays)
