@@ -13,7 +13,7 @@ from runtime.analyses.kinematics import instants
 from runtime.analyses.magnitudes import magnitudes
 from runtime.analyses.masses import require_masses
 from runtime.analyses.outputs import evaluate
-from runtime.integrate.problem import Options, Problem, Trajectory
+from runtime.integrate.problem import Correction, Options, Problem, Trajectory
 from runtime.integrate.run import integrate
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
@@ -62,7 +62,8 @@ def simulate(
     parameters: "Values | None" = None,
     guess: "Values | None" = None,
     start: Assembly | None = None,
-    correction: Literal["step", "stage"] = "step",
+    correction: Correction = "step",
+    time_scale: float | None = None,
     first_step: float | None = None,
     max_step: float | None = None,
     max_steps: int = 100_000_000,
@@ -91,7 +92,10 @@ def simulate(
     start
         An assembled state to start from, in place of the scene's start.
     correction
-        Return onto the constraints once a step, or at every stage.
+        Return onto the constraints: once a "step" (dependent coordinates from independent ones), at
+        every "stage", by "projection", by "baumgarte" or "hybrid"; see `Options.correction`.
+    time_scale
+        τ of Baumgarte's accelerations, s; a thousandth of the run unless given.
     first_step, max_step
         Lengths in s; chosen unless given.
     """
@@ -126,6 +130,7 @@ def simulate(
             atol_v=atol,
             t_eval=times,
             correction=correction,
+            time_scale=time_scale,
             first_step=first_step,
             h_max=max_step,
             max_steps=max_steps,

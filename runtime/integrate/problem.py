@@ -27,6 +27,8 @@ from runtime.integrate.signatures import (
 )
 from runtime.outcomes import Outcome
 
+Correction = Literal["step", "stage", "projection", "baumgarte", "hybrid"]
+
 
 @dataclass(frozen=True, eq=False)
 class System:
@@ -126,7 +128,14 @@ class Options:
     t_eval
         Instants of the samples, ascending; None: the end of every step.
     correction
-        Return onto the constraints at the end of every "step", or at every "stage" too.
+        Return onto the constraints: at the end of every "step", the dependent coordinates from the
+        independent ones, or at every "stage" too; by "projection", at the end of every step, of
+        all coordinates by the least in the metric of the masses; by "baumgarte", never, but
+        accelerations that pull back; by "hybrid", these, and projection where a constraint has
+        drifted by more than the tolerance (T. W. Park and E. J. Haug, Journal of Mechanisms,
+        Transmissions and Automation in Design 108, 1986).
+    time_scale
+        τ of Baumgarte's accelerations, s; None: a thousandth of the run.
     first_step, h_max, h_min
         Lengths in s; None: chosen.
     fixed_step
@@ -144,7 +153,8 @@ class Options:
     atol_q: ArrayLike | None = None
     atol_v: ArrayLike | None = None
     t_eval: ArrayLike | None = None
-    correction: Literal["step", "stage"] = "step"
+    correction: Correction = "step"
+    time_scale: float | None = None
     first_step: float | None = None
     h_max: float | None = None
     h_min: float | None = None
