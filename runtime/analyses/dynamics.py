@@ -50,6 +50,21 @@ class Event(NamedTuple):
         return np.concatenate([self.q, self.v])
 
 
+class Partition(NamedTuple):
+    """The independent coordinates were chosen anew.
+
+    Attributes
+    ----------
+    time
+        From which on they hold, s.
+    independent
+        Their names; the others follow from them by the constraints.
+    """
+
+    time: float
+    independent: tuple[str, ...]
+
+
 def simulate(
     machine: "Machine",
     t_end: float,
@@ -188,6 +203,11 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
             strict=True,
         )
     ]  # fmt: skip
+    names = machine.coordinates.names
+    partitions = [
+        Partition(float(t), tuple(name for name, free in zip(names, chosen, strict=True) if free))
+        for t, chosen in zip(run.partitions.t, run.partitions.independent, strict=True)
+    ]
     return Result(
         machine,
         samples,
@@ -197,6 +217,7 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
         message=_message(machine, run),
         stats=stats,
         events=events,
+        partitions=partitions,
     )
 
 

@@ -64,3 +64,14 @@ def test_baumgarte_drifts_and_pulls_back(machine):
 def test_unknown_correction_is_refused(machine):
     with pytest.raises(InputError, match="correction = 'nudge' must be one of step, stage"):
         machine.simulate(1.0, correction="nudge", progress=False)
+
+
+def test_every_choice_of_independent_coordinates_is_told(machine):
+    run = machine.simulate(3.0, progress=False)
+    assert len(run.partitions) == run.stats["repartitions"] + 1 > 20
+    times = [choice.time for choice in run.partitions]
+    assert times == sorted(times)
+    names = {choice.independent for choice in run.partitions}
+    assert all(len(chosen) == 1 and chosen[0] in machine.coordinates.names for chosen in names)
+    for before, after in zip(run.partitions, run.partitions[1:], strict=False):
+        assert before.independent != after.independent
