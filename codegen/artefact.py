@@ -23,6 +23,11 @@ UNSIGNED = "0" * 64
 _SIGNATURE = re.compile(rf"^{MARK}([0-9a-f]{{64}})$", re.MULTILINE)
 
 
+def tangents_path(path: Path) -> Path:
+    """The file of exact derivatives that goes with a scene's generated file."""
+    return path.with_name(f"{path.stem}__tangents.py")
+
+
 def signed(text: str) -> str:
     """`text` with the hash of its content put where ``UNSIGNED`` stands."""
     digest = hashlib.sha256(text.encode()).hexdigest()

@@ -77,6 +77,14 @@ def build(
         list[str] | None, typer.Option("--set", help="NAME=VALUE: another default; repeatable.")
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the generated files.")] = None,
+    tangents: Annotated[
+        bool,
+        typer.Option(
+            "--tangents",
+            help="Also the exact derivatives that implicit methods (bdf, radau) take, in files of "
+            "their own; without it only those that exist are brought up to date.",
+        ),
+    ] = False,
     check: Annotated[
         bool, typer.Option("--check", help="Write nothing; fail if a file is out of date.")
     ] = False,
@@ -91,28 +99,34 @@ def build(
             scene,
             out,
             settings=parse_settings(settings or []),
+            tangents=tangents,
             check=check,
             progress=lambda message: status.update(escaped(message)),
         )
     if as_json:
-        scenes = [{**asdict(s), "path": str(s.path)} for s in done.scenes]
-        typer.echo(json.dumps({"scenes": scenes, "stale": [str(p) for p in done.stale]}))
+        answer = {"scenes": [asdict(s) for s in done.scenes], "stale": done.stale}
+        typer.echo(json.dumps(answer, default=str))
     else:
         _print_build(done, check)
     for path in done.stale:
         errors.print(
             f"[bold red]stale:[/] {escaped(str(path))} is missing or not what the model gives; "
             f"run: python -m codegen build {escaped(model)}"
-            f"{f' --out {escaped(str(out))}' if out else ''}"
+            f"{f' --out {escaped(str(out))}' if out else ''}{' --tangents' if tangents else ''}"
         )
     if done.stale:
         raise typer.Exit(1)
 
 
 def _print_build(done: Any, check: bool) -> None:
+    def state(file: Any) -> str:
+        return "checked" if check else "written" if file.changed else "unchanged, nothing written"
+
+    def listed(counts: dict[str, int]) -> str:
+        return ", ".join(f"{name} {count}" for name, count in counts.items())
+
     for s in done.scenes:
-        state = "checked" if check else "written" if s.changed else "unchanged, nothing written"
-        output.print(f"[bold]{s.model}[/], scene [bold]{s.scene}[/]: {state}")
+        output.print(f"[bold]{s.model}[/], scene [bold]{s.scene}[/]: {state(s)}")
         output.print(f"  file          {escaped(str(s.path))}")
         output.print(f"  bodies        {', '.join(s.bodies)}")
         output.print(
@@ -121,10 +135,13 @@ def _print_build(done: Any, check: bool) -> None:
         )
         output.print(f"  effects       {', '.join(s.effects) or 'none'}")
         output.print(f"  left out      {', '.join(s.left_out) or 'nothing'}")
-        kernels = ", ".join(f"{name} {count}" for name, count in s.operations.items())
-        output.print(f"  operations    {kernels}")
-        stages = ", ".join(f"{name} {seconds:.2f}" for name, seconds in s.seconds.items())
-        output.print(f"  seconds       {stages}")
+        output.print(f"  operations    {listed(s.operations)}")
+        seconds = dict(s.seconds)
+        if s.tangents:
+            output.print(f"  derivatives   {escaped(str(s.tangents.path))}: {state(s.tangents)}")
+            output.print(f"  operations    {listed(s.tangents.operations)}")
+            seconds |= {f"{k} derivatives": x for k, x in s.tangents.seconds.items()}
+        output.print(f"  seconds       {', '.join(f'{k} {x:.2f}' for k, x in seconds.items())}")
 
 
 @app.command()

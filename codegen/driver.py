@@ -6,13 +6,12 @@ derive    Model, Scene          → Equations               (codegen.derive)
 lower     Equations             → Lowered program         (codegen.lower)
 examine   Equations, Lowered    → redundant constraints   (codegen.examine)
 emit      Lowered               → text                    (codegen.emit)
+differentiate  Lowered          → text of derivatives     (codegen.differentiating), if asked for
 write     text                  → file, atomically        (codegen.write)
 compile   file                  → machine code in numba's cache
 """
 
-import hashlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -24,6 +23,7 @@ from codegen.compiling import compile_modules
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
+from codegen.differentiating import derivatives, refuse_massless, wanted
 from codegen.emit.module import Origin, module_text
 from codegen.errors import ModelError, ParameterError, SceneError
 from codegen.examine import examine
@@ -31,10 +31,21 @@ from codegen.fingerprint import fingerprint
 from codegen.lower.kernels import Lowered, lower
 from codegen.lower.ledger import operations
 from codegen.model import Model
-from codegen.modelfile import ModelFile, library_folder, read_model
+from codegen.modelfile import ModelFile, read_model
+from codegen.placing import default_folder, file_name
+from codegen.stages import Clock, File, Progress
 from codegen.write import is_current, write_if_changed
 
-Progress = Callable[[str], None]
+
+@dataclass(frozen=True)
+class TangentsReport:
+    """The file of a scene's exact derivatives; attributes as in `SceneReport`."""
+
+    path: Path
+    changed: bool
+    digest: str
+    operations: dict[str, int]
+    seconds: dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -49,6 +60,8 @@ class SceneReport:
         Kernel → arithmetic operations.
     seconds
         Stage → wall time.
+    tangents
+        The file of its exact derivatives, if it has one.
     """
 
     model: str
@@ -65,6 +78,7 @@ class SceneReport:
     strategy: str
     operations: dict[str, int]
     seconds: dict[str, float]
+    tangents: TangentsReport | None = None
 
 
 @dataclass(frozen=True)
@@ -86,6 +100,7 @@ def build(
     out: str | Path | None = None,
     *,
     settings: Mapping[str, float] | None = None,
+    tangents: bool = False,
     check: bool = False,
     compile: bool = True,  # noqa: A002 (what it does)
     progress: Progress = lambda message: None,
@@ -103,6 +118,9 @@ def build(
         library's models, else of the folder one works in.
     settings
         Parameter → default value in this build; the files get a name of their own.
+    tangents
+        Generate also the exact derivatives that implicit methods take, of every scene with
+        masses. Files of derivatives that exist are brought up to date in any case.
     check
         Write nothing; report which files are missing or out of date.
     compile
@@ -113,7 +131,8 @@ def build(
     Raises
     ------
     InputError
-        If anything is wrong with the file, the model or a scene: all problems at once.
+        If anything is wrong with the file, the model or a scene: all problems at once; or if
+        derivatives are asked for of a scene without masses.
     """
     progress("reading the model")
     started = perf_counter()
@@ -126,45 +145,30 @@ def build(
     for chosen in scenes:
         clock = Clock({"read": reading}, progress, f"{declared.name}, scene {chosen.name}")
         prepared.append((*translate(declared, chosen, clock), clock))
-    paths, changes, digests = [], [], []
+    if tangents:
+        massive = {e.scene.name: bool(e.masses) for e, *_ in prepared}
+        refuse_massless(declared.name, massive, named=scene is not None)
+    files: list[File] = []
     for equations, lowered, clock in prepared:
         path = folder / file_name(file.stem, equations, settings or {})
         with clock("emit"):
             text = module_text(lowered, origin(file, equations, path, settings or {}))
-        changes.append(not is_current(path, text) if check else write_if_changed(path, text))
-        paths.append(path)
-        digests.append(hashlib.sha256(text.encode()).hexdigest())
+        files.append(File(path, text, clock))
+        if wanted(equations, path, tangents):
+            provenance = origin(file, equations, path, settings or {}, " --tangents")
+            files[-1].tangents = derivatives(lowered, provenance, files[-1])
+    every = [f for main in files for f in (main, main.tangents) if f]
+    for f in every:
+        f.changed = not is_current(f.path, f.text) if check else write_if_changed(f.path, f.text)
     if compile and not check:
         progress(f"{declared.name}: compile")
-        for (*_, clock), seconds in zip(prepared, compile_modules(paths), strict=True):
-            clock.seconds["compile"] = seconds
+        for f, seconds in zip(every, compile_modules([f.path for f in every]), strict=True):
+            f.clock.seconds["compile"] = seconds
     reports = (
-        report(equations, lowered, path, changed, digest, clock.seconds)
-        for (equations, lowered, clock), path, changed, digest in zip(
-            prepared, paths, changes, digests, strict=True
-        )
+        report(equations, lowered, written)
+        for (equations, lowered, _), written in zip(prepared, files, strict=True)
     )
-    stale = (path for path, changed in zip(paths, changes, strict=True) if check and changed)
-    return BuildReport(tuple(reports), tuple(stale))
-
-
-@dataclass
-class Clock:
-    """Times the stages of one scene, and announces them."""
-
-    seconds: dict[str, float]
-    progress: Progress
-    what: str
-
-    @contextmanager
-    def __call__(self, stage: str) -> Iterator[None]:
-        """Time what happens inside."""
-        self.progress(f"{self.what}: {stage}")
-        started = perf_counter()
-        try:
-            yield
-        finally:
-            self.seconds[stage] = perf_counter() - started
+    return BuildReport(tuple(reports), tuple(f.path for f in every if check and f.changed))
 
 
 def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowered]:
@@ -232,29 +236,23 @@ def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
     return changed
 
 
-def default_folder(file: ModelFile) -> Path:
-    """Where the generated files of a model belong."""
-    library = library_folder()
-    ours = file.path is not None and file.path.is_relative_to(library / "models")
-    return (library if ours else Path.cwd()) / "generated"
-
-
-def file_name(stem: str, equations: Equations, settings: Mapping[str, float]) -> str:
-    """``model__scene.py`` after the model file, with a tail for a build with other defaults."""
-    stem = f"{stem}__{equations.scene.name}"
-    if settings:
-        text = ",".join(f"{name}={value!r}" for name, value in sorted(settings.items()))
-        stem += f"__{hashlib.sha256(text.encode()).hexdigest()[:8]}"
-    return f"{stem}.py"
-
-
 def origin(
-    file: ModelFile, equations: Equations, path: Path, settings: Mapping[str, float]
+    file: ModelFile,
+    equations: Equations,
+    path: Path,
+    settings: Mapping[str, float],
+    more: str = "",
 ) -> Origin:
-    """Provenance, with paths relative to the folder that holds the folder of generated files."""
+    """Provenance, with paths relative to the folder that holds the folder of generated files.
+
+    Parameters
+    ----------
+    more
+        Further options of the command that builds the file.
+    """
     base = path.resolve().parent.parent
     named = [(_relative(source, base), digest) for source, digest in file.sources]
-    options = "".join(f" --set {name}={value!r}" for name, value in sorted(settings.items()))
+    options = "".join(f" --set {name}={value!r}" for name, value in sorted(settings.items())) + more
     command = f"build({file.model.name}, scene='{equations.scene.name}')"
     if named:
         command = f"python -m codegen build {named[0][0]} --scene {equations.scene.name}{options}"
@@ -266,14 +264,7 @@ def _relative(source: Path, base: Path) -> str:
     return (source.relative_to(base) if source.is_relative_to(base) else source).as_posix()
 
 
-def report(
-    equations: Equations,
-    lowered: Lowered,
-    path: Path,
-    changed: bool,
-    digest: str,
-    seconds: dict[str, float],
-) -> SceneReport:
+def report(equations: Equations, lowered: Lowered, file: File) -> SceneReport:
     """Gather what a person wants to know about a build."""
     n = len(equations.coordinates)
     m = sum(len(c.statement.rows) for c in equations.constraints)
@@ -281,9 +272,9 @@ def report(
     return SceneReport(
         equations.model,
         equations.scene.name,
-        path,
-        changed,
-        digest,
+        file.path,
+        file.changed,
+        file.digest,
         equations.bodies,
         n,
         m,
@@ -292,5 +283,11 @@ def report(
         tuple(name for name, _ in equations.left_out),
         lowered.strategy,
         {k.name: operations(program, k) for k in program.kernels},
-        seconds,
+        file.clock.seconds,
+        _tangents_report(file.tangents) if file.tangents else None,
     )
+
+
+def _tangents_report(file: File) -> TangentsReport:
+    seconds = file.clock.seconds
+    return TangentsReport(file.path, file.changed, file.digest, file.operations, seconds)

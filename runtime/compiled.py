@@ -51,6 +51,17 @@ def inner(function: F) -> F:
     return cast(F, _stamped(njit(**options)(function)))
 
 
+def inlined(function: F) -> F:
+    """As `inner`, copied into every place of its use: for what is small and called in stages."""
+    options = {
+        **OPTIONS,
+        "no_cpython_wrapper": True,
+        "no_cfunc_wrapper": True,
+        "forceinline": True,
+    }
+    return cast(F, _stamped(njit(**options)(function)))
+
+
 def addresses(functions: Iterable[Any]) -> npt.NDArray[np.int64]:
     """Addresses of compiled functions, each of which has one signature."""
     return np.array([_address(function) for function in functions], dtype=np.int64)

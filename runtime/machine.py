@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 import numpy.typing as npt
 
-from codegen.errors import ParameterError
+from codegen.errors import AnalysisError, ParameterError
 from runtime.analyses.door import check, number
 from runtime.description import (
     Constraint,
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from runtime.analyses.equilibrium import Equilibrium
     from runtime.integrate.problem import System
     from runtime.results.result import Result
+    from runtime.tangents import Origin, Tangents
 
 FloatArray = npt.NDArray[np.float64]
 Values = Mapping[str, float]
@@ -44,12 +45,46 @@ class Machine:
         Its compiled functions, callable from any numba code.
     path
         The generated module's file.
+    origin
+        What it was made from; needed where derivatives are asked for.
     """
 
-    def __init__(self, description: Description, kernels: Kernels, path: Path) -> None:
+    def __init__(
+        self,
+        description: Description,
+        kernels: Kernels,
+        path: Path,
+        origin: "Origin | None" = None,
+    ) -> None:
         self.description = description
         self.kernels = kernels
         self.path = path
+        self._origin = origin
+
+    @cached_property
+    def tangents(self) -> "Tangents":
+        """Exact derivatives of the kernels, for implicit methods: see `runtime.tangents`.
+
+        Their file is built when it is first asked for.
+
+        Raises
+        ------
+        AnalysisError
+            If the scene has no masses, or the machine was not loaded from a model.
+        """
+        from runtime.tangents import load_tangents
+
+        if not self.description.has_masses:
+            raise AnalysisError(
+                f"{self.description.title} is kinematic: no masses move in it, so there are no "
+                "accelerations under forces to differentiate. Load a scene with masses."
+            )
+        if self._origin is None:
+            raise AnalysisError(
+                f"{self.description.title} was put together without its model, from {self.path}, "
+                "so its derivatives cannot be built. Load it by runtime.load."
+            )
+        return load_tangents(self._origin)
 
     @cached_property
     def kernel_table(self) -> npt.NDArray[np.int64]:
@@ -69,10 +104,24 @@ class Machine:
             jacobian_rows=told.jacobian_rows.astype(np.int64),
             jacobian_columns=told.jacobian_columns.astype(np.int64),
             coordinates=len(told.coordinates),
-            constraints=len(told.constraints),
+            constraint_count=len(told.constraints),
             switches=len(told.switches),
             switching=kernels.switching,
             switching_rates=kernels.switching_rates,
+            constraints=kernels.constraints,
+            velocity_rhs=kernels.velocity_rhs,
+            acceleration_rhs=kernels.acceleration_rhs,
+            mass=kernels.mass,
+            applied_forces=kernels.applied_forces,
+            gap_accelerations=kernels.gap_accelerations,
+            holds=kernels.holds,
+            restitution=kernels.restitution,
+            rigid=tuple(contact.switch for contact in told.rigid),
+            sticking=tuple(k for k, row in enumerate(told.switches) if row.kind == "friction"),
+            reactions=kernels.reactions,
+            switched_reactions=kernels.switched_reactions,
+            reaction_rows=len(told.reactions),
+            limits=told.friction_limits,
         )
 
     @property

@@ -22,7 +22,22 @@ BINARY = {
 }
 RESERVED = {
     *("t", "q", "v", "p", "w", "a", "g", "dq", "dv", "nu", "phi", "lam", "out", "rate", "gamma"),
-    *("Q", "modes", "values", "math", "numba", "and", "or", "not", "if", "else", "return", "in"),
+    *(
+        "low",
+        "high",
+        "Q",
+        "modes",
+        "values",
+        "math",
+        "numba",
+        "and",
+        "or",
+        "not",
+        "if",
+        "else",
+        "return",
+        "in",
+    ),
     *("is", "for", "def", "pass", "del", "as", "WEAK_PIVOT", "OPTIONS"),
     *dir(builtins),
 }
@@ -59,7 +74,7 @@ class KernelText:
         self.constants: dict[int, int] = {n: slots[n] for n in self.plan.numbers if n in slots}
         self.names: dict[int, str] = {}
         self._lookups = lookups(program)
-        self._taken: set[str] = {*RESERVED, *self._lookups.values()}
+        self._taken: set[str] = {*RESERVED, *kernel.arguments, *self._lookups.values()}
         self._counts: dict[str, int] = {}
         self._wanted = {out.value for out in kernel.outputs}
 

@@ -1,7 +1,7 @@
 """Value numbering: builds values, each once, folding constants and structural zeros on the way."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 
 from codegen.errors import ModelError
@@ -48,6 +48,15 @@ class Graph:
         self._serves = ""
         self.zero = self.constant(0.0)
         self.one = self.constant(1.0)
+
+    @classmethod
+    def of(cls, values: Iterable[Value]) -> "Graph":
+        """A graph that goes on from the values of a program, under the numbers that they have."""
+        graph = cls()
+        for value in values:
+            with graph.serving(value.serves):
+                graph._add(value.op, value.args, value.literal)
+        return graph
 
     @contextmanager
     def serving(self, name: str) -> Iterator[None]:

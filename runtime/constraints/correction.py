@@ -8,11 +8,8 @@ the steps, where the partition may be singular, are projected in the metric of t
 import numpy as np
 
 from runtime.compiled import compiled
-from runtime.integrate.signatures import (
-    CORRECT,
-    Kernel,
-    Vector,
-)
+from runtime.integrate.signatures import CORRECT, Integers, Vector
+from runtime.integrate.slots import correction_of
 from runtime.integrate.views import view
 from runtime.integrate.workspace import DELTA, ROWS, SIZE
 
@@ -24,7 +21,7 @@ _VELOCITY = 1e-8  # relative change of a velocity that one linear solve brings t
 
 
 @compiled(CORRECT)
-def correct(correction: Kernel, t: float, index: int, weighing: int, w: Vector, p: Vector) -> int:
+def correct(machine: Integers, t: float, index: int, weighing: int, w: Vector, p: Vector) -> int:
     """Bring the state in row `index` of the workspace onto the constraints at time `t`.
 
     Row `weighing` holds the weights: `PARTITION` holds the independent coordinates, `PROJECTION`
@@ -36,6 +33,7 @@ def correct(correction: Kernel, t: float, index: int, weighing: int, w: Vector, 
         Calls of `correction`, plus `WEAK` times (1 + index of a constraint with a weak pivot);
         `FAILED` where the iteration does not converge.
     """
+    correction = correction_of(machine)
     n = w.size // (2 * ROWS)
     q = view(w, index * 2 * n, n)
     v = view(w, index * 2 * n + n, n)

@@ -1,31 +1,43 @@
 """One trial step: stages, return onto the constraints, derivative at the end, error."""
 
 import numpy as np
-from numba import types
 
 from runtime.compiled import compiled, inner
 from runtime.constraints.correction import FAILED, WEAK
 from runtime.constraints.partition import choose, growth
-from runtime.integrate.signatures import (
-    Accelerations,
-    Correct,
-    Correction,
-    Error,
-    IntegerMatrix,
-    Integers,
-    Jacobian,
-    Kernel,
-    Matrix,
-    Stages,
-    Vector,
-    f8,
-    i8,
-    integer_matrix,
-    integers,
-    matrix,
-    vector,
+from runtime.integrate.bent import STEP
+from runtime.integrate.field import field
+from runtime.integrate.signatures import ATTEMPT, REPARTITION, Integers, Vector
+from runtime.integrate.slots import (
+    COLUMN_ORDER,
+    CONSTRAINT_COUNT,
+    CORRECTING,
+    DENSE_JACOBIAN,
+    HELD,
+    JACOBIAN_COLUMNS,
+    JACOBIAN_ROWS,
+    JACOBIAN_VALUES,
+    LOG_ROWS,
+    LOG_SETS,
+    LOG_TIMES,
+    NONZEROS,
+    ROW_ORDER,
+    SETTINGS,
+    correct_of,
+    correction_of,
+    error_of,
+    jacobian_of,
+    repartition_of,
+    return_held_of,
+    stages_of,
 )
-from runtime.integrate.views import view
+from runtime.integrate.views import (
+    floats_at,
+    integer_matrix_at,
+    integers_at,
+    matrix_at,
+    view,
+)
 from runtime.integrate.workspace import (
     DELTA,
     PARTITION,
@@ -36,7 +48,6 @@ from runtime.integrate.workspace import (
     Y1,
     K,
     Run,
-    run_record,
 )
 
 DONE = 0
@@ -50,13 +61,14 @@ _MANY_ITERATIONS = 4
 
 
 @inner
-def log_partition(
-    t: float, w: Vector, run: Run, column_order: Integers, times: Vector, sets: IntegerMatrix
-) -> None:
+def log_partition(machine: Integers, t: float, w: Vector, run: Run) -> None:
     """Append the time and the independent coordinates in force (1, others 0) to the log."""
     r = run[0]
-    n = column_order.size
+    n = w.size // (2 * ROWS)
+    capacity = machine[LOG_ROWS]
     at = r.logged_repartitions
+    times = floats_at(machine, LOG_TIMES, capacity)
+    sets = integer_matrix_at(machine, LOG_SETS, capacity, n)
     times[at] = t
     for j in range(n):
         sets[at, j] = 1 if w[PARTITION * 2 * n + j] == 0.0 else 0
@@ -64,57 +76,35 @@ def log_partition(
     r.repartitions += 1
 
 
-REPARTITION = i8(
-    Jacobian,
-    f8,
-    i8,
-    vector,
-    vector,
-    run_record,
-    integers,
-    integers,
-    vector,
-    matrix,
-    integers,
-    integers,
-    vector,
-    integer_matrix,
-)
-Repartition = types.FunctionType(REPARTITION)
-
-
 @compiled(REPARTITION)
-def repartition(
-    jacobian: Kernel,
-    t: float,
-    state: int,
-    w: Vector,
-    p: Vector,
-    run: Run,
-    rows: Integers,
-    columns: Integers,
-    values: Vector,
-    dense: Matrix,
-    row_order: Integers,
-    column_order: Integers,
-    times: Vector,
-    sets: IntegerMatrix,
-) -> int:
+def repartition(machine: Integers, t: float, state: int, w: Vector, run: Run, p: Vector) -> int:
     """Choose the independent coordinates anew at the state in row `state`; log a change.
 
     Returns 1 where the choice changed, else 0. Where it did not, the limits that led here are
     doubled, so that the same question is not asked at every step.
     """
     r = run[0]
-    n = column_order.size
+    n = w.size // (2 * ROWS)
+    m = machine[CONSTRAINT_COUNT]
+    nonzeros = machine[NONZEROS]
     weights = view(w, PARTITION * 2 * n, n)
     scale = view(w, PARTITION * 2 * n + n, n)
     before = view(w, DELTA * 2 * n, n)
     for j in range(n):
         before[j] = weights[j]
-    q = view(w, state * 2 * n, n)
     r.rank = choose(
-        jacobian, t, q, p, scale, rows, columns, values, dense, weights, row_order, column_order
+        jacobian_of(machine),
+        t,
+        view(w, state * 2 * n, n),
+        p,
+        scale,
+        integers_at(machine, JACOBIAN_ROWS, nonzeros),
+        integers_at(machine, JACOBIAN_COLUMNS, nonzeros),
+        floats_at(machine, JACOBIAN_VALUES, nonzeros),
+        matrix_at(machine, DENSE_JACOBIAN, m, n),
+        weights,
+        integers_at(machine, ROW_ORDER, m),
+        integers_at(machine, COLUMN_ORDER, n),
     )
     changed = 0
     for j in range(n):
@@ -124,7 +114,7 @@ def repartition(
         r.ratio_limit = GROWTH_LIMIT
         r.growth_limit = GROWTH_LIMIT
         r.probe = 0
-        log_partition(t, w, run, column_order, times, sets)
+        log_partition(machine, t, w, run)
     else:
         r.growth_limit *= 2.0
         r.ratio_limit *= 2.0
@@ -132,9 +122,7 @@ def repartition(
 
 
 @inner
-def poorly_chosen(
-    correction: Kernel, t: float, w: Vector, p: Vector, run: Run, column_order: Integers
-) -> int:
+def poorly_chosen(machine: Integers, t: float, w: Vector, p: Vector, run: Run) -> int:
     """1 where the independent coordinates no longer describe the motion well at Y1, else 0.
 
     Costs nothing where the scaled velocities of dependent coordinates are not large against those
@@ -142,9 +130,11 @@ def poorly_chosen(
     velocities alone do not condemn a partition: a driver may cause them.
     """
     r = run[0]
-    n = column_order.size
+    n = w.size // (2 * ROWS)
     if r.rank >= n:
         return 0
+    correction = correction_of(machine)
+    column_order = integers_at(machine, COLUMN_ORDER, n)
     q = view(w, Y1 * 2 * n, n)
     v = view(w, Y1 * 2 * n + n, n)
     weights = view(w, PARTITION * 2 * n, n)
@@ -188,42 +178,48 @@ def poorly_chosen(
     return 0
 
 
-ATTEMPT = i8(
-    Accelerations,
-    Correction,
-    Correct,
-    Jacobian,
-    Repartition,
-    Stages,
-    Error,
-    f8,
-    f8,
-    vector,
-    run_record,
-    vector,
-    integers,
-    vector,
-    integers,
-    integers,
-    vector,
-    matrix,
-    integers,
-    integers,
-    vector,
-    integer_matrix,
-)
-Attempt = types.FunctionType(ATTEMPT)
+@inner
+def returned(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> int:
+    """Bring Y1 back onto the constraints, with another partition where this one is poor."""
+    r = run[0]
+    length = w.size // ROWS
+    n = length // 2
+    correct = correct_of(machine)
+    repartition = repartition_of(machine)
+    y1 = view(w, Y1 * length, length)
+    predicted = view(w, PREDICTED * length, length)
+    finite = True
+    for j in range(length):
+        predicted[j] = y1[j]
+        finite = finite and np.isfinite(y1[j])
+    if not finite:
+        return NOT_FINITE
+    if poorly_chosen(machine, t, w, p, run) != 0:
+        repartition(machine, t, Y1, w, run, p)
+    result = correct(machine, t, Y1, PARTITION, w, p)
+    r.newton += 1
+    if result == FAILED or result >= _MANY_ITERATIONS:
+        kept = view(w, SAMPLE * length, length)
+        for j in range(length):
+            kept[j] = y1[j]
+            y1[j] = predicted[j]
+        if repartition(machine, t, Y1, w, run, p) != 0:
+            result = correct(machine, t, Y1, PARTITION, w, p)
+            r.newton += 1
+        else:
+            for j in range(length):
+                y1[j] = kept[j]
+    if result == FAILED:
+        return NEWTON
+    r.corrections += result % WEAK
+    for j in range(n):
+        r.largest_dq = max(r.largest_dq, abs(y1[j] - predicted[j]))
+    return DONE
 
 
 @compiled(ATTEMPT)
 def attempt(
-    accelerations: Kernel,
-    correction: Kernel,
-    correct: Kernel,
-    jacobian: Kernel,
-    repartition: Kernel,
-    stages: Kernel,
-    error: Kernel,
+    machine: Integers,
     t: float,
     h: float,
     w: Vector,
@@ -231,14 +227,6 @@ def attempt(
     p: Vector,
     modes: Integers,
     lam: Vector,
-    rows: Integers,
-    columns: Integers,
-    values: Vector,
-    dense: Matrix,
-    row_order: Integers,
-    column_order: Integers,
-    times: Vector,
-    sets: IntegerMatrix,
 ) -> int:
     """Step from Y0 over `h` to Y1, corrected, with its derivative and the error `run.error`.
 
@@ -247,54 +235,26 @@ def attempt(
     r = run[0]
     length = w.size // ROWS
     n = length // 2
-    y1 = view(w, Y1 * length, length)
-    predicted = view(w, PREDICTED * length, length)
-    taken = stages(accelerations, correction, correct, t, h, w, p, modes, lam, r.each_stage)
+    floats_at(machine, SETTINGS, 2)[STEP] = h
+    taken = stages_of(machine)(machine, t, h, w, run, p, modes, lam)
     r.rhs += r.stage_calls
     if taken < 0:
         return NEWTON
     r.corrections += taken
-    if lam.size > 0:
-        finite = True
-        for j in range(length):
-            predicted[j] = y1[j]
-            finite = finite and np.isfinite(y1[j])
-        if not finite:
-            return NOT_FINITE
-        if poorly_chosen(correction, t + h, w, p, run, column_order) != 0:
-            repartition(
-                jacobian, t + h, Y1, w, p, run, rows, columns, values, dense, row_order,
-                column_order, times, sets,
-            )  # fmt: skip
-        result = correct(correction, t + h, Y1, PARTITION, w, p)
-        r.newton += 1
-        if result == FAILED or result >= _MANY_ITERATIONS:
-            for j in range(length):
-                view(w, SAMPLE * length, length)[j] = y1[j]
-                y1[j] = predicted[j]
-            changed = repartition(
-                jacobian, t + h, Y1, w, p, run, rows, columns, values, dense, row_order,
-                column_order, times, sets,
-            )  # fmt: skip
-            if changed != 0:
-                result = correct(correction, t + h, Y1, PARTITION, w, p)
-                r.newton += 1
-            else:
-                for j in range(length):
-                    y1[j] = view(w, SAMPLE * length, length)[j]
-        if result == FAILED:
-            return NEWTON
-        r.corrections += result % WEAK
-        for j in range(n):
-            r.largest_dq = max(r.largest_dq, abs(y1[j] - predicted[j]))
+    if lam.size > 0 and machine[CORRECTING] != 0:
+        code = returned(machine, t + h, w, run, p)
+        if code != DONE:
+            return code
+    if machine[HELD] != 0:
+        return_held_of(machine)(machine, t + h, Y1, w, p, modes, lam)
     slope = view(w, (K + r.last) * length, n)
     a = view(w, (K + r.last) * length + n, n)
     v = view(w, Y1 * length + n, n)
-    r.weak_row = accelerations(t + h, view(w, Y1 * length, n), v, p, modes, a, lam)
+    r.weak_row = field(machine, t + h, view(w, Y1 * length, n), v, p, modes, a, lam)
     r.rhs += 1
     for j in range(n):
         slope[j] = v[j]
-    r.error = error(h, r.rtol, w)
+    r.error = error_of(machine)(machine, h, r.rtol, w)
     if not np.isfinite(r.error):
         return NOT_FINITE
     if r.error > 1.0 and r.fixed == 0:

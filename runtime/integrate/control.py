@@ -6,21 +6,12 @@ section II.4.
 """
 
 import numpy as np
-from numba import types
 
 from runtime.compiled import compiled, inner
-from runtime.integrate.signatures import (
-    Accelerations,
-    Integers,
-    Kernel,
-    Vector,
-    f8,
-    i8,
-    integers,
-    vector,
-)
+from runtime.integrate.field import field
+from runtime.integrate.signatures import FIRST_STEP, PROPOSE, Integers, Vector
 from runtime.integrate.views import view
-from runtime.integrate.workspace import ATOL, DELTA, ROWS, SAMPLE, SIZE, Y0, K
+from runtime.integrate.workspace import ATOL, DELTA, ROWS, SAMPLE, SIZE, Y0, K, Run
 
 _START = 1e-3  # of the typical size: a start value counts as no smaller
 
@@ -42,15 +33,17 @@ def factor(
     return float(max(shrink, min(grow, 1.0 / change)))
 
 
-FIRST_STEP = f8(
-    Accelerations, f8, f8, f8, i8, vector, vector, integers, vector
-)  # t h_max rtol order w p modes lam
-FirstStep = types.FunctionType(FIRST_STEP)
+@compiled(PROPOSE)
+def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
+    """Ratio of the next step's length to this accepted one's."""
+    r = run[0]
+    ratio = factor(r.error, r.error_old, r.exponent, r.beta, r.safety, r.shrink, r.grow)
+    return float(min(ratio, 1.0) if r.rejected_before != 0 else ratio)
 
 
 @compiled(FIRST_STEP)
 def first_step(
-    accelerations: Kernel,
+    machine: Integers,
     t: float,
     h_max: float,
     rtol: float,
@@ -62,7 +55,7 @@ def first_step(
 ) -> float:
     """Length of a first step from the state Y0 with derivative K, at most `h_max`.
 
-    One call of `accelerations`.
+    One evaluation of the field.
     """
     length = w.size // ROWS
     n = length // 2
@@ -83,9 +76,8 @@ def first_step(
     for j in range(length):
         z[j] = y0[j] + h * k1[j]
     a = view(w, DELTA * length + n, n)
-    accelerations(
-        t + h, view(w, SAMPLE * length, n), view(w, SAMPLE * length + n, n), p, modes, a, lam
-    )
+    q, v = view(w, SAMPLE * length, n), view(w, SAMPLE * length + n, n)
+    field(machine, t + h, q, v, p, modes, a, lam)
     bend = 0.0
     for j in range(n):
         d[j] = z[n + j]

@@ -11,17 +11,21 @@ import numpy as np
 
 from runtime.compiled import compiled
 from runtime.integrate import dop853_coefficients as c
+from runtime.integrate.control import propose
 from runtime.integrate.dense import hermite_rows
+from runtime.integrate.field import slope
+from runtime.integrate.hooks import accepted, restart
 from runtime.integrate.signatures import (
     DENSE,
     ERROR,
     STAGES,
     Integers,
-    Kernel,
     Vector,
 )
 from runtime.integrate.views import view
-from runtime.integrate.workspace import ATOL, PARTITION, ROWS, STAGE, Y0, Y1, F, K
+from runtime.integrate.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K, Run
+
+__all__ = ["accepted", "dense", "error", "propose", "restart", "stages"]
 
 ORDER = 8
 ERROR_ORDER = 7
@@ -35,20 +39,17 @@ SHRINK, GROW = 0.333, 6.0  # limits of the change of a step's length
 
 @compiled(STAGES)
 def stages(
-    accelerations: Kernel,
-    correction: Kernel,
-    correct: Kernel,
+    machine: Integers,
     t: float,
     h: float,
     w: Vector,
+    run: Run,
     p: Vector,
     modes: Integers,
     lam: Vector,
-    each_stage: int,
 ) -> int:
     """Take the step from Y0 with derivative K to Y1, not yet corrected."""
     length = w.size // ROWS
-    n = length // 2
     y0 = view(w, Y0 * length, length)
     y1 = view(w, Y1 * length, length)
     z = view(w, STAGE * length, length)
@@ -64,60 +65,30 @@ def stages(
     k10 = view(w, (K + 9) * length, length)
     k11 = view(w, (K + 10) * length, length)
     k12 = view(w, (K + 11) * length, length)
-    q = view(w, STAGE * length, n)
-    v = view(w, STAGE * length + n, n)
     taken = 0
     for j in range(length):
         z[j] = y0[j] + h * (c.A2_1 * k1[j])
-    if each_stage != 0:
-        taken += correct(correction, t + c.C2 * h, STAGE, PARTITION, w, p)
-    accelerations(t + c.C2 * h, q, v, p, modes, view(w, (K + 1) * length + n, n), lam)
-    for j in range(n):
-        k2[j] = v[j]
+    taken += slope(machine, t + c.C2 * h, STAGE, K + 1, w, p, modes, lam)
     for j in range(length):
         z[j] = y0[j] + h * (c.A3_1 * k1[j] + c.A3_2 * k2[j])
-    if each_stage != 0:
-        taken += correct(correction, t + c.C3 * h, STAGE, PARTITION, w, p)
-    accelerations(t + c.C3 * h, q, v, p, modes, view(w, (K + 2) * length + n, n), lam)
-    for j in range(n):
-        k3[j] = v[j]
+    taken += slope(machine, t + c.C3 * h, STAGE, K + 2, w, p, modes, lam)
     for j in range(length):
         z[j] = y0[j] + h * (c.A4_1 * k1[j] + c.A4_3 * k3[j])
-    if each_stage != 0:
-        taken += correct(correction, t + c.C4 * h, STAGE, PARTITION, w, p)
-    accelerations(t + c.C4 * h, q, v, p, modes, view(w, (K + 3) * length + n, n), lam)
-    for j in range(n):
-        k4[j] = v[j]
+    taken += slope(machine, t + c.C4 * h, STAGE, K + 3, w, p, modes, lam)
     for j in range(length):
         z[j] = y0[j] + h * (c.A5_1 * k1[j] + c.A5_3 * k3[j] + c.A5_4 * k4[j])
-    if each_stage != 0:
-        taken += correct(correction, t + c.C5 * h, STAGE, PARTITION, w, p)
-    accelerations(t + c.C5 * h, q, v, p, modes, view(w, (K + 4) * length + n, n), lam)
-    for j in range(n):
-        k5[j] = v[j]
+    taken += slope(machine, t + c.C5 * h, STAGE, K + 4, w, p, modes, lam)
     for j in range(length):
         z[j] = y0[j] + h * (c.A6_1 * k1[j] + c.A6_4 * k4[j] + c.A6_5 * k5[j])
-    if each_stage != 0:
-        taken += correct(correction, t + c.C6 * h, STAGE, PARTITION, w, p)
-    accelerations(t + c.C6 * h, q, v, p, modes, view(w, (K + 5) * length + n, n), lam)
-    for j in range(n):
-        k6[j] = v[j]
+    taken += slope(machine, t + c.C6 * h, STAGE, K + 5, w, p, modes, lam)
     for j in range(length):
         z[j] = y0[j] + h * (c.A7_1 * k1[j] + c.A7_4 * k4[j] + c.A7_5 * k5[j] + c.A7_6 * k6[j])
-    if each_stage != 0:
-        taken += correct(correction, t + c.C7 * h, STAGE, PARTITION, w, p)
-    accelerations(t + c.C7 * h, q, v, p, modes, view(w, (K + 6) * length + n, n), lam)
-    for j in range(n):
-        k7[j] = v[j]
+    taken += slope(machine, t + c.C7 * h, STAGE, K + 6, w, p, modes, lam)
     for j in range(length):
         z[j] = y0[j] + h * (
             c.A8_1 * k1[j] + c.A8_4 * k4[j] + c.A8_5 * k5[j] + c.A8_6 * k6[j] + c.A8_7 * k7[j]
         )
-    if each_stage != 0:
-        taken += correct(correction, t + c.C8 * h, STAGE, PARTITION, w, p)
-    accelerations(t + c.C8 * h, q, v, p, modes, view(w, (K + 7) * length + n, n), lam)
-    for j in range(n):
-        k8[j] = v[j]
+    taken += slope(machine, t + c.C8 * h, STAGE, K + 7, w, p, modes, lam)
     for j in range(length):
         z[j] = y0[j] + h * (
             c.A9_1 * k1[j]
@@ -127,11 +98,7 @@ def stages(
             + c.A9_7 * k7[j]
             + c.A9_8 * k8[j]
         )
-    if each_stage != 0:
-        taken += correct(correction, t + c.C9 * h, STAGE, PARTITION, w, p)
-    accelerations(t + c.C9 * h, q, v, p, modes, view(w, (K + 8) * length + n, n), lam)
-    for j in range(n):
-        k9[j] = v[j]
+    taken += slope(machine, t + c.C9 * h, STAGE, K + 8, w, p, modes, lam)
     for j in range(length):
         z[j] = y0[j] + h * (
             c.A10_1 * k1[j]
@@ -142,11 +109,7 @@ def stages(
             + c.A10_8 * k8[j]
             + c.A10_9 * k9[j]
         )
-    if each_stage != 0:
-        taken += correct(correction, t + c.C10 * h, STAGE, PARTITION, w, p)
-    accelerations(t + c.C10 * h, q, v, p, modes, view(w, (K + 9) * length + n, n), lam)
-    for j in range(n):
-        k10[j] = v[j]
+    taken += slope(machine, t + c.C10 * h, STAGE, K + 9, w, p, modes, lam)
     for j in range(length):
         z[j] = y0[j] + h * (
             c.A11_1 * k1[j]
@@ -158,11 +121,7 @@ def stages(
             + c.A11_9 * k9[j]
             + c.A11_10 * k10[j]
         )
-    if each_stage != 0:
-        taken += correct(correction, t + c.C11 * h, STAGE, PARTITION, w, p)
-    accelerations(t + c.C11 * h, q, v, p, modes, view(w, (K + 10) * length + n, n), lam)
-    for j in range(n):
-        k11[j] = v[j]
+    taken += slope(machine, t + c.C11 * h, STAGE, K + 10, w, p, modes, lam)
     for j in range(length):
         z[j] = y0[j] + h * (
             c.A12_1 * k1[j]
@@ -175,11 +134,7 @@ def stages(
             + c.A12_10 * k10[j]
             + c.A12_11 * k11[j]
         )
-    if each_stage != 0:
-        taken += correct(correction, t + h, STAGE, PARTITION, w, p)
-    accelerations(t + h, q, v, p, modes, view(w, (K + 11) * length + n, n), lam)
-    for j in range(n):
-        k12[j] = v[j]
+    taken += slope(machine, t + h, STAGE, K + 11, w, p, modes, lam)
     for j in range(length):
         y1[j] = y0[j] + h * (
             c.B1 * k1[j]
@@ -195,7 +150,7 @@ def stages(
 
 
 @compiled(ERROR)
-def error(h: float, rtol: float, w: Vector) -> float:
+def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
     length = w.size // ROWS
     y0 = view(w, Y0 * length, length)
@@ -247,20 +202,16 @@ def error(h: float, rtol: float, w: Vector) -> float:
 
 @compiled(DENSE)
 def dense(
-    accelerations: Kernel,
-    correction: Kernel,
-    correct: Kernel,
+    machine: Integers,
     t: float,
     h: float,
     w: Vector,
     p: Vector,
     modes: Integers,
     lam: Vector,
-    each_stage: int,
 ) -> int:
     """Fill the coefficient rows of the dense output of the step from Y0 to Y1."""
     length = w.size // ROWS
-    n = length // 2
     y0 = view(w, Y0 * length, length)
     z = view(w, STAGE * length, length)
     k1 = view(w, K * length, length)
@@ -275,8 +226,6 @@ def dense(
     k14 = view(w, (K + 13) * length, length)
     k15 = view(w, (K + 14) * length, length)
     k16 = view(w, (K + 15) * length, length)
-    q = view(w, STAGE * length, n)
-    v = view(w, STAGE * length + n, n)
     taken = 0
     for j in range(length):
         z[j] = y0[j] + h * (
@@ -289,11 +238,7 @@ def dense(
             + c.A14_12 * k12[j]
             + c.A14_13 * k13[j]
         )
-    if each_stage != 0:
-        taken += correct(correction, t + c.C14 * h, STAGE, PARTITION, w, p)
-    accelerations(t + c.C14 * h, q, v, p, modes, view(w, (K + 13) * length + n, n), lam)
-    for j in range(n):
-        k14[j] = v[j]
+    taken += slope(machine, t + c.C14 * h, STAGE, K + 13, w, p, modes, lam)
     for j in range(length):
         z[j] = y0[j] + h * (
             c.A15_1 * k1[j]
@@ -305,11 +250,7 @@ def dense(
             + c.A15_13 * k13[j]
             + c.A15_14 * k14[j]
         )
-    if each_stage != 0:
-        taken += correct(correction, t + c.C15 * h, STAGE, PARTITION, w, p)
-    accelerations(t + c.C15 * h, q, v, p, modes, view(w, (K + 14) * length + n, n), lam)
-    for j in range(n):
-        k15[j] = v[j]
+    taken += slope(machine, t + c.C15 * h, STAGE, K + 14, w, p, modes, lam)
     for j in range(length):
         z[j] = y0[j] + h * (
             c.A16_1 * k1[j]
@@ -321,11 +262,7 @@ def dense(
             + c.A16_14 * k14[j]
             + c.A16_15 * k15[j]
         )
-    if each_stage != 0:
-        taken += correct(correction, t + c.C16 * h, STAGE, PARTITION, w, p)
-    accelerations(t + c.C16 * h, q, v, p, modes, view(w, (K + 15) * length + n, n), lam)
-    for j in range(n):
-        k16[j] = v[j]
+    taken += slope(machine, t + c.C16 * h, STAGE, K + 15, w, p, modes, lam)
     hermite_rows(h, w, K + LAST)
     f4 = view(w, (F + 4) * length, length)
     f5 = view(w, (F + 5) * length, length)

@@ -9,17 +9,21 @@ The last stage is the first of the next step.
 import numpy as np
 
 from runtime.compiled import compiled
+from runtime.integrate.control import propose
 from runtime.integrate.dense import hermite_rows
+from runtime.integrate.field import slope
+from runtime.integrate.hooks import accepted, restart
 from runtime.integrate.signatures import (
     DENSE,
     ERROR,
     STAGES,
     Integers,
-    Kernel,
     Vector,
 )
 from runtime.integrate.views import view
-from runtime.integrate.workspace import ATOL, PARTITION, ROWS, STAGE, Y0, Y1, F, K
+from runtime.integrate.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K, Run
+
+__all__ = ["accepted", "dense", "error", "propose", "restart", "stages"]
 
 ORDER = 5
 ERROR_ORDER = 4
@@ -46,20 +50,17 @@ D6, D7 = -1453857185 / 822651844, 69997945 / 29380423
 
 @compiled(STAGES)
 def stages(
-    accelerations: Kernel,
-    correction: Kernel,
-    correct: Kernel,
+    machine: Integers,
     t: float,
     h: float,
     w: Vector,
+    run: Run,
     p: Vector,
     modes: Integers,
     lam: Vector,
-    each_stage: int,
 ) -> int:
     """Take the step from Y0 with derivative K to Y1, not yet corrected."""
     length = w.size // ROWS
-    n = length // 2
     y0 = view(w, Y0 * length, length)
     y1 = view(w, Y1 * length, length)
     z = view(w, STAGE * length, length)
@@ -69,51 +70,29 @@ def stages(
     k4 = view(w, (K + 3) * length, length)
     k5 = view(w, (K + 4) * length, length)
     k6 = view(w, (K + 5) * length, length)
-    q = view(w, STAGE * length, n)
-    v = view(w, STAGE * length + n, n)
     taken = 0
     for j in range(length):
         z[j] = y0[j] + h * A21 * k1[j]
-    if each_stage != 0:
-        taken += correct(correction, t + C2 * h, STAGE, PARTITION, w, p)
-    accelerations(t + C2 * h, q, v, p, modes, view(w, (K + 1) * length + n, n), lam)
-    for j in range(n):
-        k2[j] = v[j]
+    taken += slope(machine, t + C2 * h, STAGE, K + 1, w, p, modes, lam)
     for j in range(length):
         z[j] = y0[j] + h * (A31 * k1[j] + A32 * k2[j])
-    if each_stage != 0:
-        taken += correct(correction, t + C3 * h, STAGE, PARTITION, w, p)
-    accelerations(t + C3 * h, q, v, p, modes, view(w, (K + 2) * length + n, n), lam)
-    for j in range(n):
-        k3[j] = v[j]
+    taken += slope(machine, t + C3 * h, STAGE, K + 2, w, p, modes, lam)
     for j in range(length):
         z[j] = y0[j] + h * (A41 * k1[j] + A42 * k2[j] + A43 * k3[j])
-    if each_stage != 0:
-        taken += correct(correction, t + C4 * h, STAGE, PARTITION, w, p)
-    accelerations(t + C4 * h, q, v, p, modes, view(w, (K + 3) * length + n, n), lam)
-    for j in range(n):
-        k4[j] = v[j]
+    taken += slope(machine, t + C4 * h, STAGE, K + 3, w, p, modes, lam)
     for j in range(length):
         z[j] = y0[j] + h * (A51 * k1[j] + A52 * k2[j] + A53 * k3[j] + A54 * k4[j])
-    if each_stage != 0:
-        taken += correct(correction, t + C5 * h, STAGE, PARTITION, w, p)
-    accelerations(t + C5 * h, q, v, p, modes, view(w, (K + 4) * length + n, n), lam)
-    for j in range(n):
-        k5[j] = v[j]
+    taken += slope(machine, t + C5 * h, STAGE, K + 4, w, p, modes, lam)
     for j in range(length):
         z[j] = y0[j] + h * (A61 * k1[j] + A62 * k2[j] + A63 * k3[j] + A64 * k4[j] + A65 * k5[j])
-    if each_stage != 0:
-        taken += correct(correction, t + h, STAGE, PARTITION, w, p)
-    accelerations(t + h, q, v, p, modes, view(w, (K + 5) * length + n, n), lam)
-    for j in range(n):
-        k6[j] = v[j]
+    taken += slope(machine, t + h, STAGE, K + 5, w, p, modes, lam)
     for j in range(length):
         y1[j] = y0[j] + h * (B1 * k1[j] + B3 * k3[j] + B4 * k4[j] + B5 * k5[j] + B6 * k6[j])
     return taken
 
 
 @compiled(ERROR)
-def error(h: float, rtol: float, w: Vector) -> float:
+def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
     length = w.size // ROWS
     y0 = view(w, Y0 * length, length)
@@ -135,16 +114,13 @@ def error(h: float, rtol: float, w: Vector) -> float:
 
 @compiled(DENSE)
 def dense(
-    accelerations: Kernel,
-    correction: Kernel,
-    correct: Kernel,
+    machine: Integers,
     t: float,
     h: float,
     w: Vector,
     p: Vector,
     modes: Integers,
     lam: Vector,
-    each_stage: int,
 ) -> int:
     """Fill the coefficient rows of the dense output of the step from Y0 to Y1."""
     length = w.size // ROWS

@@ -5,10 +5,11 @@ first-class functions; all state lies in its arrays, so that a run can stop afte
 with the same bits.
 """
 
+import numpy as np
+
 from runtime.compiled import ADDRESSES, compiled
 from runtime.integrate.attempt import DONE, NEWTON, NOT_FINITE, TOO_LARGE
-from runtime.integrate.control import factor
-from runtime.integrate.modes import CONSISTENT, ON_SURFACE, measure
+from runtime.integrate.modes import CONSISTENT
 from runtime.integrate.signatures import (
     IntegerMatrix,
     Integers,
@@ -20,25 +21,20 @@ from runtime.integrate.signatures import (
     matrix,
     vector,
 )
-from runtime.integrate.start import LOOK_AHEAD
-from runtime.integrate.tables import (
-    accelerations_of,
+from runtime.integrate.slots import (
+    LOG_ROWS,
+    accepted_of,
     attempt_of,
-    correct_of,
-    correction_of,
     dense_of,
     emit_of,
-    error_of,
     first_step_of,
-    jacobian_of,
     locate_of,
-    repartition_of,
-    settle_of,
-    stages_of,
-    switching_of,
-    switching_rates_of,
+    propose_of,
+    restart_of,
+    transition_of,
     watch_of,
 )
+from runtime.integrate.surfaces import measure
 from runtime.integrate.views import borrow, view
 from runtime.integrate.watch import UNRESOLVED
 from runtime.integrate.workspace import (
@@ -69,6 +65,7 @@ _SINGULAR = int(Outcome.SINGULAR)
 _NOT_FINITE = int(Outcome.NOT_FINITE)
 
 _ULP = 2.3e-16
+_FLIGHT = 0.6  # of the time between two impacts: a first step that meets none
 _RETAKES = 5
 _WEAK_STATES = 3  # accepted states in a row with a weak pivot that make a singular run
 _ZENO_EVENTS = 30  # events in a row with such a ratio that are no accident
@@ -82,7 +79,6 @@ LOG_MARGIN = 16  # free rows of the partition log that one step may need
     i8(
         i8,
         ADDRESSES,
-        ADDRESSES,
         vector,
         vector,
         run_record,
@@ -90,14 +86,6 @@ LOG_MARGIN = 16  # free rows of the partition log that one step may need
         integers,
         integers,
         vector,
-        integers,
-        integers,
-        vector,
-        matrix,
-        integers,
-        integers,
-        vector,
-        integer_matrix,
         vector,
         vector,
         matrix,
@@ -110,8 +98,7 @@ LOG_MARGIN = 16  # free rows of the partition log that one step may need
 )
 def advance(
     budget: int,
-    kernels: Integers,
-    functions: Integers,
+    machine: Integers,
     w: Vector,
     sw: Vector,
     run: Run,
@@ -119,14 +106,6 @@ def advance(
     modes: Integers,
     scratch: Integers,
     lam: Vector,
-    rows: Integers,
-    columns: Integers,
-    values: Vector,
-    dense_jacobian: Matrix,
-    row_order: Integers,
-    column_order: Integers,
-    times: Vector,
-    sets: IntegerMatrix,
     t_eval: Vector,
     out_t: Vector,
     out_y: Matrix,
@@ -141,23 +120,10 @@ def advance(
     Returns `GOING`, or the code of the outcome. `run.index` names the switching function or
     constraint where an outcome concerns one.
     """
-    accelerations = accelerations_of(kernels)
-    correction = correction_of(kernels)
-    jacobian = jacobian_of(kernels)
-    switching = switching_of(kernels)
-    switching_rates = switching_rates_of(kernels)
-    correct = correct_of(functions)
-    stages = stages_of(functions)
-    error = error_of(functions)
-    dense = dense_of(functions)
-    attempt = attempt_of(functions)
-    repartition = repartition_of(functions)
-    locate = locate_of(functions)
-    settle = settle_of(functions)
-    first_step = first_step_of(functions)
-    emit = emit_of(functions)
-    watch = watch_of(functions)
+    attempt = attempt_of(machine)
+    first_step = first_step_of(machine)
     # Handed on below as borrowed: counting references costs more than a stage.
+    machine = borrow(machine)
     w = borrow(w)
     sw = borrow(sw)
     run = borrow(run)
@@ -165,14 +131,6 @@ def advance(
     modes = borrow(modes)
     scratch = borrow(scratch)
     lam = borrow(lam)
-    rows = borrow(rows)
-    columns = borrow(columns)
-    values = borrow(values)
-    dense_jacobian = borrow(dense_jacobian)
-    row_order = borrow(row_order)
-    column_order = borrow(column_order)
-    times = borrow(times)
-    sets = borrow(sets)
     t_eval = borrow(t_eval)
     out_t = borrow(out_t)
     out_y = borrow(out_y)
@@ -183,19 +141,20 @@ def advance(
     event_y = borrow(event_y)
     r = run[0]
     length = w.size // ROWS
-    n = length // 2
     s = sw.size // SWITCH_ROWS
     y0 = view(w, Y0 * length, length)
     y1 = view(w, Y1 * length, length)
     k0 = view(w, K * length, length)
     k1 = view(w, (K + r.last) * length, length)
     found = view(scratch, 3 * s, 1)
-    before = view(scratch, 3 * s + 1, s)
     for _ in range(budget):
         t = r.t
         if t >= r.t_end:
             return _OK
-        if r.logged_events + s > event_t.size or r.logged_repartitions + LOG_MARGIN > times.size:
+        if (
+            r.logged_events + 2 * s > event_t.size
+            or r.logged_repartitions + LOG_MARGIN > machine[LOG_ROWS]
+        ):
             return GOING
         if r.steps + r.rejected >= r.max_steps:
             return _MAX_STEPS
@@ -210,11 +169,7 @@ def advance(
             return _NOT_FINITE if r.reason == NOT_FINITE else _STEP_TOO_SMALL
 
         # Try the step.
-        code = attempt(
-            accelerations, correction, correct, jacobian, repartition, stages, error, t, h, w, run,
-            p, modes, lam, rows, columns, values, dense_jacobian, row_order, column_order, times,
-            sets,
-        )  # fmt: skip
+        code = attempt(machine, t, h, w, run, p, modes, lam)
         if code != DONE:
             r.rejected += 1
             r.reason = code
@@ -229,16 +184,13 @@ def advance(
             continue
         h_next = r.h
         if r.fixed == 0:
-            ratio = factor(r.error, r.error_old, r.exponent, r.beta, r.safety, r.shrink, r.grow)
-            if r.rejected_before != 0:
-                ratio = min(ratio, 1.0)
-            h_next = h * ratio
+            h_next = h * propose_of(machine)(machine, h, w, run)
 
         # Look for a crossing, and end the step where the first one is.
         crossing = -1
         dense_ready = 0
         if s > 0:
-            suspects = watch(switching, switching_rates, t, h, t1, w, sw, run, p, modes)
+            suspects = watch_of(machine)(machine, t, h, t1, w, sw, run, p, modes, lam)
             if suspects == UNRESOLVED:
                 r.rejected += 1
                 r.reason = UNRESOLVED
@@ -247,11 +199,11 @@ def advance(
                 continue
             h_next = min(h_next, h * r.stretch)
             if suspects > 0:
-                dense(accelerations, correction, correct, t, h, w, p, modes, lam, r.each_stage)
+                dense_of(machine)(machine, t, h, w, p, modes, lam)
                 dense_ready = 1
                 r.dense_outputs += 1
                 r.rhs += r.dense_calls
-                x = locate(switching, t, h, r.dense_rows, w, sw, p, modes, found)
+                x = locate_of(machine)(machine, t, h, r.dense_rows, w, sw, p, modes, lam, found)
                 if x <= 1.0:
                     crossing = found[0]
                     reach = h
@@ -275,15 +227,11 @@ def advance(
             r.standing = 0
             for retake in range(_RETAKES):
                 t1 = t + h
-                code = attempt(
-                    accelerations, correction, correct, jacobian, repartition, stages, error, t, h,
-                    w, run, p, modes, lam, rows, columns, values, dense_jacobian, row_order,
-                    column_order, times, sets,
-                )  # fmt: skip
+                code = attempt(machine, t, h, w, run, p, modes, lam)
                 r.retakes += 1
                 if code != DONE:
                     break
-                measure(switching, switching_rates, t1, Y1, K + r.last, G1, w, sw, p)
+                measure(machine, t1, Y1, K + r.last, G1, w, sw, p, modes, lam)
                 g = sw[G1 * s + crossing]
                 if abs(g) <= 4e-16 * sw[LARGEST * s + crossing] or retake == _RETAKES - 1:
                     break
@@ -311,8 +259,8 @@ def advance(
 
         # Write the samples, then accept.
         if h > 0.0:
-            written = emit(
-                accelerations, correction, correct, dense, t, t1, h, dense_ready, w, run, p, modes,
+            written = emit_of(machine)(
+                machine, t, t1, h, dense_ready, w, run, p, modes,
                 lam, t_eval, out_t, out_y, out_modes,
             )  # fmt: skip
             if written < 0:
@@ -324,44 +272,19 @@ def advance(
             r.steps += 1
             r.rejected_before = 0
             r.error_old = max(r.error, 1e-4)
+            accepted_of(machine)(machine, t, h, w, run)
             r.weak = r.weak + 1 if r.weak_row > 0 else 0
         r.t = t1
         r.h = h_next
         for k in range(s):
             sw[LARGEST * s + k] = max(sw[LARGEST * s + k], abs(sw[G1 * s + k]))
-        blamed = CONSISTENT
         changed = 0
         if crossing >= 0:
-            for k in range(s):
-                before[k] = modes[k]
-                g = abs(sw[G1 * s + k])
-                largest = sw[LARGEST * s + k]
-                sw[BAND * s + k] = 0.0
-                clock = 8.0 * _ULP * abs(t1 * sw[R1 * s + k])
-                if k == crossing or g <= max(ON_SURFACE * largest, clock):
-                    sw[BAND * s + k] = 2.0 * g + 1e-14 * largest + 1e-300
-            blamed = settle(
-                accelerations, switching, crossing, t1, LOOK_AHEAD * h_next, Y1, G1, w, sw, p,
-                modes, scratch, lam,
+            changed = transition_of(machine)(
+                machine, crossing, t1, h_next, w, sw, run, p, modes, scratch, lam, event_t,
+                event_kind, event_y,
             )  # fmt: skip
             r.rhs += 1
-            for k in range(s):
-                if modes[k] != before[k] or (k == crossing and blamed != CONSISTENT):
-                    changed += 1
-                    at = r.logged_events
-                    event_t[at] = t1
-                    event_kind[at, 0] = k
-                    event_kind[at, 1] = 0
-                    if modes[k] != before[k]:
-                        event_kind[at, 1] = 1 if modes[k] != 0 else -1
-                    for j in range(length):
-                        event_y[at, j] = y1[j]
-                    r.logged_events += 1
-                    r.events += 1
-            if changed > 0 and blamed == CONSISTENT:
-                accelerations(t1, view(y1, 0, n), view(y1, n, n), p, modes, view(k1, n, n), lam)
-                measure(switching, switching_rates, t1, Y1, K + r.last, G1, w, sw, p)
-                r.rhs += 1
         else:
             for k in range(s):
                 side = 1.0 if modes[k] != 0 else -1.0
@@ -380,18 +303,20 @@ def advance(
             for i in range(RECENT - 1):
                 recent[i] = recent[i + 1]
             recent[RECENT - 1] = t1
-            r.shrinking = r.shrinking + 1 if span < _ZENO_RATIO * r.event_span else 0
+            faster = span < _ZENO_RATIO * r.event_span and r.flight == np.inf
+            r.shrinking = r.shrinking + 1 if faster else 0
             r.event_span = span
-            if blamed != CONSISTENT:
-                r.index = blamed
+            if r.blamed != CONSISTENT:
+                r.index = r.blamed
                 return _ZENO if r.shrinking >= RECENT else _SLIDING
             endless = r.shrinking >= _ZENO_EVENTS and span < _ZENO_SPAN * r.duration
             if endless or r.events > r.max_events:
                 r.index = crossing
                 return _ZENO
+            restart_of(machine)(machine, t1, h_next, w, run)
             if r.fixed == 0:
-                first = first_step(accelerations, t1, r.h_max, r.rtol, r.order, w, p, modes, lam)
-                r.h = min(h_next, 2.0 * first)
+                first = first_step(machine, t1, r.h_max, r.rtol, r.order, w, p, modes, lam)
+                r.h = min(h_next, 2.0 * first, _FLIGHT * r.flight)
                 r.rhs += 1
                 r.error_old = 1e-4
         if r.weak >= _WEAK_STATES:

@@ -6,21 +6,10 @@ output evaluated: at equal distances, and between them at the lowest points, so 
 crossings is not stepped over.
 """
 
-from numba import types
-
 from runtime.compiled import compiled, inner
 from runtime.integrate.dense import interpolate
-from runtime.integrate.signatures import (
-    Integers,
-    Kernel,
-    Switching,
-    Vector,
-    f8,
-    i8,
-    integers,
-    vector,
-)
-from runtime.integrate.views import view
+from runtime.integrate.signatures import LOCATE, Integers, Vector
+from runtime.integrate.surfaces import functions
 from runtime.integrate.workspace import (
     BAND,
     BETWEEN,
@@ -30,7 +19,6 @@ from runtime.integrate.workspace import (
     MISMATCH,
     R0,
     R1,
-    ROWS,
     SAMPLE,
     SCAN,
     SUBDIVISIONS,
@@ -41,10 +29,6 @@ from runtime.integrate.workspace import (
 
 NOWHERE = 2.0  # a fraction of the step that is none
 _MARGIN = 0.15  # of the variation of g over the step: closer to zero than this is looked at
-LOCATE = f8(
-    Switching, f8, f8, i8, vector, vector, vector, integers, integers
-)  # t h dense_rows w sw p modes found
-Locate = types.FunctionType(LOCATE)
 _NOISE = 1e-14  # of the largest |g|: a dip of this depth is none
 _GOLDEN = 0.3819660112501051
 
@@ -80,7 +64,7 @@ def suspects(h: float, sw: Vector, modes: Integers) -> int:
 
 @inner
 def sample(
-    switching: Kernel,
+    machine: Integers,
     t: float,
     h: float,
     x: float,
@@ -89,20 +73,19 @@ def sample(
     w: Vector,
     sw: Vector,
     p: Vector,
+    modes: Integers,
+    lam: Vector,
 ) -> float:
     """Function `k` on the dense output at fraction `x` of the step; all of them in row TRIAL."""
-    n = w.size // (2 * ROWS)
     s = sw.size // SWITCH_ROWS
     interpolate(w, dense_rows, x, SAMPLE)
-    q = view(w, SAMPLE * 2 * n, n)
-    v = view(w, SAMPLE * 2 * n + n, n)
-    switching(t + x * h, q, v, p, view(sw, TRIAL * s, s))
+    functions(machine, t + x * h, SAMPLE, TRIAL, w, sw, p, modes, lam)
     return float(sw[TRIAL * s + k])
 
 
 @inner
 def dip(
-    switching: Kernel,
+    machine: Integers,
     t: float,
     h: float,
     low: float,
@@ -114,6 +97,8 @@ def dip(
     w: Vector,
     sw: Vector,
     p: Vector,
+    modes: Integers,
+    lam: Vector,
 ) -> float:
     """A fraction between `low` and `high` at which side * g_k < -band, or `NOWHERE`.
 
@@ -121,8 +106,8 @@ def dip(
     """
     x1 = low + _GOLDEN * (high - low)
     x2 = high - _GOLDEN * (high - low)
-    g1 = side * sample(switching, t, h, x1, k, dense_rows, w, sw, p)
-    g2 = side * sample(switching, t, h, x2, k, dense_rows, w, sw, p)
+    g1 = side * sample(machine, t, h, x1, k, dense_rows, w, sw, p, modes, lam)
+    g2 = side * sample(machine, t, h, x2, k, dense_rows, w, sw, p, modes, lam)
     for _ in range(40):
         if g1 < -band:
             return x1
@@ -131,17 +116,17 @@ def dip(
         if g1 < g2:
             high, x2, g2 = x2, x1, g1
             x1 = low + _GOLDEN * (high - low)
-            g1 = side * sample(switching, t, h, x1, k, dense_rows, w, sw, p)
+            g1 = side * sample(machine, t, h, x1, k, dense_rows, w, sw, p, modes, lam)
         else:
             low, x1, g1 = x1, x2, g2
             x2 = high - _GOLDEN * (high - low)
-            g2 = side * sample(switching, t, h, x2, k, dense_rows, w, sw, p)
+            g2 = side * sample(machine, t, h, x2, k, dense_rows, w, sw, p, modes, lam)
     return NOWHERE
 
 
 @inner
 def root(
-    switching: Kernel,
+    machine: Integers,
     t: float,
     h: float,
     low: float,
@@ -153,14 +138,16 @@ def root(
     w: Vector,
     sw: Vector,
     p: Vector,
+    modes: Integers,
+    lam: Vector,
 ) -> float:
     """Fraction at which side * g_k + band falls through zero, between `low` and `high`.
 
     Regula falsi with halved weights (Illinois), every third point a bisection; to 1e-13 of the
     step.
     """
-    g_low = side * sample(switching, t, h, low, k, dense_rows, w, sw, p) + band
-    g_high = side * sample(switching, t, h, high, k, dense_rows, w, sw, p) + band
+    g_low = side * sample(machine, t, h, low, k, dense_rows, w, sw, p, modes, lam) + band
+    g_high = side * sample(machine, t, h, high, k, dense_rows, w, sw, p, modes, lam) + band
     kept = 0
     for i in range(120):
         if high - low <= 1e-13:
@@ -171,7 +158,7 @@ def root(
             x = high - g_high * (high - low) / (g_high - g_low)
             if not (low < x < high):
                 x = 0.5 * (low + high)
-        g = side * sample(switching, t, h, x, k, dense_rows, w, sw, p) + band
+        g = side * sample(machine, t, h, x, k, dense_rows, w, sw, p, modes, lam) + band
         if g < 0.0:
             high, g_high = x, g
             if kept == 1:
@@ -187,7 +174,7 @@ def root(
 
 @compiled(LOCATE)
 def locate(
-    switching: Kernel,
+    machine: Integers,
     t: float,
     h: float,
     dense_rows: int,
@@ -195,6 +182,7 @@ def locate(
     sw: Vector,
     p: Vector,
     modes: Integers,
+    lam: Vector,
     found: Integers,
 ) -> float:
     """Fraction of the step at which a marked function first crosses, or `NOWHERE`.
@@ -203,7 +191,7 @@ def locate(
     """
     s = modes.size
     for i in range(1, SUBDIVISIONS):
-        sample(switching, t, h, i / SUBDIVISIONS, 0, dense_rows, w, sw, p)
+        sample(machine, t, h, i / SUBDIVISIONS, 0, dense_rows, w, sw, p, modes, lam)
         for k in range(s):
             sw[(SCAN + i) * s + k] = sw[TRIAL * s + k]
     for k in range(s):
@@ -237,12 +225,14 @@ def locate(
             else:
                 rises = side * sw[(SCAN + i + 1) * s + k] >= here
             if (falls and before <= here) or (rises and here <= before):
-                x = dip(switching, t, h, left, right, side, noise, k, dense_rows, w, sw, p)
+                x = dip(
+                    machine, t, h, left, right, side, noise, k, dense_rows, w, sw, p, modes, lam
+                )
                 if x < 1.0:
                     low, high = left, x
                     break
         if high <= 1.0:
-            x = root(switching, t, h, low, high, side, band, k, dense_rows, w, sw, p)
+            x = root(machine, t, h, low, high, side, band, k, dense_rows, w, sw, p, modes, lam)
             if x < first:
                 first = x
                 found[0] = k

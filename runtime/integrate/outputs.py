@@ -1,29 +1,12 @@
 """Samples of a run: at the instants asked for, or at the end of every step."""
 
-from numba import types
-
 from runtime.compiled import compiled, inner
 from runtime.constraints.correction import FAILED, WEAK
 from runtime.integrate.dense import interpolate
-from runtime.integrate.signatures import (
-    Accelerations,
-    Correct,
-    Correction,
-    Dense,
-    IntegerMatrix,
-    Integers,
-    Kernel,
-    Matrix,
-    Vector,
-    f8,
-    i8,
-    integer_matrix,
-    integers,
-    matrix,
-    vector,
-)
+from runtime.integrate.signatures import EMIT, IntegerMatrix, Integers, Matrix, Vector
+from runtime.integrate.slots import correct_of, dense_of
 from runtime.integrate.views import view
-from runtime.integrate.workspace import PROJECTION, ROWS, SAMPLE, Y1, Run, run_record
+from runtime.integrate.workspace import PROJECTION, ROWS, SAMPLE, Y1, Run
 
 
 @inner
@@ -50,35 +33,9 @@ def record(
     r.samples += 1
 
 
-EMIT = i8(
-    Accelerations,
-    Correction,
-    Correct,
-    Dense,
-    f8,
-    f8,
-    f8,
-    i8,
-    vector,
-    run_record,
-    vector,
-    integers,
-    vector,
-    vector,
-    vector,
-    matrix,
-    integer_matrix,
-)
-# t t1 h dense_ready w run p modes lam t_eval out_t out_y out_modes
-Emit = types.FunctionType(EMIT)
-
-
 @compiled(EMIT)
 def emit(
-    accelerations: Kernel,
-    correction: Kernel,
-    correct: Kernel,
-    dense: Kernel,
+    machine: Integers,
     t: float,
     t1: float,
     h: float,
@@ -107,13 +64,13 @@ def emit(
             record(t1, Y1, w, run, modes, out_t, out_y, out_modes)
         else:
             if dense_ready == 0:
-                dense(accelerations, correction, correct, t, h, w, p, modes, lam, r.each_stage)
+                dense_of(machine)(machine, t, h, w, p, modes, lam)
                 dense_ready = 1
                 r.dense_outputs += 1
                 r.rhs += r.dense_calls
             interpolate(w, r.dense_rows, (at - t) / h, SAMPLE)
             if lam.size > 0:
-                result = correct(correction, at, SAMPLE, PROJECTION, w, p)
+                result = correct_of(machine)(machine, at, SAMPLE, PROJECTION, w, p)
                 if result == FAILED:
                     return FAILED
                 r.corrections += result % WEAK

@@ -25,8 +25,9 @@ from runtime.integrate.signatures import (
     Integers,
     Vector,
 )
+from runtime.integrate.slots import Slot
 from runtime.integrate.start import start
-from runtime.integrate.tables import function_table, kernel_table, method
+from runtime.integrate.tables import method, wire
 from runtime.integrate.workspace import (
     ATOL,
     PARTITION,
@@ -87,7 +88,8 @@ def initial_modes(
     Returns
     -------
     (s,) int64
-        1 where the condition holds. A function whose surface attracts from both sides gets 0.
+        1 where the condition holds, 0 where it does not; 2 where its function stays at zero: the
+        motion slides on its surface, friction sticks, or a rigid contact is closed.
     """
     problem = Problem(t, t + 1.0, q, v, p, np.ones(system.coordinates))
     run = _Run(system, problem, Options(rtol=rtol))
@@ -99,7 +101,7 @@ class _Run:
     """Arrays of one run, and their way into and out of the compiled loop."""
 
     def __init__(self, system: System, problem: Problem, options: Options) -> None:
-        n, m, s = system.coordinates, system.constraints, system.switches
+        n, m, s = system.coordinates, system.constraint_count, system.switches
         parts = method(options.method)
         self.n, self.m, self.s = n, m, s
         self.options = options
@@ -122,30 +124,26 @@ class _Run:
         self.r = self.record[0]
         self._fill_record(problem, options, parts)
         self.modes = np.zeros(s, np.int64)
-        self.log_t = np.zeros(4 * driver.LOG_MARGIN)
-        self.log_sets = np.zeros((self.log_t.size, n), np.int64)
-        self.event_t = np.zeros(_EVENT_ROWS + s)
+        p = np.ascontiguousarray(problem.p, dtype=np.float64)
+        self.wiring = wire(system, options.method, p, 4 * driver.LOG_MARGIN)
+        table = self.wiring.table
+        table[Slot.EACH_STAGE] = 1 if options.correction == "stage" and m > 0 else 0
+        arrays = self.wiring.arrays
+        self.log_t, self.log_sets = arrays[Slot.LOG_TIMES], arrays[Slot.LOG_SETS]
+        arrays[Slot.WEIGHTS][:n] = problem.scale**2
+        self.event_t = np.zeros(_EVENT_ROWS + 2 * s)
         self.event_kind = np.zeros((self.event_t.size, 2), np.int64)
         self.event_y = np.zeros((self.event_t.size, 2 * n))
         self.samples, self.happened, self.sets = Samples(), Samples(), Samples()
         self._allot(self.t_eval.size if self.fixed_size else 1)
-        self.tables = (kernel_table(system), function_table(options.method))
         self.fixed_arrays: tuple[Any, ...] = (
             self.w,
             self.sw,
             self.record,
-            np.ascontiguousarray(problem.p, dtype=np.float64),
+            p,
             self.modes,
             np.zeros(4 * s + 1, np.int64),
             np.zeros(m),
-            np.ascontiguousarray(system.jacobian_rows, dtype=np.int64),
-            np.ascontiguousarray(system.jacobian_columns, dtype=np.int64),
-            np.zeros(len(system.jacobian_rows)),
-            np.zeros((m, n)),
-            np.arange(m),
-            np.arange(n),
-            self.log_t,
-            self.log_sets,
             self.t_eval,
         )
         self.event_arrays: tuple[Any, ...] = (
@@ -174,7 +172,6 @@ class _Run:
         r["safety"], r["shrink"], r["grow"] = 0.9, parts.SHRINK, parts.GROW
         r["error_old"] = 1e-4
         r["every_step"] = 0 if self.fixed_size else 1
-        r["each_stage"] = 1 if options.correction == "stage" and self.m > 0 else 0
         r["growth_limit"] = r["ratio_limit"] = attempt.GROWTH_LIMIT
         r["event_span"] = np.inf
         r["index"] = -1
@@ -200,7 +197,7 @@ class _Run:
 
     def start(self) -> int:
         """Prepare the first step; returns the code of an outcome."""
-        code: int = start(*self.tables, *self.fixed_arrays, *self.out)
+        code: int = start(self.wiring.table, *self.fixed_arrays, *self.out)
         self._flush()
         return code
 
@@ -217,7 +214,7 @@ class _Run:
                     self._allot(chunk)
                 before = time.perf_counter()
                 code = driver.advance(
-                    chunk, *self.tables, *self.fixed_arrays, *self.out, *self.event_arrays
+                    chunk, self.wiring.table, *self.fixed_arrays, *self.out, *self.event_arrays
                 )
                 took = time.perf_counter() - before
                 self._flush()

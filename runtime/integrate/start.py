@@ -4,7 +4,10 @@ import numpy as np
 
 from runtime.compiled import ADDRESSES, compiled
 from runtime.constraints.correction import FAILED, WEAK
-from runtime.integrate.modes import CONSISTENT, measure
+from runtime.integrate.bent import STEP
+from runtime.integrate.field import field
+from runtime.integrate.held import HELD_MODE
+from runtime.integrate.modes import CONSISTENT
 from runtime.integrate.outputs import record
 from runtime.integrate.signatures import (
     IntegerMatrix,
@@ -17,18 +20,18 @@ from runtime.integrate.signatures import (
     matrix,
     vector,
 )
-from runtime.integrate.tables import (
-    accelerations_of,
+from runtime.integrate.slots import (
+    ROW_ORDER,
+    SETTINGS,
     begin_of,
     correct_of,
-    correction_of,
     first_step_of,
-    jacobian_of,
     repartition_of,
-    switching_of,
-    switching_rates_of,
+    restart_of,
 )
-from runtime.integrate.views import view
+from runtime.integrate.surfaces import measure
+from runtime.integrate.transition import LOOK_AHEAD
+from runtime.integrate.views import floats_at, integers_at, view
 from runtime.integrate.workspace import (
     BAND,
     G0,
@@ -43,8 +46,6 @@ from runtime.integrate.workspace import (
 )
 from runtime.outcomes import Outcome
 
-LOOK_AHEAD = 0.05  # of a step: how far ahead modes are judged
-
 _OK = int(Outcome.OK)
 _SLIDING = int(Outcome.SLIDING)
 _SINGULAR = int(Outcome.SINGULAR)
@@ -55,7 +56,6 @@ _NOT_FINITE = int(Outcome.NOT_FINITE)
 @compiled(
     i8(
         ADDRESSES,
-        ADDRESSES,
         vector,
         vector,
         run_record,
@@ -63,14 +63,6 @@ _NOT_FINITE = int(Outcome.NOT_FINITE)
         integers,
         integers,
         vector,
-        integers,
-        integers,
-        vector,
-        matrix,
-        integers,
-        integers,
-        vector,
-        integer_matrix,
         vector,
         vector,
         matrix,
@@ -78,8 +70,7 @@ _NOT_FINITE = int(Outcome.NOT_FINITE)
     )
 )
 def start(
-    kernels: Integers,
-    functions: Integers,
+    machine: Integers,
     w: Vector,
     sw: Vector,
     run: Run,
@@ -87,14 +78,6 @@ def start(
     modes: Integers,
     scratch: Integers,
     lam: Vector,
-    rows: Integers,
-    columns: Integers,
-    values: Vector,
-    dense_jacobian: Matrix,
-    row_order: Integers,
-    column_order: Integers,
-    times: Vector,
-    sets: IntegerMatrix,
     t_eval: Vector,
     out_t: Vector,
     out_y: Matrix,
@@ -105,15 +88,7 @@ def start(
     Returns the code of an outcome: OK, or why there is no first step (`run.index` says which
     constraint or switching function).
     """
-    accelerations = accelerations_of(kernels)
-    correction = correction_of(kernels)
-    jacobian = jacobian_of(kernels)
-    switching = switching_of(kernels)
-    switching_rates = switching_rates_of(kernels)
-    correct = correct_of(functions)
-    repartition = repartition_of(functions)
-    begin = begin_of(functions)
-    first_step = first_step_of(functions)
+    first_step = first_step_of(machine)
     r = run[0]
     length = w.size // ROWS
     n = length // 2
@@ -121,15 +96,12 @@ def start(
     s = sw.size // SWITCH_ROWS
     t = r.t
     if m > 0:
-        repartition(
-            jacobian, t, Y0, w, p, run, rows, columns, values, dense_jacobian, row_order,
-            column_order, times, sets,
-        )  # fmt: skip
+        repartition_of(machine)(machine, t, Y0, w, run, p)
         r.repartitions = 0
         if r.rank < m:
-            r.index = row_order[r.rank]
+            r.index = integers_at(machine, ROW_ORDER, m)[r.rank]
             return _SINGULAR
-        result = correct(correction, t, Y0, PARTITION, w, p)
+        result = correct_of(machine)(machine, t, Y0, PARTITION, w, p)
         r.newton += 1
         if result == FAILED:
             return _NEWTON_FAILED
@@ -140,28 +112,32 @@ def start(
     a = view(w, K * length + n, n)
     for j in range(n):
         slope[j] = v[j]
-    accelerations(t, q, v, p, modes, a, lam)
+    field(machine, t, q, v, p, modes, a, lam)
     outcome = _OK
     if s > 0:
-        h = first_step(accelerations, t, r.h_max, r.rtol, r.order, w, p, modes, lam)
-        settled = begin(
-            accelerations, switching, 0, t, LOOK_AHEAD * h, Y0, G0, w, sw, p, modes, scratch, lam
+        h = first_step(machine, t, r.h_max, r.rtol, r.order, w, p, modes, lam)
+        floats_at(machine, SETTINGS, 2)[STEP] = h
+        settled = begin_of(machine)(
+            machine, 0, t, LOOK_AHEAD * h, Y0, G0, w, sw, p, modes, scratch, lam
         )
         if settled != CONSISTENT:
             r.index = settled
             outcome = _SLIDING
-        accelerations(t, q, v, p, modes, a, lam)
-        measure(switching, switching_rates, t, Y0, K, G0, w, sw, p)
+        field(machine, t, q, v, p, modes, a, lam)
+        measure(machine, t, Y0, K, G0, w, sw, p, modes, lam)
         for k in range(s):
             sw[LARGEST * s + k] = abs(sw[G0 * s + k])
+            if modes[k] == HELD_MODE:
+                sw[LARGEST * s + k], sw[BAND * s + k] = 1.0, 0.0
         r.rhs += 2
     for j in range(n):
         if not np.isfinite(a[j]):
             return _NOT_FINITE
     if r.fixed == 0 and not r.h > 0.0:
-        r.h = first_step(accelerations, t, r.h_max, r.rtol, r.order, w, p, modes, lam)
+        r.h = first_step(machine, t, r.h_max, r.rtol, r.order, w, p, modes, lam)
         r.rhs += 1
     r.rhs += 1
+    restart_of(machine)(machine, t, r.h, w, run)
     if r.every_step != 0:
         record(t, Y0, w, run, modes, out_t, out_y, out_modes)
     while r.next_sample < t_eval.size and t_eval[r.next_sample] <= t:

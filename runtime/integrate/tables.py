@@ -1,65 +1,42 @@
-"""Two tables of addresses for the compiled loop: a machine's kernels, and the loop's own parts.
+"""The table of addresses for one run, and the arrays that it points to."""
 
-The order of a table stands here once: where it is made, and where a function is taken out of it.
-"""
-
-from functools import cache, lru_cache
+from functools import cache
 from importlib import import_module
 from types import ModuleType
+from typing import Any, NamedTuple
 
-from runtime.compiled import addresses, at
+import numpy as np
+
+from runtime.compiled import addresses
 from runtime.constraints.correction import correct
-from runtime.integrate import attempt, control, events, modes, outputs, watch
-from runtime.integrate.problem import System
-from runtime.integrate.signatures import (
-    Accelerations,
-    Correct,
-    Correction,
-    Dense,
-    Error,
-    Integers,
-    Jacobian,
-    Stages,
-    Switching,
-    SwitchingRates,
+from runtime.integrate import (
+    attempt,
+    bent,
+    control,
+    events,
+    impact,
+    mixing,
+    modes,
+    outputs,
+    transition,
+    watch,
 )
+from runtime.integrate.held import work_size
+from runtime.integrate.problem import System
+from runtime.integrate.signatures import Integers, Vector
+from runtime.integrate.slots import Slot
 
 METHODS = ("dopri5", "dop853")
-"""The explicit methods; each is a module of this package."""
+"""The methods; each is a module of this package."""
 
-accelerations_of = at(Accelerations, 0)
-correction_of = at(Correction, 1)
-jacobian_of = at(Jacobian, 2)
-switching_of = at(Switching, 3)
-switching_rates_of = at(SwitchingRates, 4)
+_METHOD = ("stages", "error", "dense", "propose", "accepted", "restart")
 
 
-@lru_cache(maxsize=64)
-def kernel_table(system: System) -> Integers:
-    """Addresses of a machine's kernels."""
-    return addresses(
-        (
-            system.accelerations,
-            system.correction,
-            system.jacobian,
-            system.switching,
-            system.switching_rates,
-        )
-    )
+class Wiring(NamedTuple):
+    """A table and what must live as long as it."""
 
-
-correct_of = at(Correct, 0)
-stages_of = at(Stages, 1)
-error_of = at(Error, 2)
-dense_of = at(Dense, 3)
-attempt_of = at(attempt.Attempt, 4)
-repartition_of = at(attempt.Repartition, 5)
-locate_of = at(events.Locate, 6)
-settle_of = at(modes.Settle, 7)
-begin_of = at(modes.Settle, 8)
-first_step_of = at(control.FirstStep, 9)
-emit_of = at(outputs.Emit, 10)
-watch_of = at(watch.Watch, 11)
+    table: Integers
+    arrays: dict[Slot, Any]
 
 
 def method(name: str) -> ModuleType:
@@ -68,15 +45,11 @@ def method(name: str) -> ModuleType:
 
 
 @cache
-def function_table(name: str) -> Integers:
-    """Addresses of the parts of the loop, with those of the method `name`."""
-    parts = method(name)
+def _loop() -> Integers:
+    """Addresses of the parts of the loop, in the order of `Slot` from CORRECT on."""
     return addresses(
         (
             correct,
-            parts.stages,
-            parts.error,
-            parts.dense,
             attempt.attempt,
             attempt.repartition,
             events.locate,
@@ -85,5 +58,87 @@ def function_table(name: str) -> Integers:
             control.first_step,
             outputs.emit,
             watch.watch,
+            bent.bent,
+            impact.impact,
+            impact.return_held,
+            transition.transition,
+            mixing.limited,
         )
     )
+
+
+@cache
+def function_table(name: str) -> Integers:
+    """Addresses of the functions of the method `name`, in the order of `Slot` from STAGES on."""
+    parts = method(name)
+    return addresses(getattr(parts, part) for part in _METHOD)
+
+
+@cache
+def _kernels(system: System) -> Integers:
+    """Addresses of a machine's kernels, in the order of `Slot`."""
+    return addresses(getattr(system, slot.name.lower()) for slot in Slot if slot < Slot.STAGES)
+
+
+def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
+    """Lay out the table of a run of `system` with the method `name`.
+
+    Parameters
+    ----------
+    p
+        Parameters and derived constants.
+    log_rows
+        Room for changes of the partition.
+    """
+    n, m = system.coordinates, system.constraint_count
+    table = np.zeros(len(Slot), np.int64)
+    kernels, parts, loop = _kernels(system), function_table(name), _loop()
+    table[: kernels.size] = kernels
+    table[Slot.STAGES : Slot.STAGES + parts.size] = parts
+    table[Slot.CORRECT : Slot.CORRECT + loop.size] = loop
+    memory, notes = getattr(method(name), "memory", _no_memory)(n)
+    s, contacts = system.switches, len(system.rigid)
+    rigid = np.full(s, -1, np.int64)
+    rigid[list(system.rigid)] = np.arange(contacts)
+    limits = np.full(2 * s, -1, np.int64)
+    for k, force, limit in system.limits:
+        limits[2 * k], limits[2 * k + 1] = force, limit
+    nonzeros = len(system.jacobian_rows)
+    arrays = {
+        Slot.JACOBIAN_ROWS: np.ascontiguousarray(system.jacobian_rows, dtype=np.int64),
+        Slot.JACOBIAN_COLUMNS: np.ascontiguousarray(system.jacobian_columns, dtype=np.int64),
+        Slot.JACOBIAN_VALUES: np.zeros(nonzeros),
+        Slot.DENSE_JACOBIAN: np.zeros((m, n)),
+        Slot.ROW_ORDER: np.arange(m),
+        Slot.COLUMN_ORDER: np.arange(n),
+        Slot.LOG_TIMES: np.zeros(log_rows),
+        Slot.LOG_SETS: np.zeros((log_rows, n), np.int64),
+        Slot.LOW: np.zeros(s),
+        Slot.HIGH: np.ones(s),
+        Slot.SHARE: np.full(s, np.nan),
+        Slot.RIGID: rigid,
+        Slot.STICKS: np.array([k in system.sticking for k in range(s)], dtype=np.int64),
+        Slot.LIMITS: limits,
+        Slot.REACTION: np.zeros(3 * system.reaction_rows + m),
+        Slot.RESTITUTION: np.zeros(contacts),
+        Slot.PLAIN: np.zeros(2 * s, np.int64),
+        Slot.WORK: np.zeros(work_size(n, m, s, contacts)),
+        Slot.SETTINGS: np.zeros(2),
+        Slot.WEIGHTS: np.zeros(3 * n),
+        Slot.MEMORY: np.zeros(memory),
+        Slot.NOTES: np.zeros(notes, np.int64),
+    }
+    for slot, array in arrays.items():
+        table[slot] = array.ctypes.data
+    table[Slot.COORDINATES], table[Slot.CONSTRAINT_COUNT] = n, m
+    table[Slot.SWITCHES], table[Slot.NONZEROS] = system.switches, nonzeros
+    system.holds(p, arrays[Slot.LOW], arrays[Slot.HIGH])
+    system.restitution(p, arrays[Slot.RESTITUTION])
+    table[Slot.RIGID_COUNT], table[Slot.REACTION_ROWS] = contacts, system.reaction_rows
+    table[Slot.LOG_ROWS] = log_rows
+    table[Slot.CORRECTING] = 1
+    return Wiring(table, arrays)
+
+
+def _no_memory(n: int) -> tuple[int, int]:
+    return 0, 0

@@ -60,5 +60,49 @@ def _borrow(typing_context: Any, array: Any) -> Any:
     return signature, codegen
 
 
+def _at(item: Any, dimensions: int) -> Any:
+    """An intrinsic that makes an array, not owned, of what lies at an address in a table."""
+
+    def fetch(typing_context: Any, table: Any, slot: Any, *lengths: Any) -> Any:
+        result = types.Array(item, dimensions, "C")
+        signature = result(table, types.intp, *([types.intp] * dimensions))
+
+        def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            source = _arrays.make_array(signature.args[0])(context, builder, arguments[0])
+            target = _arrays.make_array(signature.return_type)(context, builder)
+            number = builder.load(builder.gep(source.data, [arguments[1]], inbounds=True))
+            size = context.get_abi_sizeof(context.get_data_type(item))
+            step = context.get_constant(types.intp, size)
+            shape = list(arguments[2:])
+            strides = [step] if dimensions == 1 else [builder.mul(step, shape[1]), step]
+            _arrays.populate_array(
+                target,
+                data=builder.inttoptr(number, target.data.type),
+                shape=shape,
+                strides=strides,
+                itemsize=step,
+                meminfo=None,
+            )
+            return target._getvalue()
+
+        return signature, codegen
+
+    if dimensions == 1:
+
+        def one(typing_context: Any, table: Any, slot: Any, length: Any) -> Any:
+            return fetch(typing_context, table, slot, length)
+
+        return intrinsic(one)
+
+    def two(typing_context: Any, table: Any, slot: Any, rows: Any, columns: Any) -> Any:
+        return fetch(typing_context, table, slot, rows, columns)
+
+    return intrinsic(two)
+
+
 view: Callable[[Any, int, int], Any] = cast(Any, intrinsic(_view))
 borrow: Callable[[Any], Any] = cast(Any, intrinsic(_borrow))
+floats_at: Callable[[Any, int, int], Any] = _at(types.float64, 1)
+integers_at: Callable[[Any, int, int], Any] = _at(types.int64, 1)
+matrix_at: Callable[[Any, int, int, int], Any] = _at(types.float64, 2)
+integer_matrix_at: Callable[[Any, int, int, int], Any] = _at(types.int64, 2)

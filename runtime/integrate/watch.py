@@ -8,22 +8,11 @@ near, the step is too long.
 """
 
 import numpy as np
-from numba import types
 
 from runtime.compiled import compiled, inner
 from runtime.integrate.events import suspects
-from runtime.integrate.modes import measure
-from runtime.integrate.signatures import (
-    Integers,
-    Kernel,
-    Switching,
-    SwitchingRates,
-    Vector,
-    f8,
-    i8,
-    integers,
-    vector,
-)
+from runtime.integrate.signatures import WATCH, Integers, Vector
+from runtime.integrate.surfaces import functions, measure
 from runtime.integrate.views import view
 from runtime.integrate.workspace import (
     BETWEEN,
@@ -37,12 +26,10 @@ from runtime.integrate.workspace import (
     ROWS,
     SAMPLE,
     STAGE,
-    SWITCH_ROWS,
     Y0,
     Y1,
     K,
     Run,
-    run_record,
 )
 
 UNRESOLVED = -1  # the step is too long to tell
@@ -64,15 +51,21 @@ RISE3, LEAVE3, ARRIVE3 = X3 * X3 * (3 - 2 * X3), X3 * (1 - X3) ** 2, X3 * X3 * (
 
 @inner
 def between(
-    switching: Kernel, t: float, h: float, last: int, w: Vector, sw: Vector, p: Vector
+    machine: Integers,
+    t: float,
+    h: float,
+    last: int,
+    w: Vector,
+    sw: Vector,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
 ) -> None:
     """Fill the three rows at BETWEEN with the functions at points between the ends of the step.
 
     The states there lie on the cubics through both ends.
     """
     length = w.size // ROWS
-    n = length // 2
-    s = sw.size // SWITCH_ROWS
     y0 = view(w, Y0 * length, length)
     y1 = view(w, Y1 * length, length)
     k0 = view(w, K * length, length)
@@ -86,9 +79,9 @@ def between(
         z1[j] = start + RISE1 * change + LEAVE1 * leave + ARRIVE1 * arrive
         z2[j] = start + RISE2 * change + LEAVE2 * leave + ARRIVE2 * arrive
         z3[j] = start + RISE3 * change + LEAVE3 * leave + ARRIVE3 * arrive
-    switching(t + X1 * h, view(z1, 0, n), view(z1, n, n), p, view(sw, BETWEEN * s, s))
-    switching(t + X2 * h, view(z2, 0, n), view(z2, n, n), p, view(sw, (BETWEEN + 1) * s, s))
-    switching(t + X3 * h, view(z3, 0, n), view(z3, n, n), p, view(sw, (BETWEEN + 2) * s, s))
+    functions(machine, t + X1 * h, STAGE, BETWEEN, w, sw, p, modes, lam)
+    functions(machine, t + X2 * h, SAMPLE, BETWEEN + 1, w, sw, p, modes, lam)
+    functions(machine, t + X3 * h, PREDICTED, BETWEEN + 2, w, sw, p, modes, lam)
 
 
 @inner
@@ -128,16 +121,9 @@ def bearable(h: float, sw: Vector, modes: Integers) -> float:
     return allowed
 
 
-WATCH = i8(
-    Switching, SwitchingRates, f8, f8, f8, vector, vector, run_record, vector, integers
-)  # t h t1 w sw run p modes
-Watch = types.FunctionType(WATCH)
-
-
 @compiled(WATCH)
 def watch(
-    switching: Kernel,
-    switching_rates: Kernel,
+    machine: Integers,
     t: float,
     h: float,
     t1: float,
@@ -146,6 +132,7 @@ def watch(
     run: Run,
     p: Vector,
     modes: Integers,
+    lam: Vector,
 ) -> int:
     """Evaluate the functions over the step and count those that may cross in it.
 
@@ -153,8 +140,8 @@ def watch(
     step's length to this one's that the functions allow.
     """
     r = run[0]
-    measure(switching, switching_rates, t1, Y1, K + r.last, G1, w, sw, p)
-    between(switching, t, h, K + r.last, w, sw, p)
+    measure(machine, t1, Y1, K + r.last, G1, w, sw, p, modes, lam)
+    between(machine, t, h, K + r.last, w, sw, p, modes, lam)
     allowed = bearable(h, sw, modes)
     r.stretch = np.inf if r.fixed != 0 else 0.9 * allowed
     if r.fixed == 0:

@@ -39,7 +39,11 @@ SCAN = 8  # first of SUBDIVISIONS + 1 rows: g at equal distances over the step
 SUBDIVISIONS = 8
 BETWEEN = SCAN + SUBDIVISIONS + 1  # first of 3 rows: g at points between the ends of the step
 MISMATCH = BETWEEN + 3  # how far these are from the cubic of g
-SWITCH_ROWS = MISMATCH + 1
+RESERVE = MISMATCH + 1  # running maximum of |g| while the function itself is held at zero
+NOW = RESERVE + 1  # g itself, also of what is held
+RATE_NOW = NOW + 1  # its rate
+PREFERRED = RATE_NOW + 1  # mode that is tried first
+SWITCH_ROWS = PREFERRED + 1
 
 _FLOATS = [
     "t",  # where the run stands
@@ -61,6 +65,7 @@ _FLOATS = [
     "largest_dq",
     "event_span",  # time that the last events took
     "stretch",  # ratio of two steps' lengths that the switching functions allow
+    "flight",  # time to the next impact of a contact that bounces
     "finest",  # length of a step that is never too long for them
 ]
 _INTEGERS = [
@@ -69,7 +74,6 @@ _INTEGERS = [
     "order",  # of the method
     "dense_rows",
     "dense_calls",
-    "each_stage",
     "fixed",  # 1: no error control
     "steps",
     "rejected",
@@ -96,6 +100,7 @@ _INTEGERS = [
     "rejected_before",
     "shrinking",  # events in a row, each in less time than the one before
     "standing",  # events in a row without time between them
+    "blamed",  # switching function for which no mode is consistent, or -1
     "index",  # function or constraint that an outcome concerns
 ]
 RUN = np.dtype(

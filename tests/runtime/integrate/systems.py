@@ -84,7 +84,7 @@ PENDULUM = System(
     jacobian_rows=np.array([0, 0, 1, 1]),
     jacobian_columns=np.array([0, 2, 1, 2]),
     coordinates=3,
-    constraints=2,
+    constraint_count=2,
 )
 
 
@@ -157,7 +157,7 @@ def relay(*switches, constant=0.0, stiffness=0.0, damping=0.0):
         jacobian_rows=np.zeros(0, np.int64),
         jacobian_columns=np.zeros(0, np.int64),
         coordinates=1,
-        constraints=0,
+        constraint_count=0,
         switches=len(switches),
         switching=relay_switching,
         switching_rates=relay_rates,

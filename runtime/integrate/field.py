@@ -1,0 +1,57 @@
+"""The right side of the equations of motion, as the methods call it."""
+
+from runtime.compiled import inlined
+from runtime.integrate.signatures import Integers, Vector
+from runtime.integrate.slots import BENDS, EACH_STAGE, accelerations_of, bent_of, correct_of
+from runtime.integrate.views import view
+from runtime.integrate.workspace import PARTITION, ROWS
+
+
+@inlined
+def field(
+    machine: Integers,
+    t: float,
+    q: Vector,
+    v: Vector,
+    p: Vector,
+    modes: Integers,
+    a: Vector,
+    lam: Vector,
+) -> int:
+    """Accelerations and multipliers; 0, or 1 + the constraint whose pivot is weak.
+
+    Where the motion follows the machine's own equations this is its kernel and nothing else.
+    """
+    if machine[BENDS] == 0:
+        return int(accelerations_of(machine)(t, q, v, p, modes, a, lam))
+    return int(bent_of(machine)(machine, t, q, v, p, modes, a, lam))
+
+
+@inlined
+def slope(
+    machine: Integers,
+    t: float,
+    state: int,
+    derivative: int,
+    w: Vector,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+) -> int:
+    """Write the derivative at the state in row `state` into row `derivative`.
+
+    Where stages are corrected, the state is first; returns the iterations that took, negative
+    where they failed.
+    """
+    length = w.size // ROWS
+    n = length // 2
+    taken = 0
+    if machine[EACH_STAGE] != 0:
+        taken = int(correct_of(machine)(machine, t, state, PARTITION, w, p))
+    q = view(w, state * length, n)
+    v = view(w, state * length + n, n)
+    rate = view(w, derivative * length, n)
+    field(machine, t, q, v, p, modes, view(w, derivative * length + n, n), lam)
+    for j in range(n):
+        rate[j] = v[j]
+    return taken
