@@ -17,3 +17,8 @@ GROUPS: dict[str, tuple[Case, ...]] = {
 """Heading on the page → its cases."""
 
 CASES: tuple[Case, ...] = tuple(case for group in GROUPS.values() for case in group)
+
+
+def find(name: str) -> Case:
+    """The case of that name."""
+    return next(case for case in CASES if case.name == name)

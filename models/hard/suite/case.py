@@ -23,6 +23,9 @@ SHARE = 0.3
 The controller aims below the tolerance and its estimates are pessimistic.
 """
 
+KEPT = 100.0
+"""A tolerance counts as kept if the error is at most so many times as large."""
+
 WORTH = 0.1
 """A number whose bound is larger than this is not compared: it lies beyond the horizon."""
 
@@ -59,7 +62,7 @@ class Reference:
         An error made in one step grows as every perturbation of the motion does; at worst all of
         them add up. Rounding counts as a tolerance of 2.2e-16.
         """
-        worst = SHARE * self.steps * np.asarray(self.growth, dtype=np.float64)
+        worst = max(SHARE * self.steps, KEPT) * np.asarray(self.growth, dtype=np.float64)
         allowed = worst * (rtol + np.finfo(np.float64).eps) + np.asarray(self.trusted)
         return np.broadcast_to(allowed, self.values.shape).copy()
 
@@ -75,7 +78,7 @@ class Case:
     hard, see
         What makes it hard, and what to look for in its rows: a sentence or two.
     model, scene
-        The declaration below `models`, without ``.py``, and its scene.
+        The declaration's name, `hard/andrews`, and its scene.
     t_end
         End of the run, s.
     quantity
@@ -128,10 +131,10 @@ class Case:
 
 @cache
 def machine(model: str, scene: str) -> "Machine":
-    """A machine of the library or of this package; its generated module lies beside the others."""
+    """A machine of the library or of this package."""
     from runtime import load
 
-    return load(ROOT / "models" / f"{model}.py", scene, folder=ROOT)
+    return load(model, scene, folder=ROOT)
 
 
 def coordinates(*names: str) -> "Callable[[Result], Array]":

@@ -3,12 +3,12 @@
 import time
 from dataclasses import asdict, dataclass
 from enum import StrEnum
-from functools import lru_cache
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from models.hard.suite.case import WORTH, Array, Case
+from models.hard.suite.case import WORTH, Array, Case, machine
 from runtime import Outcome, Result
 from runtime.integrate.check import CORRECTIONS
 from runtime.integrate.tables import METHODS
@@ -38,8 +38,10 @@ class Verdict(StrEnum):
     """What is to be thought of a cell."""
 
     CORRECT = "correct"
+    BEYOND = "beyond the horizon"
     EXPECTED = "named outcome as expected"
     STOPPED = "stopped, by name"
+    HANGS = "HANGS"
     WRONG = "WRONG"
 
 
@@ -59,7 +61,8 @@ class Cell:
         Largest departure from the balance of energy, over the largest kinetic energy; NaN where
         the work is not known.
     cpu
-        Processor time of the integration and the outputs, after a first run, s.
+        Processor time of the integration and its outputs, s; what a first run compiles or loads
+        is not in it.
     outcome, message
         How the run ended; `reached` is when.
     note
@@ -86,6 +89,27 @@ class Cell:
     message: str
     note: str
 
+    @classmethod
+    def hanging(cls, case: str, way: Way, rtol: float, seconds: float) -> "Cell":
+        """What is told of a run that was given up after so many seconds."""
+        nothing = dict.fromkeys(("error", "bound", "until", "residual", "drift"), np.nan)
+        counts = dict.fromkeys(("steps", "rejected", "repartitions", "events"), 0)
+        note = f"no answer after {seconds:g} s"
+        return cls(
+            case=case,
+            method=way.method,
+            correction=way.correction,
+            rtol=rtol,
+            verdict=Verdict.HANGS,
+            **nothing,
+            **counts,
+            cpu=np.nan,
+            outcome="",
+            reached=np.nan,
+            message="",
+            note=note,
+        )
+
     def record(self) -> dict[str, Any]:
         """As plain values; what is not a number is None."""
         return {
@@ -96,11 +120,11 @@ class Cell:
 
 def run(case: Case, way: Way, rtol: float) -> Cell:
     """Run a case once, from an assembled start, and judge it."""
-    machine = case.machine()
-    start = machine.assemble(guess=dict(case.guess), parameters=dict(case.parameters))
-    _warm(case, way)
+    ready(case, way)
+    loaded = case.machine()
+    start = loaded.assemble(guess=dict(case.guess), parameters=dict(case.parameters))
     began = time.process_time()
-    result = machine.simulate(
+    result = loaded.simulate(
         case.t_end,
         case.instants(),
         method=way.method,
@@ -114,17 +138,17 @@ def run(case: Case, way: Way, rtol: float) -> Cell:
     return judge(case, way, rtol, result, time.process_time() - began)
 
 
-@lru_cache(maxsize=64)
-def _warm_machine(model: str, scene: str, way: Way) -> None:
-    from models.hard.suite.case import machine
-
-    loaded = machine(model, scene)
-    loaded.simulate(0.0, method=way.method, correction=way.correction, progress=False)
+def ready(case: Case, way: Way) -> None:
+    """Build, load and compile whatever a first run of the case does, and ask for its reference."""
+    case.reference()
+    _first_run(case.model, case.scene, way)
 
 
-def _warm(case: Case, way: Way) -> None:
-    """What compiles or loads at a first call is no part of the time."""
-    _warm_machine(case.model, case.scene, way)
+@cache
+def _first_run(model: str, scene: str, way: Way) -> None:
+    machine(model, scene).simulate(
+        1e-9, method=way.method, correction=way.correction, progress=False
+    )
 
 
 def judge(case: Case, way: Way, rtol: float, result: Result, cpu: float) -> Cell:
@@ -138,8 +162,10 @@ def judge(case: Case, way: Way, rtol: float, result: Result, cpu: float) -> Cell
         verdict = Verdict.WRONG
     elif outcome.name not in case.ends:
         verdict, note = Verdict.STOPPED, result.message
+    elif outcome is not Outcome.OK:
+        verdict = Verdict.EXPECTED
     else:
-        verdict = Verdict.CORRECT if outcome is Outcome.OK else Verdict.EXPECTED
+        verdict = Verdict.CORRECT if np.isfinite(until) else Verdict.BEYOND
     return Cell(
         case=case.name,
         method=way.method,
@@ -170,7 +196,12 @@ def _compared(case: Case, rtol: float, result: Result) -> tuple[float, float, fl
     wanted, times = reference.values, reference.times
     ended = result.outcome.name in case.ends
     if ended and len(measured) != len(wanted):
-        return np.inf, np.nan, np.nan, f"{len(measured)} numbers where there should be {len(wanted)}"
+        return (
+            np.inf,
+            np.nan,
+            np.nan,
+            f"{len(measured)} numbers where there should be {len(wanted)}",
+        )
     # A run that stopped has as many rows as it has reached instants of the reference.
     rows = min(len(measured), int(np.sum(times <= result.t[-1])) if not ended else len(wanted))
     bounds = reference.bound(rtol)[:rows]
@@ -186,8 +217,11 @@ def _compared(case: Case, rtol: float, result: Result) -> tuple[float, float, fl
     last = float(times[:rows][near.reshape(rows, -1).any(axis=1)][-1])
     if ratio[at] <= 1.0:
         return error, bound, last, ""
-    return error, bound, last, (
-        f"off by {error:.1e} at t = {times[at[0]]:.6g} s, where {bound:.1e} is allowed"
+    return (
+        error,
+        bound,
+        last,
+        (f"off by {error:.1e} at t = {times[at[0]]:.6g} s, where {bound:.1e} is allowed"),
     )
 
 

@@ -91,9 +91,7 @@ def washboard(times: Array, begin: float, speed: float, k: float) -> Array:
             halves = mp.floor(u / (2 * quarter) + mp.mpf(1) / 2)
             return mp.asin(mp.ellipfun("sn", u - 2 * halves * quarter, m=m)) + halves * mp.pi
 
-        turned = [
-            2 * amplitude(bottom * mp.mpf(float(t)) / 2 + shift) - offset for t in times
-        ]
+        turned = [2 * amplitude(bottom * mp.mpf(float(t)) / 2 + shift) - offset for t in times]
         return np.array([float(angle) for angle in turned])
 
 
