@@ -22,15 +22,18 @@ from runtime.integrate.implicit import (
     CHANGE,
     COUNTS,
     CURRENT,
+    ENOUGH,
     EQUAL,
     FREEDOMS,
     H_BASE,
     ITERATIONS,
     NEXT_ORDER,
-    ORDER as ORDER_NOW,
+    OUT,
     RATE,
     REJECTED,
     SLOW,
+    STEP_ORDER,
+    TOLERANCE,
     arrive,
     counts,
     differentiate,
@@ -38,9 +41,9 @@ from runtime.integrate.implicit import (
     floats,
     line,
     matrix,
+    measured,
     memory,
-    newton_tolerance,
-    tolerance,
+    tolerate,
     unknowns,
 )
 from runtime.integrate.linear import solve
@@ -55,7 +58,7 @@ from runtime.integrate.signatures import (
     Vector,
 )
 from runtime.integrate.views import view
-from runtime.integrate.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K, Run
+from runtime.integrate.workspace import ROWS, STAGE, Y0, Y1, F, K, Run
 
 __all__ = ["accepted", "dense", "error", "memory", "propose", "restart", "stages"]
 
@@ -77,6 +80,7 @@ ERROR_CONSTANT = np.append(KAPPA * GAMMA + 1.0 / np.arange(1, HIGHEST + 2), 1.0)
 # Rows of MEMORY: backward differences of the past, the same at this step's length, and a step's.
 PAST, NOW, FORESEEN, PSI, CORRECTIONS, RESIDUAL = 0, 8, 16, 17, 18, 19
 
+_SHARE = 0.3
 _NEWTON = 4  # iterations
 _SAME = 1.1  # a step that could grow by less stays as it is, and with it the matrix
 _FAILURES = 3  # rejections in a row after which higher differences say nothing
@@ -95,6 +99,15 @@ def _basis() -> list[list[Fraction]]:
 
 
 _NESTING = nesting(_basis())
+
+
+@inner
+def share(rtol: float) -> float:
+    """What the estimate is held to, over the tolerance asked.
+
+    The error of a run is that of a step, h⁶ at order 5, times the number of steps.
+    """
+    return float(_SHARE * rtol**0.2)
 
 
 @inner
@@ -133,10 +146,10 @@ def look_back(memory: Vector, notes: Integers, h: float, w: Vector, run: Run) ->
     r = run[0]
     ratio = h / memory[H_BASE]
     failures = r.rejected - notes[REJECTED]
-    if notes[ORDER_NOW] > 1 and (ratio > 1.01 * GROW or failures >= _FAILURES):
+    if notes[STEP_ORDER] > 1 and (ratio > 1.01 * GROW or failures >= _FAILURES):
         begin(memory, notes, h, w, run)
         ratio = 1.0
-    k = notes[ORDER_NOW]
+    k = notes[STEP_ORDER]
     if ratio != 1.0:
         lengthen(memory, k, ratio)
         notes[EQUAL] = 0
@@ -172,7 +185,7 @@ def begin(memory: Vector, notes: Integers, h: float, w: Vector, run: Run) -> Non
         value[i] = y0[i]
         slope[i] = h * k0[i]
     memory[H_BASE] = h
-    notes[ORDER_NOW] = 1
+    notes[STEP_ORDER] = 1
     notes[NEXT_ORDER] = 1
     notes[EQUAL] = 0
     run[0].exponent = 0.5
@@ -183,7 +196,7 @@ def foresee(memory: Vector, notes: Integers, w: Vector) -> None:
     """Extrapolate the past to the end of the step: FORESEEN, also as Y1, and PSI."""
     length = w.size // ROWS
     n = length // 2
-    k = notes[ORDER_NOW]
+    k = notes[STEP_ORDER]
     y1 = view(w, Y1 * length, length)
     foreseen, psi = line(memory, FORESEEN, n), line(memory, PSI, n)
     for i in range(length):
@@ -224,7 +237,8 @@ def newton(
     a = view(w, (K + LAST) * length + n, n)
     foreseen, psi = line(memory, FORESEEN, n), line(memory, PSI, n)
     corrections, delta = line(memory, CORRECTIONS, n), line(memory, RESIDUAL, n)
-    enough = newton_tolerance(r.rtol)
+    allowed = line(memory, TOLERANCE, n)
+    enough = memory[ENOUGH]
     for i in range(f):
         j = notes[COUNTS + i]
         corrections[i] = 0.0
@@ -248,8 +262,7 @@ def newton(
             corrections[i] += delta[i]
             y1[n + j] = foreseen[n + j] + corrections[i]
             y1[j] = foreseen[j] + c * y1[n + j] - psi[j]
-            total += (delta[i] / tolerance(w, r.rtol, n + j)) ** 2
-            total += (c * delta[i] / tolerance(w, r.rtol, j)) ** 2
+            total += (delta[i] / allowed[n + j]) ** 2 + (c * delta[i] / allowed[j]) ** 2
         size = np.sqrt(total / max(1, 2 * f))
         notes[ITERATIONS] = iteration + 1
         if size == 0.0:
@@ -290,12 +303,14 @@ def stages(
     memory, notes = floats(machine, n), counts(machine, n)
     unknowns(machine, w, notes)
     look_back(memory, notes, h, w, run)
-    c = h / ALPHA[notes[ORDER_NOW]]
+    c = h / ALPHA[notes[STEP_ORDER]]
     for _ in range(2):
         foresee(memory, notes, w)
+        y1 = view(w, Y1 * length, length)
+        memory[ENOUGH] = tolerate(memory, w, share(r.rtol) * r.rtol, r.rtol, y1)
         fresh = notes[CURRENT] != 1
         if fresh:
-            y1, z = view(w, Y1 * length, length), view(w, STAGE * length, length)
+            z = view(w, STAGE * length, length)
             for i in range(length):
                 z[i] = y1[i]
             if arrive(machine, t + h, STAGE, K + LAST, w, p, modes, lam) == FAILED:
@@ -318,25 +333,21 @@ def stages(
 
 
 @inner
-def difference(memory: Vector, j: int, w: Vector, rtol: float) -> float:
+def difference(memory: Vector, j: int, w: Vector) -> float:
     """Size of Y1 - FORESEEN + s ∇ʲ, over the tolerance, root mean square over q and v.
 
     s is 1 for j ≥ 0; for j < 0 it is -1 and the difference is ∇⁻ʲ; j = 0 adds nothing.
     """
     length = w.size // ROWS
     n = length // 2
-    y0 = view(w, Y0 * length, length)
     y1 = view(w, Y1 * length, length)
-    atol = view(w, ATOL * length, length)
+    allowed, change = line(memory, TOLERANCE, n), line(memory, OUT, n)
     foreseen = line(memory, FORESEEN, n)
     other = line(memory, NOW + abs(j), n)
     sign = 0.0 if j == 0 else (1.0 if j > 0 else -1.0)
-    total = 0.0
     for i in range(length):
-        estimate = y1[i] - foreseen[i] + sign * other[i]
-        ratio = estimate / (atol[i] + rtol * max(abs(y0[i]), abs(y1[i])))
-        total += ratio * ratio
-    return float(np.sqrt(total / length))
+        change[i] = y1[i] - foreseen[i] + sign * other[i]
+    return float(measured(change, allowed))
 
 
 @compiled(ERROR)
@@ -344,7 +355,7 @@ def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
     n = w.size // (2 * ROWS)
     memory, notes = floats(machine, n), counts(machine, n)
-    return float(ERROR_CONSTANT[notes[ORDER_NOW]] * difference(memory, 0, w, rtol))
+    return float(ERROR_CONSTANT[notes[STEP_ORDER]] * difference(memory, 0, w))
 
 
 @compiled(PROPOSE)
@@ -357,20 +368,20 @@ def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
     r = run[0]
     n = w.size // (2 * ROWS)
     memory, notes = floats(machine, n), counts(machine, n)
-    k = notes[ORDER_NOW]
+    k = notes[STEP_ORDER]
     notes[NEXT_ORDER] = k
     if notes[EQUAL] + 1 < k + 1:
         return 1.0
     safety = r.safety * (2 * _NEWTON + 1) / (2 * _NEWTON + notes[ITERATIONS])
     best = max(r.error, 1e-10) ** (-1.0 / (k + 1))
     if k > 1:
-        lower = ERROR_CONSTANT[k - 1] * difference(memory, k, w, r.rtol)
+        lower = ERROR_CONSTANT[k - 1] * difference(memory, k, w)
         ratio = max(lower, 1e-10) ** (-1.0 / k)
         if ratio > best:
             best = ratio
             notes[NEXT_ORDER] = k - 1
     if k < HIGHEST:
-        higher = ERROR_CONSTANT[k + 1] * difference(memory, -(k + 1), w, r.rtol)
+        higher = ERROR_CONSTANT[k + 1] * difference(memory, -(k + 1), w)
         ratio = max(higher, 1e-10) ** (-1.0 / (k + 2))
         if ratio > best:
             best = ratio
@@ -388,7 +399,7 @@ def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
     length = w.size // ROWS
     n = length // 2
     memory, notes = floats(machine, n), counts(machine, n)
-    k = notes[ORDER_NOW]
+    k = notes[STEP_ORDER]
     y1 = view(w, Y1 * length, length)
     foreseen = line(memory, FORESEEN, n)
     newest, higher = line(memory, PAST + k + 1, n), line(memory, PAST + k + 2, n)
@@ -410,9 +421,9 @@ def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
     if r.fixed != 0 and k < HIGHEST and notes[EQUAL] > k:
         notes[NEXT_ORDER] = k + 1
     if notes[NEXT_ORDER] != k:
-        notes[ORDER_NOW] = notes[NEXT_ORDER]
+        notes[STEP_ORDER] = notes[NEXT_ORDER]
         notes[EQUAL] = 0
-    r.exponent = 1.0 / (notes[ORDER_NOW] + 1)
+    r.exponent = 1.0 / (notes[STEP_ORDER] + 1)
     return 0
 
 
@@ -449,7 +460,7 @@ def dense(
             f[i] = 0.0
     for i in range(length):
         summed = y1[i] - foreseen[i]
-        for j in range(notes[ORDER_NOW], -1, -1):
+        for j in range(notes[STEP_ORDER], -1, -1):
             summed += line(memory, NOW + j, n)[i]
             value = summed if j > 0 else y1[i]
             for row in range(DENSE_ROWS):

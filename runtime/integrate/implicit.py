@@ -32,19 +32,20 @@ from runtime.integrate.workspace import ATOL, PARTITION, ROWS, SIZE, Y0, Run
 # MEMORY: numbers, then rows of length 2 n, then matrices.
 C_FACTORED = 0  # the c for which a matrix is factored
 RATE = 1  # of Newton's convergence: what is still missing over the last change
-ERROR = 2  # of the last trial step, over the tolerance
+STEP_ERROR = 2  # of the last trial step, over the tolerance
 H_BASE = 3  # distance of a multistep method's history; length of a one-step method's last step
 ERROR_BASE = 4  # error of that step
-STIFFNESS = 5  # spectral radius of the derivatives, 1/s
+ENOUGH = 5  # how far Newton's method is taken, over the tolerance of the step
 CHANGE = 8  # first of 72 numbers in which a change of the step's length is worked out
 NUMBERS = 80
-IN, OUT, SLOPE = 20, 21, 22  # rows of directions for the derivatives, the first 20 are a method's
-LINES = 23
+# Rows: the first 20 are a method's; then directions for the derivatives, then the tolerance.
+IN, OUT, SLOPE, TOLERANCE = 20, 21, 22, 23
+LINES = 24
 
 # NOTES: counts, then the unknowns (n), pivots (n), pivots of the complex matrix (2 n).
 FREEDOMS = 0  # f
 CURRENT = 1  # 1: the derivatives are of these unknowns, and Newton's method converges fast
-ORDER = 2
+STEP_ORDER = 2
 EQUAL = 3  # steps of this length and order
 NEXT_ORDER = 4
 REJECTED = 5  # rejected steps up to the last accepted one
@@ -54,6 +55,7 @@ COUNTS = 8
 
 SLOW = 0.05  # convergence at which derivatives are taken anew for the next step
 _EPS = 2.2e-16
+_LEAST = 20.0 * _EPS  # of the largest coordinate or velocity: rounding in the dependent ones
 _DIFFERENCE = 1e-7  # relative change by which a field along surfaces is differenced
 
 
@@ -297,13 +299,60 @@ def factor_complex(memory: Vector, notes: Integers, n: int, c: float, d: float) 
 
 
 @inner
-def tolerance(w: Vector, rtol: float, j: int) -> float:
-    """What entry `j` of the state may be off by, from its size at the start of the step."""
+def tolerate(memory: Vector, w: Vector, relative: float, asked: float, ahead: Vector) -> float:
+    """Fill row TOLERANCE: what the error of the step may be, from its ends Y0 and `ahead`.
+
+    Not less than what rounding leaves of the recovery of dependent coordinates, which goes with
+    the fastest of them. Returns how far Newton's method is to be taken, over this tolerance.
+
+    Parameters
+    ----------
+    relative
+        Relative tolerance to be held to.
+    asked
+        Relative tolerance of which the absolute ones in row ATOL are the companions.
+    """
     length = w.size // ROWS
-    return float(w[ATOL * length + j] + rtol * abs(w[Y0 * length + j]))
+    n = length // 2
+    y0 = view(w, Y0 * length, length)
+    atol = view(w, ATOL * length, length)
+    size = view(w, SIZE * length, length)
+    allowed = line(memory, TOLERANCE, n)
+    for half in range(2):
+        largest = 0.0
+        for j in range(half * n, half * n + n):
+            largest = max(largest, abs(y0[j]) / size[j])
+        for j in range(half * n, half * n + n):
+            value = relative * (atol[j] / asked + max(abs(y0[j]), abs(ahead[j])))
+            allowed[j] = value + _LEAST * largest * size[j]
+    tolerance = relative + _LEAST
+    return float(max(2.0 * _EPS / tolerance, min(0.03, np.sqrt(tolerance))))
 
 
 @inner
-def newton_tolerance(rtol: float) -> float:
-    """How far Newton's method is taken, over the tolerance of the step; not below rounding."""
-    return float(max(10.0 * _EPS / rtol, min(0.03, np.sqrt(rtol))))
+def measured(change: Vector, allowed: Vector) -> float:
+    """Root mean square of a change over the tolerance."""
+    total = 0.0
+    for i in range(change.size):
+        ratio = change[i] / allowed[i]
+        total += ratio * ratio
+    return float(np.sqrt(total / change.size))
+
+
+@inner
+def stiffness(memory: Vector, notes: Integers, w: Vector, h: float) -> float:
+    """Largest row of h² |G_u| + h |G_u̇|, each entry relative to the sizes of its coordinates."""
+    length = w.size // ROWS
+    n = length // 2
+    f = notes[FREEDOMS]
+    by_u, by_rate = matrix(memory, 0, n), matrix(memory, 1, n)
+    size = view(w, SIZE * length, length)
+    largest = 0.0
+    for i in range(f):
+        total = 0.0
+        for k in range(f):
+            at, row, column = i * f + k, notes[COUNTS + i], notes[COUNTS + k]
+            total += h * h * abs(by_u[at]) * size[column] / size[row]
+            total += h * abs(by_rate[at]) * size[n + column] / size[n + row]
+        largest = max(largest, total)
+    return float(largest)
