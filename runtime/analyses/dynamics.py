@@ -1,6 +1,7 @@
 """Dynamics: how the machine moves under the forces that act on it."""
 
 import time as clock
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, NamedTuple, cast
 
 import numpy as np
@@ -13,8 +14,9 @@ from runtime.analyses.kinematics import instants
 from runtime.analyses.magnitudes import magnitudes
 from runtime.analyses.masses import require_masses
 from runtime.analyses.outputs import evaluate
-from runtime.integrate.problem import Correction, Options, Problem, Trajectory
+from runtime.integrate.problem import Correction, Options, Problem, System, Trajectory
 from runtime.integrate.run import integrate
+from runtime.integrate.tables import IMPLICIT
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
 from runtime.results.result import Result
@@ -127,7 +129,7 @@ def simulate(
     begin = start if start is not None else assemble(machine, guess, parameters, t_start)
     equations = Equations(machine, p)
     trajectory = integrate(
-        machine.system,
+        _system(machine, method),
         Problem(
             begin.t,
             float(t_end),
@@ -153,6 +155,13 @@ def simulate(
         lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
     )
     return _result(machine, trajectory, p, began)
+
+
+def _system(machine: "Machine", method: str) -> System:
+    """The machine's kernels, with their derivatives where the method asks for them."""
+    if method not in IMPLICIT:
+        return machine.system
+    return replace(machine.system, **machine.tangents._asdict())
 
 
 def _mobility(equations: Equations, q: FloatArray) -> FloatArray:
@@ -182,6 +191,9 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
         "rhs_evaluations": counts.rhs,
         "corrections": counts.corrections,
         "newton_iterations": counts.newton,
+        "stage_iterations": counts.iterations,
+        "jacobians": counts.jacobians,
+        "factorizations": counts.factorizations,
         "dense_outputs": counts.dense_outputs,
         "repartitions": counts.repartitions,
         "events": counts.events,

@@ -176,6 +176,10 @@ class Statistics:
         Calls of `accelerations` by the method.
     corrections, newton
         Calls of `correction`, and Newton iterations begun at the ends of steps.
+    iterations, jacobians, factorizations
+        Of implicit methods: Newton iterations inside steps, each with one call of `accelerations`
+        a stage; times at which exact derivatives were taken; matrices factored, a real and a
+        complex one counted as one.
     dense_outputs
         Steps whose dense output was needed.
     repartitions, events
@@ -192,6 +196,9 @@ class Statistics:
     rhs: int
     corrections: int
     newton: int
+    iterations: int
+    jacobians: int
+    factorizations: int
     dense_outputs: int
     repartitions: int
     events: int
