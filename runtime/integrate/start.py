@@ -21,6 +21,7 @@ from runtime.integrate.signatures import (
     vector,
 )
 from runtime.integrate.slots import (
+    RIGID,
     ROW_ORDER,
     SETTINGS,
     begin_of,
@@ -37,7 +38,9 @@ from runtime.integrate.workspace import (
     G0,
     LARGEST,
     PARTITION,
+    RESERVE,
     ROWS,
+    SIZE,
     SWITCH_ROWS,
     Y0,
     K,
@@ -117,6 +120,13 @@ def start(
     if s > 0:
         h = first_step(machine, t, r.h_max, r.rtol, r.order, w, p, modes, lam)
         floats_at(machine, SETTINGS, 2)[STEP] = h
+        rigid = integers_at(machine, RIGID, s)
+        for k in range(s):
+            # The rounding of a gap is that of the lengths in it, however small itself.
+            if rigid[k] >= 0:
+                sw[LARGEST * s + k] = w[SIZE * length]
+                for j in range(n):
+                    sw[LARGEST * s + k] = min(sw[LARGEST * s + k], w[SIZE * length + j])
         settled = begin_of(machine)(
             machine, 0, t, LOOK_AHEAD * h, Y0, G0, w, sw, p, modes, scratch, lam
         )
@@ -126,8 +136,8 @@ def start(
         field(machine, t, q, v, p, modes, a, lam)
         measure(machine, t, Y0, K, G0, w, sw, p, modes, lam)
         for k in range(s):
-            sw[LARGEST * s + k] = abs(sw[G0 * s + k])
             if modes[k] == HELD_MODE:
+                sw[RESERVE * s + k] = sw[LARGEST * s + k]
                 sw[LARGEST * s + k], sw[BAND * s + k] = 1.0, 0.0
         r.rhs += 2
     for j in range(n):
