@@ -173,7 +173,8 @@ def transition(
     g = view(sw, NOW * s, s)
     switching_of(machine)(t, q, v, p, g)
     for k in range(s):
-        was_held = before[k] == HELD_MODE
+        # An impact tears away from its surface what it has given a velocity.
+        was_held = before[k] == HELD_MODE and (modes[k] == HELD_MODE or rigid[k] >= 0)
         largest = sw[RESERVE * s + k] if was_held else sw[LARGEST * s + k]
         clock = _CLOCK * abs(t * sw[(G1 + 1) * s + k]) if not was_held else 0.0
         sw[BAND * s + k] = 0.0
