@@ -47,10 +47,10 @@ from runtime.integrate.workspace import (
     TRIAL,
 )
 
-TOUCHING = 1e-9  # of the lengths of the machine: a start is assembled no closer
 CONSISTENT = -1
 GIVEN = 4  # is added to a preferred mode that is known to be right, and needs no look-ahead
 _SIGNIFICANT = 1e-14  # change of g over its maximum that is no rounding
+TOUCHING = 1e-9  # of the machine's lengths: a gap at the start is assembled no closer
 _FIRST = 1e-7  # first look-ahead over the last
 _MOST = 10  # functions whose modes are tried in all combinations
 _MOST_THREE = 6  # of those that may also be held

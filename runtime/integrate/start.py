@@ -50,7 +50,7 @@ from runtime.integrate.workspace import (
 from runtime.outcomes import Outcome
 
 _OK = int(Outcome.OK)
-_SLIDING = int(Outcome.SLIDING)
+_INCONSISTENT = int(Outcome.INCONSISTENT)
 _SINGULAR = int(Outcome.SINGULAR)
 _NEWTON_FAILED = int(Outcome.NEWTON_FAILED)
 _NOT_FINITE = int(Outcome.NOT_FINITE)
@@ -132,7 +132,7 @@ def start(
         )
         if settled != CONSISTENT:
             r.index = settled
-            outcome = _SLIDING
+            outcome = _INCONSISTENT
         field(machine, t, q, v, p, modes, a, lam)
         measure(machine, t, Y0, K, G0, w, sw, p, modes, lam)
         for k in range(s):
