@@ -244,7 +244,8 @@ class Trajectory:
     outcome
         How the run ended.
     index
-        The switching function (`INCONSISTENT`, `ZENO`) or constraint (`SINGULAR`) concerned, else -1.
+        The switching function (`INCONSISTENT`, `ZENO`) or constraint (`SINGULAR`) concerned; -1
+        otherwise.
     final_t, final_q, final_v, final_modes
         Where the run stopped, ready to go on from.
     statistics, events, partitions
