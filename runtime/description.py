@@ -103,6 +103,11 @@ class Switch(NamedTuple):
     condition: str
     kind: str = "condition"
 
+    @property
+    def title(self) -> str:
+        """`effect: condition`, as events name it."""
+        return f"{self.name}: {self.condition}"
+
 
 class RigidContact(NamedTuple):
     """A rigid contact and the number of its switch."""

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from codegen.errors import AnalysisError, ParameterError
 from runtime.analyses.door import check, number
+from runtime.analyses.surfaces import require_sound
 from runtime.description import (
     Constraint,
     Coordinate,
@@ -198,6 +199,7 @@ class Machine:
         if problems:
             raise ParameterError(problems)
         self.kernels.constants(values)
+        require_sound(self, values)
         return values
 
     def initial_modes(

@@ -14,6 +14,7 @@ from runtime.analyses.kinematics import instants
 from runtime.analyses.magnitudes import magnitudes
 from runtime.analyses.masses import require_masses
 from runtime.analyses.outputs import evaluate
+from runtime.analyses.surfaces import require_apart
 from runtime.integrate.problem import Correction, Options, Problem, System, Trajectory
 from runtime.integrate.run import integrate
 from runtime.integrate.tables import IMPLICIT
@@ -25,19 +26,24 @@ if TYPE_CHECKING:
     from runtime.machine import Machine, Values
 
 
+WORDS = {1: "began", -1: "ceased", 0: "holds", 2: "impact"}
+
+
 class Event(NamedTuple):
-    """A switching condition changed.
+    """A switching condition changed, or a contact was struck.
 
     Attributes
     ----------
     name
         `effect: condition`.
     time
-        In s.
+        In s; where bouncing ends, the instant at which its last flight would.
     direction
-        1: it began to hold; -1: it ceased; 0: the motion stays on its boundary.
+        1: the condition began to hold, or a contact opened; -1: it ceased; 0: from now on the
+        motion stays on its boundary: it slides there, friction sticks, or a contact is closed;
+        2: an impact, after which the contact is open.
     q, v
-        State, shape (n,).
+        State, shape (n,); after an impact, the velocities that it leaves.
     """
 
     name: str
@@ -45,6 +51,11 @@ class Event(NamedTuple):
     direction: int
     q: FloatArray
     v: FloatArray
+
+    @property
+    def what(self) -> str:
+        """The direction in a word: began, ceased, holds or impact."""
+        return WORDS[self.direction]
 
     @property
     def state(self) -> FloatArray:
@@ -128,6 +139,8 @@ def simulate(
     require_masses(machine, p)
     begin = start if start is not None else assemble(machine, guess, parameters, t_start)
     equations = Equations(machine, p)
+    sizes = magnitudes(equations, begin.t, begin.q)
+    require_apart(machine, p, begin.t, begin.q, begin.v, float(sizes.min(initial=1.0)))
     trajectory = integrate(
         _system(machine, method),
         Problem(
@@ -137,7 +150,7 @@ def simulate(
             np.ascontiguousarray(begin.v),
             p,
             _mobility(equations, begin.q),
-            magnitudes(equations, begin.t, begin.q),
+            sizes,
         ),
         # An unknown method is refused there, together with all else that is wrong.
         Options(
@@ -204,7 +217,7 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
     switches = machine.description.switches
     events = [
         Event(
-            f"{switches[int(index)].name}: {switches[int(index)].condition}",
+            switches[int(index)].title,
             float(time),
             int(direction),
             at_q,
@@ -240,7 +253,7 @@ def _message(machine: "Machine", run: Trajectory) -> str:
     told = machine.description
     where = ""
     if run.index >= 0:
-        if run.outcome in {Outcome.SLIDING, Outcome.ZENO}:
+        if run.outcome in {Outcome.INCONSISTENT, Outcome.ZENO}:
             switch = told.switches[run.index]
             where = f", condition {switch.condition} of {switch.name}"
         else:

@@ -56,7 +56,7 @@ from runtime.outcomes import Outcome
 
 GOING = -1  # the run is not over
 _OK = int(Outcome.OK)
-_SLIDING = int(Outcome.SLIDING)
+_INCONSISTENT = int(Outcome.INCONSISTENT)
 _ZENO = int(Outcome.ZENO)
 _STEP_TOO_SMALL = int(Outcome.STEP_TOO_SMALL)
 _MAX_STEPS = int(Outcome.MAX_STEPS)
@@ -308,7 +308,7 @@ def advance(
             r.event_span = span
             if r.blamed != CONSISTENT:
                 r.index = r.blamed
-                return _ZENO if r.shrinking >= RECENT else _SLIDING
+                return _ZENO if r.shrinking >= RECENT else _INCONSISTENT
             endless = r.shrinking >= _ZENO_EVENTS and span < _ZENO_SPAN * r.duration
             if endless or r.events > r.max_events:
                 r.index = crossing

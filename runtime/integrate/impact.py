@@ -21,11 +21,21 @@ from runtime.integrate.slots import (
     switching_rates_of,
 )
 from runtime.integrate.views import floats_at, integers_at, view
-from runtime.integrate.workspace import ATOL, NOW, RATE_NOW, ROWS
+from runtime.integrate.workspace import ATOL, LARGEST, NOW, RATE_NOW, RESERVE, ROWS
+
+ON_SURFACE = 1e-13  # |g| over its running maximum below which g counts as zero at an event
 
 _SWEEPS = 200
 _AGREED = 1e-14  # of the fastest approach: what a sweep may still change
 _LOW_FLIGHT = 0.01  # of the tolerance of a position: flights that rise no higher have ended
+_UNSEEN = 2e-13  # of the largest gap: heights at which rounding would move the next impact
+
+
+@inner
+def largest_gap(sw: Vector, modes: Integers, k: int) -> float:
+    """Running maximum of the gap of contact `k`, also while it is closed."""
+    s = modes.size
+    return float(sw[RESERVE * s + k] if modes[k] == HELD_MODE else sw[LARGEST * s + k])
 
 
 @inner
@@ -71,7 +81,7 @@ def impact(
     """Change the velocities in row `state` by the impact of rigid contact `first`.
 
     Newton's law, ġ⁺ = -e ġ⁻, with impulses that only push, and with those that hold the other
-    contacts that are closed: v⁺ = v⁻ + Σ P_i d_i, P_i ≥ 0, ġ_i⁺ ≥ -e_i ġ_i⁻, one of the two an
+    contacts that touch: v⁺ = v⁻ + Σ P_i d_i, P_i ≥ 0, ġ_i⁺ ≥ -e_i ġ_i⁻, one of the two an
     equality, by projected Gauss-Seidel sweeps. The directions d_i are those in which the forces
     of the contacts accelerate the machine.
 
@@ -93,11 +103,16 @@ def impact(
     work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
     rates, now = view(sw, RATE_NOW * s, s), view(sw, NOW * s, s)
     before, holding = modes[first], machine[HELD]
-    # All closed contacts as held, and nothing else: friction gives no impulse.
+    # All contacts that touch as held, and nothing else: friction gives no impulse.
+    gaps = view(work, (s + 1) * size, s)
+    switching_of(machine)(t, q, v, p, gaps)
     for k in range(s):
+        touches = abs(gaps[k]) <= ON_SURFACE * largest_gap(sw, modes, k)
         now[k] = modes[k]
         if rigid[k] < 0 and modes[k] == HELD_MODE:
             modes[k] = 0
+        elif rigid[k] >= 0 and touches:
+            modes[k] = HELD_MODE
     modes[first] = HELD_MODE
     units(machine, t, q, v, p, modes)
     count = 0
@@ -147,7 +162,8 @@ def impact(
     lowest = np.inf
     for j in range(n):
         lowest = min(lowest, w[ATOL * length + j])
-    if -0.5 * leaving * leaving / fall > _LOW_FLIGHT * lowest or share >= 1.0:
+    unseen = max(_LOW_FLIGHT * lowest, _UNSEEN * largest_gap(sw, modes, first))
+    if -0.5 * leaving * leaving / fall > unseen or share >= 1.0:
         return float(flight)
     modes[first] = HELD_MODE
     return -float(max(flight, 1e-300) / (1.0 - share))

@@ -11,6 +11,7 @@ both fields must push onto the surface.
 from runtime.compiled import compiled, inner
 from runtime.integrate.field import field
 from runtime.integrate.held import HELD_MODE
+from runtime.integrate.impact import ON_SURFACE
 from runtime.integrate.signatures import SETTLE, Integers, Vector
 from runtime.integrate.slots import (
     BENDS,
@@ -46,9 +47,10 @@ from runtime.integrate.workspace import (
     TRIAL,
 )
 
-ON_SURFACE = 1e-13  # |g| over its running maximum below which g counts as zero at an event
 CONSISTENT = -1
+GIVEN = 4  # is added to a preferred mode that is known to be right, and needs no look-ahead
 _SIGNIFICANT = 1e-14  # change of g over its maximum that is no rounding
+TOUCHING = 1e-9  # of the machine's lengths: a gap at the start is assembled no closer
 _FIRST = 1e-7  # first look-ahead over the last
 _MOST = 10  # functions whose modes are tried in all combinations
 _MOST_THREE = 6  # of those that may also be held
@@ -133,6 +135,7 @@ def contradicted(
     g = view(sw, NOW * s, s)
     ahead = view(sw, TRIAL * s, s)
     largest = view(sw, LARGEST * s, s)
+    preferred = view(sw, PREFERRED * s, s)
     q = view(w, state * 2 * n, n)
     v = view(w, state * 2 * n + n, n)
     hold(machine, candidate)
@@ -158,7 +161,8 @@ def contradicted(
         distance *= 10.0
     for i in range(count):
         k = int(members[i])
-        if candidate[k] != HELD_MODE and (signs[i] > 0) != (candidate[k] != 0):
+        given = int(preferred[k]) == candidate[k] + GIVEN
+        if candidate[k] != HELD_MODE and not given and (signs[i] > 0) != (candidate[k] != 0):
             return k
     return CONSISTENT
 
@@ -250,7 +254,7 @@ def settle(
                     changed += 1 if choice > 0 else 0
                     late += 1 if choice == 2 else 0
                     k = members[i]
-                    mode = alternative(rigid[k], int(preferred[k]), choice)
+                    mode = alternative(rigid[k], int(preferred[k]) % GIVEN, choice)
                     known = known and mode >= 0
                     candidate[k] = mode
                 if changed != changes or late != holds or not known:
@@ -273,14 +277,16 @@ def settle(
 def prefer(machine: Integers, letting_go: int, side: int, sw: Vector, modes: Integers) -> None:
     """Fill row PREFERRED: what friction that sticks and what is held already would rather do.
 
-    `letting_go` is a function whose share has reached a bound, with the mode on that `side`.
+    `letting_go` is a function whose share has reached a bound, with the mode on that `side`. At the
+    bound the acceleration of that mode is still that of the surface, so that looking ahead at a
+    constant one would show nothing.
     """
     s = modes.size
     sticks = integers_at(machine, STICKS, s)
     for k in range(s):
         sw[PREFERRED * s + k] = HELD_MODE if sticks[k] != 0 else modes[k]
     if letting_go >= 0:
-        sw[PREFERRED * s + letting_go] = side
+        sw[PREFERRED * s + letting_go] = side + GIVEN
 
 
 @compiled(SETTLE)
@@ -320,6 +326,8 @@ def begin(
     for k in range(s):
         # What is crossed within a millionth of the look-ahead is crossed now.
         near = max(ON_SURFACE * largest[k], 1e-6 * abs(ahead[k] - g[k]))
+        if rigid[k] >= 0:
+            near = max(near, TOUCHING * largest[k])
         largest[k] = max(largest[k], abs(g[k]))
         band[k] = 0.0
         if abs(g[k]) <= near:

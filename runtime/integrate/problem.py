@@ -208,18 +208,19 @@ class Statistics:
 
 @dataclass(frozen=True)
 class Events:
-    """Changes of modes, in order of time.
+    """Changes of modes and impacts, in order of time.
 
     Attributes
     ----------
     t : (e,)
-        Times, s.
+        Times, s; of a contact whose bouncing ends, the sum of all its flights.
     index : (e,) int64
         Switching functions.
     direction : (e,) int64
-        1: the condition began to hold; -1: it ceased; 0: the motion stays on its surface.
+        1: the condition began to hold, or the contact opened; -1: it ceased; 0: the motion stays
+        on its surface; 2: an impact, after which the contact is open.
     q, v : (e, n)
-        States, on the constraints.
+        States, on the constraints; after an impact, with the velocities that it leaves.
     """
 
     t: Vector
@@ -260,7 +261,8 @@ class Trajectory:
     outcome
         How the run ended.
     index
-        The switching function (`SLIDING`, `ZENO`) or constraint (`SINGULAR`) concerned, else -1.
+        The switching function (`INCONSISTENT`, `ZENO`) or constraint (`SINGULAR`) concerned; -1
+        otherwise.
     final_t, final_q, final_v, final_modes
         Where the run stopped, ready to go on from.
     statistics, events, partitions

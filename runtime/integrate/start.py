@@ -21,6 +21,7 @@ from runtime.integrate.signatures import (
     vector,
 )
 from runtime.integrate.slots import (
+    RIGID,
     ROW_ORDER,
     SETTINGS,
     begin_of,
@@ -37,7 +38,9 @@ from runtime.integrate.workspace import (
     G0,
     LARGEST,
     PARTITION,
+    RESERVE,
     ROWS,
+    SIZE,
     SWITCH_ROWS,
     Y0,
     K,
@@ -47,7 +50,7 @@ from runtime.integrate.workspace import (
 from runtime.outcomes import Outcome
 
 _OK = int(Outcome.OK)
-_SLIDING = int(Outcome.SLIDING)
+_INCONSISTENT = int(Outcome.INCONSISTENT)
 _SINGULAR = int(Outcome.SINGULAR)
 _NEWTON_FAILED = int(Outcome.NEWTON_FAILED)
 _NOT_FINITE = int(Outcome.NOT_FINITE)
@@ -117,17 +120,24 @@ def start(
     if s > 0:
         h = first_step(machine, t, r.h_max, r.rtol, r.order, w, p, modes, lam)
         floats_at(machine, SETTINGS, 2)[STEP] = h
+        rigid = integers_at(machine, RIGID, s)
+        for k in range(s):
+            # The rounding of a gap is that of the lengths in it, however small itself.
+            if rigid[k] >= 0:
+                sw[LARGEST * s + k] = w[SIZE * length]
+                for j in range(n):
+                    sw[LARGEST * s + k] = min(sw[LARGEST * s + k], w[SIZE * length + j])
         settled = begin_of(machine)(
             machine, 0, t, LOOK_AHEAD * h, Y0, G0, w, sw, p, modes, scratch, lam
         )
         if settled != CONSISTENT:
             r.index = settled
-            outcome = _SLIDING
+            outcome = _INCONSISTENT
         field(machine, t, q, v, p, modes, a, lam)
         measure(machine, t, Y0, K, G0, w, sw, p, modes, lam)
         for k in range(s):
-            sw[LARGEST * s + k] = abs(sw[G0 * s + k])
             if modes[k] == HELD_MODE:
+                sw[RESERVE * s + k] = sw[LARGEST * s + k]
                 sw[LARGEST * s + k], sw[BAND * s + k] = 1.0, 0.0
         r.rhs += 2
     for j in range(n):

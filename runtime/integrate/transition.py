@@ -5,7 +5,8 @@ import numpy as np
 from runtime.compiled import compiled, inner
 from runtime.integrate.field import field
 from runtime.integrate.held import HELD_MODE
-from runtime.integrate.modes import CONSISTENT, ON_SURFACE, hold, prefer
+from runtime.integrate.impact import ON_SURFACE
+from runtime.integrate.modes import CONSISTENT, GIVEN, hold, prefer
 from runtime.integrate.signatures import (
     TRANSITION,
     IntegerMatrix,
@@ -35,6 +36,7 @@ from runtime.integrate.workspace import (
     RATE_NOW,
     RESERVE,
     ROWS,
+    SUSPECT,
     Y1,
     K,
     Run,
@@ -69,6 +71,23 @@ def log_event(
         event_y[at, j] = w[Y1 * length + j]
     r.logged_events += 1
     r.events += 1
+
+
+@inner
+def approaching(
+    machine: Integers, t: float, w: Vector, sw: Vector, p: Vector, modes: Integers
+) -> None:
+    """Mark in row SUSPECT the open contacts that touch and are about to close."""
+    n = w.size // (2 * ROWS)
+    s = modes.size
+    rigid = integers_at(machine, RIGID, s)
+    q, v = view(w, Y1 * 2 * n, n), view(w, Y1 * 2 * n + n, n)
+    g, rates = view(sw, NOW * s, s), view(sw, RATE_NOW * s, s)
+    switching_of(machine)(t, q, v, p, g)
+    switching_rates_of(machine)(t, q, v, view(w, DELTA * 2 * n, n), p, rates)
+    for k in range(s):
+        touches = rigid[k] >= 0 and abs(g[k]) <= ON_SURFACE * sw[LARGEST * s + k]
+        sw[SUSPECT * s + k] = 1.0 if touches and modes[k] == 1 and rates[k] < 0.0 else 0.0
 
 
 @inner
@@ -131,7 +150,7 @@ def transition(
     for k in range(s):
         before[k] = modes[k]
     r.flight = np.inf
-    letting_go, side = -1, 0
+    letting_go, side, last = -1, 0, 0.0
     if modes[crossing] == HELD_MODE:
         letting_go = crossing
         field(machine, t, q, v, p, modes, view(w, DELTA * length, n), lam)
@@ -140,31 +159,42 @@ def transition(
         side = 1 if low < UNBOUNDED or share > 0.5 * (low + high) else 0
     hit = rigid[crossing] >= 0 and letting_go < 0
     if hit:
+        approaching(machine, t, w, sw, p, modes)
         flight = impact_of(machine)(machine, crossing, t, Y1, w, sw, p, modes, lam)
         r.flight = flight if flight > 0.0 else np.inf
         last = -flight if flight < 0.0 else 0.0
         jumped(machine, t, crossing, w, sw, p, modes)
         hold(machine, modes)
-        direction = HELD if modes[crossing] == HELD_MODE else IMPACT
-        log_event(t + last, crossing, direction, w, run, event_t, event_kind, event_y)
     prefer(machine, letting_go, side, sw, modes)
+    rates = view(sw, RATE_NOW * s, s)
     if hit:
-        sw[PREFERRED * s + crossing] = modes[crossing]
+        leaves = modes[crossing] != HELD_MODE and rates[crossing] > 0.0
+        sw[PREFERRED * s + crossing] = modes[crossing] + (GIVEN if leaves else 0)
     g = view(sw, NOW * s, s)
     switching_of(machine)(t, q, v, p, g)
     for k in range(s):
-        was_held = before[k] == HELD_MODE
+        # An impact tears away from its surface what it has given a velocity.
+        was_held = before[k] == HELD_MODE and (modes[k] == HELD_MODE or rigid[k] >= 0)
         largest = sw[RESERVE * s + k] if was_held else sw[LARGEST * s + k]
         clock = _CLOCK * abs(t * sw[(G1 + 1) * s + k]) if not was_held else 0.0
         sw[BAND * s + k] = 0.0
         near = k == crossing or was_held or abs(g[k]) <= max(ON_SURFACE * largest, clock)
-        if near and not (rigid[k] >= 0 and modes[k] == 1 and k != crossing and not was_held):
+        if rigid[k] >= 0 and modes[k] == 1 and k != crossing and not was_held:
+            # It took part in this impact where it touched; else it will have its own.
+            near = hit and abs(g[k]) <= ON_SURFACE * largest
+            if near and rates[k] > 0.0:
+                sw[PREFERRED * s + k] = 1 + GIVEN
+        if near:
             sw[BAND * s + k] = 2.0 * abs(g[k]) + 1e-14 * largest + 1e-300
     ahead = min(LOOK_AHEAD * h, 0.1 * r.flight)
     r.blamed = settle_of(machine)(
         machine, crossing, t, ahead, Y1, G1, w, sw, p, modes, scratch, lam
     )
-    logged = 1 if hit else 0
+    logged = 0
+    if hit:
+        direction = HELD if modes[crossing] == HELD_MODE else IMPACT
+        log_event(t + last, crossing, direction, w, run, event_t, event_kind, event_y)
+        logged = 1
     for k in range(s):
         held, was_held = modes[k] == HELD_MODE, before[k] == HELD_MODE
         if held and not was_held:
@@ -175,10 +205,13 @@ def transition(
         if held:
             sw[BAND * s + k] = 0.0
         blamed = k == crossing and r.blamed != CONSISTENT
-        if (modes[k] != before[k] or blamed) and not (hit and k == crossing):
+        struck = hit and sw[SUSPECT * s + k] > 0.0
+        if (modes[k] != before[k] or blamed or struck) and not (hit and k == crossing):
             direction = HELD
             if modes[k] != before[k] and not held:
                 direction = BEGAN if modes[k] != 0 else CEASED
+            elif struck and not held:
+                direction = IMPACT
             log_event(t, k, direction, w, run, event_t, event_kind, event_y)
             logged += 1
     if logged > 0 and r.blamed == CONSISTENT:
