@@ -165,6 +165,8 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
         "dense_outputs": counts.dense_outputs,
         "repartitions": counts.repartitions,
         "events": counts.events,
+        "singular_crossings": len(run.crossings),
+        "crossing_error": max((crossing.error for crossing in run.crossings), default=0.0),
         "largest_correction": counts.largest_dq,
         "integration_seconds": counts.seconds,
         "wall_seconds": clock.perf_counter() - began,

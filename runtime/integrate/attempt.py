@@ -36,8 +36,10 @@ from runtime.integrate.views import (
 )
 from runtime.integrate.workspace import (
     DELTA,
+    FREE,
     PARTITION,
     PREDICTED,
+    PROJECTION,
     ROWS,
     SAMPLE,
     UNIT,
@@ -51,7 +53,7 @@ NEWTON = 1
 NOT_FINITE = 2
 TOO_LARGE = 3  # the error is over the tolerance
 
-GROWTH_LIMIT = 10.0  # entries of H that full pivoting keeps near one
+GROWTH_LIMIT = 2.0  # entries of H that full pivoting keeps near one
 _CHECK_EVERY = 4  # steps between probes of one independent coordinate
 _MANY_ITERATIONS = 4
 
@@ -190,6 +192,14 @@ def returned(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> int
         finite = finite and np.isfinite(y1[j])
     if not finite:
         return NOT_FINITE
+    if r.plan != FREE:
+        # No coordinates are independent at a singular position, and near it none are good.
+        result = correct(machine, t, Y1, PROJECTION, w, p)
+        r.newton += 1
+        if result == FAILED:
+            return NEWTON
+        r.corrections += result % WEAK
+        return DONE
     if poorly_chosen(machine, t, w, p, run) != 0:
         repartition(machine, t, Y1, w, run, p)
     result = correct(machine, t, Y1, PARTITION, w, p)
@@ -250,6 +260,6 @@ def attempt(
     r.error = error_of(machine)(machine, h, r.rtol, w)
     if not np.isfinite(r.error):
         return NOT_FINITE
-    if r.error > 1.0 and r.fixed == 0:
+    if r.error > r.permitted and r.fixed == 0:
         return TOO_LARGE
     return DONE

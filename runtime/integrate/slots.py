@@ -33,6 +33,7 @@ from runtime.integrate.signatures import (
     StateRightSide,
     Switching,
     SwitchingRates,
+    Vanishing,
     Watch,
 )
 
@@ -76,6 +77,7 @@ class Slot(IntEnum):
     EMIT = auto()
     WATCH = auto()
     BENT = auto()
+    VANISHING = auto()
     # Numbers.
     COORDINATES = auto()
     CONSTRAINT_COUNT = auto()
@@ -96,6 +98,8 @@ class Slot(IntEnum):
     LOG_SETS = auto()
     MEMORY = auto()
     NOTES = auto()
+    PIVOTS = auto()
+    PIVOT_COLUMNS = auto()
 
 
 accelerations_of = at(Accelerations, Slot.ACCELERATIONS)
@@ -127,6 +131,7 @@ first_step_of = at(FirstStep, Slot.FIRST_STEP)
 emit_of = at(Emit, Slot.EMIT)
 watch_of = at(Watch, Slot.WATCH)
 bent_of = at(Field, Slot.BENT)
+vanishing_of = at(Vanishing, Slot.VANISHING)
 
 # Compiled code needs plain numbers.
 COORDINATES = int(Slot.COORDINATES)
@@ -147,3 +152,5 @@ LOG_TIMES = int(Slot.LOG_TIMES)
 LOG_SETS = int(Slot.LOG_SETS)
 MEMORY = int(Slot.MEMORY)
 NOTES = int(Slot.NOTES)
+PIVOTS = int(Slot.PIVOTS)
+PIVOT_COLUMNS = int(Slot.PIVOT_COLUMNS)

@@ -9,6 +9,7 @@ import numpy as np
 
 from runtime.compiled import addresses
 from runtime.constraints.correction import correct
+from runtime.constraints.vanishing import vanishing
 from runtime.integrate import attempt, bent, control, events, modes, outputs, watch
 from runtime.integrate.problem import System
 from runtime.integrate.signatures import Integers
@@ -49,6 +50,7 @@ def _loop() -> Integers:
             outputs.emit,
             watch.watch,
             bent.bent,
+            vanishing,
         )
     )
 
@@ -93,6 +95,8 @@ def wire(system: System, name: str, log_rows: int) -> Wiring:
         Slot.LOG_SETS: np.zeros((log_rows, n), np.int64),
         Slot.MEMORY: np.zeros(memory),
         Slot.NOTES: np.zeros(notes, np.int64),
+        Slot.PIVOTS: np.zeros(2 * m),
+        Slot.PIVOT_COLUMNS: np.zeros(m, np.int64),
     }
     for slot, array in arrays.items():
         table[slot] = array.ctypes.data

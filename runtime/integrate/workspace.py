@@ -62,6 +62,15 @@ _FLOATS = [
     "event_span",  # time that the last events took
     "stretch",  # ratio of two steps' lengths that the switching functions allow
     "finest",  # length of a step that is never too long for them
+    "permitted",  # error that a step may have, over the tolerance: 1 but where rounding exceeds it
+    "vanishing",  # time from now at which constraints seem to become dependent
+    "turn",  # instant at which the step over a singular position begins
+    "leap",  # length of that step
+    "blind_from",  # samples between these two instants stay as they are interpolated
+    "blind_to",
+    "look_at",  # instant at which the constraints are looked at again
+    "quiet",  # instant until which a singular position is not looked for
+    "usual",  # length of the last accepted step of free choice
 ]
 _INTEGERS = [
     "last",  # row, after K, of the derivative at the end of a step
@@ -96,7 +105,11 @@ _INTEGERS = [
     "shrinking",  # events in a row, each in less time than the one before
     "standing",  # events in a row without time between them
     "index",  # function or constraint that an outcome concerns
+    "plan",  # what is planned about a singular position, one of the below
 ]
+FREE, APPROACHING, CROSSING, LEAVING = 0, 1, 2, 3
+"""No singular position is known; steps up to where it is crossed; that step; steps away from it."""
+
 RUN = np.dtype(
     [(name, np.float64) for name in _FLOATS] + [(name, np.int64) for name in _INTEGERS], align=True
 )
