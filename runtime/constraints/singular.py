@@ -31,12 +31,52 @@ _DIFFERENCE = 6e-6  # eps ** (1/3), the relative size of a central difference
 
 
 class Motion(NamedTuple):
-    """A motion near an instant: q(t + s) = q + s v + s²/2 a; arrays of shape (n,)."""
+    """A motion near an instant: q(t + s) = Σ s^i series_i; `series` has shape (k + 1, n)."""
 
     t: float
-    q: FloatArray
-    v: FloatArray
-    a: FloatArray
+    series: FloatArray
+
+    @property
+    def q(self) -> FloatArray:
+        """The position now."""
+        q: FloatArray = self.series[0]
+        return q
+
+    @property
+    def v(self) -> FloatArray:
+        """The velocity now."""
+        v: FloatArray = self.series[1]
+        return v
+
+    def at(self, s: float) -> FloatArray:
+        """q after the time s."""
+        q: FloatArray = s ** np.arange(len(self.series)) @ self.series
+        return q
+
+    def rate(self, s: float) -> FloatArray:
+        """Its derivative."""
+        powers = np.arange(1, len(self.series))
+        v: FloatArray = (powers * s ** (powers - 1)) @ self.series[1:]
+        return v
+
+
+def taylor(t: float, q: FloatArray, v: FloatArray, a: FloatArray) -> Motion:
+    """The motion with these derivatives."""
+    return Motion(t, np.stack([q, v, 0.5 * a]))
+
+
+def hermite(
+    t: float, h: float, start: tuple[FloatArray, ...], end: tuple[FloatArray, ...]
+) -> Motion:
+    """The quintic with these q, v and a at both ends of a step."""
+    q0, v0, a0 = start
+    left = np.stack([end[0] - q0 - h * v0 - 0.5 * h * h * a0, end[1] - v0 - h * a0, end[2] - a0])
+    right = np.array(
+        [[h**3, h**4, h**5], [3 * h**2, 4 * h**3, 5 * h**4], [6 * h, 12 * h**2, 20 * h**3]]
+    )
+    units = h ** np.arange(3.0)
+    rest = np.linalg.solve(units[:, None] * right, units[:, None] * left)
+    return Motion(t, np.vstack([q0, v0, 0.5 * a0, rest]))
 
 
 class Singularity(NamedTuple):
@@ -190,27 +230,17 @@ class _Search:
 
     def __init__(self, positions: Positions, motion: Motion, speed: float) -> None:
         self.positions, self.motion, self.speed = positions, motion, speed
-        bend = float(np.linalg.norm(motion.a / positions.scale))
-        self.bends = np.isfinite(bend)
         matrix = positions.slopes(motion.t, motion.q, 1.0 / speed)
         lengths = np.linalg.norm(matrix[:, :-1], axis=1)
         self.lengths = np.where(lengths > 0.0, lengths, 1.0)
 
     def at(self, s: float) -> FloatArray:
         """z after the time s."""
-        motion, scale = self.motion, self.positions.scale
-        q = motion.q + s * motion.v
-        if self.bends and abs(s) * np.linalg.norm(motion.a / scale) < 2.0 * self.speed:
-            q = q + 0.5 * s * s * motion.a
-        return np.append(q / scale, (motion.t + s) * self.speed)
+        return np.append(self.motion.at(s) / self.positions.scale, (self.motion.t + s) * self.speed)
 
     def rate(self, s: float) -> FloatArray:
         """dz/ds."""
-        motion, scale = self.motion, self.positions.scale
-        v = motion.v
-        if self.bends and abs(s) * np.linalg.norm(motion.a / scale) < 2.0 * self.speed:
-            v = v + s * motion.a
-        return np.append(v / scale, self.speed)
+        return np.append(self.motion.rate(s) / self.positions.scale, self.speed)
 
     def matrix(self, z: FloatArray) -> FloatArray:
         """The Jacobian of the unit rows by z."""

@@ -97,7 +97,8 @@ def vanishing(
     """Time after t at which a pivot vanishes, up to `AHEAD * h`; infinite where none does.
 
     Pivots are compared at the start of the step, Y0, and in row `state`, its end; where that is Y0
-    too, which says that the step has failed, a little later on the motion as it begins.
+    too, which says that the step has failed, a little later on the motion as it begins, and a
+    pivot that has just vanished is found too.
     `run.look_at` is set to the instant until which no pivot can vanish: a pivot changes by about
     as much as the coordinates, in their typical sizes. Two sparse eliminations, three where one
     announces something.
@@ -123,8 +124,9 @@ def vanishing(
     speed = 0.0
     for j in range(n):
         speed = max(speed, abs(v[j]) / size[j], abs(view(w, state * 2 * n + n, n)[j]) / size[j])
-    span = h
+    span, back = h, 0.0
     if state == Y0:
+        back = -BEHIND * h
         span = min(h, _REACH / max(speed, 1e-300))
     for j in range(n):
         moved[j] = q[j] + span * v[j] if state == Y0 else end[j]
@@ -139,7 +141,7 @@ def vanishing(
         if max(abs(now[i]), abs(later[i])) <= _REDUNDANT or change == 0.0:
             continue
         s = -now[i] * span / change
-        if -BEHIND * h <= s <= AHEAD * h and abs(s) < abs(nearest):
+        if back <= s <= AHEAD * h and abs(s) < abs(nearest):
             nearest = s
             before = abs(now[i])
     r.look_at = t + _MARGIN * _smallest(now) / max(speed, 1e-300)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from runtime.constraints.singular import Motion, Positions, Singularity
+from runtime.constraints.singular import Motion, Positions, Singularity, hermite, taylor
 from runtime.integrate import driver
 from runtime.integrate.problem import Crossing, Problem, System
 from runtime.integrate.signatures import Vector
@@ -27,6 +27,7 @@ from runtime.integrate.workspace import (
     LEAVING,
     ROWS,
     Y0,
+    Y1,
     K,
 )
 from runtime.outcomes import Outcome
@@ -113,6 +114,9 @@ class Crossings:
             return self._missed(found)
         self.found = found
         ahead = found.t - motion.t
+        if ahead < 0.0 and self._noise(found) * usual < -(ahead**3):
+            r["quiet"] = motion.t + usual  # it lies behind, and far enough
+            return driver.GOING
         best = self._best(found, usual)
         if best.lead <= ahead:
             r["plan"], r["turn"] = APPROACHING, found.t - best.lead
@@ -137,7 +141,8 @@ class Crossings:
             return int(Outcome.SINGULAR)
         r["plan"], r["leap"] = CROSSING, leap.h
         r["permitted"] = _ALLOWANCE * (1.0 + leap.error)
-        r["blind_from"], r["blind_to"] = found.t - 0.5 * leap.lead, found.t + 0.5 * leap.lead
+        blind = np.sqrt(self._noise(found))
+        r["blind_from"], r["blind_to"] = found.t - blind, found.t + blind
         return driver.GOING
 
     def _crossed(self) -> int:
@@ -264,8 +269,21 @@ class Crossings:
         return float(np.abs(q / self.scale).max(initial=1.0))
 
     def _motion(self) -> Motion:
-        n = self.run.n
+        """How the machine moves from where the run stands; over a step just tried, where it was."""
+        r, n = self.r, self.run.n
         rows = self.run.w.reshape(ROWS, 2, n)
-        return Motion(
-            float(self.r["t"]), rows[Y0, 0].copy(), rows[Y0, 1].copy(), rows[K, 1].copy()
-        )
+        t = float(r["t"])
+        start = rows[Y0, 0], rows[Y0, 1], rows[K, 1]
+        if not np.isfinite(start[2]).all() or self._bent(start):
+            start = start[0], start[1], np.zeros(n)
+        if r["tried"] > 0.0:
+            return hermite(t, float(r["tried"]), start, (*rows[Y1], rows[K + r["last"], 1]))
+        return taylor(t, *start)
+
+    def _bent(self, start: tuple[Vector, ...]) -> bool:
+        """Whether these accelerations would change the velocity within a tenth of a step."""
+        step = 0.1 * float(self.r["usual"])
+        return bool(step * self._length(start[2]) > self._length(start[1]))
+
+    def _length(self, vector: Vector) -> float:
+        return float(np.linalg.norm(vector / self.scale))

@@ -171,6 +171,7 @@ def advance(
         if r.steps + r.rejected >= r.max_steps:
             return _MAX_STEPS
         h = min(r.h, r.h_max)
+        r.tried = 0.0
         planned = 0
         if r.plan == CROSSING or (r.plan == APPROACHING and t + 1.01 * h >= r.turn):
             h = r.leap if r.plan == CROSSING else r.turn - t
@@ -211,6 +212,7 @@ def advance(
             if r.vanishing < TOO_CLOSE * h:
                 # Not to be stepped over by chance, nor to be ended at.
                 r.rejected += 1
+                r.tried = h
                 return LOOK
             if r.vanishing < np.inf:
                 r.vanishing -= h
