@@ -25,6 +25,7 @@ from runtime.integrate.views import floats_at, integers_at, matrix_at, view
 from runtime.integrate.workspace import PARTITION, ROWS, SAMPLE, SIZE, Y0, Run
 
 BEHIND, AHEAD = 0.1, 2.5  # of a step: how far back and ahead is looked
+_FORESIGHT = 0.1  # of the coordinates' sizes: what is nearer matters to the finest tolerances
 _REACH = 0.5  # of the coordinates' sizes: how far a motion is continued
 _MARGIN = 0.5  # of the time in which a pivot could vanish: when to look again
 _NEAR = 1e-3  # a pivot that counts as small in any case
@@ -94,7 +95,7 @@ def _smallest(pivots: Vector) -> float:
 def vanishing(
     machine: Integers, t: float, h: float, state: int, w: Vector, run: Run, p: Vector
 ) -> float:
-    """Time after t at which a pivot vanishes, up to `AHEAD * h`; infinite where none does.
+    """Time after t at which a pivot vanishes, where that is soon; else infinite.
 
     Pivots are compared at the start of the step, Y0, and in row `state`, its end; where that is Y0
     too, which says that the step has failed, a little later on the motion as it begins, and a
@@ -124,9 +125,9 @@ def vanishing(
     speed = 0.0
     for j in range(n):
         speed = max(speed, abs(v[j]) / size[j], abs(view(w, state * 2 * n + n, n)[j]) / size[j])
-    span, back = h, 0.0
+    span, back, ahead = h, 0.0, max(AHEAD * h, _FORESIGHT / max(speed, 1e-300))
     if state == Y0:
-        back = -BEHIND * h
+        back, ahead = -BEHIND * h, h
         span = min(h, _REACH / max(speed, 1e-300))
     for j in range(n):
         moved[j] = q[j] + span * v[j] if state == Y0 else end[j]
@@ -141,7 +142,7 @@ def vanishing(
         if max(abs(now[i]), abs(later[i])) <= _REDUNDANT or change == 0.0:
             continue
         s = -now[i] * span / change
-        if back <= s <= AHEAD * h and abs(s) < abs(nearest):
+        if back <= s <= ahead and abs(s) < abs(nearest):
             nearest = s
             before = abs(now[i])
     r.look_at = t + _MARGIN * _smallest(now) / max(speed, 1e-300)

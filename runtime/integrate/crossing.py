@@ -108,7 +108,8 @@ class Crossings:
         self.tries = 0
         usual = max(float(r["usual"]), float(r["h"]))
         if found is None or not found.rate > 0.0:
-            r["quiet"] = motion.t + max(0.5 * abs(s), 2.0 * usual)
+            # The step that was tried may be taken; the look at the next one is another.
+            r["quiet"] = motion.t + max(0.5 * abs(s), 0.5 * usual, 1.001 * r["tried"])
             return driver.GOING
         if found.gap > self._rounding(motion.q):
             return self._missed(found)
