@@ -210,4 +210,8 @@ def _message(machine: "Machine", run: Trajectory) -> str:
         else:
             row = told.constraints[run.index]
             where = f", {'driver' if row.element in told.drivers else 'joint'} {row.name}"
-    return f"Stopped at t = {run.final_t:.9g} s{where}. {run.outcome.meaning} {run.outcome.advice}"
+    note = f" {run.note}" if run.note else ""
+    return (
+        f"Stopped at t = {run.final_t:.9g} s{where}. {run.outcome.meaning}{note} "
+        f"{run.outcome.advice}"
+    )

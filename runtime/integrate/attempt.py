@@ -37,6 +37,7 @@ from runtime.integrate.views import (
 from runtime.integrate.workspace import (
     DELTA,
     FREE,
+    MISSING,
     PARTITION,
     PREDICTED,
     PROJECTION,
@@ -192,7 +193,7 @@ def returned(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> int
         finite = finite and np.isfinite(y1[j])
     if not finite:
         return NOT_FINITE
-    if r.plan != FREE:
+    if FREE < r.plan < MISSING:
         # No coordinates are independent at a singular position, and near it none are good.
         result = correct(machine, t, Y1, PROJECTION, w, p)
         r.newton += 1

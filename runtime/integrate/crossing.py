@@ -25,6 +25,7 @@ from runtime.integrate.workspace import (
     CROSSING,
     FREE,
     LEAVING,
+    MISSING,
     ROWS,
     Y0,
     Y1,
@@ -168,9 +169,23 @@ class Crossings:
         return self._cross()
 
     def _missed(self, found: Singularity) -> int:
-        """The machine misses the position by a gap: the motion turns round within its root."""
+        """The machine misses the position by a gap: its motion bends away, within the width τ.
+
+        There the singular value is σ' τ and the distance from the position about as large as the
+        gap over it: σ' v τ² = gap. Steps must not be longer than that bend, and rounding must
+        allow to follow it.
+        """
         r = self.r
-        r["quiet"] = found.t + abs(found.t - r["t"])
+        width = float(np.sqrt(found.gap / (found.rate * found.speed)))
+        if self._noise(found) > width**2:
+            r["index"] = int(found.rows.argmax())
+            self.note = (
+                f"At t = {found.t:.9g} s the machine misses a position in which its motions cross "
+                f"by {found.gap:.1e}, too little to be followed in rounded numbers with this rtol."
+            )
+            return int(Outcome.SINGULAR)
+        r["plan"], r["turn"], r["leap"] = MISSING, found.t, 0.5 * width
+        r["quiet"] = found.t + max(abs(found.t - r["t"]), 10.0 * width)
         return driver.GOING
 
     # -- lengths ------------------------------------------------------------------------------

@@ -50,6 +50,7 @@ from runtime.integrate.workspace import (
     G1,
     LARGEST,
     LEAVING,
+    MISSING,
     R0,
     R1,
     ROWS,
@@ -79,6 +80,7 @@ _WEAK_STATES = 3  # accepted states in a row with a weak pivot that make a singu
 _ZENO_EVENTS = 30  # events in a row with such a ratio that are no accident
 _ZENO_SPAN = 1e-7  # of the run: what eight such events must take at most
 _ZENO_RATIO = 0.98  # of the time of eight events to that of the eight before the last
+_SHARE = 0.3  # of the way to a position that is missed: what a step may cover
 RECENT = 8
 TOO_CLOSE = 1.2  # steps: a singular position no further away than this needs a plan before the step
 LOG_MARGIN = 16  # free rows of the partition log that one step may need
@@ -176,6 +178,8 @@ def advance(
         if r.plan == CROSSING or (r.plan == APPROACHING and t + 1.01 * h >= r.turn):
             h = r.leap if r.plan == CROSSING else r.turn - t
             planned = 1
+        elif r.plan == MISSING:
+            h = min(h, max(r.leap, _SHARE * abs(r.turn - t)))
         t1 = r.turn if planned != 0 and r.plan == APPROACHING else t + h
         if t + (1.01 - 0.01 * planned) * h >= r.t_end:
             h = r.t_end - t
@@ -388,9 +392,10 @@ def advance(
             r.usual = h
         if r.plan == CROSSING or (r.plan == APPROACHING and t1 >= r.turn):
             return LOOK
-        if r.plan == LEAVING and t1 >= r.quiet:
+        if r.plan >= LEAVING and t1 >= r.quiet:
+            if r.plan == LEAVING:
+                repartition_of(machine)(machine, t1, Y0, w, run, p)
             r.plan = FREE
-            repartition_of(machine)(machine, t1, Y0, w, run, p)
         if soon != 0:
             return LOOK
     return _OK if r.t >= r.t_end else GOING

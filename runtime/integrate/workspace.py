@@ -108,8 +108,9 @@ _INTEGERS = [
     "index",  # function or constraint that an outcome concerns
     "plan",  # what is planned about a singular position, one of the below
 ]
-FREE, APPROACHING, CROSSING, LEAVING = 0, 1, 2, 3
-"""No singular position is known; steps up to where it is crossed; that step; steps away from it."""
+FREE, APPROACHING, CROSSING, LEAVING, MISSING = 0, 1, 2, 3, 4
+"""What is planned about singular positions: nothing; to come to where a step across begins; that
+step; to get away; to follow the bend in which the motion misses one."""
 
 RUN = np.dtype(
     [(name, np.float64) for name in _FLOATS] + [(name, np.int64) for name in _INTEGERS], align=True
