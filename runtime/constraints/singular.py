@@ -13,6 +13,7 @@ D. G. Schaeffer, Singularities and Groups in Bifurcation Theory I, 1985, chapter
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,9 +25,12 @@ Kernel = Callable[..., Any]
 _WEAK = 0.3  # a singular value above this, columns scaled and rows made unit length, is not weak
 _APART = 3.0  # factor by which the weak singular values lie below the others
 _FLAT = 1e-6  # what is left of uᵀ Φ_q on the null directions at a singular position
-_ITERATIONS = 25
+_ITERATIONS = 40
+_KEEP = 5  # iterations with the same second derivatives
 _CONVERGED = 1e-12
 _KNOWN = 0.02  # Jacobians that differ by no more than this share their singular vectors
+_PASSES = 3
+_SAME = 0.05  # of the way there: a motion that comes as near to a known position passes it
 _DIFFERENCE = 6e-6  # eps ** (1/3), the relative size of a central difference
 
 
@@ -159,16 +163,30 @@ class Positions:
     m: int
     _frames: list[_Frame] = field(default_factory=list)
 
-    def slopes(self, t: float, q: FloatArray, unit: float = 1.0) -> FloatArray:
-        """Φ_q, columns scaled, and Φ_t times `unit` as the last column; shape (m', n + 1)."""
-        n = self.scale.size
-        values, rate = np.zeros(self.rows.size), np.zeros(self.m)
-        self.jacobian(t, q, self.p, values)
+    def entries(self, t: float, q: FloatArray, unit: float) -> FloatArray:
+        """Non-zeros of Φ_q, columns scaled, then Φ_t times `unit`; at `places`, (nnz + m,)."""
+        values = np.zeros(self.rows.size + self.m)
+        rate = values[self.rows.size :]
+        self.jacobian(t, q, self.p, values[: self.rows.size])
+        values[: self.rows.size] *= self.scale[self.columns]
         self.velocity_rhs(t, q, self.p, rate)
-        dense = np.zeros((self.m, n + 1))
-        np.add.at(dense, (self.rows, self.columns), values * self.scale[self.columns])
-        dense[:, n] = -unit * rate
-        return dense[self.independent]
+        rate *= -unit
+        return values
+
+    @cached_property
+    def places(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Rows and columns of `entries`; dependent rows are set aside behind the others."""
+        order = np.full(self.m, self.independent.size)
+        order[self.independent] = np.arange(self.independent.size)
+        rows = np.append(self.rows, np.arange(self.m))
+        columns = np.append(self.columns, np.full(self.m, self.scale.size))
+        return order[rows], columns
+
+    def dense(self, entries: FloatArray) -> FloatArray:
+        """The matrix of `entries`, independent rows only, shape (m', n + 1)."""
+        matrix = np.zeros((self.independent.size + 1, self.scale.size + 1))
+        matrix[self.places] = entries
+        return matrix[:-1]
 
     def gaps(self, t: float, q: FloatArray) -> FloatArray:
         """Φ, shape (m',)."""
@@ -185,15 +203,32 @@ class Positions:
         if not 0.0 < speed < np.inf:
             return None
         search = _Search(self, motion, speed)
-        for _ in range(3):
+        found = None
+        for _ in range(_PASSES):
             found = search.around(s)
             if found is None:
                 return None
-            passed = search.nearest(found.z, s)
-            if abs(passed - s) * speed < 1e-6:
-                return search.described(found, passed)
-            s = passed
-        return search.described(found, s)
+            before, s = s, search.nearest(found.z, s)
+            # With one freedom the position is one point, wherever the search for it began.
+            if found.freedom <= 1 or abs(s - before) * speed < 1e-6:
+                break
+        return search.described(found, s) if found is not None else None
+
+    def again(self, motion: Motion, known: Singularity) -> Singularity | None:
+        """A known singular position as a later look at the motion sees it."""
+        speed = float(np.linalg.norm(motion.v / self.scale))
+        if not 0.0 < speed < np.inf:
+            return None
+        search = _Search(self, motion, speed)
+        z = np.append(known.q / self.scale, known.t * speed)
+        s = search.nearest(z, known.t - motion.t)
+        miss = float(np.linalg.norm((search.at(s) - z)[:-1]))
+        if miss > _SAME * max(abs(s) * speed, 1e-3):
+            return self.near(motion, s)
+        growth = speed / known.speed
+        return known._replace(
+            t=motion.t + s, speed=speed, rate=known.rate * growth, bend=known.bend * growth, miss=miss
+        )
 
     def frame(self, matrix: FloatArray) -> _Frame:
         """Singular vectors of this Jacobian, or of a known one that hardly differs."""
@@ -224,13 +259,18 @@ class _Root(NamedTuple):
     null: FloatArray
     form: FloatArray
 
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom of the positions around; one null direction is time's."""
+        return self.null.shape[1] - self.left.shape[1] - 1
+
 
 class _Search:
     """Finds singular positions near a motion; lengths scaled, time in units of 1 / speed."""
 
     def __init__(self, positions: Positions, motion: Motion, speed: float) -> None:
         self.positions, self.motion, self.speed = positions, motion, speed
-        matrix = positions.slopes(motion.t, motion.q, 1.0 / speed)
+        matrix = positions.dense(positions.entries(motion.t, motion.q, 1.0 / speed))
         lengths = np.linalg.norm(matrix[:, :-1], axis=1)
         self.lengths = np.where(lengths > 0.0, lengths, 1.0)
 
@@ -242,11 +282,14 @@ class _Search:
         """dz/ds."""
         return np.append(self.motion.rate(s) / self.positions.scale, self.speed)
 
+    def entries(self, z: FloatArray) -> FloatArray:
+        """Entries of the Jacobian by z, before its rows are made unit length."""
+        q = z[:-1] * self.positions.scale
+        return self.positions.entries(z[-1] / self.speed, q, 1.0 / self.speed)
+
     def matrix(self, z: FloatArray) -> FloatArray:
         """The Jacobian of the unit rows by z."""
-        q = z[:-1] * self.positions.scale
-        slopes = self.positions.slopes(z[-1] / self.speed, q, 1.0 / self.speed)
-        return slopes / self.lengths[:, None]
+        return self.positions.dense(self.entries(z)) / self.lengths[:, None]
 
     def gaps(self, z: FloatArray) -> FloatArray:
         """The unit rows' values."""
@@ -277,18 +320,17 @@ class _Search:
         across, along = frame.right[:strong].T, frame.right[strong:].T
         inverse = 1.0 / frame.values[:strong]
         left, null, origin = apart, along, z
-        for _ in range(_ITERATIONS):
+        form = np.zeros(0)
+        for iteration in range(_ITERATIONS):
             matrix = self.matrix(z)
             for _ in range(2):
                 null = null - across @ (inverse[:, None] * (before.T @ (matrix @ null)))
                 left = left - before @ (inverse[:, None] * (across.T @ (matrix.T @ left)))
             flat = left.T @ matrix @ null
-            form = self._form(z, left, null)
-            columns = form.reshape(weak, null.shape[1], null.shape[1])
-            system = columns.reshape(-1, null.shape[1])
-            x = np.linalg.lstsq(system, -flat.ravel(), rcond=1e-8)[0]
-            back = across @ (inverse * (before.T @ self.gaps(z)))
-            step = null @ x - back
+            if iteration % _KEEP == 0:
+                form = self._form(z, left, null)
+            x = np.linalg.lstsq(form.reshape(-1, null.shape[1]), -flat.ravel(), rcond=1e-8)[0]
+            step = null @ x - across @ (inverse * (before.T @ self.gaps(z)))
             z = z + step
             if np.linalg.norm(z - origin) > 1.0:
                 return None
@@ -296,15 +338,18 @@ class _Search:
                 break
         if np.abs(left.T @ self.matrix(z) @ null).max() > _FLAT:
             return None
-        return _Root(z, left, null, columns)
+        return _Root(z, left, null, form)
 
     def _form(self, z: FloatArray, left: FloatArray, null: FloatArray) -> FloatArray:
         """uᵀ Φ_qq on the null directions, shape (k, c, c): [:, :, j] along direction j."""
+        rows, columns = self.positions.places
+        padded = np.vstack([left / self.lengths[:, None], np.zeros(left.shape[1])])
+        lefts, nulls = padded[rows].T.copy(), null[columns]
         parts = []
         for direction in null.T:
             delta = _DIFFERENCE * direction
-            slope = (self.matrix(z + delta) - self.matrix(z - delta)) / (2.0 * _DIFFERENCE)
-            parts.append(left.T @ slope @ null)
+            slope = (self.entries(z + delta) - self.entries(z - delta)) / (2.0 * _DIFFERENCE)
+            parts.append((lefts * slope) @ nulls)
         return np.stack(parts, axis=2)
 
     def described(self, root: _Root, s: float) -> Singularity | None:

@@ -133,7 +133,7 @@ class Crossings:
         usual = max(float(r["usual"]), float(r["h"]))
         found = self.found
         assert found is not None
-        again = self.positions.near(motion, found.t - motion.t)
+        again = self.positions.again(motion, found)
         if again is None or again.gap > self._rounding(motion.q):
             r["plan"] = FREE
             return self._plan(found.t - motion.t) if self.tries < _TRIES else driver.GOING
