@@ -210,6 +210,8 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
         "dense_outputs": counts.dense_outputs,
         "repartitions": counts.repartitions,
         "events": counts.events,
+        "singular_crossings": len(run.crossings),
+        "crossing_error": max((crossing.error for crossing in run.crossings), default=0.0),
         "largest_correction": counts.largest_dq,
         "integration_seconds": counts.seconds,
         "wall_seconds": clock.perf_counter() - began,
@@ -259,4 +261,8 @@ def _message(machine: "Machine", run: Trajectory) -> str:
         else:
             row = told.constraints[run.index]
             where = f", {'driver' if row.element in told.drivers else 'joint'} {row.name}"
-    return f"Stopped at t = {run.final_t:.9g} s{where}. {run.outcome.meaning} {run.outcome.advice}"
+    note = f" {run.note}" if run.note else ""
+    return (
+        f"Stopped at t = {run.final_t:.9g} s{where}. {run.outcome.meaning}{note} "
+        f"{run.outcome.advice}"
+    )

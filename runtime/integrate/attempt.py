@@ -42,6 +42,8 @@ from runtime.integrate.views import (
 from runtime.integrate.workspace import (
     ATOL,
     DELTA,
+    FREE,
+    MISSING,
     PARTITION,
     PREDICTED,
     PROJECTION,
@@ -62,7 +64,7 @@ TOO_LARGE = 3  # the error is over the tolerance
 NEVER, BY_PARTITION, BY_PROJECTION, IF_DRIFTED = 0, 1, 2, 3
 """When and how a step is brought back onto the constraints: the number CORRECTING of the table."""
 
-GROWTH_LIMIT = 10.0  # entries of H that full pivoting keeps near one
+GROWTH_LIMIT = 2.0  # entries of H that full pivoting keeps near one
 _CHECK_EVERY = 4  # steps between probes of one independent coordinate
 _MANY_ITERATIONS = 4
 
@@ -237,6 +239,14 @@ def returned(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> int
         return NOT_FINITE
     if machine[CORRECTING] != BY_PARTITION:
         return projected(machine, t, w, run, p)
+    if FREE < r.plan < MISSING:
+        # No coordinates are independent at a singular position, and near it none are good.
+        result = correct(machine, t, Y1, PROJECTION, w, p)
+        r.newton += 1
+        if result == FAILED:
+            return NEWTON
+        r.corrections += result % WEAK
+        return DONE
     if poorly_chosen(machine, t, w, p, run) != 0:
         repartition(machine, t, Y1, w, run, p)
     result = correct(machine, t, Y1, PARTITION, w, p)
@@ -300,6 +310,6 @@ def attempt(
     r.error = error_of(machine)(machine, h, r.rtol, w)
     if not np.isfinite(r.error):
         return NOT_FINITE
-    if r.error > 1.0 and r.fixed == 0:
+    if r.error > r.permitted and r.fixed == 0:
         return TOO_LARGE
     return DONE

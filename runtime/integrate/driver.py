@@ -22,6 +22,7 @@ from runtime.integrate.signatures import (
     vector,
 )
 from runtime.integrate.slots import (
+    BENDS,
     LOG_ROWS,
     accepted_of,
     attempt_of,
@@ -30,18 +31,25 @@ from runtime.integrate.slots import (
     first_step_of,
     locate_of,
     propose_of,
+    repartition_of,
     restart_of,
     transition_of,
+    vanishing_of,
     watch_of,
 )
 from runtime.integrate.surfaces import measure
 from runtime.integrate.views import borrow, view
 from runtime.integrate.watch import UNRESOLVED
 from runtime.integrate.workspace import (
+    APPROACHING,
     BAND,
+    CROSSING,
+    FREE,
     G0,
     G1,
     LARGEST,
+    LEAVING,
+    MISSING,
     R0,
     R1,
     ROWS,
@@ -55,6 +63,7 @@ from runtime.integrate.workspace import (
 from runtime.outcomes import Outcome
 
 GOING = -1  # the run is not over
+LOOK = -2  # nor is this: a singular position has to be looked at, see `crossing`
 _OK = int(Outcome.OK)
 _INCONSISTENT = int(Outcome.INCONSISTENT)
 _ZENO = int(Outcome.ZENO)
@@ -71,7 +80,9 @@ _WEAK_STATES = 3  # accepted states in a row with a weak pivot that make a singu
 _ZENO_EVENTS = 30  # events in a row with such a ratio that are no accident
 _ZENO_SPAN = 1e-7  # of the run: what eight such events must take at most
 _ZENO_RATIO = 0.98  # of the time of eight events to that of the eight before the last
+_SHARE = 0.3  # of the way to a position that is missed: what a step may cover
 RECENT = 8
+TOO_CLOSE = 1.2  # steps: a singular position no further away than this needs a plan before the step
 LOG_MARGIN = 16  # free rows of the partition log that one step may need
 
 
@@ -117,7 +128,7 @@ def advance(
 ) -> int:
     """Take at most `budget` trial steps.
 
-    Returns `GOING`, or the code of the outcome. `run.index` names the switching function or
+    Returns `GOING`, `LOOK`, or the code of the outcome. `run.index` names the switching function or
     constraint where an outcome concerns one.
     """
     attempt = attempt_of(machine)
@@ -141,6 +152,7 @@ def advance(
     event_y = borrow(event_y)
     r = run[0]
     length = w.size // ROWS
+    m = lam.size
     s = sw.size // SWITCH_ROWS
     y0 = view(w, Y0 * length, length)
     y1 = view(w, Y1 * length, length)
@@ -159,8 +171,15 @@ def advance(
         if r.steps + r.rejected >= r.max_steps:
             return _MAX_STEPS
         h = min(r.h, r.h_max)
-        t1 = t + h
-        if t + 1.01 * h >= r.t_end:
+        r.tried = 0.0
+        planned = 0
+        if r.plan == CROSSING or (r.plan == APPROACHING and t + 1.01 * h >= r.turn):
+            h = r.leap if r.plan == CROSSING else r.turn - t
+            planned = 1
+        elif r.plan == MISSING:
+            h = min(h, max(r.leap, _SHARE * abs(r.turn - t)))
+        t1 = r.turn if planned != 0 and r.plan == APPROACHING else t + h
+        if t + (1.01 - 0.01 * planned) * h >= r.t_end:
             h = r.t_end - t
             t1 = r.t_end
         elif h <= r.h_min or t1 <= t:
@@ -181,10 +200,37 @@ def advance(
             r.h = h
             if h <= r.h_min and t1 >= r.t_end:
                 r.h = 0.0
+            if r.plan == CROSSING:
+                return LOOK
+            if r.fixed == 0 and m > 0 and r.plan != APPROACHING and t >= r.quiet:
+                # Where constraints are about to become dependent, shorter steps do not help.
+                r.vanishing = vanishing_of(machine)(machine, t, t1 - t, Y0, w, run, p)
+                if np.isfinite(r.vanishing):
+                    return LOOK
             continue
+        soon = 0
+        if (
+            r.plan == FREE
+            and m > 0
+            and machine[BENDS] == 0
+            and t1 >= r.look_at
+            and t1 >= r.quiet
+            and r.fixed == 0
+        ):
+            r.vanishing = vanishing_of(machine)(machine, t, h, Y1, w, run, p)
+            if r.vanishing < TOO_CLOSE * h:
+                # Not to be stepped over by chance, nor to be ended at.
+                r.rejected += 1
+                r.tried = h
+                return LOOK
+            if r.vanishing < np.inf:
+                r.vanishing -= h
+                soon = 1
         h_next = r.h
         if r.fixed == 0:
             h_next = h * propose_of(machine)(machine, h, w, run)
+            if planned != 0:
+                h_next = max(h_next, r.h) if r.plan == APPROACHING else r.h
 
         # Look for a crossing, and end the step where the first one is.
         crossing = -1
@@ -322,4 +368,14 @@ def advance(
         if r.weak >= _WEAK_STATES:
             r.index = r.weak_row - 1
             return _SINGULAR
+        if planned == 0 and h > 0.0:
+            r.usual = h
+        if r.plan == CROSSING or (r.plan == APPROACHING and t1 >= r.turn):
+            return LOOK
+        if r.plan >= LEAVING and t1 >= r.quiet:
+            if r.plan == LEAVING:
+                repartition_of(machine)(machine, t1, Y0, w, run, p)
+            r.plan = FREE
+        if soon != 0:
+            return LOOK
     return _OK if r.t >= r.t_end else GOING

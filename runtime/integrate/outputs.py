@@ -69,7 +69,10 @@ def emit(
                 r.dense_outputs += 1
                 r.rhs += r.dense_calls
             interpolate(w, r.dense_rows, (at - t) / h, SAMPLE)
-            if lam.size > 0 and machine[CORRECTING] != 0:
+            # Near a singular position a return onto the constraints would move the sample further
+            # than it errs.
+            corrected = lam.size > 0 and machine[CORRECTING] != 0
+            if corrected and not r.blind_from < at < r.blind_to:
                 result = correct_of(machine)(machine, at, SAMPLE, PROJECTION, w, p)
                 if result == FAILED:
                     return FAILED

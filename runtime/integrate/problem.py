@@ -247,6 +247,31 @@ class Partitions:
 
 
 @dataclass(frozen=True)
+class Crossing:
+    """A singular position that was passed, on the branch on which the velocity is continuous.
+
+    Attributes
+    ----------
+    t
+        When, s.
+    row
+        The constraint with the largest share in what ceased to be independent.
+    lost
+        How many constraints did.
+    direction : (n,)
+        The null direction that the motion does not follow, scaled by the masses, of unit length.
+    error
+        Estimated error of the step across it, over the tolerance.
+    """
+
+    t: float
+    row: int
+    lost: int
+    direction: Vector
+    error: float
+
+
+@dataclass(frozen=True)
 class Trajectory:
     """What a run gave, also where it did not reach its end.
 
@@ -265,8 +290,10 @@ class Trajectory:
         otherwise.
     final_t, final_q, final_v, final_modes
         Where the run stopped, ready to go on from.
-    statistics, events, partitions
+    statistics, events, partitions, crossings
         As their classes say.
+    note
+        What else is to be said about how the run ended; empty as a rule.
     """
 
     t: Vector
@@ -282,6 +309,8 @@ class Trajectory:
     statistics: Statistics
     events: Events
     partitions: Partitions
+    crossings: tuple[Crossing, ...] = ()
+    note: str = ""
 
 
 @dataclass

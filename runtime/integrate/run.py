@@ -12,6 +12,7 @@ import numpy as np
 from runtime.integrate import attempt, driver
 from runtime.integrate.bent import TIME_SCALE
 from runtime.integrate.check import check
+from runtime.integrate.crossing import Crossings
 from runtime.integrate.problem import (
     Events,
     Options,
@@ -158,6 +159,7 @@ class _Run:
             np.zeros(m),
             self.t_eval,
         )
+        self.crossings = Crossings(system, problem, self, parts)
         self.event_arrays: tuple[Any, ...] = (
             np.full(driver.RECENT, -np.inf),
             self.event_t,
@@ -187,6 +189,9 @@ class _Run:
         r["growth_limit"] = r["ratio_limit"] = attempt.GROWTH_LIMIT
         r["event_span"] = np.inf
         r["index"] = -1
+        r["permitted"] = 1.0
+        r["quiet"] = -np.inf
+        r["blind_from"] = r["blind_to"] = -np.inf
 
     def _allot(self, size: int) -> None:
         """Make room for `size` samples."""
@@ -210,6 +215,10 @@ class _Run:
     def start(self) -> int:
         """Prepare the first step; returns the code of an outcome."""
         code: int = start(self.wiring.table, *self.fixed_arrays, *self.out)
+        if code == Outcome.SINGULAR and self.crossings.begin():
+            code = start(self.wiring.table, *self.fixed_arrays, *self.out)
+            if code == Outcome.OK:
+                self.crossings.look()
         self._flush()
         return code
 
@@ -237,6 +246,8 @@ class _Run:
                         progress(float(self.r["t"]), int(self.r["steps"]))
                     except KeyboardInterrupt:
                         interrupts.seen = True
+                if code == driver.LOOK:
+                    code = self.crossings.look()
                 if interrupts.seen and code == driver.GOING:
                     code = Outcome.INTERRUPTED
         return self._result(Outcome(code), time.perf_counter() - began)
@@ -269,6 +280,8 @@ class _Run:
             statistics=Statistics(**counts, largest_dq=float(r["largest_dq"]), seconds=seconds),
             events=Events(event_t, kind[:, 0], kind[:, 1], event_y[:, :n], event_y[:, n:]),
             partitions=Partitions(set_t, sets.astype(bool)),
+            crossings=tuple(self.crossings.passed),
+            note=self.crossings.note,
         )
 
 

@@ -106,6 +106,7 @@ EMIT = i8(
 WATCH = i8(
     integers, f8, f8, f8, vector, vector, run_record, vector, integers, vector
 )  # machine t h t1 w sw run p modes lam
+VANISHING = f8(integers, f8, f8, i8, vector, run_record, vector)  # machine t h state w run p
 
 Accelerations = types.FunctionType(ACCELERATIONS)
 Correction = types.FunctionType(CORRECTION)
@@ -138,6 +139,7 @@ Settle = types.FunctionType(SETTLE)
 FirstStep = types.FunctionType(FIRST_STEP)
 Emit = types.FunctionType(EMIT)
 Watch = types.FunctionType(WATCH)
+Vanishing = types.FunctionType(VANISHING)
 
 
 @compiled(SWITCHING)

@@ -39,6 +39,7 @@ from runtime.integrate.signatures import (
     Switching,
     SwitchingRates,
     Transition,
+    Vanishing,
     Watch,
 )
 
@@ -88,6 +89,7 @@ class Slot(IntEnum):
     RETURN_HELD = auto()
     TRANSITION = auto()
     LIMITED = auto()
+    VANISHING = auto()
     # Numbers.
     COORDINATES = auto()
     CONSTRAINT_COUNT = auto()
@@ -124,6 +126,8 @@ class Slot(IntEnum):
     WEIGHTS = auto()
     MEMORY = auto()
     NOTES = auto()
+    PIVOTS = auto()
+    PIVOT_COLUMNS = auto()
 
 
 accelerations_of = at(Accelerations, Slot.ACCELERATIONS)
@@ -161,6 +165,7 @@ switched_reactions_of = at(SwitchedReactions, Slot.SWITCHED_REACTIONS)
 transition_of = at(Transition, Slot.TRANSITION)
 impact_of = at(Impact, Slot.IMPACT)
 return_held_of = at(ReturnHeld, Slot.RETURN_HELD)
+vanishing_of = at(Vanishing, Slot.VANISHING)
 
 # Compiled code needs plain numbers.
 COORDINATES = int(Slot.COORDINATES)
@@ -197,3 +202,5 @@ SETTINGS = int(Slot.SETTINGS)
 WEIGHTS = int(Slot.WEIGHTS)
 MEMORY = int(Slot.MEMORY)
 NOTES = int(Slot.NOTES)
+PIVOTS = int(Slot.PIVOTS)
+PIVOT_COLUMNS = int(Slot.PIVOT_COLUMNS)

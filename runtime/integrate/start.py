@@ -35,6 +35,7 @@ from runtime.integrate.transition import LOOK_AHEAD
 from runtime.integrate.views import floats_at, integers_at, view
 from runtime.integrate.workspace import (
     BAND,
+    FREE,
     G0,
     LARGEST,
     PARTITION,
@@ -98,7 +99,7 @@ def start(
     m = lam.size
     s = sw.size // SWITCH_ROWS
     t = r.t
-    if m > 0:
+    if m > 0 and r.plan == FREE:
         repartition_of(machine)(machine, t, Y0, w, run, p)
         r.repartitions = 0
         if r.rank < m:
@@ -115,7 +116,8 @@ def start(
     a = view(w, K * length + n, n)
     for j in range(n):
         slope[j] = v[j]
-    field(machine, t, q, v, p, modes, a, lam)
+    if r.plan == FREE:
+        field(machine, t, q, v, p, modes, a, lam)
     outcome = _OK
     if s > 0:
         h = first_step(machine, t, r.h_max, r.rtol, r.order, w, p, modes, lam)

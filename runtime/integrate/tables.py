@@ -9,6 +9,7 @@ import numpy as np
 
 from runtime.compiled import addresses
 from runtime.constraints.correction import correct
+from runtime.constraints.vanishing import vanishing
 from runtime.integrate import (
     attempt,
     bent,
@@ -66,6 +67,7 @@ def _loop() -> Integers:
             impact.return_held,
             transition.transition,
             mixing.limited,
+            vanishing,
         )
     )
 
@@ -130,6 +132,8 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         Slot.WEIGHTS: np.zeros(3 * n),
         Slot.MEMORY: np.zeros(memory),
         Slot.NOTES: np.zeros(notes, np.int64),
+        Slot.PIVOTS: np.zeros(2 * m),
+        Slot.PIVOT_COLUMNS: np.zeros(m, np.int64),
     }
     for slot, array in arrays.items():
         table[slot] = array.ctypes.data

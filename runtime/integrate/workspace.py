@@ -67,6 +67,16 @@ _FLOATS = [
     "stretch",  # ratio of two steps' lengths that the switching functions allow
     "flight",  # time to the next impact of a contact that bounces
     "finest",  # length of a step that is never too long for them
+    "permitted",  # error that a step may have, over the tolerance: 1 but where rounding exceeds it
+    "vanishing",  # time from now at which constraints seem to become dependent
+    "tried",  # length of a step that was taken for good, but for this; 0 for none
+    "turn",  # instant at which the step over a singular position begins
+    "leap",  # length of that step
+    "blind_from",  # samples between these two instants stay as they are interpolated
+    "blind_to",
+    "look_at",  # instant at which the constraints are looked at again
+    "quiet",  # instant until which a singular position is not looked for
+    "usual",  # length of the last accepted step of free choice
 ]
 _INTEGERS = [
     "last",  # row, after K, of the derivative at the end of a step
@@ -105,7 +115,12 @@ _INTEGERS = [
     "standing",  # events in a row without time between them
     "blamed",  # switching function for which no mode is consistent, or -1
     "index",  # function or constraint that an outcome concerns
+    "plan",  # what is planned about a singular position, one of the below
 ]
+FREE, APPROACHING, CROSSING, LEAVING, MISSING = 0, 1, 2, 3, 4
+"""What is planned about singular positions: nothing; to come to where a step across begins; that
+step; to get away; to follow the bend in which the motion misses one."""
+
 RUN = np.dtype(
     [(name, np.float64) for name in _FLOATS] + [(name, np.int64) for name in _INTEGERS], align=True
 )
