@@ -46,11 +46,20 @@ _TAYLOR = 5e-3  # eps ** (1/7): of the time scale, where rounding balances a cub
 
 
 class Leap(NamedTuple):
-    """A step across: its length, how long before the instant it begins, and the error expected."""
+    """A step across.
+
+    Attributes
+    ----------
+    h, lead
+        Its length, and how long before the singular instant it begins, s.
+    error, permitted
+        What it is expected to err, over the tolerance, and what it may.
+    """
 
     h: float
     lead: float
     error: float
+    permitted: float
 
 
 class Crossings:
@@ -107,7 +116,7 @@ class Crossings:
         r, motion = self.r, self._motion()
         found = self.positions.near(motion, s)
         self.tries = 0
-        usual = max(float(r["usual"]), float(r["h"]))
+        usual = self._usual()
         if found is None or not found.rate > 0.0:
             # The step that was tried may be taken; the look at the next one is another.
             r["quiet"] = motion.t + max(0.5 * abs(s), 0.5 * usual, 1.001 * r["tried"])
@@ -119,30 +128,32 @@ class Crossings:
         if ahead < 0.0 and self._noise(found) * usual < -(ahead**3):
             r["quiet"] = motion.t + usual  # it lies behind, and far enough
             return driver.GOING
+        return driver.GOING if self._approached(found, ahead) else self._cross()
+
+    def _approached(self, found: Singularity, ahead: float) -> bool:
+        """Whether to come nearer first, to where the best step across begins."""
+        r, usual = self.r, self._usual()
         best = self._best(found, usual)
-        if best.lead <= ahead:
-            r["plan"], r["turn"] = APPROACHING, found.t - best.lead
-            r["h"] = usual
-            if r["turn"] - motion.t > 1e-3 * usual:
-                return driver.GOING
-        return self._cross()
+        if best.lead > ahead - 1e-3 * usual:
+            return False
+        r["plan"], r["turn"], r["h"] = APPROACHING, found.t - best.lead, usual
+        return True
 
     def _cross(self) -> int:
         """Lay the step across from where the run stands."""
-        r, motion = self.r, self._motion()
-        usual = max(float(r["usual"]), float(r["h"]))
-        found = self.found
+        r, motion, found = self.r, self._motion(), self.found
+        usual = self._usual()
         assert found is not None
         again = self.positions.again(motion, found)
         if again is None or again.gap > self._rounding(motion.q):
             r["plan"] = FREE
             return self._plan(found.t - motion.t) if self.tries < _TRIES else driver.GOING
         self.found = found = again
-        leap = self._from_here(found, found.t - motion.t, usual * 0.5**self.tries)
+        leap = self._from_here(found, found.t - motion.t, usual)
         if leap.lead <= 0.0 and not self._continued(motion, found):
             return int(Outcome.SINGULAR)
         r["plan"], r["leap"] = CROSSING, leap.h
-        r["permitted"] = _ALLOWANCE * (1.0 + leap.error)
+        r["permitted"] = leap.permitted
         blind = np.sqrt(self._noise(found))
         r["blind_from"], r["blind_to"] = found.t - blind, found.t + blind
         return driver.GOING
@@ -157,7 +168,8 @@ class Crossings:
             self.passed.append(Crossing(found.t, row, found.lost, found.direction, error))
             r["plan"], r["quiet"] = LEAVING, r["t"] + r["leap"]
             r["permitted"] = 1.0
-            r["h"] = max(float(r["usual"]), float(r["h"]))
+            self.tries = 0
+            r["h"] = self._usual()
             return driver.GOING
         self.tries += 1
         if self.tries > _TRIES:
@@ -166,7 +178,8 @@ class Crossings:
                 f"The step across errs by {float(r['error']):.1e} times the tolerance; loosen rtol."
             )
             return int(Outcome.SINGULAR)
-        return self._cross()
+        ahead = found.t - float(r["t"])
+        return driver.GOING if self._approached(found, ahead) else self._cross()
 
     def _missed(self, found: Singularity) -> int:
         """The machine misses the position by a gap: its motion bends away, within the width τ.
@@ -195,24 +208,33 @@ class Crossings:
         rounding = _EPS * self._size(found.q)
         return 2.0 * _WEIGHT * rounding / (found.rate * found.speed * float(self.r["rtol"]))
 
-    def _error(self, found: Singularity, h: float, usual: float, g: float) -> float:
-        """Expected error over tolerance: of the method, of rounding, of states off the constraints.
+    def _leap(self, found: Singularity, h: float, lead: float, g: float, usual: float) -> Leap:
+        """A step that keeps the distance g h between its nodes and the singular instant.
 
-        A stage lies off the constraints by its own error, which the accelerations at the distance
-        g h multiply by about 1/g; and the instant is known only so well.
+        Its error is that of the method, of rounding, and of stages: they lie off the constraints
+        by their own errors, which the accelerations at that distance multiply by about 1/g; and
+        the instant is known only so well.
         """
-        method = max(h / usual, 1.0) ** self.order * (1.0 + (_ROOM / g) ** 2)
+        method = max(h / usual, 1.0) ** self.order
+        rounding = self._noise(found) / (g**3 * h**2)
+        if lead > 0.0:
+            rounding += self._noise(found) * h / lead**3
         unsure = found.miss / (found.speed * g * h)
-        return method + self._noise(found) / (g**3 * h**2) + unsure**2
+        error = method * (1.0 + (_ROOM / g) ** 2) + rounding + unsure**2
+        return Leap(h, lead, error, 2.0 * method + _ALLOWANCE * rounding)
+
+    def _balanced(self, found: Singularity, g: float, usual: float) -> float:
+        """Length of the step that errs least, not shorter than the usual one."""
+        here = self._noise(found) / (g**3 * usual**2)
+        return float(usual * max(1.0, (2.0 * here / self.order) ** (1.0 / (self.order + 2))))
 
     def _best(self, found: Singularity, usual: float) -> Leap:
         """The step across that errs least, wherever it begins."""
         leaps = []
         for a, b in self.gaps:
             g = 0.5 * (b - a)
-            here = self._noise(found) / (g**3 * usual**2)
-            h = usual * max(1.0, (2.0 * here / self.order) ** (1.0 / (self.order + 2)))
-            leaps.append(Leap(h, 0.5 * (a + b) * h, self._error(found, h, usual, g)))
+            h = self._balanced(found, g, usual)
+            leaps.append(self._leap(found, h, 0.5 * (a + b) * h, g, usual))
         return min(leaps, key=lambda leap: leap.error)
 
     def _from_here(self, found: Singularity, ahead: float, usual: float) -> Leap:
@@ -220,17 +242,13 @@ class Crossings:
         leaps = []
         for a, b in self.gaps if ahead > 0.0 else ():
             h = ahead / (0.5 * (a + b))
-            error = self._error(found, h, usual, 0.5 * (b - a))
-            leaps.append(Leap(h, ahead, error + self._noise(found) * h / ahead**3))
+            leaps.append(self._leap(found, h, ahead, 0.5 * (b - a), usual))
         # In the singular position, as far as rounding tells: there the first derivative is to be
         # found by continuity, and the step need only be long enough for the second node.
         second = self.gaps[0][1]
-        here = self._noise(found) / (second**3 * usual**2)
-        h = usual * max(1.0, (2.0 * here / self.order) ** (1.0 / (self.order + 2)))
-        if abs(ahead) < 0.1 * second * h:
-            leaps.append(Leap(h, 0.0, self._error(found, h, usual, second)))
-        if not leaps:
-            return Leap(h, 0.0, np.inf)
+        h = self._balanced(found, second, usual)
+        if abs(ahead) < 0.1 * second * h or not leaps:
+            leaps.append(self._leap(found, h, 0.0, second, usual))
         return min(leaps, key=lambda leap: leap.error)
 
     def _continued(self, motion: Motion, found: Singularity) -> bool:
@@ -278,6 +296,10 @@ class Crossings:
             if np.abs(dq / self.scale).max() < 1e-13:
                 return True
         return False
+
+    def _usual(self) -> float:
+        """Length of a step here; after a step across that failed, less."""
+        return float(max(self.r["usual"], self.r["h"])) * 0.5**self.tries
 
     def _rounding(self, q: Vector) -> float:
         """What a constraint misses by rounding alone."""
