@@ -28,6 +28,7 @@ BEHIND, AHEAD = 0.1, 2.5  # of a step: how far back and ahead is looked
 _FORESIGHT = 0.1  # of the coordinates' sizes: what is nearer matters to the finest tolerances
 _REACH = 0.5  # of the coordinates' sizes: how far a motion is continued
 _MARGIN = 0.5  # of the time in which a pivot could vanish: when to look again
+_TRUST = 0.95  # of the time over which nothing announced itself: no need to look again
 _NEAR = 1e-3  # a pivot that counts as small in any case
 _REDUNDANT = 1e-8  # a row whose pivot is below this at both places says what others say
 
@@ -146,6 +147,8 @@ def vanishing(
             nearest = s
             before = abs(now[i])
     r.look_at = t + _MARGIN * _smallest(now) / max(speed, 1e-300)
+    if not nearest < np.inf:
+        r.look_at = max(r.look_at, t + _TRUST * ahead)
     if nearest < np.inf:
         # With an order of pivots of its own, is this position as poor as it seems?
         for j in range(n):
