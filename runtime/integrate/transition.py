@@ -186,15 +186,17 @@ def transition(
         flight = impact_of(machine)(machine, crossing, t, Y1, w, sw, p, modes, lam)
         r.flight = flight if flight > 0.0 else np.inf
         last = remaining(machine, crossing, t, -flight, sw) if flight < 0.0 else 0.0
-        sw[FLIGHT * s + crossing] = t - sw[IMPACT_AT * s + crossing]
-        sw[IMPACT_AT * s + crossing] = t
+        for k in range(s):
+            if k == crossing or sw[STRUCK * s + k] > 0.0:
+                sw[FLIGHT * s + k] = t - sw[IMPACT_AT * s + k]
+                sw[IMPACT_AT * s + k] = t
         jumped(machine, t, crossing, w, sw, p, modes)
         hold(machine, modes)
     prefer(machine, letting_go, side, sw, modes)
     rates = view(sw, RATE_NOW * s, s)
     if hit:
         leaves = modes[crossing] != HELD_MODE and rates[crossing] > 0.0
-        sw[PREFERRED * s + crossing] = modes[crossing] + (GIVEN if leaves else 0)
+        sw[PREFERRED * s + crossing] = modes[crossing] + GIVEN if leaves else HELD_MODE
     g = view(sw, NOW * s, s)
     switching_of(machine)(t, q, v, p, g)
     for k in range(s):
