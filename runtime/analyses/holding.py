@@ -7,9 +7,9 @@ import numpy.typing as npt
 from numba import types
 
 from runtime.compiled import ADDRESSES, compiled
+from runtime.integrate.consistency import hold
 from runtime.integrate.held import HELD_MODE
 from runtime.integrate.mixing import mix
-from runtime.integrate.modes import hold
 from runtime.integrate.slots import (
     CONSTRAINT_COUNT,
     COORDINATES,

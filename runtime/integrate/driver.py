@@ -9,7 +9,7 @@ import numpy as np
 
 from runtime.compiled import ADDRESSES, compiled
 from runtime.integrate.attempt import DONE, NEWTON, NOT_FINITE, TOO_LARGE
-from runtime.integrate.modes import CONSISTENT
+from runtime.integrate.consistency import CONSISTENT
 from runtime.integrate.signatures import (
     IntegerMatrix,
     Integers,

@@ -31,6 +31,7 @@ from runtime.integrate.slots import (
 )
 from runtime.integrate.views import floats_at, integers_at, view
 
+_SINGULAR = 1e-11  # pivot of a row whose largest entry is one, below which it is rounding
 HELD_MODE = 2
 """A mode that is neither 0 nor 1: the motion stays on the surface."""
 
@@ -42,14 +43,27 @@ def work_size(n: int, m: int, s: int, r: int) -> int:
 
 @inner
 def solve(matrix: Vector, right: Vector, count: int) -> int:
-    """Solve a small dense system in place, `matrix` by rows; 0, or 1 where it is singular."""
+    """Solve a small dense system in place, `matrix` by rows; 0, or 1 where it is singular.
+
+    Rows are first divided by their largest entries, so that a pivot tells by its size alone
+    whether one of several holds does what the others do already.
+    """
+    for i in range(count):
+        largest = 0.0
+        for j in range(count):
+            largest = max(largest, abs(matrix[i * count + j]))
+        if not largest > 0.0:
+            return 1
+        for j in range(count):
+            matrix[i * count + j] /= largest
+        right[i] /= largest
     for step in range(count):
         at = step
         for i in range(step + 1, count):
             if abs(matrix[i * count + step]) > abs(matrix[at * count + step]):
                 at = i
         pivot = matrix[at * count + step]
-        if not abs(pivot) > 0.0:
+        if not abs(pivot) > _SINGULAR:
             return 1
         if at != step:
             for j in range(count):

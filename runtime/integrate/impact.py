@@ -28,7 +28,7 @@ ON_SURFACE = 1e-13  # |g| over its running maximum below which g counts as zero 
 _SWEEPS = 200
 _AGREED = 1e-14  # of the fastest approach: what a sweep may still change
 _LOW_FLIGHT = 0.01  # of the tolerance of a position: flights that rise no higher have ended
-_UNSEEN = 2e-13  # of the largest gap: heights at which rounding would move the next impact
+_UNSEEN = 2e-12  # of the largest gap: heights at which rounding would move the next impact
 
 
 @inner

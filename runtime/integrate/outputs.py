@@ -4,7 +4,7 @@ from runtime.compiled import compiled, inner
 from runtime.constraints.correction import FAILED, WEAK
 from runtime.integrate.dense import interpolate
 from runtime.integrate.signatures import EMIT, IntegerMatrix, Integers, Matrix, Vector
-from runtime.integrate.slots import CORRECTING, correct_of, dense_of
+from runtime.integrate.slots import CORRECTING, HELD, correct_of, dense_of, return_held_of
 from runtime.integrate.views import view
 from runtime.integrate.workspace import PROJECTION, ROWS, SAMPLE, Y1, Run
 
@@ -50,7 +50,7 @@ def emit(
     out_y: Matrix,
     out_modes: IntegerMatrix,
 ) -> int:
-    """Write the samples after `t` up to `t1`, corrected onto the constraints.
+    """Write the samples after `t` up to `t1`, corrected onto the constraints and what is held.
 
     Returns a negative number where a sample could not be corrected, else 0.
     """
@@ -77,6 +77,8 @@ def emit(
                 if result == FAILED:
                     return FAILED
                 r.corrections += result % WEAK
+            if machine[HELD] != 0:
+                return_held_of(machine)(machine, at, SAMPLE, w, p, modes, lam)
             record(at, SAMPLE, w, run, modes, out_t, out_y, out_modes)
         r.next_sample += 1
     return 0

@@ -5,9 +5,9 @@ import numpy as np
 from runtime.compiled import ADDRESSES, compiled
 from runtime.constraints.correction import FAILED, WEAK
 from runtime.integrate.bent import STEP
+from runtime.integrate.consistency import CONSISTENT
 from runtime.integrate.field import field
 from runtime.integrate.held import HELD_MODE
-from runtime.integrate.modes import CONSISTENT
 from runtime.integrate.outputs import record
 from runtime.integrate.signatures import (
     IntegerMatrix,
@@ -37,6 +37,7 @@ from runtime.integrate.workspace import (
     BAND,
     FREE,
     G0,
+    IMPACT_AT,
     LARGEST,
     PARTITION,
     RESERVE,
@@ -126,6 +127,7 @@ def start(
         for k in range(s):
             # The rounding of a gap is that of the lengths in it, however small itself.
             if rigid[k] >= 0:
+                sw[IMPACT_AT * s + k] = t
                 sw[LARGEST * s + k] = w[SIZE * length]
                 for j in range(n):
                     sw[LARGEST * s + k] = min(sw[LARGEST * s + k], w[SIZE * length + j])

@@ -3,10 +3,11 @@
 import numpy as np
 
 from runtime.compiled import compiled, inner
+from runtime.integrate.consistency import CONSISTENT, GIVEN, hold
 from runtime.integrate.field import field
 from runtime.integrate.held import HELD_MODE
 from runtime.integrate.impact import ON_SURFACE
-from runtime.integrate.modes import CONSISTENT, GIVEN, hold, prefer
+from runtime.integrate.modes import prefer
 from runtime.integrate.signatures import (
     TRANSITION,
     IntegerMatrix,
@@ -17,8 +18,11 @@ from runtime.integrate.signatures import (
 from runtime.integrate.slots import (
     HIGH,
     LOW,
+    RESTITUTION,
     RIGID,
+    RIGID_COUNT,
     SHARE,
+    SWITCHES,
     impact_of,
     settle_of,
     switching_of,
@@ -29,14 +33,16 @@ from runtime.integrate.views import floats_at, integers_at, view
 from runtime.integrate.workspace import (
     BAND,
     DELTA,
+    FLIGHT,
     G1,
+    IMPACT_AT,
     LARGEST,
     NOW,
     PREFERRED,
     RATE_NOW,
     RESERVE,
     ROWS,
-    SUSPECT,
+    STRUCK,
     Y1,
     K,
     Run,
@@ -46,6 +52,7 @@ LOOK_AHEAD = 0.05  # of a step: how far ahead modes are judged
 BEGAN, CEASED, HELD, IMPACT = 1, -1, 0, 2
 """Directions of an event."""
 
+_FREE = 0.02  # by which the ratio of two flights in a row may differ from that of free ones
 _CLOCK = 8.0 * 2.3e-16  # of the time: what an instant cannot tell
 
 
@@ -77,7 +84,7 @@ def log_event(
 def approaching(
     machine: Integers, t: float, w: Vector, sw: Vector, p: Vector, modes: Integers
 ) -> None:
-    """Mark in row SUSPECT the open contacts that touch and are about to close."""
+    """Mark in row STRUCK the open contacts that touch and are about to close."""
     n = w.size // (2 * ROWS)
     s = modes.size
     rigid = integers_at(machine, RIGID, s)
@@ -87,7 +94,23 @@ def approaching(
     switching_rates_of(machine)(t, q, v, view(w, DELTA * 2 * n, n), p, rates)
     for k in range(s):
         touches = rigid[k] >= 0 and abs(g[k]) <= ON_SURFACE * sw[LARGEST * s + k]
-        sw[SUSPECT * s + k] = 1.0 if touches and modes[k] == 1 and rates[k] < 0.0 else 0.0
+        sw[STRUCK * s + k] = 1.0 if touches and modes[k] == 1 and rates[k] < 0.0 else 0.0
+
+
+@inner
+def remaining(machine: Integers, k: int, t: float, free: float, sw: Vector) -> float:
+    """Time that all further flights of contact `k` take together.
+
+    That is `free`, T/(1 - e), where they are free; where friction or another contact meddles with
+    them, each is shorter than the one before in the ratio of the last two.
+    """
+    s = machine[SWITCHES]
+    e = floats_at(machine, RESTITUTION, machine[RIGID_COUNT])[integers_at(machine, RIGID, s)[k]]
+    before, flight = sw[FLIGHT * s + k], t - sw[IMPACT_AT * s + k]
+    ratio = flight / before if before > 0.0 else e
+    if abs(ratio - e) < _FREE * e or not 0.0 < ratio < 1.0:
+        return free
+    return float(flight * ratio / (1.0 - ratio))
 
 
 @inner
@@ -162,14 +185,18 @@ def transition(
         approaching(machine, t, w, sw, p, modes)
         flight = impact_of(machine)(machine, crossing, t, Y1, w, sw, p, modes, lam)
         r.flight = flight if flight > 0.0 else np.inf
-        last = -flight if flight < 0.0 else 0.0
+        last = remaining(machine, crossing, t, -flight, sw) if flight < 0.0 else 0.0
+        for k in range(s):
+            if k == crossing or sw[STRUCK * s + k] > 0.0:
+                sw[FLIGHT * s + k] = t - sw[IMPACT_AT * s + k]
+                sw[IMPACT_AT * s + k] = t
         jumped(machine, t, crossing, w, sw, p, modes)
         hold(machine, modes)
     prefer(machine, letting_go, side, sw, modes)
     rates = view(sw, RATE_NOW * s, s)
     if hit:
         leaves = modes[crossing] != HELD_MODE and rates[crossing] > 0.0
-        sw[PREFERRED * s + crossing] = modes[crossing] + (GIVEN if leaves else 0)
+        sw[PREFERRED * s + crossing] = modes[crossing] + GIVEN if leaves else HELD_MODE
     g = view(sw, NOW * s, s)
     switching_of(machine)(t, q, v, p, g)
     for k in range(s):
@@ -205,7 +232,7 @@ def transition(
         if held:
             sw[BAND * s + k] = 0.0
         blamed = k == crossing and r.blamed != CONSISTENT
-        struck = hit and sw[SUSPECT * s + k] > 0.0
+        struck = hit and sw[STRUCK * s + k] > 0.0
         if (modes[k] != before[k] or blamed or struck) and not (hit and k == crossing):
             direction = HELD
             if modes[k] != before[k] and not held:

@@ -43,7 +43,10 @@ RESERVE = MISMATCH + 1  # running maximum of |g| while the function itself is he
 NOW = RESERVE + 1  # g itself, also of what is held
 RATE_NOW = NOW + 1  # its rate
 PREFERRED = RATE_NOW + 1  # mode that is tried first
-SWITCH_ROWS = PREFERRED + 1
+STRUCK = PREFERRED + 1  # 1: this contact takes part in the impact
+IMPACT_AT = STRUCK + 1  # time of the last impact of this contact
+FLIGHT = IMPACT_AT + 1  # time between its last two impacts
+SWITCH_ROWS = FLIGHT + 1
 
 _FLOATS = [
     "t",  # where the run stands
