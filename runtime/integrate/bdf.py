@@ -307,7 +307,7 @@ def stages(
     for _ in range(2):
         foresee(memory, notes, w)
         y1 = view(w, Y1 * length, length)
-        memory[ENOUGH] = tolerate(memory, w, share(r.rtol) * r.rtol, r.rtol, y1)
+        memory[ENOUGH] = tolerate(memory, notes, w, share(r.rtol) * r.rtol, r.rtol, y1)
         fresh = notes[CURRENT] != 1
         if fresh:
             z = view(w, STAGE * length, length)

@@ -3,10 +3,10 @@
 The unknowns of a step are the f independent coordinates u of the partition in force and their
 velocities. At every iterate the dependent coordinates and velocities follow from the constraints,
 starting where the last iterate left them, and the accelerations from the equations of motion. What
-is integrated is thus ü = G(t, u, u̇), and as the formulas for u̇ are linear, u is eliminated: Newton's
-matrices are I - c G_u̇ - c² G_u of order f, with c real or complex (E. Hairer and G. Wanner, Solving
-Ordinary Differential Equations II, section IV.8). Where nothing is recovered from constraints, all
-coordinates are unknowns.
+is integrated is thus ü = G(t, u, u̇), and as the formulas for u̇ are linear, u is eliminated:
+Newton's matrices are I - c G_u̇ - c² G_u of order f, with c real or complex (E. Hairer and
+G. Wanner, Solving Ordinary Differential Equations II, section IV.8). Where nothing is recovered
+from constraints, all coordinates are unknowns.
 """
 
 import numpy as np
@@ -55,7 +55,9 @@ COUNTS = 8
 
 SLOW = 0.05  # convergence at which derivatives are taken anew for the next step
 _EPS = 2.2e-16
-_LEAST = 20.0 * _EPS  # of the largest coordinate or velocity: rounding in the dependent ones
+_LEAST = 20.0 * _EPS  # rounding in a step's formula, relative to the largest coordinate or velocity
+_RECOVERED = 5.0 * _EPS  # in dependent coordinates, times the square of their speed over that of
+_FASTEST = 10.0  # the independent ones, which the choice of these keeps below such a number
 _DIFFERENCE = 1e-7  # relative change by which a field along surfaces is differenced
 
 
@@ -299,11 +301,15 @@ def factor_complex(memory: Vector, notes: Integers, n: int, c: float, d: float) 
 
 
 @inner
-def tolerate(memory: Vector, w: Vector, relative: float, asked: float, ahead: Vector) -> float:
+def tolerate(
+    memory: Vector, notes: Integers, w: Vector, relative: float, asked: float, ahead: Vector
+) -> float:
     """Fill row TOLERANCE: what the error of the step may be, from its ends Y0 and `ahead`.
 
-    Not less than what rounding leaves of the recovery of dependent coordinates, which goes with
-    the fastest of them. Returns how far Newton's method is to be taken, over this tolerance.
+    Not less than rounding. In a dependent coordinate that is magnified once by the recovery of its
+    position, and again by that of its velocity; it is not carried on into the next steps, where
+    the independent ones are what is integrated. Returns how far Newton's method is to be taken,
+    over this tolerance.
 
     Parameters
     ----------
@@ -318,13 +324,24 @@ def tolerate(memory: Vector, w: Vector, relative: float, asked: float, ahead: Ve
     atol = view(w, ATOL * length, length)
     size = view(w, SIZE * length, length)
     allowed = line(memory, TOLERANCE, n)
+    held, carried = 0.0, 0.0
+    for j in range(n, length):
+        carried = max(carried, abs(y0[j]) / size[j])
+    for i in range(notes[FREEDOMS]):
+        j = n + notes[COUNTS + i]
+        held = max(held, abs(y0[j]) / size[j])
+    ratio = min(_FASTEST, carried / max(held, 1e-300))
+    recovered = _RECOVERED * ratio * ratio
     for half in range(2):
         largest = 0.0
         for j in range(half * n, half * n + n):
             largest = max(largest, abs(y0[j]) / size[j])
         for j in range(half * n, half * n + n):
             value = relative * (atol[j] / asked + max(abs(y0[j]), abs(ahead[j])))
-            allowed[j] = value + _LEAST * largest * size[j]
+            allowed[j] = value + (_LEAST + recovered) * largest * size[j]
+        for i in range(notes[FREEDOMS]):
+            j = half * n + notes[COUNTS + i]
+            allowed[j] -= recovered * largest * size[j]
     tolerance = relative + _LEAST
     return float(max(2.0 * _EPS / tolerance, min(0.03, np.sqrt(tolerance))))
 

@@ -3,8 +3,8 @@
 Formulas, transformation, error estimate and step control are those of E. Hairer and G. Wanner,
 Solving Ordinary Differential Equations II, section IV.8. With the transformation of the three
 stages Newton's method needs one real and one complex matrix, of order f each (see `implicit`): the
-positions of the stages are linear in their velocities, hold exactly at every iterate, and leave only
-the equation of the accelerations.
+positions of the stages are linear in their velocities, hold exactly at every iterate, and leave
+only the equation of the accelerations.
 
 The estimate is of order h⁴ and the error of order h⁶, so that an estimate which is kept at the
 tolerance gives errors that shrink faster than it. As in Hairer's program the tolerance is
@@ -288,14 +288,12 @@ def filtered(
     memory: Vector,
     notes: Integers,
     w: Vector,
-    run: Run,
     p: Vector,
 ) -> float:
     """Size of (μ - J)⁻¹ (k0 + Σ e z / h) over the tolerance, over all coordinates and velocities.
 
     The error itself, completed by that of the dependent coordinates, is left in row IN of MEMORY.
     """
-    r = run[0]
     length = w.size // ROWS
     n = length // 2
     f = notes[FREEDOMS]
@@ -355,7 +353,7 @@ def estimate(
     r = run[0]
     length = w.size // ROWS
     n = length // 2
-    found = filtered(machine, t, h, view(w, K * length, length), memory, notes, w, run, p)
+    found = filtered(machine, t, h, view(w, K * length, length), memory, notes, w, p)
     if found >= 1.0 and (r.rejected_before != 0 or notes[EQUAL] == 0):
         y0 = view(w, Y0 * length, length)
         z = view(w, STAGE * length, length)
@@ -368,7 +366,7 @@ def estimate(
         r.rhs += 1
         for i in range(n):
             slope[i] = z[n + i]
-        found = filtered(machine, t, h, slope, memory, notes, w, run, p)
+        found = filtered(machine, t, h, slope, memory, notes, w, p)
     return found
 
 
@@ -392,7 +390,7 @@ def stages(
     for _ in range(2):
         foresee(memory, notes, h, w)
         last = view(w, (K + STATES + 2) * length, length)
-        memory[ENOUGH] = tolerate(memory, w, share(r.rtol) * r.rtol, r.rtol, last)
+        memory[ENOUGH] = tolerate(memory, notes, w, share(r.rtol) * r.rtol, r.rtol, last)
         fresh = notes[CURRENT] != 1
         if fresh:
             differentiate(machine, t, Y0, w, run, p, modes, lam)
