@@ -26,22 +26,25 @@ from runtime.integrate.implicit import (
     EQUAL,
     FREEDOMS,
     H_BASE,
+    HIGHER,
     ITERATIONS,
+    LOWER,
     NEXT_ORDER,
-    OUT,
     RATE,
     REJECTED,
+    SLOPE,
     SLOW,
+    STEP_ERROR,
     STEP_ORDER,
     TOLERANCE,
     arrive,
     counts,
     differentiate,
     factor_real,
+    filtered,
     floats,
     line,
     matrix,
-    measured,
     memory,
     tolerate,
     unknowns,
@@ -285,6 +288,41 @@ def newton(
     return FAILED
 
 
+@inner
+def estimate(
+    machine: Integers,
+    t: float,
+    c: float,
+    other: int,
+    memory: Vector,
+    notes: Integers,
+    w: Vector,
+    p: Vector,
+) -> float:
+    """Size of the filtered difference of order k + 1 + `other` at the new state.
+
+    At an order k it is Y1 - FORESEEN = ∇ᵏ⁺¹, one lower it is that plus ∇ᵏ of the past, one higher
+    that less ∇ᵏ⁺¹ of the past.
+
+    Where stiff forces hold a position, the formula's velocity is a difference quotient of it and
+    off by one power of h more than the differences of velocities say; the filter knows.
+    """
+    n = w.size // (2 * ROWS)
+    length = 2 * n
+    k = notes[STEP_ORDER]
+    y1 = view(w, Y1 * length, length)
+    foreseen = line(memory, FORESEEN, n)
+    past = line(memory, NOW + (k if other < 0 else k + 1), n)
+    sign = 0.0 if other == 0 else (1.0 if other < 0 else -1.0)
+    rates = line(memory, SLOPE, n)
+    for i in range(notes[FREEDOMS]):
+        j = notes[COUNTS + i]
+        rates[n + i] = y1[j] - foreseen[j] + sign * past[j]
+        rates[i] = y1[n + j] - foreseen[n + j] + sign * past[n + j]
+    constant = ERROR_CONSTANT[k + other]
+    return float(constant * filtered(machine, t, Y1, c, memory, notes, w, p))
+
+
 @compiled(STAGES)
 def stages(
     machine: Integers,
@@ -325,6 +363,14 @@ def stages(
                 return FAILED
         taken = newton(machine, t + h, c, memory, notes, w, run, p, modes, lam)
         if taken != FAILED:
+            k = notes[STEP_ORDER]
+            t1 = t + h
+            memory[STEP_ERROR] = estimate(machine, t1, c, 0, memory, notes, w, p)
+            if notes[EQUAL] >= k:
+                if k > 1:
+                    memory[LOWER] = estimate(machine, t1, c, -1, memory, notes, w, p)
+                if k < HIGHEST:
+                    memory[HIGHER] = estimate(machine, t1, c, 1, memory, notes, w, p)
             return taken
         notes[CURRENT] = 0
         if fresh:
@@ -332,30 +378,10 @@ def stages(
     return FAILED
 
 
-@inner
-def difference(memory: Vector, j: int, w: Vector) -> float:
-    """Size of Y1 - FORESEEN + s ∇ʲ, over the tolerance, root mean square over q and v.
-
-    s is 1 for j ≥ 0; for j < 0 it is -1 and the difference is ∇⁻ʲ; j = 0 adds nothing.
-    """
-    length = w.size // ROWS
-    n = length // 2
-    y1 = view(w, Y1 * length, length)
-    allowed, change = line(memory, TOLERANCE, n), line(memory, OUT, n)
-    foreseen = line(memory, FORESEEN, n)
-    other = line(memory, NOW + abs(j), n)
-    sign = 0.0 if j == 0 else (1.0 if j > 0 else -1.0)
-    for i in range(length):
-        change[i] = y1[i] - foreseen[i] + sign * other[i]
-    return float(measured(change, allowed))
-
-
 @compiled(ERROR)
 def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
-    n = w.size // (2 * ROWS)
-    memory, notes = floats(machine, n), counts(machine, n)
-    return float(ERROR_CONSTANT[notes[STEP_ORDER]] * difference(memory, 0, w))
+    return float(floats(machine, w.size // (2 * ROWS))[STEP_ERROR])
 
 
 @compiled(PROPOSE)
@@ -375,14 +401,12 @@ def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
     safety = r.safety * (2 * _NEWTON + 1) / (2 * _NEWTON + notes[ITERATIONS])
     best = max(r.error, 1e-10) ** (-1.0 / (k + 1))
     if k > 1:
-        lower = ERROR_CONSTANT[k - 1] * difference(memory, k, w)
-        ratio = max(lower, 1e-10) ** (-1.0 / k)
+        ratio = max(memory[LOWER], 1e-10) ** (-1.0 / k)
         if ratio > best:
             best = ratio
             notes[NEXT_ORDER] = k - 1
     if k < HIGHEST:
-        higher = ERROR_CONSTANT[k + 1] * difference(memory, -(k + 1), w)
-        ratio = max(higher, 1e-10) ** (-1.0 / (k + 2))
+        ratio = max(memory[HIGHER], 1e-10) ** (-1.0 / (k + 2))
         if ratio > best:
             best = ratio
             notes[NEXT_ORDER] = k + 1

@@ -3,10 +3,10 @@
 The unknowns of a step are the f independent coordinates u of the partition in force and their
 velocities. At every iterate the dependent coordinates and velocities follow from the constraints,
 starting where the last iterate left them, and the accelerations from the equations of motion. What
-is integrated is thus ü = G(t, u, u̇), and as the formulas for u̇ are linear, u is eliminated: Newton's
-matrices are I - c G_u̇ - c² G_u of order f, with c real or complex (E. Hairer and G. Wanner, Solving
-Ordinary Differential Equations II, section IV.8). Where nothing is recovered from constraints, all
-coordinates are unknowns.
+is integrated is thus ü = G(t, u, u̇), and as the formulas for u̇ are linear, u is eliminated:
+Newton's matrices are I - c G_u̇ - c² G_u of order f, with c real or complex (E. Hairer and
+G. Wanner, Solving Ordinary Differential Equations II, section IV.8). Where nothing is recovered
+from constraints, all coordinates are unknowns.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from runtime.compiled import compiled, inner
 from runtime.constraints.correction import FAILED, WEAK
 from runtime.integrate.field import field
-from runtime.integrate.linear import factor
+from runtime.integrate.linear import factor, solve
 from runtime.integrate.signatures import DIFFERENTIATE, Integers, Vector
 from runtime.integrate.slots import (
     BENDS,
@@ -35,6 +35,7 @@ RATE = 1  # of Newton's convergence: what is still missing over the last change
 STEP_ERROR = 2  # of the last trial step, over the tolerance
 H_BASE = 3  # distance of a multistep method's history; length of a one-step method's last step
 ERROR_BASE = 4  # error of that step
+LOWER, HIGHER = 6, 7  # the error that a multistep method would have made at other orders
 ENOUGH = 5  # how far Newton's method is taken, over the tolerance of the step
 CHANGE = 8  # first of 72 numbers in which a change of the step's length is worked out
 NUMBERS = 80
@@ -55,7 +56,7 @@ COUNTS = 8
 
 SLOW = 0.05  # convergence at which derivatives are taken anew for the next step
 _EPS = 2.2e-16
-_LEAST = 20.0 * _EPS  # of the largest coordinate or velocity: rounding in the dependent ones
+_LEAST = 8.0 * _EPS  # rounding in a step, relative to the largest coordinate or velocity
 _DIFFERENCE = 1e-7  # relative change by which a field along surfaces is differenced
 
 
@@ -302,8 +303,7 @@ def factor_complex(memory: Vector, notes: Integers, n: int, c: float, d: float) 
 def tolerate(memory: Vector, w: Vector, relative: float, asked: float, ahead: Vector) -> float:
     """Fill row TOLERANCE: what the error of the step may be, from its ends Y0 and `ahead`.
 
-    Not less than what rounding leaves of the recovery of dependent coordinates, which goes with
-    the fastest of them. Returns how far Newton's method is to be taken, over this tolerance.
+    Not less than rounding. Returns how far Newton's method is to be taken, over this tolerance.
 
     Parameters
     ----------
@@ -337,6 +337,44 @@ def measured(change: Vector, allowed: Vector) -> float:
         ratio = change[i] / allowed[i]
         total += ratio * ratio
     return float(np.sqrt(total / change.size))
+
+
+@inner
+def filtered(
+    machine: Integers,
+    t: float,
+    state: int,
+    c: float,
+    memory: Vector,
+    notes: Integers,
+    w: Vector,
+    p: Vector,
+) -> float:
+    """Size of (I - c J)⁻¹ (x, y) over the tolerance, over all coordinates and velocities.
+
+    x and y, changes of the unknowns and of their rates, are in the second and in the first half of
+    row SLOPE of MEMORY and are used up; row IN receives the result, completed by the change of the dependent coordinates at the state in row
+    `state`. The matrix takes out what stiff forces do not permit, and turns an error of a position
+    that they hold into that of its velocity.
+    """
+    n = w.size // (2 * ROWS)
+    f = notes[FREEDOMS]
+    by_u = matrix(memory, 0, n)
+    change, y, out = line(memory, IN, n), line(memory, SLOPE, n), line(memory, OUT, n)
+    x = view(y, n, n)
+    for i in range(f):
+        for k in range(f):
+            y[i] += c * by_u[i * f + k] * x[k]
+    solve(matrix(memory, 2, n), f, view(notes, COUNTS + n, n), y)
+    for j in range(2 * n):
+        change[j] = 0.0
+    for i in range(f):
+        j = notes[COUNTS + i]
+        change[n + j] = y[i]
+        change[j] = x[i] + c * y[i]
+    dq, dv = view(change, 0, n), view(change, n, n)
+    carry(machine, t, state, dq, dv, view(out, 0, n), view(out, n, n), w, p)
+    return float(measured(change, line(memory, TOLERANCE, n)))
 
 
 @inner

@@ -3,8 +3,8 @@
 Formulas, transformation, error estimate and step control are those of E. Hairer and G. Wanner,
 Solving Ordinary Differential Equations II, section IV.8. With the transformation of the three
 stages Newton's method needs one real and one complex matrix, of order f each (see `implicit`): the
-positions of the stages are linear in their velocities, hold exactly at every iterate, and leave only
-the equation of the accelerations.
+positions of the stages are linear in their velocities, hold exactly at every iterate, and leave
+only the equation of the accelerations.
 
 The estimate is of order h⁴ and the error of order h⁶, so that an estimate which is kept at the
 tolerance gives errors that shrink faster than it. As in Hairer's program the tolerance is
@@ -27,21 +27,20 @@ from runtime.integrate.implicit import (
     H_BASE,
     IN,
     ITERATIONS,
-    OUT,
     RATE,
+    SLOPE,
     SLOW,
     STEP_ERROR,
     TOLERANCE,
     arrive,
-    carry,
     counts,
     differentiate,
     factor_complex,
     factor_real,
+    filtered,
     floats,
     line,
     matrix,
-    measured,
     memory,
     stiffness,
     tolerate,
@@ -280,7 +279,7 @@ def newton(
 
 
 @inner
-def filtered(
+def embedded(
     machine: Integers,
     t: float,
     h: float,
@@ -288,54 +287,23 @@ def filtered(
     memory: Vector,
     notes: Integers,
     w: Vector,
-    run: Run,
     p: Vector,
 ) -> float:
-    """Size of (μ - J)⁻¹ (k0 + Σ e z / h) over the tolerance, over all coordinates and velocities.
-
-    The error itself, completed by that of the dependent coordinates, is left in row IN of MEMORY.
-    """
-    r = run[0]
+    """Size of the filtered error c (k0 + Σ e z / h), which is left in row IN of MEMORY."""
     length = w.size // ROWS
     n = length // 2
-    f = notes[FREEDOMS]
     y0 = view(w, Y0 * length, length)
     s1 = view(w, (K + STATES) * length, length)
     s2 = view(w, (K + STATES + 1) * length, length)
     s3 = view(w, (K + STATES + 2) * length, length)
-    by_u = matrix(memory, 0, n)
-    off, rest = line(memory, SIDES, n), line(memory, SIDES + 1, n)
-    change = line(memory, IN, n)
+    rates = line(memory, SLOPE, n)
     c = h * C_REAL
-    for i in range(f):
-        j = notes[COUNTS + i]
-        off[i] = k0[j] + (E1 * (s1[j] - y0[j]) + E2 * (s2[j] - y0[j]) + E3 * (s3[j] - y0[j])) / h
-        j += n
-        rest[i] = k0[j] + (E1 * (s1[j] - y0[j]) + E2 * (s2[j] - y0[j]) + E3 * (s3[j] - y0[j])) / h
-    for i in range(f):
-        for m in range(f):
-            rest[i] += c * by_u[i * f + m] * off[m]
-        rest[i] *= c
-    solve(matrix(memory, 2, n), f, view(notes, COUNTS + n, n), rest)
-    for i in range(length):
-        change[i] = 0.0
-    for i in range(f):
-        j = notes[COUNTS + i]
-        change[n + j] = rest[i]
-        change[j] = c * (off[i] + rest[i])
-    out = line(memory, OUT, n)
-    carry(
-        machine,
-        t,
-        Y0,
-        view(change, 0, n),
-        view(change, n, n),
-        view(out, 0, n),
-        view(out, n, n),
-        w,
-        p,
-    )
-    return float(measured(change, line(memory, TOLERANCE, n)))
+    for i in range(notes[FREEDOMS]):
+        for half in range(2):
+            j = half * n + notes[COUNTS + i]
+            z = E1 * (s1[j] - y0[j]) + E2 * (s2[j] - y0[j]) + E3 * (s3[j] - y0[j])
+            rates[(1 - half) * n + i] = c * k0[j] + C_REAL * z
+    return float(filtered(machine, t, Y0, c, memory, notes, w, p))
 
 
 @inner
@@ -355,7 +323,7 @@ def estimate(
     r = run[0]
     length = w.size // ROWS
     n = length // 2
-    found = filtered(machine, t, h, view(w, K * length, length), memory, notes, w, run, p)
+    found = embedded(machine, t, h, view(w, K * length, length), memory, notes, w, p)
     if found >= 1.0 and (r.rejected_before != 0 or notes[EQUAL] == 0):
         y0 = view(w, Y0 * length, length)
         z = view(w, STAGE * length, length)
@@ -368,7 +336,7 @@ def estimate(
         r.rhs += 1
         for i in range(n):
             slope[i] = z[n + i]
-        found = filtered(machine, t, h, slope, memory, notes, w, run, p)
+        found = embedded(machine, t, h, slope, memory, notes, w, p)
     return found
 
 
