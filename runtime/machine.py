@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +26,7 @@ from runtime.progress import bar
 if TYPE_CHECKING:
     from runtime.analyses.assemble import Assembly
     from runtime.analyses.equilibrium import Equilibrium
-    from runtime.integrate.problem import System
+    from runtime.integrate.problem import Correction, System
     from runtime.results.result import Result
     from runtime.tangents import Origin, Tangents
 
@@ -246,7 +246,8 @@ class Machine:
         parameters: Values | None = None,
         guess: Values | None = None,
         start: "Assembly | None" = None,
-        correction: Literal["step", "stage"] = "step",
+        correction: "Correction" = "step",
+        time_scale: float | None = None,
         first_step: float | None = None,
         max_step: float | None = None,
         max_steps: int = 100_000_000,
@@ -281,6 +282,7 @@ class Machine:
                 guess=guess,
                 start=start,
                 correction=correction,
+                time_scale=time_scale,
                 first_step=first_step,
                 max_step=max_step,
                 max_steps=max_steps,

@@ -1,6 +1,7 @@
 """Dynamics: how the machine moves under the forces that act on it."""
 
 import time as clock
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, NamedTuple, cast
 
 import numpy as np
@@ -13,8 +14,9 @@ from runtime.analyses.kinematics import instants
 from runtime.analyses.magnitudes import magnitudes
 from runtime.analyses.masses import require_masses
 from runtime.analyses.outputs import evaluate
-from runtime.integrate.problem import Options, Problem, Trajectory
+from runtime.integrate.problem import Correction, Options, Problem, System, Trajectory
 from runtime.integrate.run import integrate
+from runtime.integrate.tables import IMPLICIT
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
 from runtime.results.result import Result
@@ -50,6 +52,21 @@ class Event(NamedTuple):
         return np.concatenate([self.q, self.v])
 
 
+class Partition(NamedTuple):
+    """The independent coordinates were chosen anew.
+
+    Attributes
+    ----------
+    time
+        From which on they hold, s.
+    independent
+        Their names; the others follow from them by the constraints.
+    """
+
+    time: float
+    independent: tuple[str, ...]
+
+
 def simulate(
     machine: "Machine",
     t_end: float,
@@ -62,7 +79,8 @@ def simulate(
     parameters: "Values | None" = None,
     guess: "Values | None" = None,
     start: Assembly | None = None,
-    correction: Literal["step", "stage"] = "step",
+    correction: Correction = "step",
+    time_scale: float | None = None,
     first_step: float | None = None,
     max_step: float | None = None,
     max_steps: int = 100_000_000,
@@ -91,7 +109,10 @@ def simulate(
     start
         An assembled state to start from, in place of the scene's start.
     correction
-        Return onto the constraints once a step, or at every stage.
+        Return onto the constraints: once a "step" (dependent coordinates from independent ones), at
+        every "stage", by "projection", by "baumgarte" or "hybrid"; see `Options.correction`.
+    time_scale
+        τ of Baumgarte's accelerations, s; a thousandth of the run unless given.
     first_step, max_step
         Lengths in s; chosen unless given.
     """
@@ -108,7 +129,7 @@ def simulate(
     begin = start if start is not None else assemble(machine, guess, parameters, t_start)
     equations = Equations(machine, p)
     trajectory = integrate(
-        machine.system,
+        _system(machine, method),
         Problem(
             begin.t,
             float(t_end),
@@ -126,6 +147,7 @@ def simulate(
             atol_v=atol,
             t_eval=times,
             correction=correction,
+            time_scale=time_scale,
             first_step=first_step,
             h_max=max_step,
             max_steps=max_steps,
@@ -133,6 +155,13 @@ def simulate(
         lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
     )
     return _result(machine, trajectory, p, began)
+
+
+def _system(machine: "Machine", method: str) -> System:
+    """The machine's kernels, with their derivatives where the method asks for them."""
+    if method not in IMPLICIT:
+        return machine.system
+    return replace(machine.system, **machine.tangents._asdict())
 
 
 def _mobility(equations: Equations, q: FloatArray) -> FloatArray:
@@ -162,6 +191,9 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
         "rhs_evaluations": counts.rhs,
         "corrections": counts.corrections,
         "newton_iterations": counts.newton,
+        "stage_iterations": counts.iterations,
+        "jacobians": counts.jacobians,
+        "factorizations": counts.factorizations,
         "dense_outputs": counts.dense_outputs,
         "repartitions": counts.repartitions,
         "events": counts.events,
@@ -183,6 +215,11 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
             strict=True,
         )
     ]  # fmt: skip
+    names = machine.coordinates.names
+    partitions = [
+        Partition(float(t), tuple(name for name, free in zip(names, chosen, strict=True) if free))
+        for t, chosen in zip(run.partitions.t, run.partitions.independent, strict=True)
+    ]
     return Result(
         machine,
         samples,
@@ -192,6 +229,7 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
         message=_message(machine, run),
         stats=stats,
         events=events,
+        partitions=partitions,
     )
 
 

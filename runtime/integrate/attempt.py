@@ -23,6 +23,7 @@ from runtime.integrate.slots import (
     NONZEROS,
     ROW_ORDER,
     SETTINGS,
+    constraints_of,
     correct_of,
     correction_of,
     error_of,
@@ -39,11 +40,14 @@ from runtime.integrate.views import (
     view,
 )
 from runtime.integrate.workspace import (
+    ATOL,
     DELTA,
     PARTITION,
     PREDICTED,
+    PROJECTION,
     ROWS,
     SAMPLE,
+    SIZE,
     UNIT,
     Y1,
     K,
@@ -54,6 +58,9 @@ DONE = 0
 NEWTON = 1
 NOT_FINITE = 2
 TOO_LARGE = 3  # the error is over the tolerance
+
+NEVER, BY_PARTITION, BY_PROJECTION, IF_DRIFTED = 0, 1, 2, 3
+"""When and how a step is brought back onto the constraints: the number CORRECTING of the table."""
 
 GROWTH_LIMIT = 10.0  # entries of H that full pivoting keeps near one
 _CHECK_EVERY = 4  # steps between probes of one independent coordinate
@@ -179,6 +186,40 @@ def poorly_chosen(machine: Integers, t: float, w: Vector, p: Vector, run: Run) -
 
 
 @inner
+def drifted(machine: Integers, t: float, w: Vector, rtol: float, p: Vector) -> bool:
+    """Whether a constraint is off by more than a step's tolerance at Y1."""
+    length = w.size // ROWS
+    n = length // 2
+    phi = view(w, DELTA * length, machine[CONSTRAINT_COUNT])
+    constraints_of(machine)(t, view(w, Y1 * length, n), p, phi)
+    tolerance = np.inf
+    for j in range(n):
+        tolerance = min(tolerance, w[ATOL * length + j] + rtol * w[SIZE * length + j])
+    largest = 0.0
+    for i in range(phi.size):
+        largest = max(largest, abs(phi[i]))
+    return bool(largest > tolerance)
+
+
+@inner
+def projected(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> int:
+    """Move Y1 onto the constraints by the least in the metric of the masses, if it must be."""
+    r = run[0]
+    length = w.size // ROWS
+    if machine[CORRECTING] == IF_DRIFTED and not drifted(machine, t, w, r.rtol, p):
+        return DONE
+    result = correct_of(machine)(machine, t, Y1, PROJECTION, w, p)
+    r.newton += 1
+    if result == FAILED:
+        return NEWTON
+    r.corrections += result % WEAK
+    for j in range(length // 2):
+        moved = abs(w[Y1 * length + j] - w[PREDICTED * length + j])
+        r.largest_dq = max(r.largest_dq, moved)
+    return DONE
+
+
+@inner
 def returned(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> int:
     """Bring Y1 back onto the constraints, with another partition where this one is poor."""
     r = run[0]
@@ -194,6 +235,8 @@ def returned(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> int
         finite = finite and np.isfinite(y1[j])
     if not finite:
         return NOT_FINITE
+    if machine[CORRECTING] != BY_PARTITION:
+        return projected(machine, t, w, run, p)
     if poorly_chosen(machine, t, w, p, run) != 0:
         repartition(machine, t, Y1, w, run, p)
     result = correct(machine, t, Y1, PARTITION, w, p)
@@ -241,7 +284,7 @@ def attempt(
     if taken < 0:
         return NEWTON
     r.corrections += taken
-    if lam.size > 0 and machine[CORRECTING] != 0:
+    if lam.size > 0 and machine[CORRECTING] != NEVER:
         code = returned(machine, t + h, w, run, p)
         if code != DONE:
             return code

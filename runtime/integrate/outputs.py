@@ -4,7 +4,7 @@ from runtime.compiled import compiled, inner
 from runtime.constraints.correction import FAILED, WEAK
 from runtime.integrate.dense import interpolate
 from runtime.integrate.signatures import EMIT, IntegerMatrix, Integers, Matrix, Vector
-from runtime.integrate.slots import correct_of, dense_of
+from runtime.integrate.slots import CORRECTING, correct_of, dense_of
 from runtime.integrate.views import view
 from runtime.integrate.workspace import PROJECTION, ROWS, SAMPLE, Y1, Run
 
@@ -69,7 +69,7 @@ def emit(
                 r.dense_outputs += 1
                 r.rhs += r.dense_calls
             interpolate(w, r.dense_rows, (at - t) / h, SAMPLE)
-            if lam.size > 0:
+            if lam.size > 0 and machine[CORRECTING] != 0:
                 result = correct_of(machine)(machine, at, SAMPLE, PROJECTION, w, p)
                 if result == FAILED:
                     return FAILED

@@ -27,6 +27,8 @@ from runtime.integrate.signatures import (
 )
 from runtime.outcomes import Outcome
 
+Correction = Literal["step", "stage", "projection", "baumgarte", "hybrid"]
+
 
 @dataclass(frozen=True, eq=False)
 class System:
@@ -126,7 +128,14 @@ class Options:
     t_eval
         Instants of the samples, ascending; None: the end of every step.
     correction
-        Return onto the constraints at the end of every "step", or at every "stage" too.
+        Return onto the constraints: at the end of every "step", the dependent coordinates from the
+        independent ones, or at every "stage" too; by "projection", at the end of every step, of
+        all coordinates by the least in the metric of the masses; by "baumgarte", never, but
+        accelerations that pull back; by "hybrid", these, and projection where a constraint has
+        drifted by more than the tolerance (T. W. Park and E. J. Haug, Journal of Mechanisms,
+        Transmissions and Automation in Design 108, 1986).
+    time_scale
+        τ of Baumgarte's accelerations, s; None: a thousandth of the run.
     first_step, h_max, h_min
         Lengths in s; None: chosen.
     fixed_step
@@ -144,7 +153,8 @@ class Options:
     atol_q: ArrayLike | None = None
     atol_v: ArrayLike | None = None
     t_eval: ArrayLike | None = None
-    correction: Literal["step", "stage"] = "step"
+    correction: Correction = "step"
+    time_scale: float | None = None
     first_step: float | None = None
     h_max: float | None = None
     h_min: float | None = None
@@ -166,6 +176,10 @@ class Statistics:
         Calls of `accelerations` by the method.
     corrections, newton
         Calls of `correction`, and Newton iterations begun at the ends of steps.
+    iterations, jacobians, factorizations
+        Of implicit methods: Newton iterations inside steps, each with one call of `accelerations`
+        a stage; times at which exact derivatives were taken; matrices factored, a real and a
+        complex one counted as one.
     dense_outputs
         Steps whose dense output was needed.
     repartitions, events
@@ -182,6 +196,9 @@ class Statistics:
     rhs: int
     corrections: int
     newton: int
+    iterations: int
+    jacobians: int
+    factorizations: int
     dense_outputs: int
     repartitions: int
     events: int

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from runtime.integrate import attempt, driver
+from runtime.integrate.bent import TIME_SCALE
 from runtime.integrate.check import check
 from runtime.integrate.problem import (
     Events,
@@ -47,6 +48,13 @@ _FIRST_CHUNK = 512
 _LONGEST_CHUNK = 16384
 _CHUNK_SECONDS = 0.05
 _EVENT_ROWS = 64
+_CORRECTING = {
+    "step": attempt.BY_PARTITION,
+    "stage": attempt.BY_PARTITION,
+    "projection": attempt.BY_PROJECTION,
+    "baumgarte": attempt.NEVER,
+    "hybrid": attempt.IF_DRIFTED,
+}
 
 
 def integrate(
@@ -126,9 +134,13 @@ class _Run:
         self.modes = np.zeros(s, np.int64)
         p = np.ascontiguousarray(problem.p, dtype=np.float64)
         self.wiring = wire(system, options.method, p, 4 * driver.LOG_MARGIN)
-        table = self.wiring.table
+        table, arrays = self.wiring.table, self.wiring.arrays
+        table[Slot.CORRECTING] = _CORRECTING[options.correction]
+        stabilized = options.correction in ("baumgarte", "hybrid")
+        table[Slot.STABILIZED] = table[Slot.BENDS] = int(stabilized)
+        duration = problem.t_end - problem.t0
+        arrays[Slot.SETTINGS][TIME_SCALE] = options.time_scale or 1e-3 * duration or 1.0
         table[Slot.EACH_STAGE] = 1 if options.correction == "stage" and m > 0 else 0
-        arrays = self.wiring.arrays
         self.log_t, self.log_sets = arrays[Slot.LOG_TIMES], arrays[Slot.LOG_SETS]
         arrays[Slot.WEIGHTS][:n] = problem.scale**2
         self.event_t = np.zeros(_EVENT_ROWS + 2 * s)

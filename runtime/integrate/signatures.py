@@ -53,7 +53,10 @@ STAGES = i8(integers, f8, f8, vector, run_record, vector, integers, vector)
 ERROR = f8(integers, f8, f8, vector)  # machine h rtol w; over the tolerance, root mean square
 DENSE = i8(integers, f8, f8, vector, vector, integers, vector)  # machine t h w p modes lam
 PROPOSE = f8(integers, f8, vector, run_record)  # machine h w run; ratio of two steps' lengths
-HOOK = i8(integers, f8, f8, vector, run_record)  # machine t h w run
+HOOK = i8(integers, f8, f8, vector, run_record)  # machine t h w run; 1: another method is due
+DIFFERENTIATE = i8(
+    integers, f8, i8, vector, run_record, vector, integers, vector
+)  # machine t state w run p modes lam
 CORRECT = i8(integers, f8, i8, i8, vector, vector)  # machine t row weighing w p
 FIELD = i8(integers, f8, vector, vector, vector, integers, vector, vector)
 # machine t q v p modes a lam; as ACCELERATIONS

@@ -26,8 +26,11 @@ from runtime.integrate.problem import System
 from runtime.integrate.signatures import Integers, Vector
 from runtime.integrate.slots import Slot
 
-METHODS = ("dopri5", "dop853")
+METHODS = ("dopri5", "dop853", "bdf", "radau5")
 """The methods; each is a module of this package."""
+
+IMPLICIT = ("bdf", "radau5")
+"""Those that need derivatives of the kernels."""
 
 _METHOD = ("stages", "error", "dense", "propose", "accepted", "restart")
 

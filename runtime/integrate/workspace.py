@@ -71,7 +71,7 @@ _FLOATS = [
 _INTEGERS = [
     "last",  # row, after K, of the derivative at the end of a step
     "stage_calls",
-    "order",  # of the method
+    "order",  # power of a step's length in the error estimate of the first one
     "dense_rows",
     "dense_calls",
     "fixed",  # 1: no error control
@@ -81,6 +81,9 @@ _INTEGERS = [
     "rhs",
     "corrections",
     "newton",
+    "iterations",  # of Newton's method in the steps of implicit methods
+    "jacobians",
+    "factorizations",
     "dense_outputs",
     "events",
     "repartitions",

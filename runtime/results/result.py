@@ -40,6 +40,8 @@ class Result:
         Counts of what the analysis did, and its wall time in s.
     events
         What happened between the instants.
+    partitions
+        The independent coordinates of a simulation: the first choice, then every change.
     parameters
         Parameter values by name.
     """
@@ -55,6 +57,7 @@ class Result:
         message: str,
         stats: Mapping[str, float],
         events: Sequence[Any] = (),
+        partitions: Sequence[Any] = (),
     ) -> None:
         self.description: Description = machine.description
         self.samples = samples
@@ -63,6 +66,7 @@ class Result:
         self.message = message
         self.stats = dict(stats)
         self.events = tuple(events)
+        self.partitions = tuple(partitions)
         self.parameters = {
             row.name: float(value) for row, value in zip(machine.parameters, p, strict=False)
         }
