@@ -26,8 +26,8 @@ The controller aims below the tolerance and its estimates are pessimistic.
 KEPT = 100.0
 """A tolerance counts as kept if the error is at most so many times as large."""
 
-WORTH = 0.1
-"""A number whose bound is larger than this is not compared: it lies beyond the horizon."""
+WORTH = 1.0
+"""A number whose bound is larger than this, in m, rad or s, lies beyond the horizon."""
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,9 @@ How far may a right run be from the reference? An error made in one step grows l
 of the motion; how much so is a property of the machine and stands with each case (growth). At worst
 the errors of all steps add up: the bound is {SHARE:g} × steps × growth × rtol, with the steps of a
 method of order 8 at rtol 1e-9, and at least {KEPT:g} × growth × rtol. Where the bound exceeds
-{WORTH:g} the number is beyond the horizon and not compared; the column *until* says how far the
-comparison reaches, and where nothing can be compared the verdict is *beyond the horizon*. |Φ| must
-stay below {RESIDUAL:.0e}.
+{WORTH:g} (m, rad, s) the number is beyond the horizon and not compared; the column *until* says
+how far the comparison reaches, and where nothing can be compared the verdict is *beyond the
+horizon*. |Φ| must stay below {RESIDUAL:.0e}.
 
 | column | meaning |
 |---|---|
@@ -85,6 +85,8 @@ def section(case: Case, cells: Sequence[Cell]) -> Iterator[str]:
     yield f"{case.hard}\n"
     yield f"*What to see:* {case.see}\n"
     yield f"{where}, {case.t_end:g} s. Compared: {case.quantity}. Reference: {case.origin}.\n"
+    worst = float(case.reference().bound(1.0).max())
+    yield f"Bound at worst: {worst:.2g} × rtol.\n"
     yield from TABLE
     for cell in cells:
         yield row(cell)
