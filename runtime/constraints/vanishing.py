@@ -22,7 +22,7 @@ from runtime.integrate.slots import (
     jacobian_of,
 )
 from runtime.integrate.views import floats_at, integers_at, matrix_at, view
-from runtime.integrate.workspace import PARTITION, ROWS, SAMPLE, SIZE, Y0, Run
+from runtime.integrate.workspace import PARTITION, ROWS, SAMPLE, SIZE, Y0, K, Run
 
 BEHIND, AHEAD = 0.1, 2.5  # of a step: how far back and ahead is looked
 _FORESIGHT = 0.1  # of the coordinates' sizes: what is nearer matters to the finest tolerances
@@ -122,8 +122,9 @@ def vanishing(
     v = view(w, Y0 * 2 * n + n, n)
     end = view(w, state * 2 * n, n)
     moved = view(w, SAMPLE * 2 * n, n)
-    speed = 0.0
+    speed, haste = 0.0, 0.0
     for j in range(n):
+        haste = max(haste, abs(view(w, K * 2 * n + n, n)[j]) / size[j])
         speed = max(speed, abs(v[j]) / size[j], abs(view(w, state * 2 * n + n, n)[j]) / size[j])
     span, back, ahead = h, 0.0, max(AHEAD * h, _FORESIGHT / max(speed, 1e-300))
     if state == Y0:
@@ -145,7 +146,8 @@ def vanishing(
         if back <= s <= ahead and abs(s) < abs(nearest):
             nearest = s
             before = abs(now[i])
-    r.look_at = t + _MARGIN * _smallest(now) / max(speed, 1e-300)
+    way = _MARGIN * _smallest(now)
+    r.look_at = t + 2.0 * way / (speed + np.sqrt(speed * speed + 2.0 * haste * way) + 1e-300)
     if nearest < np.inf:
         # With an order of pivots of its own, is this position as poor as it seems?
         for j in range(n):
