@@ -28,7 +28,7 @@ BEHIND, AHEAD = 0.1, 2.5  # of a step: how far back and ahead is looked
 _FORESIGHT = 0.1  # of the coordinates' sizes: what is nearer matters to the finest tolerances
 _REACH = 0.5  # of the coordinates' sizes: how far a motion is continued
 _MARGIN = 0.5  # of the time in which a pivot could vanish: when to look again
-_NEAR = 1e-3  # a pivot that counts as small in any case
+_NEAR = 1e-5  # a pivot that counts as small in any case
 _REDUNDANT = 1e-8  # a row whose pivot is below this at both places says what others say
 
 
@@ -137,7 +137,6 @@ def vanishing(
     _fill(jacobian, t + span, moved, p, scale, rows, columns, values, dense)
     _reduce(dense, order, later, 0)
     nearest = np.inf
-    before = 1.0
     for i in range(m):
         change = later[i] - now[i]
         if max(abs(now[i]), abs(later[i])) <= _REDUNDANT or change == 0.0:
@@ -145,7 +144,6 @@ def vanishing(
         s = -now[i] * span / change
         if back <= s <= ahead and abs(s) < abs(nearest):
             nearest = s
-            before = abs(now[i])
     way = _MARGIN * _smallest(now)
     r.look_at = t + 2.0 * way / (speed + np.sqrt(speed * speed + 2.0 * haste * way) + 1e-300)
     if nearest < np.inf:
@@ -156,7 +154,8 @@ def vanishing(
         _reduce(dense, order, later, 1)
         least = 1.0
         for i in range(m):
-            least = min(least, abs(later[i]) if abs(now[i]) > _REDUNDANT else 1.0)
-        if least > max(0.5 * before, _NEAR):
+            if abs(now[i]) > _REDUNDANT:
+                least = min(least, abs(later[i]))
+        if least > 0.5 * _smallest(now) and least > _NEAR:
             return np.inf
     return float(nearest)

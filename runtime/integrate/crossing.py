@@ -19,7 +19,7 @@ import numpy as np
 from runtime.constraints.singular import Motion, Positions, Singularity, hermite, taylor
 from runtime.integrate import driver
 from runtime.integrate.problem import Crossing, Problem, System
-from runtime.integrate.signatures import Vector
+from runtime.integrate.signatures import Vector, no_right_side
 from runtime.integrate.workspace import (
     APPROACHING,
     CROSSING,
@@ -82,6 +82,8 @@ class Crossings:
             np.arange(system.constraint_count),
             system.constraint_count,
         )
+        if system.constraints is no_right_side:
+            self.r["quiet"] = np.inf  # nothing tells a position that is passed from one missed
         self.passed: list[Crossing] = []
         self.note = ""
         self.found: Singularity | None = None
@@ -102,6 +104,8 @@ class Crossings:
     def begin(self) -> bool:
         """Prepare a start in a singular position; false where no motion leads out of it."""
         run = self.run
+        if not np.isfinite(self.r["quiet"]) and self.r["quiet"] > 0.0:
+            return False
         q, v = run.state
         motion = taylor(float(self.r["t"]), q, v, np.zeros_like(v))
         found = self.positions.near(motion, 0.0)
