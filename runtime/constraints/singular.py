@@ -24,6 +24,7 @@ Kernel = Callable[..., Any]
 
 _WEAK = 0.3  # a singular value above this, columns scaled and rows made unit length, is not weak
 _APART = 3.0  # factor by which the weak singular values lie below the others
+_NONE = 1e-9  # singular values below this are not told apart
 _FLAT = 1e-6  # what is left of uᵀ Φ_q on the null directions at a singular position
 _ITERATIONS = 40
 _KEEP = 5  # iterations with the same second derivatives
@@ -102,8 +103,10 @@ class Singularity(NamedTuple):
         The largest |uᵀ Φ|, in units of the rows' lengths.
     rate
         How fast the smallest singular value passes through zero, 1/s.
-    bend
-        |uᵀ Φ_qq[v, v]| over the rate, 1/s: zero where the motion is along a branch.
+    veer
+        What the velocity lacks to one along the nearest branch, shape (n,).
+    astray
+        Its length as a part of the speed.
     speed
         Length of the velocity, 1/s.
     miss
@@ -117,7 +120,8 @@ class Singularity(NamedTuple):
     direction: FloatArray
     gap: float
     rate: float
-    bend: float
+    veer: FloatArray
+    astray: float
     speed: float
     miss: float
 
@@ -227,11 +231,7 @@ class Positions:
             return self.near(motion, s)
         growth = speed / known.speed
         return known._replace(
-            t=motion.t + s,
-            speed=speed,
-            rate=known.rate * growth,
-            bend=known.bend * growth,
-            miss=miss,
+            t=motion.t + s, speed=speed, rate=known.rate * growth, miss=miss
         )
 
     def frame(self, matrix: FloatArray) -> _Frame:
@@ -250,8 +250,8 @@ def weak_values(values: FloatArray) -> int:
     small = int(np.sum(values < _WEAK))
     if small == 0 or small == len(values):
         return small
-    above = values[len(values) - small - 1 : -1]
-    ratios = above / np.maximum(values[len(values) - small :], 1e-300)
+    values = np.maximum(values, _NONE)
+    ratios = values[len(values) - small - 1 : -1] / values[len(values) - small :]
     return small - int(ratios.argmax()) if ratios.max() > _APART else 0
 
 
@@ -366,7 +366,7 @@ class _Search:
         along = np.linalg.lstsq(root.null, rate, rcond=None)[0]
         passing = root.form @ along
         left, rates, right = np.linalg.svd(passing)
-        bend = float(np.abs(passing @ along).max())
+        veer = (root.null @ (_on_branch(root.form, along) - along))[:-1]
         weakest = float(rates[-1])
         direction = (root.null @ right[len(rates) - 1])[:-1]
         rows = np.zeros(positions.m)
@@ -379,7 +379,20 @@ class _Search:
             direction=direction / max(float(np.linalg.norm(direction)), 1e-300),
             gap=float(np.abs(root.left.T @ self.gaps(root.z)).max()),
             rate=weakest,
-            bend=bend / weakest if weakest > 0.0 else np.inf,
+            veer=veer * positions.scale,
+            astray=float(np.linalg.norm(veer)) / self.speed,
             speed=self.speed,
             miss=miss,
         )
+
+
+def _on_branch(form: FloatArray, along: FloatArray) -> FloatArray:
+    """The nearest x with xᵀ form x = 0, all forms: the directions of branches, by Newton."""
+    x = along
+    for _ in range(_ITERATIONS):
+        slopes = (form + form.transpose(0, 2, 1)) @ x
+        step = np.linalg.lstsq(slopes, -(form @ x) @ x, rcond=1e-10)[0]
+        x = x + step
+        if np.linalg.norm(step) < _CONVERGED * np.linalg.norm(x):
+            break
+    return x

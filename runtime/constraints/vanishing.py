@@ -22,14 +22,14 @@ from runtime.integrate.slots import (
     jacobian_of,
 )
 from runtime.integrate.views import floats_at, integers_at, matrix_at, view
-from runtime.integrate.workspace import PARTITION, ROWS, SAMPLE, SIZE, Y0, Run
+from runtime.integrate.workspace import PARTITION, ROWS, SAMPLE, SIZE, Y0, K, Run
 
 BEHIND, AHEAD = 0.1, 2.5  # of a step: how far back and ahead is looked
 _FORESIGHT = 0.1  # of the coordinates' sizes: what is nearer matters to the finest tolerances
 _REACH = 0.5  # of the coordinates' sizes: how far a motion is continued
 _MARGIN = 0.5  # of the time in which a pivot could vanish: when to look again
 _TRUST = 0.95  # of the time over which nothing announced itself: no need to look again
-_NEAR = 1e-3  # a pivot that counts as small in any case
+_NEAR = 1e-5  # a pivot that counts as small in any case
 _REDUNDANT = 1e-8  # a row whose pivot is below this at both places says what others say
 
 
@@ -123,8 +123,9 @@ def vanishing(
     v = view(w, Y0 * 2 * n + n, n)
     end = view(w, state * 2 * n, n)
     moved = view(w, SAMPLE * 2 * n, n)
-    speed = 0.0
+    speed, haste = 0.0, 0.0
     for j in range(n):
+        haste = max(haste, abs(view(w, K * 2 * n + n, n)[j]) / size[j])
         speed = max(speed, abs(v[j]) / size[j], abs(view(w, state * 2 * n + n, n)[j]) / size[j])
     span, back, ahead = h, 0.0, max(AHEAD * h, _FORESIGHT / max(speed, 1e-300))
     if state == Y0:
@@ -137,7 +138,6 @@ def vanishing(
     _fill(jacobian, t + span, moved, p, scale, rows, columns, values, dense)
     _reduce(dense, order, later, 0)
     nearest = np.inf
-    before = 1.0
     for i in range(m):
         change = later[i] - now[i]
         if max(abs(now[i]), abs(later[i])) <= _REDUNDANT or change == 0.0:
@@ -145,8 +145,8 @@ def vanishing(
         s = -now[i] * span / change
         if back <= s <= ahead and abs(s) < abs(nearest):
             nearest = s
-            before = abs(now[i])
-    r.look_at = t + _MARGIN * _smallest(now) / max(speed, 1e-300)
+    way = _MARGIN * _smallest(now)
+    r.look_at = t + 2.0 * way / (speed + np.sqrt(speed * speed + 2.0 * haste * way) + 1e-300)
     if not nearest < np.inf:
         r.look_at = max(r.look_at, t + _TRUST * ahead)
     if nearest < np.inf:
@@ -157,7 +157,8 @@ def vanishing(
         _reduce(dense, order, later, 1)
         least = 1.0
         for i in range(m):
-            least = min(least, abs(later[i]) if abs(now[i]) > _REDUNDANT else 1.0)
-        if least > max(0.5 * before, _NEAR):
+            if abs(now[i]) > _REDUNDANT:
+                least = min(least, abs(later[i]))
+        if least > 0.5 * _smallest(now) and least > _NEAR:
             return np.inf
     return float(nearest)

@@ -19,7 +19,7 @@ import numpy as np
 from runtime.constraints.singular import Motion, Positions, Singularity, hermite, taylor
 from runtime.integrate import driver
 from runtime.integrate.problem import Crossing, Problem, System
-from runtime.integrate.signatures import Vector
+from runtime.integrate.signatures import Vector, no_right_side
 from runtime.integrate.workspace import (
     APPROACHING,
     CROSSING,
@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 _EPS = 2.2e-16
 _ROUNDING = 64.0  # units of rounding within which a constraint counts as satisfied
 _ALLOWANCE = 30.0  # the error of a step across may be this many times what is expected
+_ASTRAY = 1e-6  # of a velocity: what a start may be off the branch that it follows
+_SLACK = 1e3  # where rounding rules, the estimate of it may be wrong by as much as this
 _TRIES = 4
 _ROOM = 0.1  # of a step: the distance from a node below which errors of stages tell
 _WEIGHT = 0.1  # of one stage in the result of a step
@@ -46,20 +48,18 @@ _TAYLOR = 5e-3  # eps ** (1/7): of the time scale, where rounding balances a cub
 
 
 class Leap(NamedTuple):
-    """A step across.
+    """A step across: its length, its beginning before the singular instant, s, and errors.
 
-    Attributes
-    ----------
-    h, lead
-        Its length, and how long before the singular instant it begins, s.
-    error, permitted
-        What it is expected to err, over the tolerance, and what it may.
+    `method` and `rounding` are expected errors over the tolerance; `start` is the part of the
+    latter that is due to the derivative at the beginning; `total` is what to choose by.
     """
 
     h: float
     lead: float
-    error: float
-    permitted: float
+    method: float
+    rounding: float
+    start: float
+    total: float
 
 
 class Crossings:
@@ -82,9 +82,12 @@ class Crossings:
             np.arange(system.constraint_count),
             system.constraint_count,
         )
+        if system.constraints is no_right_side:
+            self.r["quiet"] = np.inf  # nothing tells a position that is passed from one missed
         self.passed: list[Crossing] = []
         self.note = ""
         self.found: Singularity | None = None
+        self.leap = Leap(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self.tries = 0
 
     # -- what the loop asks -------------------------------------------------------------------
@@ -93,21 +96,31 @@ class Crossings:
         """Answer the loop: go on as planned, or the code of an outcome."""
         r = self.r
         if r["plan"] == APPROACHING:
-            return self._cross()
+            return self.cross()
         if r["plan"] == CROSSING:
             return self._crossed()
         return self._plan(float(r["vanishing"]))
 
     def begin(self) -> bool:
         """Prepare a start in a singular position; false where no motion leads out of it."""
-        motion = self._motion()
-        found = self.positions.near(motion, 0.0)
-        if found is None or found.gap > self._rounding(motion.q) or not found.rate > 0.0:
-            self.note = "The machine starts where its motions meet, and moves along none of them."
+        run = self.run
+        if not np.isfinite(self.r["quiet"]) and self.r["quiet"] > 0.0:
             return False
+        q, v = run.state
+        motion = taylor(float(self.r["t"]), q, v, np.zeros_like(v))
+        found = self.positions.near(motion, 0.0)
+        if found is None or found.gap > self._rounding(q) or not found.rate > 0.0:
+            return False
+        if found.astray > max(_ASTRAY, float(self.r["rtol"])):
+            self.note = (
+                f"The machine starts at, or too near to be told from it, a position in which its "
+                f"motions cross; its velocity is off them by {found.astray:.1e} of itself."
+            )
+            return False
+        v += found.veer
         self.found = found
         self.r["plan"] = CROSSING
-        return self._continued(motion, found)
+        return self._continued(self._motion(), found)
 
     # -- steps of a plan ----------------------------------------------------------------------
 
@@ -117,6 +130,9 @@ class Crossings:
         found = self.positions.near(motion, s)
         self.tries = 0
         usual = self._usual()
+        if (found is None or not found.rate > 0.0) and r["weak"] >= driver.WEAK_STATES:
+            return int(Outcome.SINGULAR)
+        r["weak"] = 0
         if found is None or not found.rate > 0.0:
             # The step that was tried may be taken; the look at the next one is another.
             r["quiet"] = motion.t + max(0.5 * abs(s), 0.5 * usual, 1.001 * r["tried"])
@@ -128,7 +144,7 @@ class Crossings:
         if ahead < 0.0 and self._noise(found) * usual < -(ahead**3):
             r["quiet"] = motion.t + usual  # it lies behind, and far enough
             return driver.GOING
-        return driver.GOING if self._approached(found, ahead) else self._cross()
+        return driver.GOING if self._approached(found, ahead) else self.cross()
 
     def _approached(self, found: Singularity, ahead: float) -> bool:
         """Whether to come nearer first, to where the best step across begins."""
@@ -139,7 +155,7 @@ class Crossings:
         r["plan"], r["turn"], r["h"] = APPROACHING, found.t - best.lead, usual
         return True
 
-    def _cross(self) -> int:
+    def cross(self) -> int:
         """Lay the step across from where the run stands."""
         r, motion, found = self.r, self._motion(), self.found
         usual = self._usual()
@@ -150,10 +166,12 @@ class Crossings:
             return self._plan(found.t - motion.t) if self.tries < _TRIES else driver.GOING
         self.found = found = again
         leap = self._from_here(found, found.t - motion.t, usual)
-        if leap.lead <= 0.0 and not self._continued(motion, found):
+        noisy = self._noise(found) * leap.h > abs(leap.lead) ** 3
+        if noisy and abs(leap.lead) < self._reach(found) and not self._continued(motion, found):
             return int(Outcome.SINGULAR)
+        self.leap = leap
         r["plan"], r["leap"] = CROSSING, leap.h
-        r["permitted"] = leap.permitted
+        r["permitted"] = 2.0 * leap.method + _ALLOWANCE * (leap.rounding + leap.start)
         blind = np.sqrt(self._noise(found))
         r["blind_from"], r["blind_to"] = found.t - blind, found.t + blind
         return driver.GOING
@@ -172,14 +190,19 @@ class Crossings:
             r["h"] = self._usual()
             return driver.GOING
         self.tries += 1
+        error = float(r["error"])
+        leap = self.leap
+        if leap.rounding + leap.start > leap.method and error < _SLACK * r["permitted"]:
+            r["permitted"] = 1.01 * error  # rounding again: another step would fare no better
+            return driver.GOING
         if self.tries > _TRIES:
             r["index"] = int(found.rows.argmax())
             self.note = (
-                f"The step across errs by {float(r['error']):.1e} times the tolerance; loosen rtol."
+                f"The step across errs by {error:.1e} times the tolerance; loosen rtol."
             )
             return int(Outcome.SINGULAR)
         ahead = found.t - float(r["t"])
-        return driver.GOING if self._approached(found, ahead) else self._cross()
+        return driver.GOING if self._approached(found, ahead) else self.cross()
 
     def _missed(self, found: Singularity) -> int:
         """The machine misses the position by a gap: its motion bends away, within the width τ.
@@ -217,11 +240,16 @@ class Crossings:
         """
         method = max(h / usual, 1.0) ** self.order
         rounding = self._noise(found) / (g**3 * h**2)
-        if lead > 0.0:
-            rounding += self._noise(found) * h / lead**3
+        start = self._noise(found) * h / max(abs(lead), 1e-100) ** 3
+        if abs(lead) < self._reach(found):
+            start = min(start, 1.0)  # it will be found by continuity
         unsure = found.miss / (found.speed * g * h)
-        error = method * (1.0 + (_ROOM / g) ** 2) + rounding + unsure**2
-        return Leap(h, lead, error, 2.0 * method + _ALLOWANCE * rounding)
+        total = method * (1.0 + (_ROOM / g) ** 2) + rounding + start + unsure**2
+        return Leap(h, lead, method, rounding, start, total)
+
+    def _reach(self, found: Singularity) -> float:
+        """Time from a singular instant within which accelerations can be found by continuity."""
+        return _TAYLOR / max(found.rate, found.speed)
 
     def _balanced(self, found: Singularity, g: float, usual: float) -> float:
         """Length of the step that errs least, not shorter than the usual one."""
@@ -235,21 +263,21 @@ class Crossings:
             g = 0.5 * (b - a)
             h = self._balanced(found, g, usual)
             leaps.append(self._leap(found, h, 0.5 * (a + b) * h, g, usual))
-        return min(leaps, key=lambda leap: leap.error)
+        return min(leaps, key=lambda leap: leap.total)
 
     def _from_here(self, found: Singularity, ahead: float, usual: float) -> Leap:
         """The step across that errs least among those that begin now."""
         leaps = []
-        for a, b in self.gaps if ahead > 0.0 else ():
+        for a, b in self.gaps if ahead > 1e-9 * usual else ():
             h = ahead / (0.5 * (a + b))
             leaps.append(self._leap(found, h, ahead, 0.5 * (b - a), usual))
-        # In the singular position, as far as rounding tells: there the first derivative is to be
-        # found by continuity, and the step need only be long enough for the second node.
+        # Just behind its beginning, or before it: then only the second node must be far away.
         second = self.gaps[0][1]
         h = self._balanced(found, second, usual)
-        if abs(ahead) < 0.1 * second * h or not leaps:
-            leaps.append(self._leap(found, h, 0.0, second, usual))
-        return min(leaps, key=lambda leap: leap.error)
+        if ahead < 0.5 * second * h or not leaps:
+            g = max(second - ahead / h, 0.5 * second)
+            leaps.append(self._leap(found, h, ahead, g, usual))
+        return min(leaps, key=lambda leap: leap.total)
 
     def _continued(self, motion: Motion, found: Singularity) -> bool:
         """Write the derivative at the start of the step, by continuity; false where there is none.
@@ -259,7 +287,7 @@ class Crossings:
         """
         run, system, n = self.run, self.system, self.run.n
         p, modes = run.fixed_arrays[3], run.modes
-        delta = _TAYLOR / max(found.rate, found.speed)
+        delta = self._reach(found)
         places = found.t - motion.t + delta * np.array([-2.0, -1.0, 1.0, 2.0])
         powers = np.vander(places, 4, increasing=True)
         series = np.zeros((4, n))
@@ -286,16 +314,17 @@ class Crossings:
 
     def _projected(self, t: float, q: Vector, v: Vector) -> bool:
         """Bring q and v onto the constraints, least in the metric of the masses."""
-        dq, dv = np.zeros_like(q), np.zeros_like(v)
+        dq, dv, moved = np.zeros_like(q), np.zeros_like(v), np.inf
         for _ in range(8):
             self.system.correction(t, q, v, self.run.fixed_arrays[3], self.scale**2, dq, dv)
             q += dq
             v += dv
             if not np.isfinite(dq + dv).all():
                 return False
-            if np.abs(dq / self.scale).max() < 1e-13:
-                return True
-        return False
+            moved = float(np.abs(dq / self.scale).max())
+            if moved < 1e-13:
+                break
+        return moved < 1e-10  # near a singular position rounding keeps it from less
 
     def _usual(self) -> float:
         """Length of a step here; after a step across that failed, less."""

@@ -76,7 +76,7 @@ _NOT_FINITE = int(Outcome.NOT_FINITE)
 _ULP = 2.3e-16
 _FLIGHT = 0.6  # of the time between two impacts: a first step that meets none
 _RETAKES = 5
-_WEAK_STATES = 3  # accepted states in a row with a weak pivot that make a singular run
+WEAK_STATES = 3  # accepted states in a row with a weak pivot that make a singular run
 _ZENO_EVENTS = 30  # events in a row with such a ratio that are no accident
 _ZENO_SPAN = 1e-7  # of the run: what eight such events must take at most
 _ZENO_RATIO = 0.98  # of the time of eight events to that of the eight before the last
@@ -365,9 +365,10 @@ def advance(
                 r.h = min(h_next, 2.0 * first, _FLIGHT * r.flight)
                 r.rhs += 1
                 r.error_old = 1e-4
-        if r.weak >= _WEAK_STATES:
+        if r.weak >= WEAK_STATES:
             r.index = r.weak_row - 1
-            return _SINGULAR
+            r.vanishing = 0.0
+            return LOOK
         if planned == 0 and h > 0.0:
             r.usual = h
         if r.plan == CROSSING or (r.plan == APPROACHING and t1 >= r.turn):

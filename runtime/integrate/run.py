@@ -215,10 +215,10 @@ class _Run:
     def start(self) -> int:
         """Prepare the first step; returns the code of an outcome."""
         code: int = start(self.wiring.table, *self.fixed_arrays, *self.out)
-        if code == Outcome.SINGULAR and self.crossings.begin():
+        if code in {Outcome.SINGULAR, Outcome.NEWTON_FAILED} and self.crossings.begin():
             code = start(self.wiring.table, *self.fixed_arrays, *self.out)
             if code == Outcome.OK:
-                self.crossings.look()
+                code = self.crossings.cross()
         self._flush()
         return code
 

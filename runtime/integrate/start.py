@@ -118,7 +118,10 @@ def start(
     for j in range(n):
         slope[j] = v[j]
     if r.plan == FREE:
-        field(machine, t, q, v, p, modes, a, lam)
+        weak = field(machine, t, q, v, p, modes, a, lam)
+        if weak > 0 and m > 0:
+            r.index = weak - 1
+            return _SINGULAR
     outcome = _OK
     if s > 0:
         h = first_step(machine, t, r.h_max, r.rtol, r.order, w, p, modes, lam)
