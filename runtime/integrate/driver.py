@@ -55,6 +55,7 @@ from runtime.integrate.workspace import (
 from runtime.outcomes import Outcome
 
 GOING = -1  # the run is not over
+CHANGE = -2  # the run is not over, and another method is due
 _OK = int(Outcome.OK)
 _SLIDING = int(Outcome.SLIDING)
 _ZENO = int(Outcome.ZENO)
@@ -116,8 +117,8 @@ def advance(
 ) -> int:
     """Take at most `budget` trial steps.
 
-    Returns `GOING`, or the code of the outcome. `run.index` names the switching function or
-    constraint where an outcome concerns one.
+    Returns `GOING`, `CHANGE`, or the code of the outcome. `run.index` names the switching function
+    or constraint where an outcome concerns one.
     """
     attempt = attempt_of(machine)
     first_step = first_step_of(machine)
@@ -170,6 +171,7 @@ def advance(
             return _NOT_FINITE if r.reason == NOT_FINITE else _STEP_TOO_SMALL
 
         # Try the step.
+        due = 0
         code = attempt(machine, t, h, w, run, p, modes, lam)
         if code != DONE:
             r.rejected += 1
@@ -273,7 +275,7 @@ def advance(
             r.steps += 1
             r.rejected_before = 0
             r.error_old = max(r.error, 1e-4)
-            accepted_of(machine)(machine, t, h, w, run)
+            due = accepted_of(machine)(machine, t, h, w, run)
             r.weak = r.weak + 1 if r.weak_row > 0 else 0
         r.t = t1
         r.h = h_next
@@ -348,4 +350,6 @@ def advance(
         if r.weak >= _WEAK_STATES:
             r.index = r.weak_row - 1
             return _SINGULAR
+        if due != 0 and r.t < r.t_end:
+            return CHANGE
     return _OK if r.t >= r.t_end else GOING

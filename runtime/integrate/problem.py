@@ -96,7 +96,8 @@ class Options:
     Attributes
     ----------
     method
-        "dopri5" or "dop853".
+        "dopri5" or "dop853", explicit; "radau5" or "bdf", implicit, for stiff equations: these take
+        the derivatives of the kernels; "auto", which starts with "dop853" and changes to and fro.
     rtol
         Relative tolerance of a step.
     atol_q, atol_v
@@ -118,7 +119,7 @@ class Options:
         Trial steps between two looks at the clock; None: chosen for about 50 ms.
     """
 
-    method: Literal["dopri5", "dop853"] = "dop853"
+    method: Literal["dopri5", "dop853", "bdf", "radau5", "auto"] = "dop853"
     rtol: float = 1e-8
     atol_q: ArrayLike | None = None
     atol_v: ArrayLike | None = None
@@ -234,6 +235,8 @@ class Trajectory:
         Where the run stopped, ready to go on from.
     statistics, events, partitions
         As their classes say.
+    methods
+        Times from which on each method was used, with its name: one, but for "auto".
     """
 
     t: Vector
@@ -249,6 +252,7 @@ class Trajectory:
     statistics: Statistics
     events: Events
     partitions: Partitions
+    methods: tuple[tuple[float, str], ...]
 
 
 @dataclass
