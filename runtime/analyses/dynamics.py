@@ -108,7 +108,10 @@ def simulate(
     t_start
         First instant in s; that of `start` where one is given.
     method
-        "dop853" or "dopri5".
+        "dop853" or "dopri5", explicit. "radau5" or "bdf", implicit, for what is stiff: contacts and
+        springs much stiffer than the motion is fast; "radau5" also where these vibrate. "auto"
+        starts with "dop853" and changes to an implicit method where it finds the equations stiff,
+        and back. All but the first two take exact derivatives, built when they are first needed.
     rtol, atol
         Tolerances of a step: `atol` + `rtol` times the value, for each coordinate and velocity;
         `atol` in m, rad, m/s, rad/s. Unless it is given, it is `rtol` times a typical size: 1 rad
@@ -154,7 +157,7 @@ def simulate(
         ),
         # An unknown method is refused there, together with all else that is wrong.
         Options(
-            method=cast(Literal["dopri5", "dop853"], method),
+            method=cast(Literal["dopri5", "dop853", "bdf", "radau5", "auto"], method),
             rtol=rtol,
             atol_q=atol,
             atol_v=atol,
@@ -212,6 +215,7 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
         "events": counts.events,
         "singular_crossings": len(run.crossings),
         "crossing_error": max((crossing.error for crossing in run.crossings), default=0.0),
+        "method_changes": len(run.methods) - 1,
         "largest_correction": counts.largest_dq,
         "integration_seconds": counts.seconds,
         "wall_seconds": clock.perf_counter() - began,
@@ -248,10 +252,19 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
     )
 
 
+def _changes(run: Trajectory) -> str:
+    """Which methods were used, where it was more than one."""
+    if len(run.methods) == 1:
+        return ""
+    shown = [f"{name} from t = {t:.6g} s" for t, name in run.methods[:6]]
+    rest = len(run.methods) - len(shown)
+    return f" Methods: {', '.join(shown)}{f', and {rest} more changes' if rest else ''}."
+
+
 def _message(machine: "Machine", run: Trajectory) -> str:
     """How the run ended, with its time and the element concerned."""
     if run.outcome is Outcome.OK:
-        return f"Reached t = {run.final_t:g} s in {run.statistics.steps} steps."
+        return f"Reached t = {run.final_t:g} s in {run.statistics.steps} steps.{_changes(run)}"
     told = machine.description
     where = ""
     if run.index >= 0:

@@ -38,6 +38,7 @@ from runtime.integrate.implicit import (
     STEP_ORDER,
     TOLERANCE,
     arrive,
+    calm,
     counts,
     differentiate,
     factor_real,
@@ -84,7 +85,8 @@ ERROR_CONSTANT = np.append(KAPPA * GAMMA + 1.0 / np.arange(1, HIGHEST + 2), 1.0)
 PAST, NOW, FORESEEN, PSI, CORRECTIONS, RESIDUAL = 0, 8, 16, 17, 18, 19
 
 _SHARE = 0.3
-_NEWTON = 4  # iterations
+_NEWTON = 1e-2  # how far Newton's method is taken, over the tolerance asked
+_ITERATIONS = 4
 _SAME = 1.1  # a step that could grow by less stays as it is, and with it the matrix
 _FAILURES = 3  # rejections in a row after which higher differences say nothing
 
@@ -248,7 +250,7 @@ def newton(
         y1[j] = foreseen[j] + c * foreseen[n + j] - psi[j]
     taken = 0
     before = 0.0
-    for iteration in range(_NEWTON):
+    for iteration in range(_ITERATIONS):
         result = arrive(machine, t, Y1, K + LAST, w, p, modes, lam)
         if result == FAILED:
             return FAILED
@@ -277,7 +279,7 @@ def newton(
             memory[RATE] = ratio / (1.0 - ratio)
             if ratio > SLOW:
                 notes[CURRENT] = 0
-            left = _NEWTON - 1 - iteration
+            left = _ITERATIONS - 1 - iteration
             if ratio**left * memory[RATE] * size > enough:
                 return FAILED
         if memory[RATE] * size <= enough:
@@ -345,7 +347,7 @@ def stages(
     for _ in range(2):
         foresee(memory, notes, w)
         y1 = view(w, Y1 * length, length)
-        memory[ENOUGH] = tolerate(memory, w, share(r.rtol) * r.rtol, r.rtol, y1)
+        memory[ENOUGH] = tolerate(memory, notes, w, share(r.rtol) * r.rtol, r.rtol, _NEWTON, y1)
         fresh = notes[CURRENT] != 1
         if fresh:
             z = view(w, STAGE * length, length)
@@ -398,7 +400,7 @@ def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
     notes[NEXT_ORDER] = k
     if notes[EQUAL] + 1 < k + 1:
         return 1.0
-    safety = r.safety * (2 * _NEWTON + 1) / (2 * _NEWTON + notes[ITERATIONS])
+    safety = r.safety * (2 * _ITERATIONS + 1) / (2 * _ITERATIONS + notes[ITERATIONS])
     best = max(r.error, 1e-10) ** (-1.0 / (k + 1))
     if k > 1:
         ratio = max(memory[LOWER], 1e-10) ** (-1.0 / k)
@@ -448,7 +450,7 @@ def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
         notes[STEP_ORDER] = notes[NEXT_ORDER]
         notes[EQUAL] = 0
     r.exponent = 1.0 / (notes[STEP_ORDER] + 1)
-    return 0
+    return int(calm(memory, notes, h, run))
 
 
 @compiled(HOOK)

@@ -35,10 +35,11 @@ RATE = 1  # of Newton's convergence: what is still missing over the last change
 STEP_ERROR = 2  # of the last trial step, over the tolerance
 H_BASE = 3  # distance of a multistep method's history; length of a one-step method's last step
 ERROR_BASE = 4  # error of that step
+STIFFNESS = 8  # spectral radius of the derivatives, 1/s
 LOWER, HIGHER = 6, 7  # the error that a multistep method would have made at other orders
 ENOUGH = 5  # how far Newton's method is taken, over the tolerance of the step
-CHANGE = 8  # first of 72 numbers in which a change of the step's length is worked out
-NUMBERS = 80
+CHANGE = 9  # first of 72 numbers in which a change of the step's length is worked out
+NUMBERS = 82
 # Rows: the first 20 are a method's; then directions for the derivatives, then the tolerance.
 IN, OUT, SLOPE, TOLERANCE = 20, 21, 22, 23
 LINES = 24
@@ -52,11 +53,17 @@ NEXT_ORDER = 4
 REJECTED = 5  # rejected steps up to the last accepted one
 ITERATIONS = 6  # of the last step
 CALM = 7  # steps in a row that an explicit method could have taken
-COUNTS = 8
+STIFF = 8  # looks in a row that found an explicit method's steps limited by stability
+COUNTS = 9
 
+_LOOSEST = 0.03  # of the tolerance of a step: how far Newton's method is taken at least
+_POWERS = 8  # iterations of the power method before the mean is taken, and in it
+_QUIET, _LONG = 0.5, 30  # h ρ with which an explicit method is at ease, and steps until it returns
 SLOW = 0.05  # convergence at which derivatives are taken anew for the next step
 _EPS = 2.2e-16
 _LEAST = 8.0 * _EPS  # rounding in a step, relative to the largest coordinate or velocity
+_RECOVERED = 4.0 * _EPS  # in dependent ones, times the square of the ratio of speeds
+_FASTEST = 10.0  # ratio of speeds of dependent to independent coordinates that partitions allow
 _DIFFERENCE = 1e-7  # relative change by which a field along surfaces is differenced
 
 
@@ -68,31 +75,36 @@ def memory(n: int) -> tuple[int, int]:
 @inner
 def floats(machine: Integers, n: int) -> Vector:
     """All of MEMORY."""
-    return floats_at(machine, MEMORY, NUMBERS + 2 * n * LINES + 7 * n * n)
+    found: Vector = floats_at(machine, MEMORY, NUMBERS + 2 * n * LINES + 7 * n * n)
+    return found
 
 
 @inner
 def line(memory: Vector, index: int, n: int) -> Vector:
     """Row `index` of MEMORY."""
-    return view(memory, NUMBERS + index * 2 * n, 2 * n)
+    found: Vector = view(memory, NUMBERS + index * 2 * n, 2 * n)
+    return found
 
 
 @inner
 def matrix(memory: Vector, index: int, n: int) -> Vector:
     """G_u (0), G_u̇ (1), factors of the real (2) and of the complex matrix (3), flat."""
-    return view(memory, NUMBERS + 2 * n * LINES + index * n * n, (4 if index == 3 else 1) * n * n)
+    length = (4 if index == 3 else 1) * n * n
+    found: Vector = view(memory, NUMBERS + 2 * n * LINES + index * n * n, length)
+    return found
 
 
 @inner
 def counts(machine: Integers, n: int) -> Integers:
     """All of NOTES."""
-    return integers_at(machine, NOTES, COUNTS + 4 * n)
+    found: Integers = integers_at(machine, NOTES, COUNTS + 4 * n)
+    return found
 
 
 @inner
 def partitioned(machine: Integers) -> bool:
     """Whether dependent coordinates are recovered from the constraints."""
-    return machine[CONSTRAINT_COUNT] > 0 and machine[CORRECTING] != 0
+    return bool(machine[CONSTRAINT_COUNT] > 0 and machine[CORRECTING] != 0)
 
 
 @inner
@@ -224,6 +236,50 @@ def along(
         da[j] = (after[j] - before[j]) / step
 
 
+@inner
+def spectral_radius(memory: Vector, notes: Integers, n: int) -> float:
+    """Largest |λ| of u̇ = y, ẏ = G_u u + G_u̇ y: the mean growth in iterations of the power method.
+
+    An even number of them is averaged, as u and y have other units: their sizes change in turn.
+    """
+    f = notes[FREEDOMS]
+    by_u, by_rate = matrix(memory, 0, n), matrix(memory, 1, n)
+    x, y, z = line(memory, IN, n), line(memory, OUT, n), line(memory, SLOPE, n)
+    for i in range(f):
+        x[i] = 1.0 + 0.1 * i
+        y[i] = 1.0 - 0.3 * i
+    grown = 0.0
+    for iteration in range(2 * _POWERS):
+        largest = 0.0
+        for i in range(f):
+            z[i] = 0.0
+            for k in range(f):
+                z[i] += by_u[i * f + k] * x[k] + by_rate[i * f + k] * y[k]
+        for i in range(f):
+            x[i] = y[i]
+            y[i] = z[i]
+            largest = max(largest, abs(x[i]), abs(y[i]))
+        if not (largest > 0.0 and np.isfinite(largest)):
+            return 0.0
+        for i in range(f):
+            x[i] /= largest
+            y[i] /= largest
+        if iteration >= _POWERS:
+            grown += np.log(largest)
+    return float(np.exp(grown / _POWERS))
+
+
+@inner
+def calm(memory: Vector, notes: Integers, h: float, run: Run) -> int:
+    """1 where an explicit method could long have taken the same steps, and may be chosen."""
+    quiet = run[0].automatic != 0 and h * memory[STIFFNESS] < _QUIET
+    notes[CALM] = notes[CALM] + 1 if quiet else 0
+    if notes[CALM] < _LONG * run[0].patience:
+        return 0
+    notes[CALM] = 0
+    return 1
+
+
 @compiled(DIFFERENTIATE)
 def differentiate(
     machine: Integers,
@@ -267,6 +323,8 @@ def differentiate(
     notes[CURRENT] = 1
     memory[C_FACTORED] = 0.0
     run[0].jacobians += 1
+    if run[0].automatic != 0:
+        memory[STIFFNESS] = spectral_radius(memory, notes, n)
     return 0
 
 
@@ -300,17 +358,29 @@ def factor_complex(memory: Vector, notes: Integers, n: int, c: float, d: float) 
 
 
 @inner
-def tolerate(memory: Vector, w: Vector, relative: float, asked: float, ahead: Vector) -> float:
+def tolerate(
+    memory: Vector,
+    notes: Integers,
+    w: Vector,
+    relative: float,
+    asked: float,
+    newton: float,
+    ahead: Vector,
+) -> float:
     """Fill row TOLERANCE: what the error of the step may be, from its ends Y0 and `ahead`.
 
-    Not less than rounding. Returns how far Newton's method is to be taken, over this tolerance.
+    Not less than rounding. That of the independent coordinates is magnified by the recovery of the
+    dependent ones, and again by that of their velocities; it is not carried on into the next
+    steps. Returns how far Newton's method is to be taken, over this tolerance.
 
     Parameters
     ----------
     relative
         Relative tolerance to be held to.
     asked
-        Relative tolerance of which the absolute ones in row ATOL are the companions.
+        Relative tolerance asked for, of which the absolute ones in row ATOL are the companions.
+    newton
+        How far Newton's method is taken, over the tolerance asked.
     """
     length = w.size // ROWS
     n = length // 2
@@ -318,15 +388,24 @@ def tolerate(memory: Vector, w: Vector, relative: float, asked: float, ahead: Ve
     atol = view(w, ATOL * length, length)
     size = view(w, SIZE * length, length)
     allowed = line(memory, TOLERANCE, n)
+    held, carried = 0.0, 0.0
+    for j in range(n, length):
+        carried = max(carried, abs(y0[j]) / size[j])
+    for i in range(notes[FREEDOMS]):
+        j = n + notes[COUNTS + i]
+        held = max(held, abs(y0[j]) / size[j])
+    ratio = min(_FASTEST, carried / max(held, 1e-300))
     for half in range(2):
         largest = 0.0
         for j in range(half * n, half * n + n):
             largest = max(largest, abs(y0[j]) / size[j])
         for j in range(half * n, half * n + n):
             value = relative * (atol[j] / asked + max(abs(y0[j]), abs(ahead[j])))
-            allowed[j] = value + _LEAST * largest * size[j]
-    tolerance = relative + _LEAST
-    return float(max(2.0 * _EPS / tolerance, min(0.03, np.sqrt(tolerance))))
+            allowed[j] = value + (_LEAST + _RECOVERED * ratio * ratio) * largest * size[j]
+        for i in range(notes[FREEDOMS]):
+            j = half * n + notes[COUNTS + i]
+            allowed[j] -= _RECOVERED * ratio * ratio * largest * size[j]
+    return float(max(2.0 * _EPS / (relative + _LEAST), min(_LOOSEST, newton * asked / relative)))
 
 
 @inner
@@ -353,9 +432,9 @@ def filtered(
     """Size of (I - c J)⁻¹ (x, y) over the tolerance, over all coordinates and velocities.
 
     x and y, changes of the unknowns and of their rates, are in the second and in the first half of
-    row SLOPE of MEMORY and are used up; row IN receives the result, completed by the change of the dependent coordinates at the state in row
-    `state`. The matrix takes out what stiff forces do not permit, and turns an error of a position
-    that they hold into that of its velocity.
+    row SLOPE of MEMORY and are used up. Row IN receives the result, completed by the change of the
+    dependent coordinates at the state in row `state`. The matrix takes out what stiff forces do
+    not permit, and turns an error of a position that they hold into that of its velocity.
     """
     n = w.size // (2 * ROWS)
     f = notes[FREEDOMS]

@@ -33,6 +33,7 @@ from runtime.integrate.implicit import (
     STEP_ERROR,
     TOLERANCE,
     arrive,
+    calm,
     counts,
     differentiate,
     factor_complex,
@@ -72,6 +73,7 @@ SHRINK, GROW = 0.2, 8.0
 
 _S = 6.0**0.5
 C1, C2 = (4.0 - _S) / 10.0, (4.0 + _S) / 10.0
+NODES = (0.0, C1, C2, 1.0)  # where in a step the equations are evaluated
 A11, A12, A13 = (88 - 7 * _S) / 360, (296 - 169 * _S) / 1800, (-2 + 3 * _S) / 225
 A21, A22, A23 = (296 + 169 * _S) / 1800, (88 + 7 * _S) / 360, (-2 - 3 * _S) / 225
 A31, A32, A33 = (16 - _S) / 36, (16 + _S) / 36, 1 / 9
@@ -95,7 +97,8 @@ POLYNOMIAL, VELOCITIES, SIDES = 0, 3, 6
 # Rows of the workspace after K: the stages' derivatives and states.
 SLOPES, STATES = 2, 5
 
-_NEWTON = 7  # iterations
+_NEWTON = 5e-4  # how far Newton's method is taken, over the tolerance asked: steps are few
+_ITERATIONS = 7
 _SAME = 1.2  # a step that could grow by less stays as it is, and with it the matrices
 _SMOOTH = 10.0  # h² |G_u| + h |G_u̇| up to which the ends' accelerations add a sixth of their error
 _ROUNDING = 2.2e-16
@@ -213,7 +216,7 @@ def newton(
         place(h, stage, memory, notes, w)
     taken = 0
     before = 0.0
-    for iteration in range(_NEWTON):
+    for iteration in range(_ITERATIONS):
         for stage in range(3):
             c = C1 if stage == 0 else (C2 if stage == 1 else 1.0)
             result = arrive(
@@ -267,7 +270,7 @@ def newton(
             memory[RATE] = ratio / (1.0 - ratio)
             if ratio > SLOW:
                 notes[CURRENT] = 0
-            left = _NEWTON - 1 - iteration
+            left = _ITERATIONS - 1 - iteration
             if ratio**left * memory[RATE] * size > enough:
                 return FAILED
         if memory[RATE] * size <= enough:
@@ -360,7 +363,7 @@ def stages(
     for _ in range(2):
         foresee(memory, notes, h, w)
         last = view(w, (K + STATES + 2) * length, length)
-        memory[ENOUGH] = tolerate(memory, w, share(r.rtol) * r.rtol, r.rtol, last)
+        memory[ENOUGH] = tolerate(memory, notes, w, share(r.rtol) * r.rtol, r.rtol, _NEWTON, last)
         fresh = notes[CURRENT] != 1
         if fresh:
             differentiate(machine, t, Y0, w, run, p, modes, lam)
@@ -407,7 +410,7 @@ def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
     if notes[EQUAL] > 0:
         predicted = h / memory[H_BASE] * (memory[ERROR_BASE] / now) ** 0.25 * ratio
         ratio = min(ratio, predicted)
-    ratio *= r.safety * (2 * _NEWTON + 1) / (2 * _NEWTON + notes[ITERATIONS])
+    ratio *= r.safety * (2 * _ITERATIONS + 1) / (2 * _ITERATIONS + notes[ITERATIONS])
     if r.rejected_before != 0:
         ratio = min(ratio, 1.0)
     if 1.0 <= ratio <= _SAME:
@@ -428,7 +431,7 @@ def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
     memory[H_BASE] = h
     memory[ERROR_BASE] = max(1e-2, run[0].error)
     notes[EQUAL] += 1
-    return 0
+    return int(calm(memory, notes, h, run))
 
 
 @compiled(HOOK)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from runtime.integrate import attempt, driver
+from runtime.integrate.auto import successor
 from runtime.integrate.bent import TIME_SCALE
 from runtime.integrate.check import check
 from runtime.integrate.crossing import Crossings
@@ -29,7 +30,7 @@ from runtime.integrate.signatures import (
 )
 from runtime.integrate.slots import Slot
 from runtime.integrate.start import start
-from runtime.integrate.tables import method, wire
+from runtime.integrate.tables import function_table, method, wire
 from runtime.integrate.workspace import (
     ATOL,
     PARTITION,
@@ -56,6 +57,7 @@ _CORRECTING = {
     "baumgarte": attempt.NEVER,
     "hybrid": attempt.IF_DRIFTED,
 }
+_MOST_PATIENCE = 1024  # times the first, before a method is changed
 
 
 def integrate(
@@ -141,6 +143,7 @@ class _Run:
         table[Slot.STABILIZED] = table[Slot.BENDS] = int(stabilized)
         duration = problem.t_end - problem.t0
         arrays[Slot.SETTINGS][TIME_SCALE] = options.time_scale or 1e-3 * duration or 1.0
+        self.methods: list[tuple[float, str]] = [(float(problem.t0), options.method)]
         table[Slot.EACH_STAGE] = 1 if options.correction == "stage" and m > 0 else 0
         self.log_t, self.log_sets = arrays[Slot.LOG_TIMES], arrays[Slot.LOG_SETS]
         arrays[Slot.WEIGHTS][:n] = problem.scale**2
@@ -179,11 +182,8 @@ class _Run:
             r["fixed"], r["h"], r["h_max"] = 1, options.fixed_step, options.fixed_step
         r["rtol"] = options.rtol
         r["max_steps"], r["max_events"] = options.max_steps, options.max_events
-        r["order"], r["last"] = parts.ORDER, parts.LAST
-        r["stage_calls"], r["dense_calls"] = parts.STAGE_CALLS, parts.DENSE_CALLS
-        r["dense_rows"] = parts.DENSE_ROWS
-        r["exponent"], r["beta"] = 1.0 / (parts.ERROR_ORDER + 1), parts.BETA
-        r["safety"], r["shrink"], r["grow"] = 0.9, parts.SHRINK, parts.GROW
+        self._fill_method(parts)
+        r["automatic"], r["patience"] = int(options.method == "auto"), 1
         r["error_old"] = 1e-4
         r["every_step"] = 0 if self.fixed_size else 1
         r["growth_limit"] = r["ratio_limit"] = attempt.GROWTH_LIMIT
@@ -192,6 +192,28 @@ class _Run:
         r["permitted"] = 1.0
         r["quiet"] = -np.inf
         r["blind_from"] = r["blind_to"] = -np.inf
+
+    def _fill_method(self, parts: ModuleType) -> None:
+        self.r["order"], self.r["last"] = parts.ORDER, parts.LAST
+        self.r["stage_calls"], self.r["dense_calls"] = parts.STAGE_CALLS, parts.DENSE_CALLS
+        self.r["dense_rows"] = parts.DENSE_ROWS
+        self.r["exponent"], self.r["beta"] = 1.0 / (parts.ERROR_ORDER + 1), parts.BETA
+        self.r["safety"], self.r["shrink"], self.r["grow"] = 0.9, parts.SHRINK, parts.GROW
+
+    def _change_method(self) -> None:
+        """Go on from here with another method: the state and its derivative are all it needs."""
+        freedoms = int(np.count_nonzero(self.w.reshape(ROWS, 2, self.n)[PARTITION, 0] == 0.0))
+        name = successor(self.methods[-1][1], freedoms if self.m else self.n, self.options.rtol)
+        self.methods.append((float(self.r["t"]), name))
+        self.r["patience"] = min(2 * self.r["patience"], _MOST_PATIENCE)
+        parts = method(name)
+        self._fill_method(parts)
+        self.crossings.adopt(parts)
+        functions = function_table(name)
+        table = self.wiring.table
+        table[Slot.STAGES : Slot.STAGES + functions.size] = functions
+        self.wiring.arrays[Slot.NOTES][:] = 0
+        parts.restart(table, self.r["t"], self.r["h"], self.w, self.record)
 
     def _allot(self, size: int) -> None:
         """Make room for `size` samples."""
@@ -239,6 +261,9 @@ class _Run:
                 )
                 took = time.perf_counter() - before
                 self._flush()
+                if code == driver.CHANGE:
+                    self._change_method()
+                    code = driver.GOING
                 if self.options.chunk is None and took < 0.5 * _CHUNK_SECONDS:
                     chunk = min(2 * chunk, _LONGEST_CHUNK)
                 if progress is not None:
@@ -282,6 +307,7 @@ class _Run:
             partitions=Partitions(set_t, sets.astype(bool)),
             crossings=tuple(self.crossings.passed),
             note=self.crossings.note,
+            methods=tuple((t, "dop853" if name == "auto" else name) for t, name in self.methods),
         )
 
 
