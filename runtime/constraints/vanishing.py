@@ -28,7 +28,7 @@ BEHIND, AHEAD = 0.1, 2.5  # of a step: how far back and ahead is looked
 _FORESIGHT = 0.1  # of the coordinates' sizes: what is nearer matters to the finest tolerances
 _REACH = 0.5  # of the coordinates' sizes: how far a motion is continued
 _MARGIN = 0.5  # of the time in which a pivot could vanish: when to look again
-_TRUST = 0.95  # of the time over which nothing announced itself: no need to look again
+_TRUST = 0.5  # of the time over which nothing announced itself: when to look again
 _NEAR = 1e-5  # a pivot that counts as small in any case
 _REDUNDANT = 1e-8  # a row whose pivot is below this at both places says what others say
 
