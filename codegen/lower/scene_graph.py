@@ -56,6 +56,7 @@ class SceneGraph:
         self.equations = equations
         self.n = len(equations.coordinates)
         self.m = sum(len(c.terms.phi) for c in equations.constraints)
+        self.driven = self.m == self.n > 0 and equations.scene.analysis == "kinematics"
         self.graph = graph = Graph()
         self.w = [graph.input("w", k, f"w_{q.name}") for k, q in enumerate(equations.coordinates)]
         self.q = [graph.input("q", k, q.name) for k, q in enumerate(equations.coordinates)]

@@ -8,6 +8,7 @@ from codegen.lower.hoist import with_constants
 from codegen.lower.ledger import cost
 from codegen.lower.program import STATE, Check, Kernel, store
 from codegen.lower.scene_graph import SceneGraph
+from codegen.lower.square import Square
 
 
 def accelerations(scene: SceneGraph) -> tuple[Kernel, Strategy]:
@@ -72,7 +73,11 @@ def _pushes(scene: SceneGraph) -> list[list[int]]:
 
 def _kinematics(scene: SceneGraph) -> Kernel:
     """Accelerations that the constraints alone determine."""
-    ((solution,), checks) = _least(scene, [scene.gamma], [scene.graph.one] * scene.n)
+    with scene.graph.serving("factorization"):
+        if scene.driven:
+            (solution,), checks = _only(scene, [scene.gamma])
+        else:
+            (solution,), checks = _least(scene, [scene.gamma], [scene.graph.one] * scene.n)
     names = [q.rate.name for q in scene.equations.coordinates]
     return Kernel(
         "accelerations",
@@ -92,7 +97,10 @@ def correction(scene: SceneGraph) -> Kernel:
         for (i, k), entry in scene.jacobian.items():
             rates[i] = graph.add(rates[i], graph.mul(entry, scene.v[k]))
         right = [[graph.neg(phi) for phi in scene.phi], [graph.neg(rate) for rate in rates]]
-        (dq, dv), checks = _least(scene, right, scene.w)
+        if scene.driven:
+            (dq, dv), checks = _only(scene, right)
+        else:
+            (dq, dv), checks = _least(scene, right, scene.w)
     names = [q.name for q in scene.equations.coordinates]
     outputs = store("dq", dq, names) + store("dv", dv, names)
     return Kernel(
@@ -103,6 +111,14 @@ def correction(scene: SceneGraph) -> Kernel:
         checks,
         watched=True,
     )
+
+
+def _only(
+    scene: SceneGraph, right: list[list[int]]
+) -> tuple[list[list[int]], tuple[Check, ...]]:
+    """The solutions d of Φ_q d = right where there are as many constraints as coordinates."""
+    system = Square(scene.graph, scene.jacobian, right)
+    return system.solve(), tuple(system.checks)
 
 
 def _least(
