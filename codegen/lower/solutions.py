@@ -6,26 +6,35 @@ from codegen.lower.factorization import Elimination, Strategy
 from codegen.lower.friction import with_friction
 from codegen.lower.hoist import with_constants
 from codegen.lower.ledger import cost
-from codegen.lower.program import STATE, Check, Kernel, store
+from codegen.lower.program import STATE, Check, Kernel, Output, store
 from codegen.lower.scene_graph import SceneGraph
 from codegen.lower.square import Square
 
 
-def accelerations(scene: SceneGraph) -> tuple[Kernel, Strategy]:
-    """The fused kernel, by the order of elimination that costs least."""
+def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Strategy]:
+    """The fused kernel, by the order of elimination that costs least.
+
+    Parameters
+    ----------
+    rows
+        The constraints whose multipliers are wanted.
+    """
+    if scene.driven:
+        return _kinematics(scene), "square"
     strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
     if not scene.equations.masses:
         strategies = ("schur",)
     trials = []
     for strategy in strategies:
-        kernel = _dynamics(scene, strategy) if scene.equations.masses else _kinematics(scene)
+        massive = bool(scene.equations.masses)
+        kernel = _dynamics(scene, strategy, rows) if massive else _kinematics(scene)
         program = with_constants(scene.graph, (kernel,), len(scene.equations.parameters))
         trials.append((cost(program, program.kernels[-1]), kernel, strategy))
     _, kernel, strategy = min(trials, key=lambda trial: trial[0])
     return kernel, strategy
 
 
-def _dynamics(scene: SceneGraph, strategy: Strategy) -> Kernel:
+def _dynamics(scene: SceneGraph, strategy: Strategy, rows: tuple[int, ...]) -> Kernel:
     n, graph = scene.n, scene.graph
     entries = {(k, k): mass for k, mass in enumerate(scene.masses) if mass != graph.zero}
     references: dict[int, int] = {}
@@ -49,7 +58,8 @@ def _dynamics(scene: SceneGraph, strategy: Strategy) -> Kernel:
         )
         solution, rubbing = with_friction(scene, system.solve(strategy))
     outputs = store("a", solution[:n], [q.rate.name for q in scene.equations.coordinates])
-    outputs += store("lam", solution[n:], scene.row_names())
+    names = scene.row_names()
+    outputs += tuple(Output("lam", row, solution[n + row], names[row]) for row in rows)
     checks = tuple(check._replace(constraint=check.constraint - n) for check in system.checks)
     checks += rubbing
     return Kernel(
@@ -113,9 +123,7 @@ def correction(scene: SceneGraph) -> Kernel:
     )
 
 
-def _only(
-    scene: SceneGraph, right: list[list[int]]
-) -> tuple[list[list[int]], tuple[Check, ...]]:
+def _only(scene: SceneGraph, right: list[list[int]]) -> tuple[list[list[int]], tuple[Check, ...]]:
     """The solutions d of Φ_q d = right where there are as many constraints as coordinates."""
     system = Square(scene.graph, scene.jacobian, right)
     return system.solve(), tuple(system.checks)

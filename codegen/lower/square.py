@@ -180,8 +180,8 @@ class Square:
         entries: dict[tuple[int, int], int] = {}
         for i, one in enumerate(a):
             for j, other in enumerate(a[: i + 1]):
-                both = [k for k, (p, q) in enumerate(zip(one, other, strict=True))
-                        if p != zero and q != zero]  # fmt: skip
+                pairs = enumerate(zip(one, other, strict=True))
+                both = [k for k, pair in pairs if zero not in pair]
                 if both or i == j:
                     terms = [graph.mul(one[k], other[k]) for k in both]
                     entries[i, j] = entries[j, i] = graph.total(terms)
