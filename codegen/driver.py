@@ -13,7 +13,7 @@ compile   file                  → machine code in numba's cache
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
@@ -25,7 +25,7 @@ from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
 from codegen.differentiating import derivatives, refuse_massless, wanted
 from codegen.emit.module import Origin, module_text
-from codegen.errors import ModelError, ParameterError, SceneError
+from codegen.errors import ModelError, SceneError
 from codegen.examine import examine
 from codegen.fingerprint import fingerprint
 from codegen.lower.kernels import Lowered, lower
@@ -33,6 +33,7 @@ from codegen.lower.ledger import operations
 from codegen.model import Model
 from codegen.modelfile import ModelFile, read_model
 from codegen.placing import default_folder, file_name
+from codegen.settings import settled, with_settings
 from codegen.stages import Clock, File, Progress
 from codegen.write import is_current, write_if_changed
 
@@ -216,32 +217,6 @@ def sound_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None
     if problems:
         raise ModelError(problems)
     return scenes
-
-
-def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
-    """A copy of the model with other defaults; every scene takes them over."""
-    problems = []
-    changed = copy(model)
-    changed.parameters = dict(model.parameters)
-    for name, value in settings.items():
-        if name not in model.parameters:
-            problems.append(
-                f"model '{model.name}' has no parameter '{name}'; {nearest(name, model.parameters)}"
-            )
-        elif problem := model.parameters[name].problem(value):
-            problems.append(problem)
-        else:
-            changed.parameters[name] = replace(model.parameters[name], value=value)
-    if problems:
-        raise ParameterError(problems)
-    changed.scenes = {name: settled(scene, settings) for name, scene in model.scenes.items()}
-    return changed
-
-
-def settled(scene: Scene, settings: Mapping[str, float]) -> Scene:
-    """The scene without values of its own for the parameters that a build sets."""
-    kept = tuple(pair for pair in scene.parameters if pair[0] not in settings)
-    return replace(scene, parameters=kept)
 
 
 def origin(

@@ -151,7 +151,7 @@ class Description(NamedTuple):
     recovered
         Constraints whose multipliers are answered; None: all.
     kernels
-        Names of those that the scene has.
+        What the module defines, its kernels among it.
     """
 
     generator: str
@@ -260,11 +260,11 @@ def describe(module: ModuleType) -> Description:
         mass_columns=indices("MASS_COLUMNS"),
         operations=tuple(module.OPERATIONS),
         has_masses=hasattr(module, "mass"),
-        analysis=module.ANALYSIS,
+        analysis=getattr(module, "ANALYSIS", "dynamics"),
         unused=tuple(getattr(module, "UNUSED", ())),
         outputs=getattr(module, "OUTPUTS", None),
         recovered=getattr(module, "RECOVERED", None),
-        kernels=frozenset(name for name, _ in module.OPERATIONS),
+        kernels=frozenset(vars(module)),
         rigid=Table(RigidContact(*row) for row in getattr(module, "RIGID", ())),
     )
 
