@@ -111,6 +111,11 @@ def _conservative(
     return potential, tuple((q, sympy.diff(potential, q)) for q in kinds(potential, Coordinate))
 
 
+def derived_effects() -> int:
+    """How many different potentials and forces have been worked on in this process."""
+    return _conservative.cache_info().misses + _pieces.cache_info().misses
+
+
 def _friction(effect: Effect, holding: Sticking | Rigid | None) -> FrictionTerms | None:
     law = friction_law(effect)
     if law is None:
