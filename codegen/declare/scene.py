@@ -163,7 +163,12 @@ class Scene:
             f"  driven by   {', '.join(self.drivers) or 'nothing'}",
         ]
         lines += [f"  taken       {', '.join(forms)}"] if forms else []
-        lines += [f"  left out    {', '.join(self.asked.without)}"] if self.asked.without else []
+        before = self.root or self
+        gone = [
+            n for n in (*before.effects, *before.drivers) if n not in self.effects + self.drivers
+        ]
+        gone += [n for n in self.asked.without if n not in gone]
+        lines += [f"  left out    {', '.join(gone)}"] if gone else []
         lines += [f"  start       {_values(self.start)}"] if self.start else []
         lines += [f"  near        {_values(self.guess)}"] if self.guess else []
         lines += [f"  parameters  {_values(self.parameters)}"] if self.parameters else []

@@ -1,4 +1,4 @@
-"""How much has been derived in this process: what another scene needs again is not derived again."""
+"""How much has been derived in this process: what scenes share is derived once."""
 
 from codegen.derive.constraints import derived_statements
 from codegen.derive.effects import derived_effects

@@ -1,11 +1,11 @@
 """What an effect costs by itself: its own operations, kernel by kernel.
 
 Value numbering shares work: what an effect needs may stand there for a joint already, and what the
-solution does with its force it does with other forces too. So the operations that carry an effect's
-name in the text (`codegen.lower.ledger.by_element`) are those that it was the first to need. Its own
-are those that would be gone without it: the kernel's operations less those of the same equations
-without its terms. An operation shared with another part is nobody's own, and a sum that goes on
-without the effect counts as the one term less that it is.
+solution does with its force it does with other forces too. So the operations that bear an effect's
+name in the text (`codegen.lower.ledger.by_element`) are those that it was the first to need. Its
+own are those that would be gone without it: the kernel's operations less those of the same
+equations without its terms. An operation shared with another part is nobody's own, and a sum that
+goes on without the effect counts as the one term less that it is.
 """
 
 from dataclasses import replace

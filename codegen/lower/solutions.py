@@ -34,7 +34,7 @@ def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Str
     return kernel, strategy
 
 
-def _dynamics(scene: SceneGraph, strategy: Strategy, rows: tuple[int, ...]) -> Kernel:
+def _dynamics(scene: SceneGraph, strategy: Strategy, rows: tuple[int, ...] | None = None) -> Kernel:
     n, graph = scene.n, scene.graph
     entries = {(k, k): mass for k, mass in enumerate(scene.masses) if mass != graph.zero}
     references: dict[int, int] = {}
@@ -59,7 +59,8 @@ def _dynamics(scene: SceneGraph, strategy: Strategy, rows: tuple[int, ...]) -> K
         solution, rubbing = with_friction(scene, system.solve(strategy))
     outputs = store("a", solution[:n], [q.rate.name for q in scene.equations.coordinates])
     names = scene.row_names()
-    outputs += tuple(Output("lam", row, solution[n + row], names[row]) for row in rows)
+    told = range(scene.m) if rows is None else rows
+    outputs += tuple(Output("lam", row, solution[n + row], names[row]) for row in told)
     checks = tuple(check._replace(constraint=check.constraint - n) for check in system.checks)
     checks += rubbing
     return Kernel(

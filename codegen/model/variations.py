@@ -63,6 +63,7 @@ class Variations(Scenes):
         returned = tuple(n for n in scene.asked.without if n not in back)
         base = replace(scene.asked, without=returned)
         merged = self._extension(read, where, replace(scene, asked=base), asked, given)
+        merged = self._without_traces(merged, gone)
         spelled = scene.spelled if scene.root else f"{self.name}.scene({scene.name!r})"
         if gone:
             spelled += f".without({', '.join(map(repr, gone))})"
@@ -74,6 +75,20 @@ class Variations(Scenes):
         made = self._composed(read, name, merged, spelled=spelled, root=root)
         problems = (*scene.problems, *read.problems)
         return replace(made, problems=tuple(dict.fromkeys(problems)))
+
+    def _without_traces(self, asked: Asked, gone: tuple[str, ...]) -> Asked:
+        """The words without what was said of effects and drivers that are out now."""
+        chosen = {
+            n for choices in self.groups.values() for names in choices.values() for n in names
+        }
+        forces = {n for n in gone if n in self.effects | self.drivers}
+        return replace(
+            asked,
+            effects=tuple(n for n in asked.effects if n not in gone),
+            drivers=tuple(n for n in asked.drivers if n not in gone),
+            without=tuple(n for n in asked.without if n not in forces or n in chosen),
+            fidelity=tuple((n, word) for n, word in asked.fidelity if n not in gone),
+        )
 
     def again(self, scene: Scene) -> Scene:
         """The same scene of this model, where `scene` is that of another of the same names."""
