@@ -36,3 +36,20 @@ def require_energy(machine: "Machine") -> None:
     told = machine.description
     if told.has_masses and "potential" not in told.kernels:
         raise AnalysisError(f"equilibrium needs the potential energy: {told.offer('energy')}")
+
+
+def refuse_structure(machine: "Machine") -> None:
+    """Refuse to integrate where joints hold all and no driver moves anything.
+
+    Raises
+    ------
+    AnalysisError
+        If the scene has no driver.
+    """
+    told = machine.description
+    if not told.drivers:
+        raise AnalysisError(
+            f"{told.title}: nothing is left to integrate: {len(told.constraints)} constraints hold "
+            f"all {len(told.coordinates)} coordinates and no driver moves them. Leave a joint out, "
+            f"take a driver in, or ask for inverse_dynamics, which gives the reactions at rest."
+        )

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError
+from runtime.analyses.asked import refuse_structure
 from runtime.analyses.assemble import Assembly, assemble
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.kinematics import instants
@@ -111,6 +112,8 @@ def simulate(
     require_masses(machine, p)
     begin = start if start is not None else assemble(machine, guess, parameters, t_start)
     equations = Equations(machine, p)
+    if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
+        refuse_structure(machine)
     trajectory = integrate(
         machine.system,
         Problem(
