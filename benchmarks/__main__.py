@@ -1,4 +1,4 @@
-"""``python -m benchmarks [elements | kernels | machines | compressor | scenes]...``: tables, and files."""
+"""``python -m benchmarks [elements | kernels | machines | compressor | scenes]...``: tables."""
 
 import tempfile
 from collections.abc import Sequence
@@ -152,7 +152,7 @@ def of_scenes(quick: bool) -> list[Report]:
     ]
     told = (
         f"The spring alone runs {struck.microseconds / alone.microseconds:.1f} times as fast as "
-        f"with its striker, with {alone.events} events; the bar is {scenes.FASTER:g} times and none."
+        f"with its striker, with {alone.events} events; the bar: {scenes.FASTER:g} times and none."
     )
     headings = ("question", "scene", "operations", "µs", "events")
     title = "scenes: what leaving out is worth"
