@@ -30,6 +30,7 @@ _REACH = 0.5  # of the coordinates' sizes: how far a motion is continued
 _MARGIN = 0.5  # of the time in which a pivot could vanish: when to look again
 _TRUST = 0.5  # of the time over which nothing announced itself: when to look again
 _NEAR = 1e-5  # a pivot that counts as small in any case
+_EPS = 2.2e-16
 _REDUNDANT = 1e-8  # a row whose pivot is below this at both places says what others say
 
 
@@ -129,7 +130,9 @@ def vanishing(
         speed = max(speed, abs(v[j]) / size[j], abs(view(w, state * 2 * n + n, n)[j]) / size[j])
     span, back, ahead = h, 0.0, max(AHEAD * h, _FORESIGHT / max(speed, 1e-300))
     if state == Y0:
-        back, ahead = -BEHIND * h, h
+        # Rounding fails steps that are shorter and shorter within this distance, on either side.
+        noisy = np.cbrt(_EPS / r.rtol) / max(speed, 1e-300)
+        back, ahead = -max(BEHIND * h, noisy), max(h, noisy)
         span = min(h, _REACH / max(speed, 1e-300))
     for j in range(n):
         moved[j] = q[j] + span * v[j] if state == Y0 else end[j]
