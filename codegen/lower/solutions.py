@@ -85,10 +85,7 @@ def _pushes(scene: SceneGraph) -> list[list[int]]:
 def _kinematics(scene: SceneGraph) -> Kernel:
     """Accelerations that the constraints alone determine."""
     with scene.graph.serving("factorization"):
-        if scene.driven:
-            (solution,), checks = _only(scene, [scene.gamma])
-        else:
-            (solution,), checks = _least(scene, [scene.gamma], [scene.graph.one] * scene.n)
+        (solution,), checks = _only(scene, [scene.gamma], [scene.graph.one] * scene.n)
     names = [q.rate.name for q in scene.equations.coordinates]
     return Kernel(
         "accelerations",
@@ -108,10 +105,7 @@ def correction(scene: SceneGraph) -> Kernel:
         for (i, k), entry in scene.jacobian.items():
             rates[i] = graph.add(rates[i], graph.mul(entry, scene.v[k]))
         right = [[graph.neg(phi) for phi in scene.phi], [graph.neg(rate) for rate in rates]]
-        if scene.driven:
-            (dq, dv), checks = _only(scene, right)
-        else:
-            (dq, dv), checks = _least(scene, right, scene.w)
+        (dq, dv), checks = _only(scene, right, scene.w)
     names = [q.name for q in scene.equations.coordinates]
     outputs = store("dq", dq, names) + store("dv", dv, names)
     return Kernel(
@@ -124,10 +118,16 @@ def correction(scene: SceneGraph) -> Kernel:
     )
 
 
-def _only(scene: SceneGraph, right: list[list[int]]) -> tuple[list[list[int]], tuple[Check, ...]]:
-    """The solutions d of Φ_q d = right where there are as many constraints as coordinates."""
-    system = Square(scene.graph, scene.jacobian, right)
-    return system.solve(), tuple(system.checks)
+def _only(
+    scene: SceneGraph, right: list[list[int]], weights: list[int]
+) -> tuple[list[list[int]], tuple[Check, ...]]:
+    """Solutions d of Φ_q d = right; where the constraints leave a choice, the least by weight."""
+    if scene.driven:
+        system = Square(scene.graph, scene.jacobian, right)
+        solutions = system.solve()
+        if solutions is not None:
+            return solutions, tuple(system.checks)
+    return _least(scene, right, weights)
 
 
 def _least(

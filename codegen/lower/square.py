@@ -18,6 +18,9 @@ from codegen.lower.program import Check
 LARGEST = 3
 """Rows of a set that is solved by its adjugate."""
 
+ROUNDING = 1e-12
+"""A number below this part of what it was subtracted from is zero."""
+
 SEARCHED = 30
 """Rows among which sets are looked for; more are taken together."""
 
@@ -49,13 +52,16 @@ class Square:
         self._stated = {i: tuple(row.values()) for i, row in self._rows.items()}
         self._given: list[tuple[int, dict[int, int], list[int]]] = []
 
-    def solve(self) -> list[list[int]]:
-        """The unknowns, one list a right side."""
+    def solve(self) -> list[list[int]] | None:
+        """The unknowns, one list a right side; None where no position determines them all."""
         while pivot := self._pivot():
             self._substitute(*pivot)
         x: list[dict[int, int]] = [{} for _ in self.right]
         while self._rows:
-            self._solve_set(self._smallest_set(), x)
+            chosen = self._smallest_set()
+            if len(self._columns(chosen)) != len(chosen):
+                return None
+            self._solve_set(chosen, x)
         for k, row, right in reversed(self._given):
             for known, start in zip(x, right, strict=True):
                 known[k] = self._less(start, row, known)
@@ -96,13 +102,20 @@ class Square:
                 continue
             factor = entries.pop(k)
             for j, entry in given.items():
-                changed = graph.sub(entries.get(j, graph.zero), graph.mul(factor, entry))
-                entries.pop(j, None)
-                if changed != graph.zero:
+                before, product = entries.pop(j, graph.zero), graph.mul(factor, entry)
+                changed = graph.sub(before, product)
+                if not self._nothing(changed, before):
                     entries[j] = changed
             for column, known in zip(self.right, right, strict=True):
                 column[other] = graph.sub(column[other], graph.mul(factor, known))
         self._given.append((k, given, right))
+
+    def _nothing(self, entry: int, before: int) -> bool:
+        """Whether an entry is zero, or a number that only rounding has left of another."""
+        number, was = self.graph.number(entry), self.graph.number(before)
+        if number is None:
+            return False
+        return abs(number) <= ROUNDING * abs(was or 0.0)
 
     # -- loops -------------------------------------------------------------------------------
 
@@ -111,17 +124,21 @@ class Square:
         rows = tuple(self._rows)
         for size in range(1, LARGEST + 1 if len(rows) <= SEARCHED else 2):
             for chosen in combinations(rows, size):
-                if len(set().union(*(self._rows[i] for i in chosen))) == size:
+                if len(self._columns(chosen)) <= size:
                     return chosen
         return rows
+
+    def _columns(self, chosen: tuple[int, ...]) -> list[int]:
+        """The unknowns of rows."""
+        return sorted(set().union(*(self._rows[i] for i in chosen)))
 
     def _solve_set(self, chosen: tuple[int, ...], x: list[dict[int, int]]) -> None:
         """Solve the rows for their unknowns, and take these out of the other rows."""
         graph = self.graph
-        columns = sorted(set().union(*(self._rows[i] for i in chosen)))
+        columns = self._columns(chosen)
         matrix = [[self._rows[i].get(k, graph.zero) for k in columns] for i in chosen]
         right = [[column[i] for i in chosen] for column in self.right]
-        if len(chosen) <= LARGEST and len(columns) == len(chosen):
+        if len(chosen) <= LARGEST:
             solutions = self._by_adjugate(chosen, matrix, right)
         else:
             solutions = self._by_normal_equations(chosen, matrix, right)
