@@ -9,7 +9,9 @@ FREEZE = -m pip freeze --disable-pip-version-check --exclude-editable
 
 # What in models/ is not the declaration of a machine.
 NOT_MODELS := models/__init__.py models/__main__.py
-MODELS = $(filter-out $(NOT_MODELS) $(wildcard models/_*.py),$(sort $(wildcard models/*.py)))
+MODELS = $(filter-out $(NOT_MODELS) $(wildcard models/_*.py),$(sort $(wildcard models/*.py))) $(HARD)
+# The hard cases' folder holds their declarations and what runs them.
+HARD = $(sort $(shell grep -l '^model = ' models/hard/*.py))
 NOTEBOOKS = $(sort $(wildcard notebooks/*.ipynb))
 
 WORKERS ?= 2
@@ -21,8 +23,8 @@ BENCH = $(PY) -m benchmarks
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install demo test test-oldest lint format types imports check build gallery figures notebooks \
-	bench lock clean
+.PHONY: help install demo test test-oldest lint format types imports check build gallery figures hard \
+	notebooks bench lock clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -85,6 +87,9 @@ gallery: $(READY) ## run every machine of the chapter: one table, all figures in
 
 figures: $(READY) ## draw the book's figures into figures/
 	$(FIGURES)
+
+hard: $(READY) ## run every hard case by every method and write docs/hard-cases.md
+	$(PY) -m models.hard $(CASES)
 
 notebooks: $(READY) ## run every notebook from top to bottom
 	@set -e; for notebook in $(NOTEBOOKS); do \

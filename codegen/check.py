@@ -18,12 +18,15 @@ from codegen.declare.element import (
     I,
     J,
     friction_law,
+    hold,
     own_coordinates,
+    reported,
 )
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import Coordinate, Given, Parameter, Time, Velocity, kinds
+from codegen.declare.symbols import Coordinate, Given, Parameter, Velocity, kinds, side, t
 from codegen.derive.equations import active_joints
+from codegen.holding import hold_problems
 from codegen.model import Model
 
 WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
@@ -98,6 +101,7 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
             found.append(
                 f"{where}: {name} has a start value, but its {model.kind(owner)} takes no part."
             )
+    found += hold_problems(model, scene)
     for name, value in scene.parameters:
         if problem := model.parameters[name].problem(value):
             found.append(f"{where}: {problem}")
@@ -173,7 +177,13 @@ def _effect_expressions(effect: Effect, bodies: tuple[Body, ...]) -> list[sympy.
     law = friction_law(effect)
     found: list[sympy.Basic] = [*forces, *forces.values()]
     found += [] if potential is None else [potential]
-    return found if law is None else [*found, law.strength, law.creep, law.along]
+    found += [value for _, _, value in reported(effect, bodies)]
+    holding = hold(effect, bodies)
+    if holding is not None:
+        found += [e for e in vars(holding).values() if e is not None]
+    if law is not None:
+        found += [e for e in (law.strength, law.creep, law.along) if e is not None]
+    return found
 
 
 def _strangers(
@@ -195,7 +205,7 @@ def _strangers(
     symbols = set().union(*(e.free_symbols for e in expressions)) - known - placeholders
     allowed = isinstance(element, Constraint)
     return sorted(
-        (s for s in symbols if not isinstance(s, Time) and not (allowed and isinstance(s, Given))),
+        (s for s in symbols - {side(element.name), t} if not (allowed and isinstance(s, Given))),
         key=lambda s: s.name,
     )
 

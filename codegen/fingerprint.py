@@ -20,6 +20,8 @@ def fingerprint(equations: Equations) -> str:
         terms = effect.terms
         lines.append(f"{effect.kind} {effect.name} {terms.potential} {terms.forces}")
         lines += [f"  friction {terms.friction}"] if terms.friction else []
+        lines += [f"  hold {terms.hold}"] if terms.hold else []
+        lines += [f"  reported {terms.reported}"] if terms.reported else []
     lines += [f"switch {switch.g}" for switch in equations.switches]
     lines.append(f"left out {equations.left_out}")
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()

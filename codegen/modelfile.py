@@ -39,7 +39,10 @@ def library_folder() -> Path:
 
 
 def find_model_file(model: str | Path) -> Path:
-    """The file that MODEL means: a path, or a bare name for ``models/NAME.py``.
+    """The file that MODEL means: a path, or a name for ``models/NAME.py``.
+
+    A name may have folders in it: ``hard/pendulum`` is ``models/hard/pendulum.py``, where there is
+    no file of that path itself.
 
     Raises
     ------
@@ -47,11 +50,12 @@ def find_model_file(model: str | Path) -> Path:
         If there is no such file.
     """
     given = Path(model)
-    if given.suffix == ".py" or len(given.parts) > 1:
+    folders = (Path.cwd() / "models", library_folder() / "models")
+    named = [] if given.is_absolute() else [folder / f"{given}.py" for folder in folders]
+    if given.suffix == ".py":
         candidates = [given]
     else:
-        folders = (Path.cwd() / "models", library_folder() / "models")
-        candidates = [folder / f"{given}.py" for folder in folders]
+        candidates = [given, *named] if len(given.parts) > 1 else named
     for path in candidates:
         if path.is_file():
             return path.resolve()

@@ -9,13 +9,14 @@ import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn, cast
 
 import typer
 
 from codegen.errors import InputError, LinkwrightError
 
 if TYPE_CHECKING:
+    from runtime.integrate.problem import Correction
     from runtime.machine import Machine
     from runtime.results.result import Result
 
@@ -63,6 +64,12 @@ def simulate(
     ] = "dop853",
     rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 1e-8,
     atol: Annotated[float | None, typer.Option(help="Absolute tolerance in SI units.")] = None,
+    correction: Annotated[
+        str,
+        typer.Option(
+            help="Return onto the constraints: step, stage, projection, baumgarte or hybrid."
+        ),
+    ] = "step",
     out: Out = None,
     as_json: Json = False,
 ) -> None:
@@ -76,6 +83,7 @@ def simulate(
             t_start=t_start,
             method=method,
             rtol=rtol,
+            correction=cast("Correction", correction),  # refused there if it is none
             parameters=_pairs(settings, "--set"),
             guess=_pairs(guess, "--guess"),
             **extra,

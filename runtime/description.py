@@ -93,10 +93,27 @@ class Effect(NamedTuple):
 
 
 class Switch(NamedTuple):
-    """A condition on which an effect depends; it holds where its function is positive."""
+    """A condition on which an effect depends; it holds where its function is positive.
+
+    `kind` is "condition"; "friction" where the function is a slip that may stay zero; "contact"
+    where it is the gap of a rigid contact.
+    """
 
     name: str
     condition: str
+    kind: str = "condition"
+
+    @property
+    def title(self) -> str:
+        """`effect: condition`, as events name it."""
+        return f"{self.name}: {self.condition}"
+
+
+class RigidContact(NamedTuple):
+    """A rigid contact and the number of its switch."""
+
+    name: str
+    switch: int
 
 
 class ReactionRow(NamedTuple):
@@ -153,6 +170,7 @@ class Description(NamedTuple):
     mass_columns: npt.NDArray[np.intp]
     operations: tuple[tuple[str, int], ...]
     has_masses: bool
+    rigid: Table[RigidContact] = Table()
 
     @property
     def title(self) -> str:
@@ -163,6 +181,19 @@ class Description(NamedTuple):
     def driver_rows(self) -> npt.NDArray[np.bool_]:
         """Which constraints belong to drivers, shape (m,)."""
         return np.array([row.element in self.drivers for row in self.constraints], dtype=np.bool_)
+
+    @property
+    def friction_limits(self) -> tuple[tuple[int, int, int], ...]:
+        """(switch, row of its force, row of its limit) of the frictions that report a limit."""
+        rows = {(row.element, row.component): i for i, row in enumerate(self.reactions)}
+        return tuple(
+            (k, rows[switch.name, part], rows[switch.name, "limit"])
+            for k, switch in enumerate(self.switches)
+            for part in ("force", "torque")
+            if switch.kind == "friction"
+            and (switch.name, part) in rows
+            and (switch.name, "limit") in rows
+        )
 
     @property
     def is_angle(self) -> npt.NDArray[np.bool_]:
@@ -203,6 +234,7 @@ def describe(module: ModuleType) -> Description:
         mass_columns=indices("MASS_COLUMNS"),
         operations=tuple(module.OPERATIONS),
         has_masses=hasattr(module, "mass"),
+        rigid=Table(RigidContact(*row) for row in getattr(module, "RIGID", ())),
     )
 
 

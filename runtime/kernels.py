@@ -22,6 +22,16 @@ MATRIX = types.float64[:, ::1]
 MODES = types.int64[::1]
 MODE_ROWS = types.int64[:, ::1]
 
+# What holds on to its surface (absent where a scene has none such): with q̈₀ and q̈₁ of modes 0 and
+# 1, a switch is held at g = 0 by q̈₀ + α (q̈₁ - q̈₀).
+#   holds(p, low, high)                  bounds of α, (s,) each; [0, 1] but for static friction
+#   gap_accelerations(t, q, v, a, p, out)  d²g/dt² of the rigid contacts, (r,), in order of RIGID
+#   restitution(p, out)                  e of the rigid contacts, (r,)
+#   contact_scale(p, out)                F0 in N, (r,): a contact's reaction in mode 0; with
+#                                        α = 1 - α' it is α' F0, α' from 0 to infinity
+#   switched_reactions(t, q, v, p, modes, lam, out)  the rows of REACTIONS that modes decide;
+#                                        `reactions` fills the others of the same array. Between
+#                                        modes they mix as q̈ and λ do.
 SIGNATURES = {
     "constants": types.none(VECTOR),
     "constraints": types.none(SCALAR, VECTOR, VECTOR, VECTOR),
@@ -39,6 +49,11 @@ SIGNATURES = {
     "reactions": types.none(SCALAR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR),
     "switching": types.none(SCALAR, VECTOR, VECTOR, VECTOR, VECTOR),
     "switching_rates": types.none(SCALAR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR),
+    "holds": types.none(VECTOR, VECTOR, VECTOR),
+    "gap_accelerations": types.none(SCALAR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR),
+    "restitution": types.none(VECTOR, VECTOR),
+    "contact_scale": types.none(VECTOR, VECTOR),
+    "switched_reactions": types.none(SCALAR, VECTOR, VECTOR, VECTOR, MODES, VECTOR, VECTOR),
 }
 TYPES = {name: types.FunctionType(signature) for name, signature in SIGNATURES.items()}
 FETCH = {name: at(kind, slot) for slot, (name, kind) in enumerate(TYPES.items())}
@@ -64,6 +79,11 @@ class Kernels(NamedTuple):
     reactions: Kernel
     switching: Kernel
     switching_rates: Kernel
+    holds: Kernel
+    gap_accelerations: Kernel
+    restitution: Kernel
+    contact_scale: Kernel
+    switched_reactions: Kernel
 
     def table(self) -> npt.NDArray[np.int64]:
         """Addresses in the order of the fields, for compiled loops."""
@@ -87,6 +107,11 @@ def _absent(name: str) -> Kernel:
         "reactions": _no_reactions,
         "switching": _no_switching,
         "switching_rates": _no_rates,
+        "holds": _plain_holds,
+        "gap_accelerations": _no_rates,
+        "restitution": _no_contacts,
+        "contact_scale": _no_contacts,
+        "switched_reactions": _no_powers,
     }
     kernel: Kernel = compiled(SIGNATURES[name])(substitutes[name])
     return kernel
@@ -125,4 +150,13 @@ def _no_switching(t: Any, q: Any, v: Any, p: Any, g: Any) -> None:
 
 
 def _no_rates(t: Any, q: Any, v: Any, a: Any, p: Any, rate: Any) -> None:
+    return
+
+
+def _plain_holds(p: Any, low: Any, high: Any) -> None:
+    low[:] = 0.0
+    high[:] = 1.0
+
+
+def _no_contacts(p: Any, out: Any) -> None:
     return

@@ -33,8 +33,9 @@ def load(
     Parameters
     ----------
     model
-        Path of a model file, or a bare name: `models/NAME.py` in the folder one works in, else
-        the library's model of that name. A `Model` declared in the running program is built anew.
+        Path of a model file, or a name: `models/NAME.py` in the folder one works in, else the
+        library's model of that name; a name may have folders in it, `"hard/pendulum"`. A `Model`
+        declared in the running program is built anew.
     scene
         Name of the scene; without one, the first that the model declares.
     folder
@@ -87,10 +88,9 @@ def _library(package: str) -> Path | None:
 def _locate(model: str, folder: Path) -> _Place:
     """Model file and its generated folder, from what the user wrote."""
     library = _library("models")
-    if model.endswith(".py") or len(Path(model).parts) > 1:
-        tried = [folder / model]
-    else:
-        tried = [folder / "models" / f"{model}.py"]
+    tried = [folder / model] if model.endswith(".py") or len(Path(model).parts) > 1 else []
+    if not (model.endswith(".py") or Path(model).is_absolute()):
+        tried.append(folder / "models" / f"{model}.py")
         if library is not None:
             tried.append(library / f"{model}.py")
     found = next((path.resolve() for path in tried if path.is_file()), None)
@@ -100,7 +100,7 @@ def _locate(model: str, folder: Path) -> _Place:
             + _models_nearby(model, [path.parent for path in tried])
         )
     own = _library("generated")
-    if library is not None and own is not None and found.parent == library.resolve():
+    if library is not None and own is not None and found.is_relative_to(library.resolve()):
         return _Place(found, own)
     return _Place(found, folder / "generated")
 

@@ -4,13 +4,14 @@ import math
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError, ParameterError
 from runtime.analyses.door import check, number
+from runtime.analyses.surfaces import require_sound
 from runtime.description import (
     Constraint,
     Coordinate,
@@ -26,7 +27,7 @@ from runtime.progress import bar
 if TYPE_CHECKING:
     from runtime.analyses.assemble import Assembly
     from runtime.analyses.equilibrium import Equilibrium
-    from runtime.integrate.problem import System
+    from runtime.integrate.problem import Correction, System
     from runtime.results.result import Result
     from runtime.tangents import Origin, Tangents
 
@@ -113,6 +114,15 @@ class Machine:
             acceleration_rhs=kernels.acceleration_rhs,
             mass=kernels.mass,
             applied_forces=kernels.applied_forces,
+            gap_accelerations=kernels.gap_accelerations,
+            holds=kernels.holds,
+            restitution=kernels.restitution,
+            rigid=tuple(contact.switch for contact in told.rigid),
+            sticking=tuple(k for k, row in enumerate(told.switches) if row.kind == "friction"),
+            reactions=kernels.reactions,
+            switched_reactions=kernels.switched_reactions,
+            reaction_rows=len(told.reactions),
+            limits=told.friction_limits,
         )
 
     @property
@@ -189,6 +199,7 @@ class Machine:
         if problems:
             raise ParameterError(problems)
         self.kernels.constants(values)
+        require_sound(self, values)
         return values
 
     def initial_modes(
@@ -237,7 +248,8 @@ class Machine:
         parameters: Values | None = None,
         guess: Values | None = None,
         start: "Assembly | None" = None,
-        correction: Literal["step", "stage"] = "step",
+        correction: "Correction" = "step",
+        time_scale: float | None = None,
         first_step: float | None = None,
         max_step: float | None = None,
         max_steps: int = 100_000_000,
@@ -272,6 +284,7 @@ class Machine:
                 guess=guess,
                 start=start,
                 correction=correction,
+                time_scale=time_scale,
                 first_step=first_step,
                 max_step=max_step,
                 max_steps=max_steps,

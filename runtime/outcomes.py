@@ -11,7 +11,7 @@ class Outcome(IntEnum):
         return self.name
 
     OK = 0
-    SLIDING = 1
+    INCONSISTENT = 1
     ZENO = 2
     STEP_TOO_SMALL = 3
     MAX_STEPS = 4
@@ -35,22 +35,24 @@ class Outcome(IntEnum):
 
 _TEXT = {
     Outcome.OK: ("The run reached its end.", "Nothing needs to be done."),
-    Outcome.SLIDING: (
+    Outcome.INCONSISTENT: (
         (
-            "A switching condition is on its boundary, and the motion pushes back onto it "
-            "from both sides: the machine stands or slides there."
+            "No state of the effects that switch here agrees with the motion that follows from it: "
+            "whichever side is tried, its forces drive the motion to the other, and none holds it "
+            "between."
         ),
         (
-            "Check whether the machine is meant to stick at this point; if it is, end the "
-            "run there or give the condition a constraint of its own, and if it is not, "
-            "look at the sign of the effect that switches."
+            "Look for a joint that jams because friction raises the force that presses, a "
+            "contact against a driver, or two conditions that undo each other; give the friction "
+            "creep= or the contact stiffness=, or end the run before."
         ),
     ),
     Outcome.ZENO: (
-        "Switching conditions change ever faster, without end in a finite time.",
+        "Switching conditions change ever faster, without end in a finite time, and nothing holds.",
         (
             "Look at the events before this time; let the effect end in rest (add damping, "
-            "a clearance or a hysteresis) or end the run before it."
+            "a clearance or a hysteresis), or, if it stands for a contact, declare a rigid one, "
+            "whose bouncing ends."
         ),
     ),
     Outcome.STEP_TOO_SMALL: (

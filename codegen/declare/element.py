@@ -134,6 +134,8 @@ Pressing = tuple[tuple[tuple[str, sympy.Expr], ...], ...]
 class FrictionLaw:
     """A force that follows from a joint's reaction, f = -strength · N · tanh(ṡ / creep).
 
+    Without creep it is f = -strength · N · σ, with σ the side of the effect's `Sticking`.
+
     Attributes
     ----------
     joint
@@ -141,7 +143,7 @@ class FrictionLaw:
     strength
         μ, or μ times an arm in m.
     creep
-        The speed below which the joint creeps instead of sticking.
+        The speed below which the joint creeps instead of sticking; None where it sticks.
     along
         The slip s(q), m or rad; the force acts along it.
     contacts
@@ -152,10 +154,52 @@ class FrictionLaw:
 
     joint: str
     strength: sympy.Expr
-    creep: sympy.Expr
+    creep: sympy.Expr | None
     along: sympy.Expr
     contacts: tuple[Pressing, ...]
     unit: str
+
+
+@dataclass(frozen=True)
+class Sticking:
+    """A friction that may hold: its force is turned round where the slip changes sign.
+
+    The effect writes its force with the symbol ``side(name)``, σ = 1 where ṡ > 0 and σ = -1 where
+    not. At ṡ = 0 it exerts whatever keeps ṡ there, up to μ_s/μ times its force in sliding.
+
+    Attributes
+    ----------
+    slip
+        ṡ(t, q, q̇), m/s or rad/s.
+    kinetic, static
+        μ and μ_s, of numbers and parameters; None: μ_s = μ.
+    """
+
+    slip: sympy.Expr
+    kinetic: sympy.Expr
+    static: sympy.Expr | None = None
+
+
+@dataclass(frozen=True)
+class Rigid:
+    """A contact that yields nothing: g ≥ 0, and a reaction only at g = 0 (Signorini).
+
+    The effect writes its force with the symbol ``side(name)``, σ = 0 where g > 0 and σ = 1 where
+    not, as that of the reaction `scale`; a run finds by what multiple of it the gap stays closed.
+
+    Attributes
+    ----------
+    gap
+        g(t, q), m.
+    restitution
+        e = -ġ⁺/ġ⁻ of an impact, from 0 to 1, of numbers and parameters.
+    scale
+        F0, N, positive, of numbers and parameters.
+    """
+
+    gap: sympy.Expr
+    restitution: sympy.Expr
+    scale: sympy.Expr
 
 
 class Element(Protocol):
@@ -203,11 +247,27 @@ def friction_law(effect: "Effect") -> FrictionLaw | None:
     return law
 
 
+def hold(effect: "Effect", bodies: tuple[Body, ...]) -> Sticking | Rigid | None:
+    """How an effect holds on to its surface, if it is one that does."""
+    answer = getattr(effect, "hold", None)
+    found: Sticking | Rigid | None = answer(bodies) if answer is not None else None
+    return found
+
+
+def reported(effect: "Effect", bodies: tuple[Body, ...]) -> tuple[tuple[str, str, sympy.Expr], ...]:
+    """(component, unit, value) of what an effect reports beside the reactions of joints."""
+    answer = getattr(effect, "reported", None)
+    found: tuple[tuple[str, str, sympy.Expr], ...] = answer(bodies) if answer is not None else ()
+    return found
+
+
 @runtime_checkable
 class Effect(Element, Protocol):
     """A force: brings a potential V or generalized forces Q.
 
-    One that follows from a joint's reaction answers, besides, ``friction() -> FrictionLaw``.
+    One that follows from a joint's reaction answers, besides, ``friction() -> FrictionLaw``; one
+    that sticks, or is a rigid contact, ``hold(bodies) -> Sticking | Rigid | None``; one that
+    reports a force ``reported(bodies) -> ((component, unit, value), ...)``.
     """
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:

@@ -26,7 +26,14 @@ class Coordinate(sympy.Symbol):  # type: ignore[misc]
 
 
 class Velocity(sympy.Symbol):  # type: ignore[misc]
-    """The time derivative of a generalized coordinate."""
+    """The time derivative of a generalized coordinate; `coordinate` is that coordinate."""
+
+    @property
+    def coordinate(self) -> Coordinate:
+        """The coordinate whose rate this is (``crank_omega`` → ``crank_phi``)."""
+        owner, _, letter = self.name.rpartition("_")
+        (place,) = (place for place, speed in RATES.items() if speed == letter)
+        return Coordinate(f"{owner}_{place}", real=True)
 
 
 class Acceleration(sympy.Symbol):  # type: ignore[misc]
@@ -39,6 +46,10 @@ class Multiplier(sympy.Symbol):  # type: ignore[misc]
 
 class Time(sympy.Symbol):  # type: ignore[misc]
     """The time, in seconds."""
+
+
+class Side(sympy.Symbol):  # type: ignore[misc]
+    """A number that says on which side of its surface an effect acts; its mode decides."""
 
 
 class Given(sympy.Symbol):  # type: ignore[misc]
@@ -58,6 +69,11 @@ alpha = Given("alpha", real=True)
 def coordinate(owner: str, letter: str) -> Coordinate:
     """Coordinate `letter` (``x``, ``y``, ``phi``; ``alpha``, ``beta``) of the body or element."""
     return Coordinate(f"{owner}_{letter}", real=True)
+
+
+def side(name: str) -> Side:
+    """The side on which the effect of that name acts, as its `Sticking` or `Rigid` says."""
+    return Side(f"{name}_side", real=True)
 
 
 def given(name: str) -> Given:

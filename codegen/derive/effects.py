@@ -5,8 +5,16 @@ from dataclasses import dataclass
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import Effect, Pressing, friction_law
-from codegen.declare.symbols import Coordinate, kinds, t
+from codegen.declare.element import (
+    Effect,
+    Pressing,
+    Rigid,
+    Sticking,
+    friction_law,
+    hold,
+    reported,
+)
+from codegen.declare.symbols import Coordinate, kinds, side, t
 from codegen.derive.switching import as_pieces
 
 
@@ -21,13 +29,17 @@ class FrictionTerms:
     slip
         ṡ.
     grip
-        strength · tanh(ṡ / creep).
+        strength · tanh(ṡ / creep), or strength · σ of a friction that sticks.
     direction
         (coordinate, ∂s/∂q): the generalized forces of a unit force along s.
     contacts
         Loads as in `FrictionLaw`.
     unit
         Of the force.
+    sticks
+        Whether the force is that of a mode, and not of the slip.
+    limit
+        strength · μ_s/μ, what N is multiplied by at rest; None without a static coefficient.
     """
 
     joint: str
@@ -36,6 +48,8 @@ class FrictionTerms:
     direction: tuple[tuple[Coordinate, sympy.Expr], ...]
     contacts: tuple[Pressing, ...]
     unit: str
+    sticks: bool = False
+    limit: sympy.Expr | None = None
 
 
 @dataclass(frozen=True)
@@ -52,12 +66,18 @@ class EffectTerms:
         (coordinate, Q) that have no potential.
     friction
         The force that follows from a joint's reaction, if this is one.
+    hold
+        How the effect holds on to its surface, if it does.
+    reported
+        (component, unit, value) of the forces that it reports.
     """
 
     potential: sympy.Expr | None
     gradient: tuple[tuple[Coordinate, sympy.Expr], ...]
     forces: tuple[tuple[Coordinate, sympy.Expr], ...]
     friction: FrictionTerms | None = None
+    hold: Sticking | Rigid | None = None
+    reported: tuple[tuple[str, str, sympy.Expr], ...] = ()
 
 
 def effect_terms(effect: Effect, bodies: tuple[Body, ...]) -> EffectTerms:
@@ -70,14 +90,22 @@ def effect_terms(effect: Effect, bodies: tuple[Body, ...]) -> EffectTerms:
     given = sorted(effect.forces(bodies).items(), key=lambda pair: pair[0].name)
     forces = ((q, as_pieces(force)) for q, force in given)
     pushing = tuple((q, f) for q, f in forces if f != 0)
-    return EffectTerms(potential, gradient, pushing, _friction(effect))
+    told = tuple((part, unit, as_pieces(value)) for part, unit, value in reported(effect, bodies))
+    holding = hold(effect, bodies)
+    rubbing = _friction(effect, holding)
+    return EffectTerms(potential, gradient, pushing, rubbing, holding, told)
 
 
-def _friction(effect: Effect) -> FrictionTerms | None:
+def _friction(effect: Effect, holding: Sticking | Rigid | None) -> FrictionTerms | None:
     law = friction_law(effect)
     if law is None:
         return None
     direction = tuple((q, sympy.diff(law.along, q)) for q in kinds(law.along, Coordinate))
     slip = sympy.Add(*(slope * q.rate for q, slope in direction), sympy.diff(law.along, t))
-    grip = law.strength * sympy.tanh(slip / law.creep)
-    return FrictionTerms(law.joint, slip, grip, direction, law.contacts, law.unit)
+    turned = side(effect.name) if law.creep is None else sympy.tanh(slip / law.creep)
+    grip, limit = law.strength * turned, None
+    if isinstance(holding, Sticking) and holding.static is not None:
+        limit = law.strength * holding.static / holding.kinetic
+    return FrictionTerms(
+        law.joint, slip, grip, direction, law.contacts, law.unit, law.creep is None, limit
+    )

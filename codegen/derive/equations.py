@@ -8,10 +8,17 @@ from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Element, Statement
 from codegen.declare.parameter import ParameterDeclaration
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import Acceleration, Coordinate, Velocity, kinds, t
+from codegen.declare.symbols import Coordinate
 from codegen.derive.constraints import ConstraintTerms, constraint_terms
 from codegen.derive.effects import EffectTerms, effect_terms
-from codegen.derive.switching import conditions, switching_function
+from codegen.derive.switches import (
+    HeldSide,
+    RigidContact,
+    Switch,
+    held_sides,
+    rigid_contacts,
+    switches,
+)
 from codegen.model import Model
 
 
@@ -36,16 +43,6 @@ class EffectEquations:
 
 
 @dataclass(frozen=True)
-class Switch:
-    """A switching function g of an effect and its rate dg/dt along the motion."""
-
-    effect: str
-    text: str
-    g: sympy.Expr
-    rate: sympy.Expr
-
-
-@dataclass(frozen=True)
 class Equations:
     """Everything that a scene is made of; nothing downstream looks at the declaration.
 
@@ -54,6 +51,8 @@ class Equations:
     masses
         The diagonal of M, one entry a coordinate: constants of a body in planar motion about its
         centre of mass, zero for the coordinates that elements bring. Empty in kinematic scenes.
+    sides
+        What the modes make of the symbols in which frictions and contacts are written.
     """
 
     model: str
@@ -65,6 +64,8 @@ class Equations:
     constraints: tuple[ConstraintEquations, ...]
     effects: tuple[EffectEquations, ...]
     switches: tuple[Switch, ...]
+    sides: tuple[HeldSide, ...]
+    contacts: tuple[RigidContact, ...]
     left_out: tuple[tuple[str, str], ...]
 
 
@@ -98,6 +99,8 @@ def derive(model: Model, scene: Scene) -> Equations:
         EffectEquations(name, model.effects[name].kind, effect_terms(model.effects[name], bodies))
         for name in (scene.effects if dynamic else ())
     )
+    named = tuple((e.name, e.terms) for e in effects)
+    found = switches(named)
     overrides = dict(scene.parameters)
     parameters = tuple(
         ParameterDeclaration(p.name, overrides.get(p.name, p.value), p.unit, p.sign)
@@ -118,7 +121,9 @@ def derive(model: Model, scene: Scene) -> Equations:
         masses=_masses(bodies, constraints) if dynamic else (),
         constraints=constraints,
         effects=effects,
-        switches=_switches(effects),
+        switches=found,
+        sides=held_sides(named, found),
+        contacts=rigid_contacts(named, found),
         left_out=tuple((e.name, e.kind) for e in everything if e.name not in taking_part),
     )
 
@@ -128,27 +133,3 @@ def _masses(
 ) -> tuple[sympy.Expr, ...]:
     of_bodies = (mass for body in bodies for mass in body.masses)
     return (*of_bodies, *(sympy.S.Zero for c in constraints for _ in c.statement.own))
-
-
-def _switches(effects: tuple[EffectEquations, ...]) -> tuple[Switch, ...]:
-    """One switch a condition; a condition and its opposite share one."""
-    found: dict[sympy.Expr, Switch] = {}
-    for effect in effects:
-        terms = effect.terms
-        expressions = [e for _, e in (*terms.gradient, *terms.forces)]
-        if terms.potential is not None:
-            expressions.append(terms.potential)
-        for condition in conditions(expressions):
-            g = switching_function(condition)
-            if g not in found and -g not in found:
-                found[g] = Switch(effect.name, str(condition), g, rate(g))
-    return tuple(found.values())
-
-
-def rate(g: sympy.Expr) -> sympy.Expr:
-    """dg/dt = g_t + g_q q̇ + g_q̇ q̈."""
-    terms = [sympy.diff(g, t)]
-    terms += [sympy.diff(g, q) * q.rate for q in kinds(g, Coordinate)]
-    for v in kinds(g, Velocity):
-        terms.append(sympy.diff(g, v) * Acceleration(f"{v.name}_rate", real=True))
-    return sympy.Add(*terms)

@@ -22,7 +22,22 @@ BINARY = {
 }
 RESERVED = {
     *("t", "q", "v", "p", "w", "a", "g", "dq", "dv", "nu", "phi", "lam", "out", "rate", "gamma"),
-    *("Q", "modes", "values", "math", "numba", "and", "or", "not", "if", "else", "return", "in"),
+    *(
+        "low",
+        "high",
+        "Q",
+        "modes",
+        "values",
+        "math",
+        "numba",
+        "and",
+        "or",
+        "not",
+        "if",
+        "else",
+        "return",
+        "in",
+    ),
     *("is", "for", "def", "pass", "del", "as", "WEAK_PIVOT", "OPTIONS"),
     *dir(builtins),
 }

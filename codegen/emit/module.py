@@ -114,6 +114,7 @@ def _tables(lowered: Lowered, origin: Origin) -> dict[str, Any]:
         "LEFT_OUT": told.left_out,
         "DRIVERS": told.drivers,
         "SWITCHES": told.switches,
+        **({"RIGID": told.rigid} if told.rigid else {}),
         "REACTIONS": told.reactions,
         "POWERS": told.powers,
         "START": told.start,

@@ -32,7 +32,9 @@ class Description:
     drivers
         The elements among the constraints that are drivers.
     switches
-        (effect, condition).
+        (effect, condition), and ``"friction"`` or ``"contact"`` where it is one.
+    rigid
+        (effect, number of its switch) of each rigid contact.
     reactions
         (element, component, unit) of each entry of the kernel `reactions`.
     powers
@@ -54,7 +56,8 @@ class Description:
     effects: tuple[tuple[str, str], ...]
     left_out: tuple[tuple[str, str], ...]
     drivers: tuple[str, ...]
-    switches: tuple[tuple[str, str], ...]
+    switches: tuple[tuple[str, ...], ...]
+    rigid: tuple[tuple[str, int], ...]
     reactions: tuple[tuple[str, str, str], ...]
     powers: tuple[tuple[str, str], ...]
     start: tuple[tuple[str, float, str], ...]
@@ -90,7 +93,11 @@ def describe(
         effects=tuple((e.name, e.kind) for e in equations.effects),
         left_out=equations.left_out,
         drivers=tuple(c.name for c in equations.constraints if c.driver),
-        switches=tuple((s.effect, s.text) for s in equations.switches),
+        switches=tuple(
+            (s.effect, s.text) if s.kind == "condition" else (s.effect, s.text, s.kind)
+            for s in equations.switches
+        ),
+        rigid=tuple((contact.effect, contact.switch) for contact in equations.contacts),
         reactions=tuple((name, part, unit) for name, part, unit, _ in reactions),
         powers=tuple((source, kind) for source, kind, _ in powers),
         start=tuple(start),

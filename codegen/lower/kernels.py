@@ -6,6 +6,7 @@ from codegen.derive.equations import Equations
 from codegen.lower.description import Description, describe
 from codegen.lower.factorization import Strategy
 from codegen.lower.hoist import with_constants
+from codegen.lower.holds import hold_kernels, reaction_note, switched_reactions
 from codegen.lower.program import STATE, Kernel, Output, Program, store
 from codegen.lower.scene_graph import SceneGraph
 from codegen.lower.solutions import accelerations, correction
@@ -62,6 +63,7 @@ def lower(equations: Equations) -> Lowered:
         kernels += _dynamic_kernels(scene, powers)
     if equations.switches:
         kernels += _switching_kernels(scene)
+        kernels += hold_kernels(scene)
     program = with_constants(scene.graph, tuple(kernels), len(equations.parameters))
     return Lowered(program, describe(equations, scene, powers), strategy)
 
@@ -73,11 +75,12 @@ def _dynamic_kernels(scene: SceneGraph, powers: list[tuple[str, str, int]]) -> l
         graph.mul(mass, graph.mul(v, v)) for mass, v in zip(scene.masses, scene.v, strict=True)
     ]
     kinetic = graph.mul(graph.constant(0.5), graph.total(energies))
-    names = [
-        f"{element} {part}, {unit}" if unit else f"{element} {part}"
-        for element, part, unit, _ in scene.reactions
-    ]
-    reactions = [value for *_, value in scene.reactions]
+    switched = switched_reactions(scene)
+    reactions = tuple(
+        Output("out", k, value, reaction_note(scene, k))
+        for k, (*_, value) in enumerate(scene.reactions)
+        if k not in switched
+    )
     return [
         Kernel(
             "mass",
@@ -119,7 +122,7 @@ def _dynamic_kernels(scene: SceneGraph, powers: list[tuple[str, str, int]]) -> l
             "reactions",
             "Joint forces on the second body, in the joint's axes, and what drivers exert.",
             (*STATE, "lam", "out"),
-            store("out", reactions, names),
+            reactions,
         ),
     ]
 

@@ -64,6 +64,7 @@ class SceneGraph:
             graph.input("lam", k, f"lambda_{name}") for k, name in enumerate(self.row_names())
         ]
         self.translate = Translator(graph, self._environment(), self._switches())
+        self.translate.environment |= self._sides()
         self.phi: list[int] = []
         self.nu: list[int] = []
         self.gamma: list[int] = []
@@ -101,7 +102,20 @@ class SceneGraph:
         return found
 
     def _switches(self) -> dict[sympy.Expr, int]:
-        return {switch.g: k for k, switch in enumerate(self.equations.switches)}
+        switches = enumerate(self.equations.switches)
+        return {switch.g: k for k, switch in switches if switch.kind != "contact"}
+
+    def _sides(self) -> dict[sympy.Symbol, int]:
+        """A choice by its mode for each symbol that says on which side an effect acts."""
+        graph = self.graph
+        return {
+            side.symbol: graph.select(
+                graph.mode(side.switch),
+                graph.constant(float(side.above)),
+                graph.constant(float(side.below)),
+            )
+            for side in self.equations.sides
+        }
 
     # -- equations ---------------------------------------------------------------------------
 
@@ -150,6 +164,7 @@ class SceneGraph:
         self.forces = [graph.zero] * self.n
         self.powers: list[tuple[str, int]] = []
         self.frictions: list[Friction] = []
+        idle = {contact.effect for contact in equations.contacts if not contact.moving}
         for effect in equations.effects:
             with graph.serving(effect.name):
                 if effect.terms.potential is not None:
@@ -163,8 +178,10 @@ class SceneGraph:
                     k, value = columns[q], self.translate(force)
                     self.forces[k] = graph.add(self.forces[k], value)
                     power = graph.add(power, graph.mul(value, self.v[k]))
-                if effect.terms.forces:
+                if effect.terms.forces and effect.name not in idle:
                     self.powers.append((effect.name, power))
+                for part, unit, value in effect.terms.reported:
+                    self.reactions.append((effect.name, part, unit, self.translate(value)))
                 if effect.terms.friction:
                     self._friction(effect.name, effect.terms.friction)
         with graph.serving("masses"):
@@ -182,8 +199,14 @@ class SceneGraph:
         )
         self.frictions.append(Friction(grip, direction, loads))
         sizes = [self.size([self.along(entry, self.lam) for entry in load]) for load in loads]
-        force = graph.neg(graph.mul(grip, graph.total(sizes)))
+        pressing = graph.total(sizes)
+        force = graph.neg(graph.mul(grip, pressing))
         self.reactions.append((name, "force" if terms.unit == "N" else "torque", terms.unit, force))
+        if terms.sticks:
+            self.reactions.append((name, "normal", "N", pressing))
+        if terms.limit is not None:
+            limit = graph.mul(self.translate(terms.limit), pressing)
+            self.reactions.append((name, "limit", terms.unit, limit))
         self.powers.append((name, graph.mul(force, self.translate(terms.slip))))
 
     def _load(self, joint: str, entry: tuple[tuple[str, sympy.Expr], ...]) -> dict[int, int]:

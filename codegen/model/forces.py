@@ -6,14 +6,12 @@ from typing import Any, Literal
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Constraint, Effect
+from codegen.declare.element import Effect
 from codegen.declare.symbols import Coordinate
 from codegen.elements.forces.along import rate
 from codegen.elements.forces.applied import AppliedForce, AppliedTorque
 from codegen.elements.forces.bushing import AXES, Bushing, Triple
-from codegen.elements.forces.contact import Contact, gap_between
 from codegen.elements.forces.expression import GeneralizedForce, Potential
-from codegen.elements.forces.friction import JointFriction
 from codegen.elements.forces.gravity import Gravity
 from codegen.elements.forces.line import Line
 from codegen.elements.forces.spring import Spring
@@ -145,100 +143,6 @@ class Forces(Declarations):
         free = self._read.value(free_angle, "rad", f"free angle of {where}")
         damp = self._read.value(damping, "N m s/rad", f"damping of {where}")
         return self._effect(TorsionSpring(name, first, second, stiff, free, damp, turning))
-
-    def contact(
-        self,
-        name: str,
-        i: Point | Body | None = None,
-        j: Point | Body | None = None,
-        *,
-        stiffness: Any,
-        damping: Any = 0,
-        free_length: Any = 0,
-        direction: tuple[Any, Any] | None = None,
-        gap: Any = None,
-        may_pull: bool = True,
-    ) -> Effect:
-        """A spring and damper that act while a gap is negative: f = k g + c ġ (Haug 8.4.2).
-
-        Parameters
-        ----------
-        i, j
-            Points of two bodies (a body means its centre of mass), between which the gap is: along
-            `direction`, g = (A_i u)ᵀ (r_j^P - r_i^P) - ℓ0; without one, g = ℓ - ℓ0.
-        stiffness, damping
-            k in N/m and c in N s/m.
-        free_length
-            ℓ0 in m.
-        direction
-            u in the frame of body `i`, of any length.
-        gap
-            Instead of points: g itself, in m, an expression of coordinates, parameters and t.
-        may_pull
-            False cuts the damper off where it would hold the bodies together.
-        """
-        where = f"contact '{name}'"
-        if gap is not None:
-            if i is not None or j is not None or direction is not None:
-                self._note(f"{where} has both gap= and points; give one of them.")
-            g = self._read.value(gap, "m", f"gap of {where}")
-            free = self._read.value(free_length, "m", f"free length of {where}")
-            g, bodies = g - free, self._bodies_in(g)
-        else:
-            if i is None or j is None:
-                self._note(f"{where} has no gap; give two points, or gap= an expression.")
-            ends = self._pair(name, *(self.ground if end is None else end for end in (i, j)))
-            along = None
-            if direction is not None:
-                ux, uy = self._read.pair(direction, "", f"direction of {where}")
-                along = (ux, uy)
-                if ux == 0 and uy == 0:
-                    self._note(f"{where}: the direction (0, 0) points nowhere; give another.")
-                    along = None
-            free = self._read.value(free_length, "m", f"free length of {where}")
-            g, bodies = gap_between(*ends, along, free), (ends[0].body, ends[1].body)
-        stiff = self._read.value(stiffness, "N/m", f"stiffness of {where}")
-        damp = self._read.value(damping, "N s/m", f"damping of {where}")
-        return self._effect(Contact(name, g, stiff, damp, bodies, bool(may_pull)))
-
-    def friction(
-        self,
-        name: str,
-        joint: Constraint,
-        coefficient: Any,
-        creep: Any,
-        radius: Any = None,
-        length: Any = None,
-    ) -> Effect:
-        """Coulomb friction in a joint, from the joint's own reaction, made smooth at rest.
-
-        Parameters
-        ----------
-        joint
-            A revolute, translational or revolute-translational joint.
-        coefficient
-            μ.
-        creep
-            The speed, in m/s or, in a revolute joint, rad/s, below which the joint creeps instead
-            of sticking.
-        radius
-            Of a revolute joint's pin, m.
-        length
-            Of a translational joint's bearing, m: its moment then presses at both ends.
-        """
-        where = f"friction '{name}'"
-        pin = getattr(joint, "kind", "") == "revolute"
-        speed = self._read.value(creep, "rad/s" if pin else "m/s", f"creep speed of {where}")
-        mu = self._read.value(coefficient, "", f"coefficient of {where}")
-        self._ruled(speed, "positive")
-        self._ruled(mu, "nonnegative")
-        sizes = (
-            None
-            if size is None
-            else self._ruled(self._read.value(size, "m", f"{word} of {where}"), "positive")
-            for size, word in ((radius, "radius"), (length, "length"))
-        )
-        return self._effect(JointFriction(name, joint, mu, speed, *sizes))
 
     def bushing(
         self,

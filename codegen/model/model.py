@@ -9,13 +9,14 @@ from typing import Any
 from codegen.declare.element import Constraint, Effect
 from codegen.elements.registry import role
 from codegen.model.cams import Cams
+from codegen.model.contacts import Contacts
 from codegen.model.drivers import Drivers
 from codegen.model.forces import Forces
 from codegen.model.scenes import Scenes
 from codegen.model.values import Values
 
 
-class Model(Values, Scenes, Cams, Drivers, Forces):
+class Model(Values, Scenes, Cams, Drivers, Forces, Contacts):
     """A planar machine.
 
     Parameters

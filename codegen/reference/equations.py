@@ -16,6 +16,20 @@ from codegen.reference.letters import lettered
 
 NUMBERS = ("No", "One", "Two", "Three", "Four", "Five", "Six")
 
+HELD = {
+    "friction": (
+        "σ is 1 where {g} is positive, in mode 1, and -1 where it is negative, in mode 0. Where "
+        "both sides push onto {g} = 0 the motion stays there, with σ between them."
+    ),
+    "contact": (
+        "σ is 0 where {g} is positive, in mode 1, and 1 in mode 0. While the contact is closed, "
+        "{g} = 0, σ is the number from 0 to infinity that keeps it so."
+    ),
+}
+"""What the symbol of a friction or contact is."""
+
+SIZE = r"\left|\sigma\right|_{\max}"
+
 Pairs = list[tuple[str, sympy.Expr]]
 
 
@@ -55,7 +69,8 @@ def constraint_sections(element: Constraint) -> Iterator[str]:
 def effect_sections(equations: Equations, element: Effect) -> Iterator[str]:
     """V and Q of a force, and what switches it."""
     (terms,) = (e.terms for e in equations.effects if e.name == element.name)
-    switches = [s.g for s in equations.switches if s.effect == element.name]
+    own = [s for s in equations.switches if s.effect == element.name]
+    switches = [s.g for s in own]
     rubbing = [] if terms.friction is None else list(_friction(terms.friction))
     shown = [e for _, e in (*terms.gradient, *terms.forces, *rubbing)]
     energy = [] if terms.potential is None else [terms.potential]
@@ -83,6 +98,14 @@ def effect_sections(equations: Equations, element: Effect) -> Iterator[str]:
     if modes:
         many = "Switching functions: their" if len(modes) > 1 else "A switching function: its"
         yield f"{many} change of sign is an event of a run.\n\n{aligned(modes)}"
+    for k, switch in enumerate(own, 1):
+        if switch.kind in HELD:
+            yield HELD[switch.kind].format(g=f"$g_{{{k}}}$")
+    if own and own[0].ratio is not None:
+        yield (
+            "There the size of σ is at most the ratio of static to kinetic friction:\n\n"
+            f"{aligned([(SIZE, short(own[0].ratio))])}"
+        )
 
 
 def _friction(terms: FrictionTerms) -> Iterator[tuple[str, sympy.Expr]]:

@@ -231,6 +231,12 @@ def _contact(model: Model, P: Point, Q: Point) -> None:
     model.contact("stop", P, Q, stiffness=k, damping=c, free_length=1, direction=(1, 0))
 
 
+@_example("dry friction")
+def _dry_friction(model: Model, P: Point, Q: Point) -> None:
+    mu, mu_s = model.parameter("mu", 0.2), model.parameter("mu_s", 0.3)
+    model.dry_friction("rub", P, Q, axis=(1, 0), normal=50.0, coefficient=mu, static=mu_s)
+
+
 @_example("force")
 def _force(model: Model, i: Body, P: Point) -> None:
     model.force("brake", on=P, fx=-5 * i.vx, fy=3.0, frame="body")
@@ -256,6 +262,12 @@ def _gravity(model: Model) -> None:
 @_example("potential")
 def _potential(model: Model, i: Body) -> None:
     model.potential("pendulum", 20 * (1 - cos(i.phi)))
+
+
+@_example("rigid contact", "contact")
+def _rigid_contact(model: Model, P: Point, Q: Point) -> None:
+    e = model.parameter("e", 0.5)
+    model.contact("stop", P, Q, restitution=e, free_length=1, direction=(1, 0))
 
 
 @_example("spring")

@@ -10,7 +10,7 @@ import sympy
 from sympy.printing.latex import LatexPrinter, translate
 
 from codegen.declare.interpolant import Interpolant
-from codegen.declare.symbols import RATES, Coordinate, Given, Multiplier, Velocity
+from codegen.declare.symbols import RATES, Coordinate, Given, Multiplier, Side, Velocity
 
 WIDTH = 84
 """Characters of a line that a page shows without scrolling, nearly."""
@@ -69,6 +69,8 @@ def symbol(s: sympy.Symbol) -> str:
     owner, _, letter = s.name.rpartition("_")
     if isinstance(s, Multiplier) and letter.isdecimal():
         return rf"\lambda_{{{int(letter) + 1}}}"
+    if isinstance(s, Side):
+        return r"\sigma"
     if isinstance(s, Coordinate | Velocity) and owner:
         dot = r"\dot " if isinstance(s, Velocity) else ""
         letter = LETTERS[letter] if isinstance(s, Velocity) else letter

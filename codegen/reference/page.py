@@ -19,6 +19,7 @@ COUNTED = (
     *("constants", "constraints", "jacobian", "velocity_rhs", "acceleration_rhs"),
     *("potential", "potential_gradient", "applied_forces", "accelerations"),
     *("correction", "reactions", "powers", "switching", "switching_rates"),
+    *("gap_accelerations", "switched_reactions"),
 )
 """Kernels in the order in which a page lists them."""
 

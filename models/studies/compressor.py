@@ -135,11 +135,12 @@ def _driven() -> list[Row]:
 
 def _running() -> list[Row]:
     runs = study().running
-    stall = runs[225.0]
-    end = {name: float(stall.q(name)[-1]) for name in ("crank.phi", "slider.x")}
+    stall = runs[225.0].events[-1]  # from then on the gas holds the machine
+    names = runs[225.0].description.coordinates.names
+    end = {name: float(stall.q[names.index(name)]) for name in ("crank.phi", "slider.x")}
     place = "8.2.4, J1 = 225"
     rows = [
-        Row(place, "stalls at, s", float(stall.t[-1]), 0.114906810),
+        Row(place, "stalls at, s", stall.time, 0.114906810),
         Row(place, "stalls at φ1, rad", end["crank.phi"], 5.796224666),
         Row(place, "stalls at x3, m", end["slider.x"], 5.140072465),
     ]

@@ -54,7 +54,7 @@ def _driven(runs: Study) -> Figure:
 def _over_time(
     runs: Study, title: str, unit: str, quantity: Callable[[Result], np.ndarray]
 ) -> Figure:
-    """A quantity over one second for the three flywheels; the run that stalls ends in a cross."""
+    """A quantity over one second for the three flywheels; a cross marks where one stalls."""
     figure = Figure(figsize=(7.5, 3.6), layout="constrained")
     axes: Axes = figure.subplots()
     number = {"φ̇₁": "8.2.5", "x₃": "8.2.6", "ẋ₃": "8.2.7"}.get(unit.partition(",")[0], "8.2.8")
@@ -62,9 +62,11 @@ def _over_time(
     for inertia in FLYWHEELS:
         run, values = runs.running[inertia], quantity(runs.running[inertia])
         label = f"J₁ = {inertia:g} kg m²"
-        if run.failed:
-            axes.plot(run.t[-1], values[-1], "x", color=COLOURS[inertia], markersize=8)
-            label += f" (stalls at {run.t[-1]:.4f} s)"
+        if run.events and run.events[-1].what == "holds":
+            stall = run.events[-1].time
+            at = np.interp(stall, run.t, values)
+            axes.plot(stall, at, "x", color=COLOURS[inertia], markersize=8)
+            label += f" (stalls at {stall:.4f} s)"
         axes.plot(run.t, values, next(styles), color=COLOURS[inertia], label=label)
     axes.set(title=f"{number} {title}", xlabel="t, s", ylabel=unit, xlim=(0, 1))
     axes.legend(ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.18))

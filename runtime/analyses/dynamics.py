@@ -14,7 +14,8 @@ from runtime.analyses.kinematics import instants
 from runtime.analyses.magnitudes import magnitudes
 from runtime.analyses.masses import require_masses
 from runtime.analyses.outputs import evaluate
-from runtime.integrate.problem import Options, Problem, System, Trajectory
+from runtime.analyses.surfaces import require_apart
+from runtime.integrate.problem import Correction, Options, Problem, System, Trajectory
 from runtime.integrate.run import integrate
 from runtime.integrate.tables import IMPLICIT
 from runtime.outcomes import Outcome
@@ -25,19 +26,24 @@ if TYPE_CHECKING:
     from runtime.machine import Machine, Values
 
 
+WORDS = {1: "began", -1: "ceased", 0: "holds", 2: "impact"}
+
+
 class Event(NamedTuple):
-    """A switching condition changed.
+    """A switching condition changed, or a contact was struck.
 
     Attributes
     ----------
     name
         `effect: condition`.
     time
-        In s.
+        In s; where bouncing ends, the instant at which its last flight would.
     direction
-        1: it began to hold; -1: it ceased; 0: the motion stays on its boundary.
+        1: the condition began to hold, or a contact opened; -1: it ceased; 0: from now on the
+        motion stays on its boundary: it slides there, friction sticks, or a contact is closed;
+        2: an impact, after which the contact is open.
     q, v
-        State, shape (n,).
+        State, shape (n,); after an impact, the velocities that it leaves.
     """
 
     name: str
@@ -47,9 +53,29 @@ class Event(NamedTuple):
     v: FloatArray
 
     @property
+    def what(self) -> str:
+        """The direction in a word: began, ceased, holds or impact."""
+        return WORDS[self.direction]
+
+    @property
     def state(self) -> FloatArray:
         """q and v in one array, shape (2 n,)."""
         return np.concatenate([self.q, self.v])
+
+
+class Partition(NamedTuple):
+    """The independent coordinates were chosen anew.
+
+    Attributes
+    ----------
+    time
+        From which on they hold, s.
+    independent
+        Their names; the others follow from them by the constraints.
+    """
+
+    time: float
+    independent: tuple[str, ...]
 
 
 def simulate(
@@ -64,7 +90,8 @@ def simulate(
     parameters: "Values | None" = None,
     guess: "Values | None" = None,
     start: Assembly | None = None,
-    correction: Literal["step", "stage"] = "step",
+    correction: Correction = "step",
+    time_scale: float | None = None,
     first_step: float | None = None,
     max_step: float | None = None,
     max_steps: int = 100_000_000,
@@ -96,7 +123,10 @@ def simulate(
     start
         An assembled state to start from, in place of the scene's start.
     correction
-        Return onto the constraints once a step, or at every stage.
+        Return onto the constraints: once a "step" (dependent coordinates from independent ones), at
+        every "stage", by "projection", by "baumgarte" or "hybrid"; see `Options.correction`.
+    time_scale
+        τ of Baumgarte's accelerations, s; a thousandth of the run unless given.
     first_step, max_step
         Lengths in s; chosen unless given.
     """
@@ -112,6 +142,8 @@ def simulate(
     require_masses(machine, p)
     begin = start if start is not None else assemble(machine, guess, parameters, t_start)
     equations = Equations(machine, p)
+    sizes = magnitudes(equations, begin.t, begin.q)
+    require_apart(machine, p, begin.t, begin.q, begin.v, float(sizes.min(initial=1.0)))
     trajectory = integrate(
         _system(machine, method),
         Problem(
@@ -121,7 +153,7 @@ def simulate(
             np.ascontiguousarray(begin.v),
             p,
             _mobility(equations, begin.q),
-            magnitudes(equations, begin.t, begin.q),
+            sizes,
         ),
         # An unknown method is refused there, together with all else that is wrong.
         Options(
@@ -131,6 +163,7 @@ def simulate(
             atol_v=atol,
             t_eval=times,
             correction=correction,
+            time_scale=time_scale,
             first_step=first_step,
             h_max=max_step,
             max_steps=max_steps,
@@ -181,6 +214,8 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
         "repartitions": counts.repartitions,
         "events": counts.events,
         "method_changes": len(run.methods) - 1,
+        "singular_crossings": len(run.crossings),
+        "crossing_error": max((crossing.error for crossing in run.crossings), default=0.0),
         "largest_correction": counts.largest_dq,
         "integration_seconds": counts.seconds,
         "wall_seconds": clock.perf_counter() - began,
@@ -188,7 +223,7 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
     switches = machine.description.switches
     events = [
         Event(
-            f"{switches[int(index)].name}: {switches[int(index)].condition}",
+            switches[int(index)].title,
             float(time),
             int(direction),
             at_q,
@@ -199,6 +234,11 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
             strict=True,
         )
     ]  # fmt: skip
+    names = machine.coordinates.names
+    partitions = [
+        Partition(float(t), tuple(name for name, free in zip(names, chosen, strict=True) if free))
+        for t, chosen in zip(run.partitions.t, run.partitions.independent, strict=True)
+    ]
     return Result(
         machine,
         samples,
@@ -208,6 +248,7 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
         message=_message(machine, run),
         stats=stats,
         events=events,
+        partitions=partitions,
     )
 
 
@@ -227,10 +268,14 @@ def _message(machine: "Machine", run: Trajectory) -> str:
     told = machine.description
     where = ""
     if run.index >= 0:
-        if run.outcome in {Outcome.SLIDING, Outcome.ZENO}:
+        if run.outcome in {Outcome.INCONSISTENT, Outcome.ZENO}:
             switch = told.switches[run.index]
             where = f", condition {switch.condition} of {switch.name}"
         else:
             row = told.constraints[run.index]
             where = f", {'driver' if row.element in told.drivers else 'joint'} {row.name}"
-    return f"Stopped at t = {run.final_t:.9g} s{where}. {run.outcome.meaning} {run.outcome.advice}"
+    note = f" {run.note}" if run.note else ""
+    return (
+        f"Stopped at t = {run.final_t:.9g} s{where}. {run.outcome.meaning}{note} "
+        f"{run.outcome.advice}"
+    )

@@ -14,6 +14,7 @@ from runtime.analyses.masses import require_masses
 from runtime.analyses.outputs import evaluate
 from runtime.analyses.reduced import Rest
 from runtime.analyses.stability import Judgement, Stability, judge
+from runtime.analyses.surfaces import require_no_rigid, require_no_sticking
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
 from runtime.results.result import Result
@@ -115,6 +116,8 @@ def equilibrium(
             f"{told.title}: equilibrium needs forces on bodies with mass, and this scene has a "
             f"body without. Give every body a mass and an inertia."
         )
+    require_no_rigid(machine, "equilibrium")
+    require_no_sticking(machine, "equilibrium")
     p = machine.parameter_values(parameters)
     require_masses(machine, p)
     start = assemble(machine, guess, parameters, t, release=True)

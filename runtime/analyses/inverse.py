@@ -1,7 +1,9 @@
 """Inverse dynamics: the forces and torques that a prescribed motion takes.
 
 The motion is kinematic; the multipliers of the drivers are the drives that produce it. A driver's
-reaction is what it exerts on the body that it moves.
+reaction is what it exerts on the body that it moves. Which rigid contacts would be closed is not
+decided here, and friction that does not slip has no force that the motion determines: both are
+refused.
 """
 
 from typing import TYPE_CHECKING
@@ -11,6 +13,7 @@ import numpy.typing as npt
 from codegen.errors import AnalysisError
 from runtime.analyses.kinematics import kinematics
 from runtime.analyses.masses import require_masses
+from runtime.analyses.surfaces import require_no_rigid, require_slip
 from runtime.progress import Progress, silent
 from runtime.results.result import Result
 
@@ -34,8 +37,10 @@ def inverse_dynamics(
             f"{told.title}: inverse dynamics needs masses, and this scene has a body without. "
             f"Give every body a mass and an inertia, or ask for kinematics."
         )
-    require_masses(machine, machine.parameter_values(parameters))
-    return kinematics(
+    require_no_rigid(machine, "inverse dynamics")
+    p = machine.parameter_values(parameters)
+    require_masses(machine, p)
+    found = kinematics(
         machine,
         t_eval,
         parameters=parameters,
@@ -44,3 +49,5 @@ def inverse_dynamics(
         progress=progress,
         analysis="inverse dynamics",
     )
+    require_slip(machine, p, found.samples)
+    return found

@@ -20,6 +20,7 @@ constraints_of = FETCH["constraints"]
 jacobian_of = FETCH["jacobian"]
 velocity_rhs_of = FETCH["velocity_rhs"]
 reactions_of = FETCH["reactions"]
+switched_reactions_of = FETCH["switched_reactions"]
 powers_of = FETCH["powers"]
 kinetic_energy_of = FETCH["kinetic_energy"]
 potential_of = FETCH["potential"]
@@ -70,6 +71,7 @@ def _evaluate(
     jacobian = jacobian_of(kernels)
     velocity_rhs = velocity_rhs_of(kernels)
     reactions = reactions_of(kernels)
+    switched_reactions = switched_reactions_of(kernels)
     powers = powers_of(kernels)
     kinetic_energy = kinetic_energy_of(kernels)
     potential = potential_of(kernels)
@@ -95,6 +97,7 @@ def _evaluate(
             largest = max(largest, abs(phi[i]))
         residual[k, 1] = largest
         reactions(t, q[k], v[k], p, lam[k], reaction[k])
+        switched_reactions(t, q[k], v[k], p, modes[k], lam[k], reaction[k])
         powers(t, q[k], v[k], p, modes[k], lam[k], power[k])
         energy[k, 0] = kinetic_energy(q[k], v[k], p)
         energy[k, 1] = potential(t, q[k], p, modes[k])
@@ -177,9 +180,18 @@ def evaluate(
     power = np.zeros((count, len(told.powers)))
     energy, residual = np.zeros((count, 2)), np.zeros((count, 2))
     weak = np.zeros(count, dtype=np.int64)
+    plain = np.where(modes == 2, 0, modes)
+    for contact in told.rigid:
+        plain[:, contact.switch] = 1
     _evaluate(
-        machine.kernel_table, t, p, q, v, modes,
+        machine.kernel_table, t, p, q, v, plain,
         told.jacobian_rows.astype(np.int64), told.jacobian_columns.astype(np.int64),
         a, lam, reaction, power, energy, residual, weak, np.zeros(len(told.jacobian_rows)),
     )  # fmt: skip
-    return Samples(t, q, v, a, lam, reaction, power, energy, residual, modes)
+    if (modes == 2).any():
+        from runtime.analyses.holding import mix_held
+
+        share = mix_held(machine, p, t, q, v, modes, a, lam, reaction, power)
+    else:
+        share = np.full(modes.shape, np.nan)
+    return Samples(t, q, v, a, lam, reaction, power, energy, residual, modes, share)

@@ -1,8 +1,33 @@
-"""The field where it is not the machine's own: along surfaces of switching conditions."""
+"""The field where it is not the machine's own: what is held, and what is stabilized.
+
+With Baumgarte's method the constraints are not recovered but pulled back, as a damped spring would:
+Φ̈ + 2 Φ̇/τ + Φ/τ² = 0 (J. Baumgarte, Computer Methods in Applied Mechanics and Engineering 1, 1972,
+with α = β = 1/τ). Accelerations depend on the right side of Φ_q q̈ = γ by the same map as the
+corrections of `correction` in the metric of the masses on theirs, so no kernel is needed for it.
+"""
 
 from runtime.compiled import compiled
+from runtime.integrate.held import shares, units
 from runtime.integrate.signatures import FIELD, Integers, Vector
-from runtime.integrate.slots import accelerations_of
+from runtime.integrate.slots import (
+    CONSTRAINT_COUNT,
+    COORDINATES,
+    HELD,
+    PLAIN,
+    RIGID_COUNT,
+    SETTINGS,
+    SHARE,
+    STABILIZED,
+    SWITCHES,
+    WEIGHTS,
+    WORK,
+    accelerations_of,
+    correction_of,
+)
+from runtime.integrate.views import floats_at, integers_at, view
+
+STEP, TIME_SCALE = 0, 1
+"""Places in SETTINGS: the length of the step, s; τ of Baumgarte's method, s."""
 
 
 @compiled(FIELD)
@@ -16,5 +41,37 @@ def bent(
     a: Vector,
     lam: Vector,
 ) -> int:
-    """Accelerations and multipliers; as `accelerations`."""
-    return int(accelerations_of(machine)(t, q, v, p, modes, a, lam))
+    """Accelerations and multipliers, what is held included; as `accelerations`.
+
+    SHARE receives the share of each function that is held.
+    """
+    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
+    size = n + m
+    count = machine[HELD]
+    if count == 0:
+        weak = int(accelerations_of(machine)(t, q, v, p, modes, a, lam))
+    else:
+        weak = units(machine, t, q, v, p, modes)
+        shares(machine, count)
+        share = floats_at(machine, SHARE, s)
+        held = view(integers_at(machine, PLAIN, 2 * s), s, s)
+        work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
+        for j in range(n):
+            a[j] = work[j]
+        for i in range(m):
+            lam[i] = work[n + i]
+        for c in range(count):
+            part = share[held[c]]
+            unit = view(work, (c + 1) * size, size)
+            for j in range(n):
+                a[j] += part * unit[j]
+            for i in range(m):
+                lam[i] += part * unit[n + i]
+    if machine[STABILIZED] != 0 and m > 0:
+        tau = floats_at(machine, SETTINGS, 2)[TIME_SCALE]
+        pull = floats_at(machine, WEIGHTS, 3 * n)
+        dq, dv = view(pull, n, n), view(pull, 2 * n, n)
+        correction_of(machine)(t, q, v, p, view(pull, 0, n), dq, dv)
+        for j in range(n):
+            a[j] += 2.0 * dv[j] / tau + dq[j] / (tau * tau)
+    return weak

@@ -10,7 +10,7 @@ from runtime.integrate.problem import Options, Problem, System
 from runtime.integrate.signatures import no_accelerations_tangent
 from runtime.integrate.tables import IMPLICIT, METHODS
 
-CORRECTIONS = ("step", "stage")
+CORRECTIONS = ("step", "stage", "projection", "baumgarte", "hybrid")
 _MOST = 2**62  # what a count may be
 
 
@@ -97,7 +97,7 @@ def _of_instants(problem: Problem, options: Options) -> list[str]:
 
 def _of_numbers(options: Options) -> list[str]:
     problems = []
-    for name in ("first_step", "h_max", "h_min", "fixed_step"):
+    for name in ("first_step", "h_max", "h_min", "fixed_step", "time_scale"):
         length = getattr(options, name)
         if length is not None and not (_is_number(length) and 0.0 < length < math.inf):
             problems.append(f"{name} = {length} must be a positive, finite number of seconds.")

@@ -34,6 +34,11 @@ LAST = 12  # row, after K, of the derivative at the end of the step
 DENSE_ROWS = 8
 DENSE_CALLS = 3
 BETA = 0.03  # proportional part of the step control
+# Where in a step the equations are evaluated, its dense output included.
+NODES = (
+    *(0.0, c.C2, c.C3, c.C4, c.C5, c.C6, c.C7, c.C8, c.C9, c.C10, c.C11, 1.0),
+    *(c.C14, c.C15, c.C16),
+)
 SHRINK, GROW = 0.333, 6.0  # limits of the change of a step's length
 
 

@@ -35,6 +35,7 @@ BETA = 0.04  # proportional part of the step control
 SHRINK, GROW = 0.2, 10.0  # limits of the change of a step's length
 
 C2, C3, C4, C5 = 1 / 5, 3 / 10, 4 / 5, 8 / 9
+NODES = (0.0, C2, C3, C4, C5, 1.0)  # where in a step the equations are evaluated
 A21 = 1 / 5
 A31, A32 = 3 / 40, 9 / 40
 A41, A42, A43 = 44 / 45, -56 / 15, 32 / 9

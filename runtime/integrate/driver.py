@@ -5,10 +5,11 @@ first-class functions; all state lies in its arrays, so that a run can stop afte
 with the same bits.
 """
 
+import numpy as np
+
 from runtime.compiled import ADDRESSES, compiled
 from runtime.integrate.attempt import DONE, NEWTON, NOT_FINITE, TOO_LARGE
-from runtime.integrate.field import field
-from runtime.integrate.modes import CONSISTENT, ON_SURFACE
+from runtime.integrate.consistency import CONSISTENT
 from runtime.integrate.signatures import (
     IntegerMatrix,
     Integers,
@@ -21,6 +22,7 @@ from runtime.integrate.signatures import (
     vector,
 )
 from runtime.integrate.slots import (
+    BENDS,
     LOG_ROWS,
     accepted_of,
     attempt_of,
@@ -29,19 +31,25 @@ from runtime.integrate.slots import (
     first_step_of,
     locate_of,
     propose_of,
+    repartition_of,
     restart_of,
-    settle_of,
+    transition_of,
+    vanishing_of,
     watch_of,
 )
-from runtime.integrate.start import LOOK_AHEAD
 from runtime.integrate.surfaces import measure
 from runtime.integrate.views import borrow, view
 from runtime.integrate.watch import UNRESOLVED
 from runtime.integrate.workspace import (
+    APPROACHING,
     BAND,
+    CROSSING,
+    FREE,
     G0,
     G1,
     LARGEST,
+    LEAVING,
+    MISSING,
     R0,
     R1,
     ROWS,
@@ -55,9 +63,10 @@ from runtime.integrate.workspace import (
 from runtime.outcomes import Outcome
 
 GOING = -1  # the run is not over
-CHANGE = -2  # the run is not over, and another method is due
+LOOK = -2  # nor is this: a singular position has to be looked at, see `crossing`
+CHANGE = -3  # nor is this: another method is due
 _OK = int(Outcome.OK)
-_SLIDING = int(Outcome.SLIDING)
+_INCONSISTENT = int(Outcome.INCONSISTENT)
 _ZENO = int(Outcome.ZENO)
 _STEP_TOO_SMALL = int(Outcome.STEP_TOO_SMALL)
 _MAX_STEPS = int(Outcome.MAX_STEPS)
@@ -66,12 +75,15 @@ _SINGULAR = int(Outcome.SINGULAR)
 _NOT_FINITE = int(Outcome.NOT_FINITE)
 
 _ULP = 2.3e-16
+_FLIGHT = 0.6  # of the time between two impacts: a first step that meets none
 _RETAKES = 5
-_WEAK_STATES = 3  # accepted states in a row with a weak pivot that make a singular run
+WEAK_STATES = 3  # accepted states in a row with a weak pivot that make a singular run
 _ZENO_EVENTS = 30  # events in a row with such a ratio that are no accident
 _ZENO_SPAN = 1e-7  # of the run: what eight such events must take at most
 _ZENO_RATIO = 0.98  # of the time of eight events to that of the eight before the last
+_SHARE = 0.3  # of the way to a position that is missed: what a step may cover
 RECENT = 8
+TOO_CLOSE = 1.2  # steps: a singular position no further away than this needs a plan before the step
 LOG_MARGIN = 16  # free rows of the partition log that one step may need
 
 
@@ -117,8 +129,8 @@ def advance(
 ) -> int:
     """Take at most `budget` trial steps.
 
-    Returns `GOING`, `CHANGE`, or the code of the outcome. `run.index` names the switching function
-    or constraint where an outcome concerns one.
+    Returns `GOING`, `LOOK`, `CHANGE`, or the code of the outcome. `run.index` names the switching
+    function or constraint where an outcome concerns one.
     """
     attempt = attempt_of(machine)
     first_step = first_step_of(machine)
@@ -141,28 +153,34 @@ def advance(
     event_y = borrow(event_y)
     r = run[0]
     length = w.size // ROWS
-    n = length // 2
+    m = lam.size
     s = sw.size // SWITCH_ROWS
     y0 = view(w, Y0 * length, length)
     y1 = view(w, Y1 * length, length)
     k0 = view(w, K * length, length)
     k1 = view(w, (K + r.last) * length, length)
     found = view(scratch, 3 * s, 1)
-    before = view(scratch, 3 * s + 1, s)
     for _ in range(budget):
         t = r.t
         if t >= r.t_end:
             return _OK
         if (
-            r.logged_events + s > event_t.size
+            r.logged_events + 2 * s > event_t.size
             or r.logged_repartitions + LOG_MARGIN > machine[LOG_ROWS]
         ):
             return GOING
         if r.steps + r.rejected >= r.max_steps:
             return _MAX_STEPS
         h = min(r.h, r.h_max)
-        t1 = t + h
-        if t + 1.01 * h >= r.t_end:
+        r.tried = 0.0
+        planned = 0
+        if r.plan == CROSSING or (r.plan == APPROACHING and t + 1.01 * h >= r.turn):
+            h = r.leap if r.plan == CROSSING else r.turn - t
+            planned = 1
+        elif r.plan == MISSING:
+            h = min(h, max(r.leap, _SHARE * abs(r.turn - t)))
+        t1 = r.turn if planned != 0 and r.plan == APPROACHING else t + h
+        if t + (1.01 - 0.01 * planned) * h >= r.t_end:
             h = r.t_end - t
             t1 = r.t_end
         elif h <= r.h_min or t1 <= t:
@@ -184,10 +202,37 @@ def advance(
             r.h = h
             if h <= r.h_min and t1 >= r.t_end:
                 r.h = 0.0
+            if r.plan == CROSSING:
+                return LOOK
+            if r.fixed == 0 and m > 0 and r.plan != APPROACHING and t >= r.quiet:
+                # Where constraints are about to become dependent, shorter steps do not help.
+                r.vanishing = vanishing_of(machine)(machine, t, t1 - t, Y0, w, run, p)
+                if np.isfinite(r.vanishing):
+                    return LOOK
             continue
+        soon = 0
+        if (
+            r.plan == FREE
+            and m > 0
+            and machine[BENDS] == 0
+            and t1 >= r.look_at
+            and t1 >= r.quiet
+            and r.fixed == 0
+        ):
+            r.vanishing = vanishing_of(machine)(machine, t, h, Y1, w, run, p)
+            if r.vanishing < TOO_CLOSE * h:
+                # Not to be stepped over by chance, nor to be ended at.
+                r.rejected += 1
+                r.tried = h
+                return LOOK
+            if r.vanishing < np.inf:
+                r.vanishing -= h
+                soon = 1
         h_next = r.h
         if r.fixed == 0:
             h_next = h * propose_of(machine)(machine, h, w, run)
+            if planned != 0:
+                h_next = max(h_next, r.h) if r.plan == APPROACHING else r.h
 
         # Look for a crossing, and end the step where the first one is.
         crossing = -1
@@ -281,39 +326,13 @@ def advance(
         r.h = h_next
         for k in range(s):
             sw[LARGEST * s + k] = max(sw[LARGEST * s + k], abs(sw[G1 * s + k]))
-        blamed = CONSISTENT
         changed = 0
         if crossing >= 0:
-            for k in range(s):
-                before[k] = modes[k]
-                g = abs(sw[G1 * s + k])
-                largest = sw[LARGEST * s + k]
-                sw[BAND * s + k] = 0.0
-                clock = 8.0 * _ULP * abs(t1 * sw[R1 * s + k])
-                if k == crossing or g <= max(ON_SURFACE * largest, clock):
-                    sw[BAND * s + k] = 2.0 * g + 1e-14 * largest + 1e-300
-            blamed = settle_of(machine)(
-                machine, crossing, t1, LOOK_AHEAD * h_next, Y1, G1, w, sw, p,
-                modes, scratch, lam,
+            changed = transition_of(machine)(
+                machine, crossing, t1, h_next, w, sw, run, p, modes, scratch, lam, event_t,
+                event_kind, event_y,
             )  # fmt: skip
             r.rhs += 1
-            for k in range(s):
-                if modes[k] != before[k] or (k == crossing and blamed != CONSISTENT):
-                    changed += 1
-                    at = r.logged_events
-                    event_t[at] = t1
-                    event_kind[at, 0] = k
-                    event_kind[at, 1] = 0
-                    if modes[k] != before[k]:
-                        event_kind[at, 1] = 1 if modes[k] != 0 else -1
-                    for j in range(length):
-                        event_y[at, j] = y1[j]
-                    r.logged_events += 1
-                    r.events += 1
-            if changed > 0 and blamed == CONSISTENT:
-                field(machine, t1, view(y1, 0, n), view(y1, n, n), p, modes, view(k1, n, n), lam)
-                measure(machine, t1, Y1, K + r.last, G1, w, sw, p, modes, lam)
-                r.rhs += 1
         else:
             for k in range(s):
                 side = 1.0 if modes[k] != 0 else -1.0
@@ -332,11 +351,12 @@ def advance(
             for i in range(RECENT - 1):
                 recent[i] = recent[i + 1]
             recent[RECENT - 1] = t1
-            r.shrinking = r.shrinking + 1 if span < _ZENO_RATIO * r.event_span else 0
+            faster = span < _ZENO_RATIO * r.event_span and r.flight == np.inf
+            r.shrinking = r.shrinking + 1 if faster else 0
             r.event_span = span
-            if blamed != CONSISTENT:
-                r.index = blamed
-                return _ZENO if r.shrinking >= RECENT else _SLIDING
+            if r.blamed != CONSISTENT:
+                r.index = r.blamed
+                return _ZENO if r.shrinking >= RECENT else _INCONSISTENT
             endless = r.shrinking >= _ZENO_EVENTS and span < _ZENO_SPAN * r.duration
             if endless or r.events > r.max_events:
                 r.index = crossing
@@ -344,12 +364,23 @@ def advance(
             restart_of(machine)(machine, t1, h_next, w, run)
             if r.fixed == 0:
                 first = first_step(machine, t1, r.h_max, r.rtol, r.order, w, p, modes, lam)
-                r.h = min(h_next, 2.0 * first)
+                r.h = min(h_next, 2.0 * first, _FLIGHT * r.flight)
                 r.rhs += 1
                 r.error_old = 1e-4
-        if r.weak >= _WEAK_STATES:
+        if r.weak >= WEAK_STATES:
             r.index = r.weak_row - 1
-            return _SINGULAR
+            r.vanishing = 0.0
+            return LOOK
+        if planned == 0 and h > 0.0:
+            r.usual = h
+        if r.plan == CROSSING or (r.plan == APPROACHING and t1 >= r.turn):
+            return LOOK
+        if r.plan >= LEAVING and t1 >= r.quiet:
+            if r.plan == LEAVING:
+                repartition_of(machine)(machine, t1, Y0, w, run, p)
+            r.plan = FREE
+        if soon != 0:
+            return LOOK
         if due != 0 and r.t < r.t_end:
             return CHANGE
     return _OK if r.t >= r.t_end else GOING

@@ -205,13 +205,15 @@ def locate(
         band = sw[BAND * s + k]
         # Rounding of the dense output is no crossing; that of the end point is looked at as it is.
         noise = max(band, _NOISE * sw[LARGEST * s + k])
-        low, high = NOWHERE, NOWHERE
+        low, high, away = NOWHERE, NOWHERE, NOWHERE
         for i in range(1, SUBDIVISIONS + 1):
             left, right = (i - 1) / SUBDIVISIONS, i / SUBDIVISIONS
             if left >= first:
                 break
             here = side * sw[(SCAN + i) * s + k]
             before = side * sw[(SCAN + i - 1) * s + k]
+            if before > noise:
+                away = left
             if here < -(band if i == SUBDIVISIONS else noise):
                 low, high = left, right
                 break
@@ -231,6 +233,9 @@ def locate(
                 if x < 1.0:
                     low, high = left, x
                     break
+        if high <= 1.0 and away <= 1.0:
+            # It has left the surface on which it began, and comes back to zero itself.
+            low, band = away, 0.0
         if high <= 1.0:
             x = root(machine, t, h, low, high, side, band, k, dense_rows, w, sw, p, modes, lam)
             if x < first:

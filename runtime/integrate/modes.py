@@ -3,97 +3,54 @@
 The state is carried ahead under candidate modes, with the accelerations that these give, and every
 function on its surface must go to the side that its mode claims: up for 1, not up for 0. The sign
 is taken at the smallest look-ahead at which the change stands out of rounding, so that a rate which
-is zero leaves the word to the acceleration.
+is zero leaves the word to the acceleration. Where no side is consistent, or where friction sticks
+or a contact closes, the function may be held at zero: its share must lie between its bounds, and
+both fields must push onto the surface.
 """
 
 from runtime.compiled import compiled, inner
+from runtime.integrate.consistency import CONSISTENT, GIVEN, carry, contradicted, hold
 from runtime.integrate.field import field
+from runtime.integrate.held import HELD_MODE
+from runtime.integrate.impact import ON_SURFACE
 from runtime.integrate.signatures import SETTLE, Integers, Vector
-from runtime.integrate.slots import switching_of
-from runtime.integrate.views import view
+from runtime.integrate.slots import (
+    RIGID,
+    STICKS,
+    impact_of,
+    switching_of,
+    switching_rates_of,
+)
+from runtime.integrate.views import integers_at, view
 from runtime.integrate.workspace import (
     BAND,
     DELTA,
     LARGEST,
+    NOW,
+    PREFERRED,
+    RATE_NOW,
     ROWS,
-    SAMPLE,
-    SWITCH_ROWS,
     TRIAL,
 )
 
-ON_SURFACE = 1e-13  # |g| over its running maximum below which g counts as zero at an event
-CONSISTENT = -1
-_SIGNIFICANT = 1e-14  # change of g over its maximum that is no rounding
-_FIRST = 1e-7  # first look-ahead over the last
+TOUCHING = 1e-9  # of the machine's lengths: a gap at the start is assembled no closer
 _MOST = 10  # functions whose modes are tried in all combinations
+_MOST_THREE = 6  # of those that may also be held
 
 
 @inner
-def carry(
-    machine: Integers, t: float, d: float, state: int, w: Vector, sw: Vector, p: Vector
-) -> None:
-    """Write into row TRIAL of `sw` the functions after a time `d` at constant acceleration.
+def alternative(rigid: int, preferred: int, choice: int) -> int:
+    """The mode that stands for `choice`, 0 being the preferred one; -1 where there is none.
 
-    The acceleration is the second half of row DELTA.
+    A rigid contact is open (1) or held; others are 0, 1 or held, and are held last.
     """
-    n = w.size // (2 * ROWS)
-    s = sw.size // SWITCH_ROWS
-    y = view(w, state * 2 * n, 2 * n)
-    a = view(w, DELTA * 2 * n + n, n)
-    z = view(w, SAMPLE * 2 * n, 2 * n)
-    for j in range(n):
-        z[j] = y[j] + d * (y[n + j] + 0.5 * d * a[j])
-        z[n + j] = y[n + j] + d * a[j]
-    q, v = view(w, SAMPLE * 2 * n, n), view(w, SAMPLE * 2 * n + n, n)
-    switching_of(machine)(t + d, q, v, p, view(sw, TRIAL * s, s))
-
-
-@inner
-def contradicted(
-    machine: Integers,
-    t: float,
-    d: float,
-    state: int,
-    slot: int,
-    w: Vector,
-    sw: Vector,
-    p: Vector,
-    candidate: Integers,
-    lam: Vector,
-    members: Integers,
-    count: int,
-    signs: Integers,
-) -> int:
-    """First of the `count` members that does not go to the side that its candidate mode claims.
-
-    Returns `CONSISTENT` where all do. `signs` receives where each goes: -1, 0 or 1.
-    """
-    n = w.size // (2 * ROWS)
-    s = sw.size // SWITCH_ROWS
-    g = view(sw, slot * s, s)
-    ahead = view(sw, TRIAL * s, s)
-    largest = view(sw, LARGEST * s, s)
-    q = view(w, state * 2 * n, n)
-    v = view(w, state * 2 * n + n, n)
-    field(machine, t, q, v, p, candidate, view(w, DELTA * 2 * n + n, n), lam)
-    for i in range(count):
-        signs[i] = 0
-    distance = d * _FIRST
-    open_members = count
-    while open_members > 0 and distance <= 1.5 * d:
-        carry(machine, t, distance, state, w, sw, p)
-        for i in range(count):
-            k = members[i]
-            change = ahead[k] - g[k]
-            if signs[i] == 0 and abs(change) > _SIGNIFICANT * max(largest[k], abs(g[k])):
-                signs[i] = 1 if change > 0.0 else -1
-                open_members -= 1
-        distance *= 10.0
-    for i in range(count):
-        k = int(members[i])
-        if (signs[i] > 0) != (candidate[k] != 0):
-            return k
-    return CONSISTENT
+    if choice == 0:
+        return preferred
+    if rigid >= 0:
+        return (HELD_MODE if preferred == 1 else 1) if choice == 1 else -1
+    if preferred == HELD_MODE:
+        return choice - 1
+    return 1 - preferred if choice == 1 else HELD_MODE
 
 
 @compiled(SETTLE)
@@ -113,8 +70,8 @@ def settle(
 ) -> int:
     """Give consistent modes to the functions on their surface, those with BAND > 0.
 
-    The modes that hold are tried first, then those with one change, two, and so on; among equals
-    those in which `first` changes.
+    Row PREFERRED has the modes that are tried first, then those with one change, two, and so on;
+    among equals those in which `first` changes, and those that hold less.
 
     Parameters
     ----------
@@ -123,7 +80,7 @@ def settle(
     d
         Look-ahead, small against a step.
     slot
-        Row of `sw` with g now.
+        Row of `sw` that may be overwritten.
     modes : (s,) int64
         In and out.
     scratch : (3 s,) int64 or more
@@ -132,13 +89,18 @@ def settle(
     Returns
     -------
     int
-        `CONSISTENT`, or a function onto whose surface both sides push; `modes` is then unchanged.
+        `CONSISTENT`, or a function for which no mode is; `modes` is then unchanged.
     """
+    n = w.size // (2 * ROWS)
     s = modes.size
     band = view(sw, BAND * s, s)
+    preferred = view(sw, PREFERRED * s, s)
     candidate = view(scratch, 0, s)
     members = view(scratch, s, s)
     signs = view(scratch, 2 * s, s)
+    rigid = integers_at(machine, RIGID, s)
+    q, v = view(w, state * 2 * n, n), view(w, state * 2 * n + n, n)
+    switching_of(machine)(t, q, v, p, view(sw, NOW * s, s))
     count = 0
     for i in range(s):
         k = (first + i) % s
@@ -146,41 +108,56 @@ def settle(
             members[count] = k
             count += 1
     tried = min(count, _MOST)
+    choices = 3 if tried <= _MOST_THREE else 2
+    combinations = 1
+    for _ in range(tried):
+        combinations *= choices
     blamed = CONSISTENT
     for changes in range(tried + 1):
-        for mask in range(1 << tried):
-            ones = 0
-            for bit in range(tried):
-                ones += (mask >> bit) & 1
-            if ones != changes:
-                continue
-            for k in range(s):
-                candidate[k] = modes[k]
-            for bit in range(tried):
-                if (mask >> bit) & 1:
-                    candidate[members[bit]] = 1 - candidate[members[bit]]
-            wrong = contradicted(
-                machine,
-                t,
-                d,
-                state,
-                slot,
-                w,
-                sw,
-                p,
-                candidate,
-                lam,
-                members,
-                count,
-                signs,
-            )
-            if wrong == CONSISTENT:
+        for holds in range(changes + 1):
+            for number in range(combinations):
+                changed, late, rest, known = 0, 0, number, True
                 for k in range(s):
-                    modes[k] = candidate[k]
-                return CONSISTENT
-            if blamed == CONSISTENT:
-                blamed = wrong
+                    candidate[k] = modes[k]
+                for i in range(tried):
+                    choice = rest % choices
+                    rest //= choices
+                    changed += 1 if choice > 0 else 0
+                    late += 1 if choice == 2 else 0
+                    k = members[i]
+                    mode = alternative(rigid[k], int(preferred[k]) % GIVEN, choice)
+                    known = known and mode >= 0
+                    candidate[k] = mode
+                if changed != changes or late != holds or not known:
+                    continue
+                wrong = contradicted(
+                    machine, t, d, state, w, sw, p, candidate, lam, members, count, signs
+                )
+                if wrong == CONSISTENT:
+                    for k in range(s):
+                        modes[k] = candidate[k]
+                    hold(machine, modes)
+                    return CONSISTENT
+                if blamed == CONSISTENT:
+                    blamed = wrong
+    hold(machine, modes)
     return blamed
+
+
+@inner
+def prefer(machine: Integers, letting_go: int, side: int, sw: Vector, modes: Integers) -> None:
+    """Fill row PREFERRED: what friction that sticks and what is held already would rather do.
+
+    `letting_go` is a function whose share has reached a bound, with the mode on that `side`. At the
+    bound the acceleration of that mode is still that of the surface, so that looking ahead at a
+    constant one would show nothing.
+    """
+    s = modes.size
+    sticks = integers_at(machine, STICKS, s)
+    for k in range(s):
+        sw[PREFERRED * s + k] = HELD_MODE if sticks[k] != 0 else modes[k]
+    if letting_go >= 0:
+        sw[PREFERRED * s + letting_go] = side + GIVEN
 
 
 @compiled(SETTLE)
@@ -208,18 +185,30 @@ def begin(
     ahead = view(sw, TRIAL * s, s)
     largest = view(sw, LARGEST * s, s)
     band = view(sw, BAND * s, s)
+    rigid = integers_at(machine, RIGID, s)
     q = view(w, state * 2 * n, n)
     v = view(w, state * 2 * n + n, n)
     switching_of(machine)(t, q, v, p, g)
     for k in range(s):
-        modes[k] = 1 if g[k] > 0.0 else 0
+        modes[k] = 1 if g[k] > 0.0 or rigid[k] >= 0 else 0
+    hold(machine, modes)
     field(machine, t, q, v, p, modes, view(w, DELTA * 2 * n + n, n), lam)
     carry(machine, t, d, state, w, sw, p)
     for k in range(s):
         # What is crossed within a millionth of the look-ahead is crossed now.
         near = max(ON_SURFACE * largest[k], 1e-6 * abs(ahead[k] - g[k]))
+        if rigid[k] >= 0:
+            near = max(near, TOUCHING * largest[k])
         largest[k] = max(largest[k], abs(g[k]))
         band[k] = 0.0
         if abs(g[k]) <= near:
             band[k] = 2.0 * abs(g[k]) + 1e-14 * largest[k] + 1e-300
+    rates = view(sw, RATE_NOW * s, s)
+    switching_rates_of(machine)(t, q, v, view(w, DELTA * 2 * n + n, n), p, rates)
+    for k in range(s):
+        if rigid[k] >= 0 and band[k] > 0.0 and rates[k] < 0.0:
+            impact_of(machine)(machine, k, t, state, w, sw, p, modes, lam)
+            switching_rates_of(machine)(t, q, v, view(w, DELTA * 2 * n + n, n), p, rates)
+    hold(machine, modes)
+    prefer(machine, -1, 0, sw, modes)
     return settle(machine, first, t, d, state, slot, w, sw, p, modes, scratch, lam)

@@ -4,7 +4,7 @@ from runtime.compiled import compiled, inner
 from runtime.constraints.correction import FAILED, WEAK
 from runtime.integrate.dense import interpolate
 from runtime.integrate.signatures import EMIT, IntegerMatrix, Integers, Matrix, Vector
-from runtime.integrate.slots import correct_of, dense_of
+from runtime.integrate.slots import CORRECTING, HELD, correct_of, dense_of, return_held_of
 from runtime.integrate.views import view
 from runtime.integrate.workspace import PROJECTION, ROWS, SAMPLE, Y1, Run
 
@@ -50,7 +50,7 @@ def emit(
     out_y: Matrix,
     out_modes: IntegerMatrix,
 ) -> int:
-    """Write the samples after `t` up to `t1`, corrected onto the constraints.
+    """Write the samples after `t` up to `t1`, corrected onto the constraints and what is held.
 
     Returns a negative number where a sample could not be corrected, else 0.
     """
@@ -69,11 +69,16 @@ def emit(
                 r.dense_outputs += 1
                 r.rhs += r.dense_calls
             interpolate(w, r.dense_rows, (at - t) / h, SAMPLE)
-            if lam.size > 0:
+            # Near a singular position a return onto the constraints would move the sample further
+            # than it errs.
+            corrected = lam.size > 0 and machine[CORRECTING] != 0
+            if corrected and not r.blind_from < at < r.blind_to:
                 result = correct_of(machine)(machine, at, SAMPLE, PROJECTION, w, p)
                 if result == FAILED:
                     return FAILED
                 r.corrections += result % WEAK
+            if machine[HELD] != 0:
+                return_held_of(machine)(machine, at, SAMPLE, w, p, modes, lam)
             record(at, SAMPLE, w, run, modes, out_t, out_y, out_modes)
         r.next_sample += 1
     return 0

@@ -16,12 +16,18 @@ from runtime.integrate.signatures import (
     no_correction_tangent,
     no_forces,
     no_mass,
+    no_reactions,
+    no_restitution,
     no_right_side,
     no_state_right_side,
+    no_switched_reactions,
     no_switching,
     no_switching_rates,
+    plain_holds,
 )
 from runtime.outcomes import Outcome
+
+Correction = Literal["step", "stage", "projection", "baumgarte", "hybrid"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +45,15 @@ class System:
         Where the values that `jacobian` writes belong.
     coordinates, constraint_count, switches
         n, m and s.
+    holds, restitution
+        Fill the bounds of the shares, and the coefficients of restitution, from the parameters.
+    rigid, sticking
+        Switching functions that are gaps of rigid contacts, and slips of frictions that stick.
+    reactions, switched_reactions, reaction_rows
+        Kernels that fill reactions, and how many there are.
+    limits
+        (switching function, row of the force, row of what it may be) of frictions whose pressing
+        force depends on them.
     """
 
     accelerations: Kernel
@@ -59,6 +74,14 @@ class System:
     gap_accelerations: Kernel = no_switching_rates
     accelerations_tangent: Kernel = no_accelerations_tangent
     correction_tangent: Kernel = no_correction_tangent
+    holds: Kernel = plain_holds
+    restitution: Kernel = no_restitution
+    rigid: tuple[int, ...] = ()
+    sticking: tuple[int, ...] = ()
+    reactions: Kernel = no_reactions
+    switched_reactions: Kernel = no_switched_reactions
+    reaction_rows: int = 0
+    limits: tuple[tuple[int, int, int], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -106,7 +129,14 @@ class Options:
     t_eval
         Instants of the samples, ascending; None: the end of every step.
     correction
-        Return onto the constraints at the end of every "step", or at every "stage" too.
+        Return onto the constraints: at the end of every "step", the dependent coordinates from the
+        independent ones, or at every "stage" too; by "projection", at the end of every step, of
+        all coordinates by the least in the metric of the masses; by "baumgarte", never, but
+        accelerations that pull back; by "hybrid", these, and projection where a constraint has
+        drifted by more than the tolerance (T. W. Park and E. J. Haug, Journal of Mechanisms,
+        Transmissions and Automation in Design 108, 1986).
+    time_scale
+        τ of Baumgarte's accelerations, s; None: a thousandth of the run.
     first_step, h_max, h_min
         Lengths in s; None: chosen.
     fixed_step
@@ -124,7 +154,8 @@ class Options:
     atol_q: ArrayLike | None = None
     atol_v: ArrayLike | None = None
     t_eval: ArrayLike | None = None
-    correction: Literal["step", "stage"] = "step"
+    correction: Correction = "step"
+    time_scale: float | None = None
     first_step: float | None = None
     h_max: float | None = None
     h_min: float | None = None
@@ -178,18 +209,19 @@ class Statistics:
 
 @dataclass(frozen=True)
 class Events:
-    """Changes of modes, in order of time.
+    """Changes of modes and impacts, in order of time.
 
     Attributes
     ----------
     t : (e,)
-        Times, s.
+        Times, s; of a contact whose bouncing ends, the sum of all its flights.
     index : (e,) int64
         Switching functions.
     direction : (e,) int64
-        1: the condition began to hold; -1: it ceased; 0: the motion stays on its surface.
+        1: the condition began to hold, or the contact opened; -1: it ceased; 0: the motion stays
+        on its surface; 2: an impact, after which the contact is open.
     q, v : (e, n)
-        States, on the constraints.
+        States, on the constraints; after an impact, with the velocities that it leaves.
     """
 
     t: Vector
@@ -216,6 +248,31 @@ class Partitions:
 
 
 @dataclass(frozen=True)
+class Crossing:
+    """A singular position that was passed, on the branch on which the velocity is continuous.
+
+    Attributes
+    ----------
+    t
+        When, s.
+    row
+        The constraint with the largest share in what ceased to be independent.
+    lost
+        How many constraints did.
+    direction : (n,)
+        The null direction that the motion does not follow, scaled by the masses, of unit length.
+    error
+        Estimated error of the step across it, over the tolerance.
+    """
+
+    t: float
+    row: int
+    lost: int
+    direction: Vector
+    error: float
+
+
+@dataclass(frozen=True)
 class Trajectory:
     """What a run gave, also where it did not reach its end.
 
@@ -230,11 +287,14 @@ class Trajectory:
     outcome
         How the run ended.
     index
-        The switching function (`SLIDING`, `ZENO`) or constraint (`SINGULAR`) concerned, else -1.
+        The switching function (`INCONSISTENT`, `ZENO`) or constraint (`SINGULAR`) concerned; -1
+        otherwise.
     final_t, final_q, final_v, final_modes
         Where the run stopped, ready to go on from.
-    statistics, events, partitions
+    statistics, events, partitions, crossings
         As their classes say.
+    note
+        What else is to be said about how the run ended; empty as a rule.
     methods
         Times from which on each method was used, with its name: one, but for "auto".
     """
@@ -252,7 +312,9 @@ class Trajectory:
     statistics: Statistics
     events: Events
     partitions: Partitions
-    methods: tuple[tuple[float, str], ...]
+    crossings: tuple[Crossing, ...] = ()
+    note: str = ""
+    methods: tuple[tuple[float, str], ...] = ()
 
 
 @dataclass

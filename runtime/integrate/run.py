@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from runtime.integrate import attempt, driver
-from runtime.integrate.auto import successor
+from runtime.integrate.bent import TIME_SCALE
+from runtime.integrate.changing import change_method, fill_method
 from runtime.integrate.check import check
+from runtime.integrate.crossing import Crossings
 from runtime.integrate.problem import (
     Events,
     Options,
@@ -28,7 +30,7 @@ from runtime.integrate.signatures import (
 )
 from runtime.integrate.slots import Slot
 from runtime.integrate.start import start
-from runtime.integrate.tables import function_table, method, wire
+from runtime.integrate.tables import method, wire
 from runtime.integrate.workspace import (
     ATOL,
     PARTITION,
@@ -48,7 +50,13 @@ _FIRST_CHUNK = 512
 _LONGEST_CHUNK = 16384
 _CHUNK_SECONDS = 0.05
 _EVENT_ROWS = 64
-_MOST_PATIENCE = 1024  # times the first, before a method is changed
+_CORRECTING = {
+    "step": attempt.BY_PARTITION,
+    "stage": attempt.BY_PARTITION,
+    "projection": attempt.BY_PROJECTION,
+    "baumgarte": attempt.NEVER,
+    "hybrid": attempt.IF_DRIFTED,
+}
 
 
 def integrate(
@@ -90,7 +98,8 @@ def initial_modes(
     Returns
     -------
     (s,) int64
-        1 where the condition holds. A function whose surface attracts from both sides gets 0.
+        1 where the condition holds, 0 where it does not; 2 where its function stays at zero: the
+        motion slides on its surface, friction sticks, or a rigid contact is closed.
     """
     problem = Problem(t, t + 1.0, q, v, p, np.ones(system.coordinates))
     run = _Run(system, problem, Options(rtol=rtol))
@@ -125,12 +134,19 @@ class _Run:
         self.r = self.record[0]
         self._fill_record(problem, options, parts)
         self.modes = np.zeros(s, np.int64)
-        self.methods = [(float(problem.t0), options.method)]
-        self.wiring = wire(system, options.method, 4 * driver.LOG_MARGIN)
-        table = self.wiring.table
+        self.methods = [(float(problem.t0), str(options.method))]
+        p = np.ascontiguousarray(problem.p, dtype=np.float64)
+        self.wiring = wire(system, options.method, p, 4 * driver.LOG_MARGIN)
+        table, arrays = self.wiring.table, self.wiring.arrays
+        table[Slot.CORRECTING] = _CORRECTING[options.correction]
+        stabilized = options.correction in ("baumgarte", "hybrid")
+        table[Slot.STABILIZED] = table[Slot.BENDS] = int(stabilized)
+        duration = problem.t_end - problem.t0
+        arrays[Slot.SETTINGS][TIME_SCALE] = options.time_scale or 1e-3 * duration or 1.0
         table[Slot.EACH_STAGE] = 1 if options.correction == "stage" and m > 0 else 0
-        self.log_t, self.log_sets = self.wiring.log_times, self.wiring.log_sets
-        self.event_t = np.zeros(_EVENT_ROWS + s)
+        self.log_t, self.log_sets = arrays[Slot.LOG_TIMES], arrays[Slot.LOG_SETS]
+        arrays[Slot.WEIGHTS][:n] = problem.scale**2
+        self.event_t = np.zeros(_EVENT_ROWS + 2 * s)
         self.event_kind = np.zeros((self.event_t.size, 2), np.int64)
         self.event_y = np.zeros((self.event_t.size, 2 * n))
         self.samples, self.happened, self.sets = Samples(), Samples(), Samples()
@@ -139,12 +155,13 @@ class _Run:
             self.w,
             self.sw,
             self.record,
-            np.ascontiguousarray(problem.p, dtype=np.float64),
+            p,
             self.modes,
             np.zeros(4 * s + 1, np.int64),
             np.zeros(m),
             self.t_eval,
         )
+        self.crossings = Crossings(system, problem, self, parts)
         self.event_arrays: tuple[Any, ...] = (
             np.full(driver.RECENT, -np.inf),
             self.event_t,
@@ -164,34 +181,16 @@ class _Run:
             r["fixed"], r["h"], r["h_max"] = 1, options.fixed_step, options.fixed_step
         r["rtol"] = options.rtol
         r["max_steps"], r["max_events"] = options.max_steps, options.max_events
-        self._fill_method(parts)
+        fill_method(r, parts)
         r["automatic"], r["patience"] = int(options.method == "auto"), 1
         r["error_old"] = 1e-4
         r["every_step"] = 0 if self.fixed_size else 1
         r["growth_limit"] = r["ratio_limit"] = attempt.GROWTH_LIMIT
         r["event_span"] = np.inf
         r["index"] = -1
-
-    def _fill_method(self, parts: ModuleType) -> None:
-        self.r["order"], self.r["last"] = parts.ORDER, parts.LAST
-        self.r["stage_calls"], self.r["dense_calls"] = parts.STAGE_CALLS, parts.DENSE_CALLS
-        self.r["dense_rows"] = parts.DENSE_ROWS
-        self.r["exponent"], self.r["beta"] = 1.0 / (parts.ERROR_ORDER + 1), parts.BETA
-        self.r["safety"], self.r["shrink"], self.r["grow"] = 0.9, parts.SHRINK, parts.GROW
-
-    def _change_method(self) -> None:
-        """Go on from here with another method: the state and its derivative are all it needs."""
-        freedoms = int(np.count_nonzero(self.w.reshape(ROWS, 2, self.n)[PARTITION, 0] == 0.0))
-        name = successor(self.methods[-1][1], freedoms if self.m else self.n, self.options.rtol)
-        self.methods.append((float(self.r["t"]), name))
-        self.r["patience"] = min(2 * self.r["patience"], _MOST_PATIENCE)
-        parts = method(name)
-        self._fill_method(parts)
-        functions = function_table(name)
-        table = self.wiring.table
-        table[Slot.STAGES : Slot.STAGES + functions.size] = functions
-        self.wiring.arrays[-1][:] = 0
-        parts.restart(table, self.r["t"], self.r["h"], self.w, self.record)
+        r["permitted"] = 1.0
+        r["quiet"] = -np.inf
+        r["blind_from"] = r["blind_to"] = -np.inf
 
     def _allot(self, size: int) -> None:
         """Make room for `size` samples."""
@@ -215,6 +214,10 @@ class _Run:
     def start(self) -> int:
         """Prepare the first step; returns the code of an outcome."""
         code: int = start(self.wiring.table, *self.fixed_arrays, *self.out)
+        if code in {Outcome.SINGULAR, Outcome.NEWTON_FAILED} and self.crossings.begin():
+            code = start(self.wiring.table, *self.fixed_arrays, *self.out)
+            if code == Outcome.OK:
+                code = self.crossings.cross()
         self._flush()
         return code
 
@@ -236,7 +239,7 @@ class _Run:
                 took = time.perf_counter() - before
                 self._flush()
                 if code == driver.CHANGE:
-                    self._change_method()
+                    change_method(self)
                     code = driver.GOING
                 if self.options.chunk is None and took < 0.5 * _CHUNK_SECONDS:
                     chunk = min(2 * chunk, _LONGEST_CHUNK)
@@ -245,6 +248,8 @@ class _Run:
                         progress(float(self.r["t"]), int(self.r["steps"]))
                     except KeyboardInterrupt:
                         interrupts.seen = True
+                if code == driver.LOOK:
+                    code = self.crossings.look()
                 if interrupts.seen and code == driver.GOING:
                     code = Outcome.INTERRUPTED
         return self._result(Outcome(code), time.perf_counter() - began)
@@ -278,6 +283,8 @@ class _Run:
             events=Events(event_t, kind[:, 0], kind[:, 1], event_y[:, :n], event_y[:, n:]),
             partitions=Partitions(set_t, sets.astype(bool)),
             methods=tuple((t, "dop853" if name == "auto" else name) for t, name in self.methods),
+            crossings=tuple(self.crossings.passed),
+            note=self.crossings.note,
         )
 
 

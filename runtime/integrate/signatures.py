@@ -60,6 +60,33 @@ DIFFERENTIATE = i8(
 CORRECT = i8(integers, f8, i8, i8, vector, vector)  # machine t row weighing w p
 FIELD = i8(integers, f8, vector, vector, vector, integers, vector, vector)
 # machine t q v p modes a lam; as ACCELERATIONS
+IMPACT = f8(
+    integers, i8, f8, i8, vector, vector, vector, integers, vector
+)  # machine first t state w sw p modes lam; time of the next flight, infinite where it goes on
+RETURN_HELD = i8(
+    integers, f8, i8, vector, vector, integers, vector
+)  # machine t state w p modes lam
+TRANSITION = i8(
+    integers,
+    i8,
+    f8,
+    f8,
+    vector,
+    vector,
+    run_record,
+    vector,
+    integers,
+    integers,
+    vector,
+    vector,
+    integer_matrix,
+    matrix,
+)  # machine crossing t h w sw run p modes scratch lam event_t event_kind event_y
+LIMIT = f8(integers, f8, vector, vector, vector, vector, i8)  # machine t q v p lam k
+REACTIONS = none(f8, vector, vector, vector, vector, vector)  # t q v p lam out
+SWITCHED_REACTIONS = none(
+    f8, vector, vector, vector, integers, vector, vector
+)  # t q v p modes lam out
 ATTEMPT = i8(integers, f8, f8, vector, run_record, vector, integers, vector)
 # machine t h w run p modes lam
 REPARTITION = i8(integers, f8, i8, vector, run_record, vector)  # machine t state w run p
@@ -79,6 +106,7 @@ EMIT = i8(
 WATCH = i8(
     integers, f8, f8, f8, vector, vector, run_record, vector, integers, vector
 )  # machine t h t1 w sw run p modes lam
+VANISHING = f8(integers, f8, f8, i8, vector, run_record, vector)  # machine t h state w run p
 
 Accelerations = types.FunctionType(ACCELERATIONS)
 Correction = types.FunctionType(CORRECTION)
@@ -98,6 +126,12 @@ Propose = types.FunctionType(PROPOSE)
 Hook = types.FunctionType(HOOK)
 Correct = types.FunctionType(CORRECT)
 Field = types.FunctionType(FIELD)
+Impact = types.FunctionType(IMPACT)
+ReturnHeld = types.FunctionType(RETURN_HELD)
+Transition = types.FunctionType(TRANSITION)
+Limit = types.FunctionType(LIMIT)
+Reactions = types.FunctionType(REACTIONS)
+SwitchedReactions = types.FunctionType(SWITCHED_REACTIONS)
 Attempt = types.FunctionType(ATTEMPT)
 Repartition = types.FunctionType(REPARTITION)
 Locate = types.FunctionType(LOCATE)
@@ -105,6 +139,7 @@ Settle = types.FunctionType(SETTLE)
 FirstStep = types.FunctionType(FIRST_STEP)
 Emit = types.FunctionType(EMIT)
 Watch = types.FunctionType(WATCH)
+Vanishing = types.FunctionType(VANISHING)
 
 
 @compiled(SWITCHING)
@@ -164,3 +199,23 @@ def no_correction_tangent(
     dv: Vector,
 ) -> None:
     """Stand in for the derivatives where the method is explicit."""
+
+
+@compiled(REACTIONS)
+def no_reactions(t: float, q: Vector, v: Vector, p: Vector, lam: Vector, out: Vector) -> None:
+    """Stand in where nobody asks for reactions."""
+
+
+@compiled(SWITCHED_REACTIONS)
+def no_switched_reactions(
+    t: float, q: Vector, v: Vector, p: Vector, modes: Integers, lam: Vector, out: Vector
+) -> None:
+    """Stand in where no mode decides on a reaction."""
+
+
+def plain_holds(p: Vector, low: Vector, high: Vector) -> None:
+    """Bounds of shares between two fields: 0 and 1."""
+
+
+def no_restitution(p: Vector, e: Vector) -> None:
+    """Stand in where there is no rigid contact."""

@@ -22,17 +22,24 @@ from runtime.integrate.signatures import (
     Field,
     FirstStep,
     Hook,
+    Impact,
     Jacobian,
+    Limit,
     Locate,
     Mass,
     Propose,
+    Reactions,
     Repartition,
+    ReturnHeld,
     RightSide,
     Settle,
     Stages,
     StateRightSide,
+    SwitchedReactions,
     Switching,
     SwitchingRates,
+    Transition,
+    Vanishing,
     Watch,
 )
 
@@ -56,6 +63,8 @@ class Slot(IntEnum):
     MASS = auto()
     APPLIED_FORCES = auto()
     GAP_ACCELERATIONS = auto()
+    REACTIONS = auto()
+    SWITCHED_REACTIONS = auto()
     ACCELERATIONS_TANGENT = auto()
     CORRECTION_TANGENT = auto()
     # The method.
@@ -76,6 +85,11 @@ class Slot(IntEnum):
     EMIT = auto()
     WATCH = auto()
     BENT = auto()
+    IMPACT = auto()
+    RETURN_HELD = auto()
+    TRANSITION = auto()
+    LIMITED = auto()
+    VANISHING = auto()
     # Numbers.
     COORDINATES = auto()
     CONSTRAINT_COUNT = auto()
@@ -83,6 +97,10 @@ class Slot(IntEnum):
     NONZEROS = auto()
     LOG_ROWS = auto()
     BENDS = auto()
+    HELD = auto()
+    STABILIZED = auto()
+    RIGID_COUNT = auto()
+    REACTION_ROWS = auto()
     EACH_STAGE = auto()
     CORRECTING = auto()
     # Arrays.
@@ -94,8 +112,22 @@ class Slot(IntEnum):
     COLUMN_ORDER = auto()
     LOG_TIMES = auto()
     LOG_SETS = auto()
+    LOW = auto()
+    HIGH = auto()
+    SHARE = auto()
+    RIGID = auto()
+    STICKS = auto()
+    RESTITUTION = auto()
+    PLAIN = auto()
+    LIMITS = auto()
+    REACTION = auto()
+    WORK = auto()
+    SETTINGS = auto()
+    WEIGHTS = auto()
     MEMORY = auto()
     NOTES = auto()
+    PIVOTS = auto()
+    PIVOT_COLUMNS = auto()
 
 
 accelerations_of = at(Accelerations, Slot.ACCELERATIONS)
@@ -127,6 +159,13 @@ first_step_of = at(FirstStep, Slot.FIRST_STEP)
 emit_of = at(Emit, Slot.EMIT)
 watch_of = at(Watch, Slot.WATCH)
 bent_of = at(Field, Slot.BENT)
+limited_of = at(Limit, Slot.LIMITED)
+reactions_of = at(Reactions, Slot.REACTIONS)
+switched_reactions_of = at(SwitchedReactions, Slot.SWITCHED_REACTIONS)
+transition_of = at(Transition, Slot.TRANSITION)
+impact_of = at(Impact, Slot.IMPACT)
+return_held_of = at(ReturnHeld, Slot.RETURN_HELD)
+vanishing_of = at(Vanishing, Slot.VANISHING)
 
 # Compiled code needs plain numbers.
 COORDINATES = int(Slot.COORDINATES)
@@ -145,5 +184,23 @@ ROW_ORDER = int(Slot.ROW_ORDER)
 COLUMN_ORDER = int(Slot.COLUMN_ORDER)
 LOG_TIMES = int(Slot.LOG_TIMES)
 LOG_SETS = int(Slot.LOG_SETS)
+HELD = int(Slot.HELD)
+STABILIZED = int(Slot.STABILIZED)
+RIGID_COUNT = int(Slot.RIGID_COUNT)
+LOW = int(Slot.LOW)
+HIGH = int(Slot.HIGH)
+SHARE = int(Slot.SHARE)
+RIGID = int(Slot.RIGID)
+STICKS = int(Slot.STICKS)
+RESTITUTION = int(Slot.RESTITUTION)
+PLAIN = int(Slot.PLAIN)
+LIMITS = int(Slot.LIMITS)
+REACTION = int(Slot.REACTION)
+REACTION_ROWS = int(Slot.REACTION_ROWS)
+WORK = int(Slot.WORK)
+SETTINGS = int(Slot.SETTINGS)
+WEIGHTS = int(Slot.WEIGHTS)
 MEMORY = int(Slot.MEMORY)
 NOTES = int(Slot.NOTES)
+PIVOTS = int(Slot.PIVOTS)
+PIVOT_COLUMNS = int(Slot.PIVOT_COLUMNS)

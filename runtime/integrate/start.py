@@ -4,8 +4,10 @@ import numpy as np
 
 from runtime.compiled import ADDRESSES, compiled
 from runtime.constraints.correction import FAILED, WEAK
+from runtime.integrate.bent import STEP
+from runtime.integrate.consistency import CONSISTENT
 from runtime.integrate.field import field
-from runtime.integrate.modes import CONSISTENT
+from runtime.integrate.held import HELD_MODE
 from runtime.integrate.outputs import record
 from runtime.integrate.signatures import (
     IntegerMatrix,
@@ -19,7 +21,9 @@ from runtime.integrate.signatures import (
     vector,
 )
 from runtime.integrate.slots import (
+    RIGID,
     ROW_ORDER,
+    SETTINGS,
     begin_of,
     correct_of,
     first_step_of,
@@ -27,13 +31,18 @@ from runtime.integrate.slots import (
     restart_of,
 )
 from runtime.integrate.surfaces import measure
-from runtime.integrate.views import integers_at, view
+from runtime.integrate.transition import LOOK_AHEAD
+from runtime.integrate.views import floats_at, integers_at, view
 from runtime.integrate.workspace import (
     BAND,
+    FREE,
     G0,
+    IMPACT_AT,
     LARGEST,
     PARTITION,
+    RESERVE,
     ROWS,
+    SIZE,
     SWITCH_ROWS,
     Y0,
     K,
@@ -42,10 +51,8 @@ from runtime.integrate.workspace import (
 )
 from runtime.outcomes import Outcome
 
-LOOK_AHEAD = 0.05  # of a step: how far ahead modes are judged
-
 _OK = int(Outcome.OK)
-_SLIDING = int(Outcome.SLIDING)
+_INCONSISTENT = int(Outcome.INCONSISTENT)
 _SINGULAR = int(Outcome.SINGULAR)
 _NEWTON_FAILED = int(Outcome.NEWTON_FAILED)
 _NOT_FINITE = int(Outcome.NOT_FINITE)
@@ -93,7 +100,7 @@ def start(
     m = lam.size
     s = sw.size // SWITCH_ROWS
     t = r.t
-    if m > 0:
+    if m > 0 and r.plan == FREE:
         repartition_of(machine)(machine, t, Y0, w, run, p)
         r.repartitions = 0
         if r.rank < m:
@@ -110,20 +117,35 @@ def start(
     a = view(w, K * length + n, n)
     for j in range(n):
         slope[j] = v[j]
-    field(machine, t, q, v, p, modes, a, lam)
+    if r.plan == FREE:
+        weak = field(machine, t, q, v, p, modes, a, lam)
+        if weak > 0 and m > 0:
+            r.index = weak - 1
+            return _SINGULAR
     outcome = _OK
     if s > 0:
         h = first_step(machine, t, r.h_max, r.rtol, r.order, w, p, modes, lam)
+        floats_at(machine, SETTINGS, 2)[STEP] = h
+        rigid = integers_at(machine, RIGID, s)
+        for k in range(s):
+            # The rounding of a gap is that of the lengths in it, however small itself.
+            if rigid[k] >= 0:
+                sw[IMPACT_AT * s + k] = t
+                sw[LARGEST * s + k] = w[SIZE * length]
+                for j in range(n):
+                    sw[LARGEST * s + k] = min(sw[LARGEST * s + k], w[SIZE * length + j])
         settled = begin_of(machine)(
             machine, 0, t, LOOK_AHEAD * h, Y0, G0, w, sw, p, modes, scratch, lam
         )
         if settled != CONSISTENT:
             r.index = settled
-            outcome = _SLIDING
+            outcome = _INCONSISTENT
         field(machine, t, q, v, p, modes, a, lam)
         measure(machine, t, Y0, K, G0, w, sw, p, modes, lam)
         for k in range(s):
-            sw[LARGEST * s + k] = abs(sw[G0 * s + k])
+            if modes[k] == HELD_MODE:
+                sw[RESERVE * s + k] = sw[LARGEST * s + k]
+                sw[LARGEST * s + k], sw[BAND * s + k] = 1.0, 0.0
         r.rhs += 2
     for j in range(n):
         if not np.isfinite(a[j]):

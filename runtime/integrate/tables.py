@@ -9,9 +9,22 @@ import numpy as np
 
 from runtime.compiled import addresses
 from runtime.constraints.correction import correct
-from runtime.integrate import attempt, bent, control, events, modes, outputs, watch
+from runtime.constraints.vanishing import vanishing
+from runtime.integrate import (
+    attempt,
+    bent,
+    control,
+    events,
+    impact,
+    mixing,
+    modes,
+    outputs,
+    transition,
+    watch,
+)
+from runtime.integrate.held import work_size
 from runtime.integrate.problem import System
-from runtime.integrate.signatures import Integers
+from runtime.integrate.signatures import Integers, Vector
 from runtime.integrate.slots import Slot
 
 METHODS = ("dopri5", "dop853", "bdf", "radau5", "auto")
@@ -27,9 +40,7 @@ class Wiring(NamedTuple):
     """A table and what must live as long as it."""
 
     table: Integers
-    arrays: tuple[Any, ...]
-    log_times: Any
-    log_sets: Any
+    arrays: dict[Slot, Any]
 
 
 def method(name: str) -> ModuleType:
@@ -52,6 +63,11 @@ def _loop() -> Integers:
             outputs.emit,
             watch.watch,
             bent.bent,
+            impact.impact,
+            impact.return_held,
+            transition.transition,
+            mixing.limited,
+            vanishing,
         )
     )
 
@@ -69,11 +85,13 @@ def _kernels(system: System) -> Integers:
     return addresses(getattr(system, slot.name.lower()) for slot in Slot if slot < Slot.STAGES)
 
 
-def wire(system: System, name: str, log_rows: int) -> Wiring:
+def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     """Lay out the table of a run of `system` with the method `name`.
 
     Parameters
     ----------
+    p
+        Parameters and derived constants.
     log_rows
         Room for changes of the partition.
     """
@@ -84,6 +102,12 @@ def wire(system: System, name: str, log_rows: int) -> Wiring:
     table[Slot.STAGES : Slot.STAGES + parts.size] = parts
     table[Slot.CORRECT : Slot.CORRECT + loop.size] = loop
     memory, notes = getattr(method(name), "memory", _no_memory)(n)
+    s, contacts = system.switches, len(system.rigid)
+    rigid = np.full(s, -1, np.int64)
+    rigid[list(system.rigid)] = np.arange(contacts)
+    limits = np.full(2 * s, -1, np.int64)
+    for k, force, limit in system.limits:
+        limits[2 * k], limits[2 * k + 1] = force, limit
     nonzeros = len(system.jacobian_rows)
     arrays = {
         Slot.JACOBIAN_ROWS: np.ascontiguousarray(system.jacobian_rows, dtype=np.int64),
@@ -94,16 +118,33 @@ def wire(system: System, name: str, log_rows: int) -> Wiring:
         Slot.COLUMN_ORDER: np.arange(n),
         Slot.LOG_TIMES: np.zeros(log_rows),
         Slot.LOG_SETS: np.zeros((log_rows, n), np.int64),
+        Slot.LOW: np.zeros(s),
+        Slot.HIGH: np.ones(s),
+        Slot.SHARE: np.full(s, np.nan),
+        Slot.RIGID: rigid,
+        Slot.STICKS: np.array([k in system.sticking for k in range(s)], dtype=np.int64),
+        Slot.LIMITS: limits,
+        Slot.REACTION: np.zeros(3 * system.reaction_rows + m),
+        Slot.RESTITUTION: np.zeros(contacts),
+        Slot.PLAIN: np.zeros(2 * s, np.int64),
+        Slot.WORK: np.zeros(work_size(n, m, s, contacts)),
+        Slot.SETTINGS: np.zeros(2),
+        Slot.WEIGHTS: np.zeros(3 * n),
         Slot.MEMORY: np.zeros(memory),
         Slot.NOTES: np.zeros(notes, np.int64),
+        Slot.PIVOTS: np.zeros(2 * m),
+        Slot.PIVOT_COLUMNS: np.zeros(m, np.int64),
     }
     for slot, array in arrays.items():
         table[slot] = array.ctypes.data
     table[Slot.COORDINATES], table[Slot.CONSTRAINT_COUNT] = n, m
     table[Slot.SWITCHES], table[Slot.NONZEROS] = system.switches, nonzeros
+    system.holds(p, arrays[Slot.LOW], arrays[Slot.HIGH])
+    system.restitution(p, arrays[Slot.RESTITUTION])
+    table[Slot.RIGID_COUNT], table[Slot.REACTION_ROWS] = contacts, system.reaction_rows
     table[Slot.LOG_ROWS] = log_rows
     table[Slot.CORRECTING] = 1
-    return Wiring(table, tuple(arrays.values()), arrays[Slot.LOG_TIMES], arrays[Slot.LOG_SETS])
+    return Wiring(table, arrays)
 
 
 def _no_memory(n: int) -> tuple[int, int]:

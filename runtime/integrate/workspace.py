@@ -39,7 +39,14 @@ SCAN = 8  # first of SUBDIVISIONS + 1 rows: g at equal distances over the step
 SUBDIVISIONS = 8
 BETWEEN = SCAN + SUBDIVISIONS + 1  # first of 3 rows: g at points between the ends of the step
 MISMATCH = BETWEEN + 3  # how far these are from the cubic of g
-SWITCH_ROWS = MISMATCH + 1
+RESERVE = MISMATCH + 1  # running maximum of |g| while the function itself is held at zero
+NOW = RESERVE + 1  # g itself, also of what is held
+RATE_NOW = NOW + 1  # its rate
+PREFERRED = RATE_NOW + 1  # mode that is tried first
+STRUCK = PREFERRED + 1  # 1: this contact takes part in the impact
+IMPACT_AT = STRUCK + 1  # time of the last impact of this contact
+FLIGHT = IMPACT_AT + 1  # time between its last two impacts
+SWITCH_ROWS = FLIGHT + 1
 
 _FLOATS = [
     "t",  # where the run stands
@@ -61,7 +68,18 @@ _FLOATS = [
     "largest_dq",
     "event_span",  # time that the last events took
     "stretch",  # ratio of two steps' lengths that the switching functions allow
+    "flight",  # time to the next impact of a contact that bounces
     "finest",  # length of a step that is never too long for them
+    "permitted",  # error that a step may have, over the tolerance: 1 but where rounding exceeds it
+    "vanishing",  # time from now at which constraints seem to become dependent
+    "tried",  # length of a step that was taken for good, but for this; 0 for none
+    "turn",  # instant at which the step over a singular position begins
+    "leap",  # length of that step
+    "blind_from",  # samples between these two instants stay as they are interpolated
+    "blind_to",
+    "look_at",  # instant at which the constraints are looked at again
+    "quiet",  # instant until which a singular position is not looked for
+    "usual",  # length of the last accepted step of free choice
 ]
 _INTEGERS = [
     "last",  # row, after K, of the derivative at the end of a step
@@ -100,8 +118,14 @@ _INTEGERS = [
     "rejected_before",
     "shrinking",  # events in a row, each in less time than the one before
     "standing",  # events in a row without time between them
+    "blamed",  # switching function for which no mode is consistent, or -1
     "index",  # function or constraint that an outcome concerns
+    "plan",  # what is planned about a singular position, one of the below
 ]
+FREE, APPROACHING, CROSSING, LEAVING, MISSING = 0, 1, 2, 3, 4
+"""What is planned about singular positions: nothing; to come to where a step across begins; that
+step; to get away; to follow the bend in which the motion misses one."""
+
 RUN = np.dtype(
     [(name, np.float64) for name in _FLOATS] + [(name, np.int64) for name in _INTEGERS], align=True
 )

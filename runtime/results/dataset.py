@@ -70,4 +70,21 @@ def dataset(result: "Result") -> "xr.Dataset":
             "energy": (("time", "part"), energy, {"units": "J"}),
             "power": (("time", "source"), samples.power, {"units": "W"}),
         }
+    if told.switches:
+        coords |= {
+            "switch": np.array([row.title for row in told.switches], dtype=np.str_),
+            "switch_kind": ("switch", np.array([row.kind for row in told.switches], dtype=np.str_)),
+        }
+        variables |= {
+            "mode": (
+                ("time", "switch"),
+                samples.modes,
+                {"long_name": "1: condition holds, 0: not, 2: its function stays at zero"},
+            ),
+            "share": (
+                ("time", "switch"),
+                samples.share,
+                {"units": "1", "long_name": "share of the force of mode 1 where mode is 2"},
+            ),
+        }
     return xr.Dataset(variables, coords=coords, attrs=result.about())

@@ -40,6 +40,8 @@ class Result:
         Counts of what the analysis did, and its wall time in s.
     events
         What happened between the instants.
+    partitions
+        The independent coordinates of a simulation: the first choice, then every change.
     parameters
         Parameter values by name.
     """
@@ -55,6 +57,7 @@ class Result:
         message: str,
         stats: Mapping[str, float],
         events: Sequence[Any] = (),
+        partitions: Sequence[Any] = (),
     ) -> None:
         self.description: Description = machine.description
         self.samples = samples
@@ -63,6 +66,7 @@ class Result:
         self.message = message
         self.stats = dict(stats)
         self.events = tuple(events)
+        self.partitions = tuple(partitions)
         self.parameters = {
             row.name: float(value) for row, value in zip(machine.parameters, p, strict=False)
         }
@@ -105,6 +109,24 @@ class Result:
             )
         names = list(dict.fromkeys(row.element for row in rows))
         raise InputError(f"{self.description.title}: {unknown('reaction of', joint, names)}")
+
+    def mode(self, condition: str) -> npt.NDArray[np.int64]:
+        """Mode of a switching condition over time, shape (k,).
+
+        1 where it held, 0 where it did not, 2 where its function stays at zero: the motion slides
+        there, friction sticks, or a rigid contact is closed. Named as in events, such as
+        "gas: slider_vx > 0", or by its effect where that has one condition only.
+        """
+        return self.samples.modes[:, self._switch(condition)]
+
+    def share(self, condition: str) -> FloatArray:
+        """Share α of the force of mode 1 with which a condition is held, NaN elsewhere, (k,).
+
+        There the accelerations are (1 - α) times those without the condition plus α times those
+        with it. A rigid contact has 1 where its force vanishes; what it exerts is its reaction.
+        Named as in `mode`.
+        """
+        return self.samples.share[:, self._switch(condition)]
 
     def power(self, source: str) -> FloatArray:
         """Power of an effect or driver on the machine in W, shape (k,)."""
@@ -200,6 +222,16 @@ class Result:
             f"{count} instant{'' if count == 1 else 's'}, {span}\n"
             f"  {self.outcome.name}: {self.message}"
         )
+
+    def _switch(self, condition: str) -> int:
+        switches = self.description.switches
+        full = [row.title for row in switches]
+        if condition in full:
+            return full.index(condition)
+        of_effect = [k for k, row in enumerate(switches) if row.name == condition]
+        if len(of_effect) == 1:
+            return of_effect[0]
+        raise InputError(f"{self.description.title}: {unknown('condition', condition, full)}")
 
     def _column(self, array: FloatArray, name: str, *, velocity: bool = True) -> FloatArray:
         table = self.description.coordinates

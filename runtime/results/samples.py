@@ -28,7 +28,9 @@ class Samples(NamedTuple):
     residual
         Largest |Phi| and |Phi_q v - nu|, (k, 2).
     modes
-        Which conditions held, (k, s).
+        Which conditions held: 1, 0, or 2 where the function stays at zero, (k, s).
+    share
+        Of what is held, the share of the force of mode 1 that holds it, (k, s); else NaN.
     """
 
     t: FloatArray
@@ -41,3 +43,4 @@ class Samples(NamedTuple):
     energy: FloatArray
     residual: FloatArray
     modes: npt.NDArray[np.int64]
+    share: FloatArray

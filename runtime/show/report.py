@@ -49,7 +49,7 @@ def page(result: "Result") -> str:
         *(_svg(figure) for figure in _figures(result)),
     ]
     if result.events:
-        rows = ((f"{e.time:.9g} s", f"{e.name} ({e.direction:+d})") for e in result.events[:200])
+        rows = ((f"{e.time:.9g} s", f"{e.name} ({e.what})") for e in result.events[:200])
         parts += ["<h2>Events</h2>", _table(rows)]
     body = "\n".join(parts)
     return (

@@ -60,11 +60,21 @@ class Interpreted:
         random = np.random.default_rng(seed)
         return State(t=t, q=random.uniform(-2, 2, self.n), v=random.uniform(-2, 2, self.n))
 
-    def flat(self, kernel: str, state: Any, functions: ModuleType = math, **more: Any) -> Any:
-        """All outputs of a kernel: array → vector."""
+    def slots(self, kernel: str, state: Any, **more: Any) -> dict[int, float]:
+        """What a kernel stores into its one array: slot → value."""
+        filled = self._evaluated(kernel, state, math, more)
+        return next(iter(filled.values()), {})
+
+    def _evaluated(
+        self, kernel: str, state: Any, functions: ModuleType, more: dict[str, Any]
+    ) -> dict[str, dict[int, Any]]:
         inputs = {"t": state.t, "q": state.q, "v": state.v, "p": self.p, "modes": [1] * self.s}
         inputs = {k: plain(x) for k, x in (inputs | more).items()}
-        slots = evaluate(self.program, kernel, inputs, functions)
+        return evaluate(self.program, kernel, inputs, functions)
+
+    def flat(self, kernel: str, state: Any, functions: ModuleType = math, **more: Any) -> Any:
+        """All outputs of a kernel: array → vector."""
+        slots = self._evaluated(kernel, state, functions, more)
         return {k: np.array([x[i] for i in range(len(x))]) for k, x in slots.items()}
 
     def vector(self, kernel: str, state: Any, functions: ModuleType = math, **more: Any) -> Any:

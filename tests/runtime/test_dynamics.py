@@ -67,7 +67,11 @@ def test_switching_force_makes_events(gas: Machine) -> None:
     assert abs(event.v[6]) < 1e-6
     np.testing.assert_array_equal(event.state, np.concatenate([event.q, event.v]))
     assert result.stats["events"] == len(result.events)
-    assert set(np.unique(result.samples.modes)) == {0, 1}
+    assert set(np.unique(result.samples.modes)) == {0, 1, 2}
+    # The gas stops the machine, and holds it with a part of its force.
+    standing = result.samples.modes[:, 0] == 2
+    assert np.abs(result.v("slider.vx")[standing]).max() < 1e-12
+    assert np.all((result.samples.share[standing] > 0.0) & (result.samples.share[standing] < 1.0))
 
 
 def test_stopped_run_keeps_what_it_has(pendulum: Machine) -> None:

@@ -32,6 +32,23 @@ def gap_between(
     return ((ux * c - uy * s) * dx + (ux * s + uy * c) * dy) / size - free_length
 
 
+def gap_problems(where: str, gap: sympy.Expr, bodies: tuple[Body, ...]) -> list[str]:
+    """A gap that never changes or that is no position."""
+    if len(bodies) == 2 and bodies[0] is bodies[1]:
+        return [f"{where} is between body '{bodies[0].name}' and itself; give two."]
+    found = []
+    if not kinds(gap, Coordinate):
+        found.append(
+            f"{where}: the gap {gap} depends on no coordinate and never changes; give two "
+            "points of different bodies, or gap= an expression of coordinates."
+        )
+    found += [
+        f"{where}: the gap {gap} contains the velocity {v.name}; it is a position."
+        for v in kinds(gap, Velocity)
+    ]
+    return found
+
+
 @element
 @dataclass(frozen=True, eq=False)
 class Contact:
@@ -79,18 +96,10 @@ class Contact:
 
     def problems(self) -> list[str]:
         """A gap that never changes or that is no position, and numbers that no contact has."""
-        where, found = f"contact '{self.name}'", []
+        where = f"contact '{self.name}'"
+        found = gap_problems(where, self.gap, self.bodies)
         if len(self.bodies) == 2 and self.bodies[0] is self.bodies[1]:
-            return [f"{where} is between body '{self.bodies[0].name}' and itself; give two."]
-        if not kinds(self.gap, Coordinate):
-            found.append(
-                f"{where}: the gap {self.gap} depends on no coordinate and never changes; give two "
-                "points of different bodies, or gap= an expression of coordinates."
-            )
-        found += [
-            f"{where}: the gap {self.gap} contains the velocity {v.name}; it is a position."
-            for v in kinds(self.gap, Velocity)
-        ]
+            return found
         if self.stiffness == 0 and self.damping == 0:
             found.append(f"{where}: stiffness and damping are both 0; give one of them.")
         for word, value, unit in (

@@ -6,9 +6,10 @@ from typing import Any, ClassVar
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import Constraint, FrictionLaw
+from codegen.declare.element import Constraint, FrictionLaw, Sticking
 from codegen.declare.symbols import Coordinate
-from codegen.elements.forces.along import negative, without_angle
+from codegen.elements.forces.along import rate, without_angle
+from codegen.elements.forces.dry_friction import coefficient_problems
 from codegen.elements.forces.line import Line
 from codegen.elements.forces.torsion_spring import turn
 from codegen.elements.joints.revolute import Revolute
@@ -22,25 +23,39 @@ JOINTS = (Revolute, Translational, RevoluteTranslational)
 @element
 @dataclass(frozen=True, eq=False)
 class JointFriction:
-    """f = -μ N tanh(ṡ/v_c) along the slip s, N being the size of the joint's reaction.
+    """f = -μ N sign(ṡ) along the slip s, N being the size of the joint's reaction (Coulomb).
 
     In a revolute joint of radius R the slip is the angle between the bodies, and f the torque
-    -μ R |F| tanh(ω/ω_c). In a translational joint the force across the guide presses; where the
+    -μ R |F| sign(ω). In a translational joint the force across the guide presses; where the
     bearing's length b is given, it presses at both ends, with |F/2 ± T/b| each. In a
     revolute-translational joint the force across the line presses.
 
-    The law is Coulomb's, made smooth: below the creep speed v_c the joint creeps instead of
-    sticking, at ṡ = v_c f/(μ N) nearly, and above three times v_c the force is within half a
-    percent of Coulomb's. The reaction depends on the friction in turn: both are solved together,
-    and where no reaction agrees with the friction that it causes, the joint jams: accelerations and
-    reactions are not a number there, and a run ends.
+    At ṡ = 0 the friction is whatever keeps the joint there, up to μ_s N. Where ṡ changes sign is an
+    event of a run, and where such a force is small enough, the run goes on sticking. The force at
+    rest is sought between those of sliding either way, each with the reaction that it causes. For
+    μ_s = μ every force so found is within the limit, and at both ends it is the limit. With a
+    larger μ_s it is sought beyond these ends, as far as μ_s/μ says; where the reaction depends on
+    the friction, the limit of the reaction that it meets there, `limit`, is another one.
+
+    A joint that sticks reports its `force` (a revolute joint its `torque`), N as `normal`, and
+    with a static coefficient the `limit`, μ_s N or μ_s R N.
+
+    With a creep speed v_c the law is smooth instead, f = -μ N tanh(ṡ/v_c): below v_c the joint
+    creeps instead of sticking, at ṡ = v_c f/(μ N) nearly, and above three times v_c the force is
+    within half a percent of Coulomb's.
+
+    The reaction depends on the friction in turn: both are solved together, and where no reaction
+    agrees with the friction that it causes, the joint jams: accelerations and reactions are not a
+    number there, and a run ends.
 
     Attributes
     ----------
     joint
         The joint that rubs.
-    coefficient, creep
-        μ, and v_c in m/s, or ω_c in rad/s.
+    coefficient, static
+        μ in sliding, and μ_s ≥ μ at rest; None: μ_s = μ.
+    creep
+        v_c in m/s, or ω_c in rad/s; None: the joint sticks.
     radius, length
         R of a revolute joint's pin in m; b of a translational joint's bearing in m, or None.
     """
@@ -49,9 +64,10 @@ class JointFriction:
     name: str
     joint: Any
     coefficient: sympy.Expr
-    creep: sympy.Expr
+    creep: sympy.Expr | None = None
     radius: sympy.Expr | None = None
     length: sympy.Expr | None = None
+    static: sympy.Expr | None = None
 
     @property
     def bodies(self) -> tuple[Body, ...]:
@@ -85,6 +101,12 @@ class JointFriction:
             ends = tuple(((("fy", half), ("torque", sign / self.length)),) for sign in (1, -1))
         return FrictionLaw(joint.name, mu, self.creep, along, ends, "N")
 
+    def hold(self, bodies: tuple[Body, ...]) -> Sticking | None:
+        """Where it sticks, if it does."""
+        if self.creep is not None:
+            return None
+        return Sticking(rate(self.friction().along), self.coefficient, self.static)
+
     def problems(self) -> list[str]:
         """Joints that do not rub, and numbers that no friction has."""
         where, found = f"friction '{self.name}'", []
@@ -104,12 +126,8 @@ class JointFriction:
             found.append(f"{where}: joint '{joint.name}' has no pin; leave out radius=.")
         if not isinstance(joint, Translational) and self.length is not None:
             found.append(f"{where}: joint '{joint.name}' has no long bearing; leave out length=.")
-        if negative(self.coefficient):
-            found.append(
-                f"{where}: the coefficient of friction is {float(self.coefficient):g}; give a "
-                "number that is not negative."
-            )
-        sizes = (("creep speed", self.creep), ("radius", self.radius), ("length", self.length))
+        found += coefficient_problems(where, self.coefficient, self.static, self.creep)
+        sizes = (("radius", self.radius), ("length", self.length))
         found += [
             f"{where}: the {word} is {float(value):g}; give a positive number."
             for word, value in sizes

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from runtime.integrate.held import HELD_MODE
 from runtime.integrate.run import initial_modes
 from runtime.outcomes import Outcome
 from tests.runtime.integrate.systems import relay, run_relay
@@ -142,23 +143,35 @@ def test_sample_at_an_event(method):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_sliding_is_named(method):
+def test_motion_goes_on_along_a_surface_that_attracts(method):
     # Dry friction on a body that is pushed less than it holds: a = 0.5 - sign(v).
     system = relay((-2.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0), constant=1.5)
     r = run_relay(system, 0.0, 1.0, 10.0, method=method)
-    assert r.outcome == Outcome.SLIDING
-    assert r.index == 0
-    assert r.final_t == pytest.approx(2.0, abs=1e-13)
+    assert r.outcome == Outcome.OK
+    assert r.events.t[0] == pytest.approx(2.0, abs=1e-13)
+    assert r.events.direction.tolist() == [0]
+    assert r.final_modes.tolist() == [HELD_MODE]
     assert abs(r.final_v[0]) < 1e-13
     assert r.final_q[0] == pytest.approx(1.0, abs=1e-12)
-    assert r.outcome.advice
 
 
-def test_sliding_at_the_start_is_named():
+def test_motion_begins_on_a_surface_that_attracts():
     system = relay((-2.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0), constant=1.5)
     r = run_relay(system, 0.0, 0.0, 10.0)
-    assert r.outcome == Outcome.SLIDING
+    assert r.outcome == Outcome.OK
+    assert r.events.t.size == 0
+    assert r.modes[:, 0].tolist() == [HELD_MODE] * r.t.size
+    assert np.abs(r.q).max() == 0.0
+
+
+def test_where_no_side_is_consistent_and_nothing_can_hold_it_is_said():
+    # q > 0 pulls down and q < 0 pushes up, at rest at 0: the force does not act on dq/dt.
+    system = relay((-2.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0), constant=1.0)
+    r = run_relay(system, 0.0, 0.0, 1.0)
+    assert r.outcome == Outcome.INCONSISTENT
+    assert r.index == 0
     assert r.final_t == 0.0
+    assert "jams" in r.outcome.advice
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -1,0 +1,132 @@
+"""Coulomb friction under a normal force that is given, at a slip that is given."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.element import Sticking
+from codegen.declare.symbols import Coordinate, Velocity, kinds, side
+from codegen.elements.forces.along import constant, negative
+from codegen.elements.registry import element
+
+
+def coefficient_problems(
+    where: str,
+    kinetic: sympy.Expr,
+    static: sympy.Expr | None,
+    creep: sympy.Expr | None,
+) -> list[str]:
+    """Numbers that no friction has, and two laws at once."""
+    found = []
+    if negative(kinetic):
+        found.append(
+            f"{where}: the coefficient of friction is {float(kinetic):g}; give a number that is "
+            "not negative."
+        )
+    if creep is not None and creep.is_number and not creep > 0:
+        found.append(f"{where}: the creep speed is {float(creep):g}; give a positive number.")
+    if static is None:
+        return found
+    if creep is not None:
+        found.append(
+            f"{where} has both static= and creep=; a friction that creeps never sticks: give "
+            "creep= for the smooth law, or static= for the one that sticks."
+        )
+    elif kinetic == 0:
+        found.append(
+            f"{where}: the coefficient of friction is 0 and the static one {static}; what sticks "
+            "rubs when it slides: give a positive coefficient."
+        )
+    elif kinetic.is_number and static.is_number and static < kinetic:
+        found.append(
+            f"{where}: the static coefficient {float(static):g} is below the kinetic one, "
+            f"{float(kinetic):g}; give one that is not, or leave static= out."
+        )
+    return found
+
+
+@element
+@dataclass(frozen=True, eq=False)
+class DryFriction:
+    """f = -μ N sign(ṡ) along the slip ṡ; at ṡ = 0 whatever keeps it there, up to μ_s N (Coulomb).
+
+    The slip is a velocity, linear in the velocities of the bodies, ṡ = J q̇ + b; f acts as Q = Jᵀ f.
+    b is the speed of a belt, say. Where ṡ changes sign is an event of a run, and where the force
+    that keeps ṡ at 0 lies within ±μ_s N, the run goes on sticking. The power that is reported is
+    that on the bodies, Q·q̇: a belt that carries a block along does work.
+
+    With a creep speed v_c the law is smooth instead, f = -μ N tanh(ṡ/v_c), and creeps where it
+    would stick, at ṡ = v_c f/(μ N) nearly.
+
+    Attributes
+    ----------
+    slip
+        ṡ in m/s, an expression of q̇, q, t and parameters.
+    normal
+        N in newton, of the same; where one that varies is negative, nothing presses.
+    coefficient, static
+        μ in sliding, and μ_s ≥ μ at rest; None: μ_s = μ.
+    creep
+        v_c in m/s; None: the friction sticks.
+    """
+
+    kind: ClassVar[str] = "dry friction"
+    name: str
+    slip: sympy.Expr
+    normal: sympy.Expr
+    coefficient: sympy.Expr
+    bodies: tuple[Body, ...]
+    static: sympy.Expr | None = None
+    creep: sympy.Expr | None = None
+
+    @property
+    def force(self) -> sympy.Expr:
+        """f, N."""
+        turned = side(self.name) if self.creep is None else sympy.tanh(self.slip / self.creep)
+        pressing = self.normal if constant(self.normal) else sympy.Max(self.normal, 0)
+        return -self.coefficient * pressing * turned
+
+    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+        """Friction has none."""
+        return None
+
+    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+        """Q = Jᵀ f."""
+        force = self.force
+        return {v.coordinate: force * sympy.diff(self.slip, v) for v in kinds(self.slip, Velocity)}
+
+    def hold(self, bodies: tuple[Body, ...]) -> Sticking | None:
+        """Where it sticks, if it does."""
+        sticks = self.creep is None
+        return Sticking(self.slip, self.coefficient, self.static) if sticks else None
+
+    def reported(self, bodies: tuple[Body, ...]) -> tuple[tuple[str, str, sympy.Expr], ...]:
+        """f itself."""
+        return (("force", "N", self.force),)
+
+    def problems(self) -> list[str]:
+        """A slip that is no velocity, and numbers that no friction has."""
+        where = f"dry friction '{self.name}'"
+        if len(self.bodies) == 2 and self.bodies[0] is self.bodies[1]:
+            return [f"{where} is between body '{self.bodies[0].name}' and itself; give two."]
+        found = []
+        speeds = kinds(self.slip, Velocity)
+        if not speeds:
+            found.append(
+                f"{where}: the slip {self.slip} is no velocity, for it contains none; write one, "
+                "such as block.vx - speed, or give two points."
+            )
+        bent = [v for v in speeds if kinds(sympy.diff(self.slip, v), Velocity)]
+        if bent:
+            found.append(
+                f"{where}: the slip {self.slip} is not linear in {bent[0].name}; write the "
+                "velocity itself, such as block.vx - speed."
+            )
+        if self.normal.is_number and negative(self.normal):
+            found.append(
+                f"{where}: the normal force is {float(self.normal):g} N; give the force that "
+                "presses, which is not negative."
+            )
+        return found + coefficient_problems(where, self.coefficient, self.static, self.creep)

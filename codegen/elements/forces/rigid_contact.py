@@ -1,0 +1,86 @@
+"""Rigid contact: a gap that cannot become negative, and impacts."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.element import Rigid
+from codegen.declare.symbols import Coordinate, side
+from codegen.elements.forces.along import against
+from codegen.elements.forces.contact import gap_problems
+from codegen.elements.registry import element
+
+GRAVITY = 9.81
+
+
+@element
+@dataclass(frozen=True, eq=False)
+class RigidContact:
+    """g ≥ 0, F ≥ 0, F g = 0: a reaction F that is there only where the gap g is closed.
+
+    It acts along the gap as a contact's force does, Q = F g_q, and has the size that keeps the gap
+    closed, g̈ = 0; where it would have to pull, the bodies part. A gap that closes with the speed
+    ġ⁻ < 0 is an impact: velocities jump by M⁻¹ g_qᵀ times an impulse, the joints being kept, so
+    that ġ⁺ = -e ġ⁻ (Newton's law of restitution).
+
+    In mode 1 the gap is open and nothing acts. In mode 0 the kernels exert the reaction F0, a
+    typical force; accelerations are linear in it, so that a run finds by which multiple of it the
+    gap stays closed, and reports F0 times this multiple.
+
+    Attributes
+    ----------
+    gap
+        g(q, t) in m, smooth. One that depends on the time is a moving wall, which does work.
+    restitution
+        e, from 0, an impact that does not rebound, to 1, one that loses no energy.
+    typical_force
+        F0 in N; None: the weight of the bodies of the scene.
+    """
+
+    kind: ClassVar[str] = "rigid contact"
+    name: str
+    gap: sympy.Expr
+    restitution: sympy.Expr
+    bodies: tuple[Body, ...]
+    typical_force: sympy.Expr | None = None
+
+    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+        """A reaction has none."""
+        return None
+
+    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+        """Q of the reaction F0, where the gap is not open."""
+        return against(self.gap, -side(self.name) * self._scale(bodies))
+
+    def hold(self, bodies: tuple[Body, ...]) -> Rigid:
+        """What stays closed."""
+        return Rigid(self.gap, self.restitution, self._scale(bodies))
+
+    def reported(self, bodies: tuple[Body, ...]) -> tuple[tuple[str, str, sympy.Expr], ...]:
+        """The reaction, positive: it pushes."""
+        return (("force", "N", side(self.name) * self._scale(bodies)),)
+
+    def problems(self) -> list[str]:
+        """A gap that is none, and numbers that no impact has."""
+        where = f"contact '{self.name}'"
+        found = gap_problems(where, self.gap, self.bodies)
+        e, scale = self.restitution, self.typical_force
+        if e.is_number and not 0 <= e <= 1:
+            found.append(
+                f"{where}: the restitution is {float(e):g}; give a number from 0 (no rebound) to 1 "
+                "(no loss)."
+            )
+        if scale is not None and scale.is_number and not scale > 0:
+            found.append(
+                f"{where}: the typical force is {float(scale):g} N; give a positive number, or "
+                "leave it out for the weight of the bodies."
+            )
+        return found
+
+    def _scale(self, bodies: tuple[Body, ...]) -> sympy.Expr:
+        if self.typical_force is not None:
+            return self.typical_force
+        masses = [body.mass for body in bodies if body.mass is not None]
+        return sympy.Float(GRAVITY) * (sympy.Add(*masses) if masses else sympy.S.One)

@@ -1,0 +1,157 @@
+"""A case: a machine, a question with a known answer, and how far a run may be from it."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from runtime import Machine, Result
+
+Array = npt.NDArray[np.float64]
+
+ROOT = Path(__file__).resolve().parent.parent.parent.parent
+TOLERANCES = (1e-6, 1e-9, 1e-12)
+
+SHARE = 0.3
+"""What an accepted step errs by on average, in parts of the tolerance.
+
+The controller aims below the tolerance and its estimates are pessimistic.
+"""
+
+KEPT = 100.0
+"""A tolerance counts as kept if the error is at most so many times as large."""
+
+WORTH = 1.0
+"""A number whose bound is larger than this, in m, rad or s, lies beyond the horizon."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The right answer.
+
+    Attributes
+    ----------
+    values : (k,) or (k, j)
+        The numbers, a row an instant.
+    times : (k,)
+        The instants that the rows belong to, s; ascending.
+    growth
+        What an error of one unit of tolerance, made in any one step before, has become in a row;
+        one number, or an array that broadcasts against `values`.
+    steps
+        How many steps a method of order 8 takes for it at rtol 1e-9: so many errors add up.
+    trusted
+        Error of the reference itself, and of numbers that double precision cannot hold better;
+        one number, or an array like `growth`.
+    """
+
+    values: Array
+    times: Array
+    growth: float | Array
+    steps: float
+    trusted: float | Array
+
+    def bound(self, rtol: float) -> Array:
+        """How far a right run may be from `values`, of their shape.
+
+        An error made in one step grows as every perturbation of the motion does; at worst all of
+        them add up. Rounding counts as a tolerance of 2.2e-16.
+        """
+        worst = max(SHARE * self.steps, KEPT) * np.asarray(self.growth, dtype=np.float64)
+        allowed = worst * (rtol + np.finfo(np.float64).eps) + np.asarray(self.trusted)
+        return np.broadcast_to(allowed, self.values.shape).copy()
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is asked of a machine.
+
+    Attributes
+    ----------
+    name
+        By which the command line finds it.
+    hard, see
+        What makes it hard, and what to look for in its rows: a sentence or two.
+    model, scene
+        The declaration's name, `hard/andrews`, and its scene.
+    t_end
+        End of the run, s.
+    quantity
+        What is compared, with its unit.
+    measure
+        A run → the numbers, in the shape of the reference's values.
+    reference
+        The right answer; asked for once.
+    origin
+        Where the reference comes from, how many digits of it hold, and why it grows so.
+    sampled
+        Whether the reference's times are the instants of output; otherwise there are 201.
+    tolerances
+        The values of rtol.
+    ends
+        Outcomes in which a run may end; the first is the one that is wished for.
+    work
+        A run → the work of all that has no potential, from the start to each instant, J; None
+        where it is not known in closed form.
+    parameters, guess, options
+        Handed on to `Machine.simulate`.
+    """
+
+    name: str
+    hard: str
+    see: str
+    model: str
+    scene: str
+    t_end: float
+    quantity: str
+    measure: "Callable[[Result], Array]"
+    reference: Callable[[], Reference]
+    origin: str
+    sampled: bool = True
+    tolerances: tuple[float, ...] = TOLERANCES
+    ends: tuple[str, ...] = ("OK",)
+    work: "Callable[[Result], Array | float] | None" = None
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    guess: Mapping[str, float] = field(default_factory=dict)
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def machine(self) -> "Machine":
+        """The machine, built if need be."""
+        return machine(self.model, self.scene)
+
+    def instants(self) -> Array:
+        """Instants of output, s."""
+        return self.reference().times if self.sampled else np.linspace(0.0, self.t_end, 201)
+
+
+@cache
+def machine(model: str, scene: str) -> "Machine":
+    """A machine of the library or of this package."""
+    from runtime import load
+
+    return load(model, scene, folder=ROOT)
+
+
+def coordinates(*names: str) -> "Callable[[Result], Array]":
+    """Measure the coordinates named, a column each."""
+
+    def measured(run: "Result") -> Array:
+        return np.column_stack([run.q(name) for name in names])
+
+    return measured
+
+
+def conservative(run: "Result") -> float:
+    """Nothing but potentials acts."""
+    return 0.0
+
+
+def table(name: str) -> Array:
+    """A file of `tests/data` with a head line, as floats, shape (rows, columns)."""
+    path = ROOT / "tests" / "data" / name
+    return np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)

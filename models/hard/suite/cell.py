@@ -1,0 +1,235 @@
+"""One cell: a case run with one method, one correction and one tolerance, and judged."""
+
+import time
+from dataclasses import asdict, dataclass
+from enum import StrEnum
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from models.hard.suite.case import WORTH, Array, Case, machine
+from runtime import Outcome, Result
+from runtime.integrate.check import CORRECTIONS
+from runtime.integrate.tables import METHODS
+
+RESIDUAL = 1e-10
+"""The largest |Φ| that a run may show at any output, m or rad."""
+
+
+class Way(NamedTuple):
+    """How a case is integrated."""
+
+    method: str
+    correction: str
+
+
+COMPARED = METHODS[-1]
+"""The method with which the ways back onto the constraints are compared."""
+
+WAYS = (
+    *(Way(method, CORRECTIONS[0]) for method in METHODS),
+    *(Way(COMPARED, correction) for correction in CORRECTIONS[1:]),
+)
+"""Every method with the usual correction, and one of them with the others."""
+
+
+class Verdict(StrEnum):
+    """What is to be thought of a cell."""
+
+    CORRECT = "correct"
+    BEYOND = "beyond the horizon"
+    EXPECTED = "named outcome as expected"
+    STOPPED = "stopped, by name"
+    HANGS = "HANGS"
+    WRONG = "WRONG"
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What a run showed.
+
+    Attributes
+    ----------
+    error, bound
+        The largest error and its bound, at the row where their ratio is largest.
+    until
+        Last instant that was compared, s; NaN where the bound is too large to tell anything.
+    residual
+        Largest |Φ|, m or rad.
+    drift
+        Largest departure from the balance of energy, over the largest kinetic energy; NaN where
+        the work is not known.
+    cpu
+        Processor time of the integration and its outputs, s; what a first run compiles or loads
+        is not in it.
+    outcome, message
+        How the run ended; `reached` is when.
+    note
+        Why the verdict is not the wished-for one.
+    """
+
+    case: str
+    method: str
+    correction: str
+    rtol: float
+    verdict: Verdict
+    error: float
+    bound: float
+    until: float
+    residual: float
+    drift: float
+    steps: int
+    rejected: int
+    repartitions: int
+    events: int
+    cpu: float
+    outcome: str
+    reached: float
+    message: str
+    note: str
+
+    @classmethod
+    def hanging(cls, case: str, way: Way, rtol: float, seconds: float) -> "Cell":
+        """What is told of a run that was given up after so many seconds."""
+        nothing = dict.fromkeys(("error", "bound", "until", "residual", "drift"), np.nan)
+        counts = dict.fromkeys(("steps", "rejected", "repartitions", "events"), 0)
+        note = f"no answer after {seconds:g} s"
+        return cls(
+            case=case,
+            method=way.method,
+            correction=way.correction,
+            rtol=rtol,
+            verdict=Verdict.HANGS,
+            **nothing,
+            **counts,
+            cpu=np.nan,
+            outcome="",
+            reached=np.nan,
+            message="",
+            note=note,
+        )
+
+    def record(self) -> dict[str, Any]:
+        """As plain values; what is not a number is None."""
+        return {
+            name: None if isinstance(value, float) and not np.isfinite(value) else value
+            for name, value in asdict(self).items()
+        }
+
+
+def run(case: Case, way: Way, rtol: float) -> Cell:
+    """Run a case once, from an assembled start, and judge it."""
+    ready(case, way)
+    loaded = case.machine()
+    start = loaded.assemble(guess=dict(case.guess), parameters=dict(case.parameters))
+    began = time.process_time()
+    result = loaded.simulate(
+        case.t_end,
+        case.instants(),
+        method=way.method,
+        correction=way.correction,
+        rtol=rtol,
+        parameters=dict(case.parameters),
+        start=start,
+        progress=False,
+        **case.options,
+    )
+    return judge(case, way, rtol, result, time.process_time() - began)
+
+
+def ready(case: Case, way: Way) -> None:
+    """Build, load and compile whatever a first run of the case does, and ask for its reference."""
+    case.reference()
+    _first_run(case.model, case.scene, way)
+
+
+@cache
+def _first_run(model: str, scene: str, way: Way) -> None:
+    machine(model, scene).simulate(
+        1e-9, method=way.method, correction=way.correction, progress=False
+    )
+
+
+def judge(case: Case, way: Way, rtol: float, result: Result, cpu: float) -> Cell:
+    """Compare a run with the reference, its constraints and its energy."""
+    error, bound, until, note = _compared(case, rtol, result)
+    residual = float(result.samples.residual[:, 0].max(initial=0.0))
+    outcome = result.outcome
+    if note == "" and not residual <= RESIDUAL:
+        note = f"|Φ| reaches {residual:.1e}, more than {RESIDUAL:.0e}"
+    if note != "":
+        verdict = Verdict.WRONG
+    elif outcome.name not in case.ends:
+        verdict, note = Verdict.STOPPED, result.message
+    elif outcome is not Outcome.OK:
+        verdict = Verdict.EXPECTED
+    else:
+        verdict = Verdict.CORRECT if np.isfinite(until) else Verdict.BEYOND
+    return Cell(
+        case=case.name,
+        method=way.method,
+        correction=way.correction,
+        rtol=rtol,
+        verdict=verdict,
+        error=error,
+        bound=bound,
+        until=until,
+        residual=residual,
+        drift=_drift(case, result),
+        steps=int(result.stats["steps"]),
+        rejected=int(result.stats["rejected"]),
+        repartitions=int(result.stats["repartitions"]),
+        events=int(result.stats["events"]),
+        cpu=cpu,
+        outcome=outcome.name,
+        reached=float(result.t[-1]),
+        message=result.message,
+        note=note,
+    )
+
+
+def _compared(case: Case, rtol: float, result: Result) -> tuple[float, float, float, str]:
+    """Error, bound, last instant compared, and what is wrong, if anything."""
+    reference = case.reference()
+    measured = case.measure(result)
+    wanted, times = reference.values, reference.times
+    ended = result.outcome.name in case.ends
+    if ended and len(measured) != len(wanted):
+        return (
+            np.inf,
+            np.nan,
+            np.nan,
+            f"{len(measured)} numbers where there should be {len(wanted)}",
+        )
+    # A run that stopped has as many rows as it has reached instants of the reference.
+    rows = min(len(measured), int(np.sum(times <= result.t[-1])) if not ended else len(wanted))
+    bounds = reference.bound(rtol)[:rows]
+    errors = np.abs(measured[:rows] - wanted[:rows])
+    if not np.isfinite(errors).all():
+        return np.inf, np.nan, np.nan, "a number is not finite"
+    near = bounds <= WORTH
+    if rows == 0 or not near.any():
+        return np.nan, np.nan, np.nan, ""
+    ratio = np.where(near, errors / bounds, -1.0)
+    at = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+    error, bound = float(errors[at]), float(bounds[at])
+    last = float(times[:rows][near.reshape(rows, -1).any(axis=1)][-1])
+    if ratio[at] <= 1.0:
+        return error, bound, last, ""
+    return (
+        error,
+        bound,
+        last,
+        (f"off by {error:.1e} at t = {times[at[0]]:.6g} s, where {bound:.1e} is allowed"),
+    )
+
+
+def _drift(case: Case, result: Result) -> float:
+    """Largest |E - E0 - W| over the largest kinetic energy."""
+    if case.work is None:
+        return np.nan
+    energy: Array = result.energy()
+    scale = float(np.abs(result.energy("kinetic")).max(initial=0.0))
+    off = float(np.abs(energy - energy[0] - case.work(result)).max(initial=0.0))
+    return off / scale if scale > 0.0 else off

@@ -1,0 +1,137 @@
+"""Outputs where something is held: where the motion slides, sticks, or a contact is closed."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+from numba import types
+
+from runtime.compiled import ADDRESSES, compiled
+from runtime.integrate.consistency import hold
+from runtime.integrate.held import HELD_MODE
+from runtime.integrate.mixing import mix
+from runtime.integrate.slots import (
+    CONSTRAINT_COUNT,
+    COORDINATES,
+    HELD,
+    PLAIN,
+    REACTION,
+    REACTION_ROWS,
+    RIGID_COUNT,
+    SHARE,
+    SWITCHES,
+    WORK,
+    bent_of,
+)
+from runtime.integrate.tables import wire
+from runtime.integrate.views import floats_at, integers_at, view
+from runtime.kernels import FETCH, MATRIX, MODE_ROWS, MODES, VECTOR
+
+if TYPE_CHECKING:
+    from runtime.machine import Machine
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+powers_of = FETCH["powers"]
+
+
+@compiled(
+    types.none(
+        ADDRESSES,
+        ADDRESSES,
+        MODES,
+        VECTOR,
+        VECTOR,
+        MATRIX,
+        MATRIX,
+        MODE_ROWS,
+        MATRIX,
+        MATRIX,
+        MATRIX,
+        MATRIX,
+        MATRIX,
+        VECTOR,
+        VECTOR,
+    )
+)
+def _mix_rows(
+    machine: Any,
+    kernels: Any,
+    rows: Any,
+    times: Any,
+    p: Any,
+    q: Any,
+    v: Any,
+    modes: Any,
+    a: Any,
+    lam: Any,
+    reaction: Any,
+    power: Any,
+    shares: Any,
+    base: Any,
+    other: Any,
+) -> None:
+    bent = bent_of(machine)
+    powers = powers_of(kernels)
+    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
+    size = n + m
+    plain = integers_at(machine, PLAIN, 2 * s)
+    held = view(plain, s, s)
+    share = floats_at(machine, SHARE, s)
+    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
+    mixed = floats_at(machine, REACTION, machine[REACTION_ROWS])
+    own = np.zeros(m)
+    for row in rows:
+        t = times[row]
+        hold(machine, modes[row])
+        bent(machine, t, q[row], v[row], p, modes[row], a[row], lam[row])
+        mix(machine, t, q[row], v[row], p, lam[row])
+        for i in range(len(mixed)):
+            reaction[row, i] = mixed[i]
+        for i in range(m):
+            own[i] = work[n + i]
+        powers(t, q[row], v[row], p, plain, own, base)
+        for i in range(len(base)):
+            power[row, i] = base[i]
+        for c in range(machine[HELD]):
+            k = held[c]
+            shares[row, k] = share[k]
+            for i in range(m):
+                own[i] = work[n + i] + work[(c + 1) * size + n + i]
+            plain[k] = 1
+            powers(t, q[row], v[row], p, plain, own, other)
+            plain[k] = 0
+            for i in range(len(base)):
+                power[row, i] += share[k] * (other[i] - base[i])
+
+
+def mix_held(
+    machine: "Machine",
+    p: FloatArray,
+    t: FloatArray,
+    q: FloatArray,
+    v: FloatArray,
+    modes: IntArray,
+    a: FloatArray,
+    lam: FloatArray,
+    reaction: FloatArray,
+    power: FloatArray,
+) -> FloatArray:
+    """Overwrite accelerations and what follows from them at the instants at which something holds.
+
+    Returns
+    -------
+    (k, s)
+        The share of each function that is held (0: the force of its mode 0, 1: that of mode 1),
+        NaN where it is not.
+    """
+    shares = np.full(modes.shape, np.nan)
+    rows = np.flatnonzero((modes == HELD_MODE).any(axis=1))
+    if len(rows):
+        wiring = wire(machine.system, "dopri5", p, 1)
+        sources = power.shape[1]
+        _mix_rows(
+            wiring.table, machine.kernel_table, rows, t, p, q, v, modes, a, lam, reaction, power,
+            shares, np.zeros(sources), np.zeros(sources),
+        )  # fmt: skip
+    return shares

@@ -1,0 +1,164 @@
+"""When do the constraints next cease to be independent? A cheap look along the motion.
+
+The Jacobian, columns scaled by the masses and rows made unit length, is reduced row by row, each by
+its largest remaining entry: the pivot of a row is about its distance from the rows before it. The
+reduction is repeated, in the same order of pivots, where the machine will be a little later. A pivot
+that changes sign in between announces a singular position.
+"""
+
+import numpy as np
+
+from runtime.compiled import compiled, inner
+from runtime.integrate.signatures import VANISHING, Integers, Kernel, Matrix, Vector
+from runtime.integrate.slots import (
+    CONSTRAINT_COUNT,
+    DENSE_JACOBIAN,
+    JACOBIAN_COLUMNS,
+    JACOBIAN_ROWS,
+    JACOBIAN_VALUES,
+    NONZEROS,
+    PIVOT_COLUMNS,
+    PIVOTS,
+    jacobian_of,
+)
+from runtime.integrate.views import floats_at, integers_at, matrix_at, view
+from runtime.integrate.workspace import PARTITION, ROWS, SAMPLE, SIZE, Y0, K, Run
+
+BEHIND, AHEAD = 0.1, 2.5  # of a step: how far back and ahead is looked
+_FORESIGHT = 0.1  # of the coordinates' sizes: what is nearer matters to the finest tolerances
+_REACH = 0.5  # of the coordinates' sizes: how far a motion is continued
+_MARGIN = 0.5  # of the time in which a pivot could vanish: when to look again
+_TRUST = 0.95  # of the time over which nothing announced itself: no need to look again
+_NEAR = 1e-5  # a pivot that counts as small in any case
+_REDUNDANT = 1e-8  # a row whose pivot is below this at both places says what others say
+
+
+@inner
+def _fill(
+    jacobian: Kernel,
+    t: float,
+    q: Vector,
+    p: Vector,
+    scale: Vector,
+    rows: Integers,
+    columns: Integers,
+    values: Vector,
+    dense: Matrix,
+) -> None:
+    jacobian(t, q, p, values)
+    dense[:, :] = 0.0
+    for k in range(rows.size):
+        dense[rows[k], columns[k]] += values[k] * scale[columns[k]]
+    m, n = dense.shape
+    for i in range(m):
+        total = 0.0
+        for j in range(n):
+            total += dense[i, j] ** 2
+        if total > 0.0:
+            inverse = 1.0 / np.sqrt(total)
+            for j in range(n):
+                dense[i, j] *= inverse
+
+
+@inner
+def _reduce(dense: Matrix, order: Integers, pivots: Vector, search: int) -> None:
+    """Reduce row by row; `order` holds the column of each row's pivot, found where asked for."""
+    m, n = dense.shape
+    for i in range(m):
+        if search != 0:
+            order[i] = 0
+            for j in range(1, n):
+                if abs(dense[i, j]) > abs(dense[i, order[i]]):
+                    order[i] = j
+        column = order[i]
+        pivot = dense[i, column]
+        pivots[i] = pivot
+        if abs(pivot) <= _REDUNDANT:
+            continue
+        for k in range(i + 1, m):
+            if dense[k, column] != 0.0:
+                ratio = dense[k, column] / pivot
+                for j in range(n):
+                    if dense[i, j] != 0.0:
+                        dense[k, j] -= ratio * dense[i, j]
+
+
+@inner
+def _smallest(pivots: Vector) -> float:
+    least = 1.0
+    for i in range(pivots.size):
+        if _REDUNDANT < abs(pivots[i]) < least:
+            least = abs(pivots[i])
+    return least
+
+
+@compiled(VANISHING)
+def vanishing(
+    machine: Integers, t: float, h: float, state: int, w: Vector, run: Run, p: Vector
+) -> float:
+    """Time after t at which a pivot vanishes, where that is soon; else infinite.
+
+    Pivots are compared at the start of the step, Y0, and in row `state`, its end; where that is Y0
+    too, which says that the step has failed, a little later on the motion as it begins, and a
+    pivot that has just vanished is found too.
+    `run.look_at` is set to the instant until which no pivot can vanish: a pivot changes by about
+    as much as the coordinates, in their typical sizes. Two sparse eliminations, three where one
+    announces something.
+    """
+    r = run[0]
+    n = w.size // (2 * ROWS)
+    m = machine[CONSTRAINT_COUNT]
+    nonzeros = machine[NONZEROS]
+    jacobian = jacobian_of(machine)
+    rows = integers_at(machine, JACOBIAN_ROWS, nonzeros)
+    columns = integers_at(machine, JACOBIAN_COLUMNS, nonzeros)
+    values = floats_at(machine, JACOBIAN_VALUES, nonzeros)
+    dense = matrix_at(machine, DENSE_JACOBIAN, m, n)
+    order = integers_at(machine, PIVOT_COLUMNS, m)
+    pivots = floats_at(machine, PIVOTS, 2 * m)
+    now, later = view(pivots, 0, m), view(pivots, m, m)
+    scale = view(w, PARTITION * 2 * n + n, n)
+    size = view(w, SIZE * 2 * n, n)
+    q = view(w, Y0 * 2 * n, n)
+    v = view(w, Y0 * 2 * n + n, n)
+    end = view(w, state * 2 * n, n)
+    moved = view(w, SAMPLE * 2 * n, n)
+    speed, haste = 0.0, 0.0
+    for j in range(n):
+        haste = max(haste, abs(view(w, K * 2 * n + n, n)[j]) / size[j])
+        speed = max(speed, abs(v[j]) / size[j], abs(view(w, state * 2 * n + n, n)[j]) / size[j])
+    span, back, ahead = h, 0.0, max(AHEAD * h, _FORESIGHT / max(speed, 1e-300))
+    if state == Y0:
+        back, ahead = -BEHIND * h, h
+        span = min(h, _REACH / max(speed, 1e-300))
+    for j in range(n):
+        moved[j] = q[j] + span * v[j] if state == Y0 else end[j]
+    _fill(jacobian, t, q, p, scale, rows, columns, values, dense)
+    _reduce(dense, order, now, 1)
+    _fill(jacobian, t + span, moved, p, scale, rows, columns, values, dense)
+    _reduce(dense, order, later, 0)
+    nearest = np.inf
+    for i in range(m):
+        change = later[i] - now[i]
+        if max(abs(now[i]), abs(later[i])) <= _REDUNDANT or change == 0.0:
+            continue
+        s = -now[i] * span / change
+        if back <= s <= ahead and abs(s) < abs(nearest):
+            nearest = s
+    way = _MARGIN * _smallest(now)
+    r.look_at = t + 2.0 * way / (speed + np.sqrt(speed * speed + 2.0 * haste * way) + 1e-300)
+    if not nearest < np.inf:
+        r.look_at = max(r.look_at, t + _TRUST * ahead)
+    if nearest < np.inf:
+        # With an order of pivots of its own, is this position as poor as it seems?
+        for j in range(n):
+            moved[j] = q[j] + nearest / span * (moved[j] - q[j])
+        _fill(jacobian, t + nearest, moved, p, scale, rows, columns, values, dense)
+        _reduce(dense, order, later, 1)
+        least = 1.0
+        for i in range(m):
+            if abs(now[i]) > _REDUNDANT:
+                least = min(least, abs(later[i]))
+        if least > 0.5 * _smallest(now) and least > _NEAR:
+            return np.inf
+    return float(nearest)

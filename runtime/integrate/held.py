@@ -1,0 +1,190 @@
+"""What holds a switching function at zero: the share of each field, and the motion along both.
+
+A function g is *held* where the motion stays on g = 0: both fields push onto the surface
+(A. F. Filippov, Differential Equations with Discontinuous Righthand Sides, 1988), friction sticks,
+or a rigid contact is closed. With accelerations a⁰ and a¹ of modes 0 and 1 the motion has
+
+    a = a⁰ + α (a¹ - a⁰),     dg/dt = 0,
+
+the share α between bounds: 0 and 1; wider by the ratio of the coefficients where friction sticks.
+A rigid contact has a¹ without its force and a⁰ with a unit of it; g̈ = 0 decides, and the reaction
+is 1 - α units, from 0 to infinity. Several are held by as many shares at once: forces of different
+effects add up, so that the accelerations of one changed mode each are enough.
+"""
+
+import numpy as np
+
+from runtime.compiled import inner
+from runtime.integrate.signatures import Integers, Vector
+from runtime.integrate.slots import (
+    CONSTRAINT_COUNT,
+    COORDINATES,
+    PLAIN,
+    RIGID,
+    RIGID_COUNT,
+    SHARE,
+    SWITCHES,
+    WORK,
+    accelerations_of,
+    gap_accelerations_of,
+    switching_rates_of,
+)
+from runtime.integrate.views import floats_at, integers_at, view
+
+_SINGULAR = 1e-11  # pivot of a row whose largest entry is one, below which it is rounding
+HELD_MODE = 2
+"""A mode that is neither 0 nor 1: the motion stays on the surface."""
+
+
+def work_size(n: int, m: int, s: int, r: int) -> int:
+    """Floats of WORK for n coordinates, m constraints, s switches and r contacts."""
+    return (s + 2) * (n + m) + 2 * s * s + 4 * s + r
+
+
+@inner
+def solve(matrix: Vector, right: Vector, count: int) -> int:
+    """Solve a small dense system in place, `matrix` by rows; 0, or 1 where it is singular.
+
+    Rows are first divided by their largest entries, so that a pivot tells by its size alone
+    whether one of several holds does what the others do already.
+    """
+    for i in range(count):
+        largest = 0.0
+        for j in range(count):
+            largest = max(largest, abs(matrix[i * count + j]))
+        if not largest > 0.0:
+            return 1
+        for j in range(count):
+            matrix[i * count + j] /= largest
+        right[i] /= largest
+    for step in range(count):
+        at = step
+        for i in range(step + 1, count):
+            if abs(matrix[i * count + step]) > abs(matrix[at * count + step]):
+                at = i
+        pivot = matrix[at * count + step]
+        if not abs(pivot) > _SINGULAR:
+            return 1
+        if at != step:
+            for j in range(count):
+                matrix[step * count + j], matrix[at * count + j] = (
+                    matrix[at * count + j],
+                    matrix[step * count + j],
+                )
+            right[step], right[at] = right[at], right[step]
+        for i in range(step + 1, count):
+            factor = matrix[i * count + step] / pivot
+            for j in range(step, count):
+                matrix[i * count + j] -= factor * matrix[step * count + j]
+            right[i] -= factor * right[step]
+    for i in range(count - 1, -1, -1):
+        total = right[i]
+        for j in range(i + 1, count):
+            total -= matrix[i * count + j] * right[j]
+        right[i] = total / matrix[i * count + i]
+    return 0
+
+
+@inner
+def units(
+    machine: Integers,
+    t: float,
+    q: Vector,
+    v: Vector,
+    p: Vector,
+    modes: Integers,
+) -> int:
+    """Fill WORK: fields with nothing held, then with one mode changed each, and what they do.
+
+    WORK holds, with c the number of modes that are held: accelerations and multipliers of the base
+    (n + m); the change by each (c rows of n + m, room for s); the matrix of d(dg/dt) or d(g̈), by
+    rows (s × s); the same of the base (s). Returns what `accelerations` says of the base.
+    """
+    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
+    size = n + m
+    plain = integers_at(machine, PLAIN, 2 * s)
+    held = view(plain, s, s)
+    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
+    accelerations = accelerations_of(machine)
+    count = 0
+    for k in range(s):
+        plain[k] = modes[k]
+        if modes[k] == HELD_MODE:
+            plain[k] = 0
+            held[count] = k
+            count += 1
+    base_a, base_lam = view(work, 0, n), view(work, n, m)
+    weak = int(accelerations(t, q, v, p, plain, base_a, base_lam))
+    matrix = view(work, (s + 1) * size, s * s)
+    base = view(work, (s + 1) * size + s * s, s)
+    respond(machine, t, q, v, base_a, p, held, count, base)
+    for c in range(count):
+        k = held[c]
+        plain[k] = 1
+        unit_a = view(work, (c + 1) * size, n)
+        unit_lam = view(work, (c + 1) * size + n, m)
+        accelerations(t, q, v, p, plain, unit_a, unit_lam)
+        plain[k] = 0
+        column = view(work, (s + 1) * size + s * s + s, s)
+        respond(machine, t, q, v, unit_a, p, held, count, column)
+        for i in range(count):
+            matrix[i * count + c] = column[i] - base[i]
+        for j in range(n):
+            unit_a[j] -= base_a[j]
+        for i in range(m):
+            unit_lam[i] -= base_lam[i]
+    return weak
+
+
+@inner
+def respond(
+    machine: Integers,
+    t: float,
+    q: Vector,
+    v: Vector,
+    a: Vector,
+    p: Vector,
+    held: Integers,
+    count: int,
+    out: Vector,
+) -> None:
+    """Write dg/dt, for a rigid contact g̈, of the `count` functions that are held."""
+    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
+    r = machine[RIGID_COUNT]
+    size = n + m
+    rigid = integers_at(machine, RIGID, s)
+    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + r)
+    rates = view(work, (s + 1) * size + s * s + 2 * s, s)
+    gaps = view(work, (s + 1) * size + s * s + 4 * s, r)
+    switching_rates_of(machine)(t, q, v, a, p, rates)
+    if r > 0:
+        gap_accelerations_of(machine)(t, q, v, a, p, gaps)
+    for c in range(count):
+        k = held[c]
+        out[c] = gaps[rigid[k]] if rigid[k] >= 0 else rates[k]
+
+
+@inner
+def shares(machine: Integers, count: int) -> None:
+    """Shares by which the `count` functions are held, into SHARE; not a number where none do.
+
+    The matrix that `units` left is kept.
+    """
+    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
+    size = n + m
+    held = view(integers_at(machine, PLAIN, 2 * s), s, s)
+    share = floats_at(machine, SHARE, s)
+    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
+    matrix = view(work, (s + 1) * size, s * s)
+    base = view(work, (s + 1) * size + s * s, s)
+    right = view(work, (s + 1) * size + s * s + 3 * s, s)
+    copy = view(work, (s + 1) * size + s * s + 4 * s + machine[RIGID_COUNT], s * s)
+    for i in range(count):
+        right[i] = -base[i]
+    for i in range(count * count):
+        copy[i] = matrix[i]
+    if solve(copy, right, count) != 0:
+        for i in range(count):
+            right[i] = np.nan
+    for c in range(count):
+        share[held[c]] = right[c]

@@ -1,0 +1,250 @@
+"""What happens at an instant at which a switching function has crossed: impacts and new modes."""
+
+import numpy as np
+
+from runtime.compiled import compiled, inner
+from runtime.integrate.consistency import CONSISTENT, GIVEN, hold
+from runtime.integrate.field import field
+from runtime.integrate.held import HELD_MODE
+from runtime.integrate.impact import ON_SURFACE
+from runtime.integrate.modes import prefer
+from runtime.integrate.signatures import (
+    TRANSITION,
+    IntegerMatrix,
+    Integers,
+    Matrix,
+    Vector,
+)
+from runtime.integrate.slots import (
+    HIGH,
+    LOW,
+    RESTITUTION,
+    RIGID,
+    RIGID_COUNT,
+    SHARE,
+    SWITCHES,
+    impact_of,
+    settle_of,
+    switching_of,
+    switching_rates_of,
+)
+from runtime.integrate.surfaces import UNBOUNDED, measure
+from runtime.integrate.views import floats_at, integers_at, view
+from runtime.integrate.workspace import (
+    BAND,
+    DELTA,
+    FLIGHT,
+    G1,
+    IMPACT_AT,
+    LARGEST,
+    NOW,
+    PREFERRED,
+    RATE_NOW,
+    RESERVE,
+    ROWS,
+    STRUCK,
+    Y1,
+    K,
+    Run,
+)
+
+LOOK_AHEAD = 0.05  # of a step: how far ahead modes are judged
+BEGAN, CEASED, HELD, IMPACT = 1, -1, 0, 2
+"""Directions of an event."""
+
+_FREE = 0.02  # by which the ratio of two flights in a row may differ from that of free ones
+_CLOCK = 8.0 * 2.3e-16  # of the time: what an instant cannot tell
+
+
+@inner
+def log_event(
+    t: float,
+    k: int,
+    direction: int,
+    w: Vector,
+    run: Run,
+    event_t: Vector,
+    event_kind: IntegerMatrix,
+    event_y: Matrix,
+) -> None:
+    """Append an event of function `k` with the state in row Y1."""
+    r = run[0]
+    length = w.size // ROWS
+    at = r.logged_events
+    event_t[at] = t
+    event_kind[at, 0] = k
+    event_kind[at, 1] = direction
+    for j in range(length):
+        event_y[at, j] = w[Y1 * length + j]
+    r.logged_events += 1
+    r.events += 1
+
+
+@inner
+def approaching(
+    machine: Integers, t: float, w: Vector, sw: Vector, p: Vector, modes: Integers
+) -> None:
+    """Mark in row STRUCK the open contacts that touch and are about to close."""
+    n = w.size // (2 * ROWS)
+    s = modes.size
+    rigid = integers_at(machine, RIGID, s)
+    q, v = view(w, Y1 * 2 * n, n), view(w, Y1 * 2 * n + n, n)
+    g, rates = view(sw, NOW * s, s), view(sw, RATE_NOW * s, s)
+    switching_of(machine)(t, q, v, p, g)
+    switching_rates_of(machine)(t, q, v, view(w, DELTA * 2 * n, n), p, rates)
+    for k in range(s):
+        touches = rigid[k] >= 0 and abs(g[k]) <= ON_SURFACE * sw[LARGEST * s + k]
+        sw[STRUCK * s + k] = 1.0 if touches and modes[k] == 1 and rates[k] < 0.0 else 0.0
+
+
+@inner
+def remaining(machine: Integers, k: int, t: float, free: float, sw: Vector) -> float:
+    """Time that all further flights of contact `k` take together.
+
+    That is `free`, T/(1 - e), where they are free; where friction or another contact meddles with
+    them, each is shorter than the one before in the ratio of the last two.
+    """
+    s = machine[SWITCHES]
+    e = floats_at(machine, RESTITUTION, machine[RIGID_COUNT])[integers_at(machine, RIGID, s)[k]]
+    before, flight = sw[FLIGHT * s + k], t - sw[IMPACT_AT * s + k]
+    ratio = flight / before if before > 0.0 else e
+    if abs(ratio - e) < _FREE * e or not 0.0 < ratio < 1.0:
+        return free
+    return float(flight * ratio / (1.0 - ratio))
+
+
+@inner
+def jumped(
+    machine: Integers, t: float, crossing: int, w: Vector, sw: Vector, p: Vector, modes: Integers
+) -> None:
+    """After velocities have jumped, give every function the mode that its value asks for."""
+    n = w.size // (2 * ROWS)
+    s = modes.size
+    rigid = integers_at(machine, RIGID, s)
+    q, v = view(w, Y1 * 2 * n, n), view(w, Y1 * 2 * n + n, n)
+    g, rates = view(sw, NOW * s, s), view(sw, RATE_NOW * s, s)
+    switching_of(machine)(t, q, v, p, g)
+    switching_rates_of(machine)(t, q, v, view(w, DELTA * 2 * n, n), p, rates)
+    for k in range(s):
+        largest = max(sw[LARGEST * s + k], sw[RESERVE * s + k])
+        if rigid[k] >= 0:
+            if k != crossing and modes[k] == HELD_MODE and rates[k] > 0.0:
+                speed = 0.0
+                for j in range(n):
+                    speed = max(speed, abs(v[j]))
+                modes[k] = 1 if rates[k] > 1e-12 * speed else HELD_MODE
+        elif abs(g[k]) > ON_SURFACE * largest:
+            modes[k] = 1 if g[k] > 0.0 else 0
+
+
+@compiled(TRANSITION)
+def transition(
+    machine: Integers,
+    crossing: int,
+    t: float,
+    h: float,
+    w: Vector,
+    sw: Vector,
+    run: Run,
+    p: Vector,
+    modes: Integers,
+    scratch: Integers,
+    lam: Vector,
+    event_t: Vector,
+    event_kind: IntegerMatrix,
+    event_y: Matrix,
+) -> int:
+    """Give the state in row Y1 the modes and, after an impact, the velocities of what follows.
+
+    `h` is the length of the next step as far as it is known. `run.flight` receives the time until
+    the next impact of a contact that bounces, `run.blamed` a function for which there is no
+    consistent mode, or `CONSISTENT`.
+
+    Returns the number of events that were logged.
+    """
+    r = run[0]
+    length = w.size // ROWS
+    n = length // 2
+    s = modes.size
+    rigid = integers_at(machine, RIGID, s)
+    before = view(scratch, 3 * s + 1, s)
+    q, v = view(w, Y1 * length, n), view(w, Y1 * length + n, n)
+    slope, a = view(w, (K + r.last) * length, n), view(w, (K + r.last) * length + n, n)
+    for k in range(s):
+        before[k] = modes[k]
+    r.flight = np.inf
+    letting_go, side, last = -1, 0, 0.0
+    if modes[crossing] == HELD_MODE:
+        letting_go = crossing
+        field(machine, t, q, v, p, modes, view(w, DELTA * length, n), lam)
+        share = floats_at(machine, SHARE, s)[crossing]
+        low, high = floats_at(machine, LOW, s)[crossing], floats_at(machine, HIGH, s)[crossing]
+        side = 1 if low < UNBOUNDED or share > 0.5 * (low + high) else 0
+    hit = rigid[crossing] >= 0 and letting_go < 0
+    if hit:
+        approaching(machine, t, w, sw, p, modes)
+        flight = impact_of(machine)(machine, crossing, t, Y1, w, sw, p, modes, lam)
+        r.flight = flight if flight > 0.0 else np.inf
+        last = remaining(machine, crossing, t, -flight, sw) if flight < 0.0 else 0.0
+        for k in range(s):
+            if k == crossing or sw[STRUCK * s + k] > 0.0:
+                sw[FLIGHT * s + k] = t - sw[IMPACT_AT * s + k]
+                sw[IMPACT_AT * s + k] = t
+        jumped(machine, t, crossing, w, sw, p, modes)
+        hold(machine, modes)
+    prefer(machine, letting_go, side, sw, modes)
+    rates = view(sw, RATE_NOW * s, s)
+    if hit:
+        leaves = modes[crossing] != HELD_MODE and rates[crossing] > 0.0
+        sw[PREFERRED * s + crossing] = modes[crossing] + GIVEN if leaves else HELD_MODE
+    g = view(sw, NOW * s, s)
+    switching_of(machine)(t, q, v, p, g)
+    for k in range(s):
+        # An impact tears away from its surface what it has given a velocity.
+        was_held = before[k] == HELD_MODE and (modes[k] == HELD_MODE or rigid[k] >= 0)
+        largest = sw[RESERVE * s + k] if was_held else sw[LARGEST * s + k]
+        clock = _CLOCK * abs(t * sw[(G1 + 1) * s + k]) if not was_held else 0.0
+        sw[BAND * s + k] = 0.0
+        near = k == crossing or was_held or abs(g[k]) <= max(ON_SURFACE * largest, clock)
+        if rigid[k] >= 0 and modes[k] == 1 and k != crossing and not was_held:
+            # It took part in this impact where it touched; else it will have its own.
+            near = hit and abs(g[k]) <= ON_SURFACE * largest
+            if near and rates[k] > 0.0:
+                sw[PREFERRED * s + k] = 1 + GIVEN
+        if near:
+            sw[BAND * s + k] = 2.0 * abs(g[k]) + 1e-14 * largest + 1e-300
+    ahead = min(LOOK_AHEAD * h, 0.1 * r.flight)
+    r.blamed = settle_of(machine)(
+        machine, crossing, t, ahead, Y1, G1, w, sw, p, modes, scratch, lam
+    )
+    logged = 0
+    if hit:
+        direction = HELD if modes[crossing] == HELD_MODE else IMPACT
+        log_event(t + last, crossing, direction, w, run, event_t, event_kind, event_y)
+        logged = 1
+    for k in range(s):
+        held, was_held = modes[k] == HELD_MODE, before[k] == HELD_MODE
+        if held and not was_held:
+            sw[RESERVE * s + k] = sw[LARGEST * s + k]
+            sw[LARGEST * s + k] = 1.0
+        elif was_held and not held:
+            sw[LARGEST * s + k] = sw[RESERVE * s + k]
+        if held:
+            sw[BAND * s + k] = 0.0
+        blamed = k == crossing and r.blamed != CONSISTENT
+        struck = hit and sw[STRUCK * s + k] > 0.0
+        if (modes[k] != before[k] or blamed or struck) and not (hit and k == crossing):
+            direction = HELD
+            if modes[k] != before[k] and not held:
+                direction = BEGAN if modes[k] != 0 else CEASED
+            elif struck and not held:
+                direction = IMPACT
+            log_event(t, k, direction, w, run, event_t, event_kind, event_y)
+            logged += 1
+    if logged > 0 and r.blamed == CONSISTENT:
+        for j in range(n):
+            slope[j] = v[j]
+        field(machine, t, q, v, p, modes, a, lam)
+        measure(machine, t, Y1, K + r.last, G1, w, sw, p, modes, lam)
+        r.rhs += 1
+    return logged

@@ -1,0 +1,162 @@
+"""What the hard cases must show: the bars, and one cell of every case."""
+
+import numpy as np
+import pytest
+
+from models.hard.cases import CASES, find
+from models.hard.suite.case import Case
+from models.hard.suite.cell import COMPARED, Verdict, Way, run
+from models.hard.suite.worker import Worker
+from runtime import Outcome, Result, load
+from runtime.integrate.tables import METHODS
+
+WAY = Way(COMPARED, "step")
+
+UNTIL_MENDED = {
+    "no_time_switching": "a run of no length with a condition does not end",
+    "mass_ratio_light": "accelerations lose as many digits as the ratio of masses has",
+    "mass_ratio_heavy": "accelerations lose as many digits as the ratio of masses has",
+}
+
+
+def simulated(case: Case, rtol: float, method: str = COMPARED) -> Result:
+    """The run of a case, which must reach its end."""
+    result = case.machine().simulate(
+        case.t_end,
+        case.instants(),
+        method=method,
+        rtol=rtol,
+        parameters=dict(case.parameters),
+        guess=dict(case.guess),
+    )
+    assert result.outcome is Outcome.OK, result.message
+    assert result.samples.residual[:, 0].max() < 1e-10
+    return result
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_andrews_to_nine_digits(method: str) -> None:
+    case = find("andrews")
+    angles = case.measure(simulated(case, 1e-11, method))
+    exact = case.reference().values
+    assert case.reference().times[-1] == 0.05
+    np.testing.assert_allclose(angles[-1], exact[-1], rtol=1e-9, atol=0)
+
+
+@pytest.mark.xfail(reason="the partition is kept until a coordinate follows ten times as fast")
+def test_pendulum_after_2000_seconds() -> None:
+    case = find("pendulum_point")
+    place = case.measure(simulated(case, 1e-12))
+    assert np.abs(place[-1] - case.reference().values[-1]).max() < 1e-6
+
+
+@pytest.mark.parametrize("scene", ["point", "bar"])
+def test_energy_of_a_long_run_drifts_as_the_time_and_not_as_its_square(scene: str) -> None:
+    """An eighth of the drift after an eighth of the time; a quadratic one would leave 1/64."""
+    result = simulated(find(f"pendulum_{scene}"), 1e-10)
+    off = np.abs(result.energy() - result.energy()[0])
+    early, late = off[result.t <= 250.0].max(), off.max()
+    assert late < 1e-5
+    assert 5.0 < late / early < 12.0
+
+
+def test_high_precision_of_the_benchmark_is_met_with_steps_to_spare() -> None:
+    """0.1 s of processor time are 200 000 steps of half a microsecond."""
+    case = find("pendulum_point")
+    result = simulated(case, 1e-10)
+    assert np.abs(case.measure(result) - case.reference().values).max() < 1e-3
+    assert result.stats["steps"] + result.stats["rejected"] < 100_000
+
+
+@pytest.mark.parametrize("name", ["coil_spring_impact", "coil_spring_damped"])
+def test_every_contact_of_the_coil_spring_is_in_time(name: str) -> None:
+    case = find(name)
+    off = np.abs(case.measure(simulated(case, 1e-12)) - case.reference().values)
+    assert off[:10].max() < 1e-10
+    assert off.max() < 1e-6
+
+
+def test_the_compressor_stalls_in_time_and_stays_there() -> None:
+    case = find("compressor_stall")
+    result = simulated(case, 1e-10)
+    time, place = case.reference().values
+    found = case.measure(result)
+    assert abs(found[0] - time) < 1e-9
+    assert abs(found[1] - place) < 1e-9
+    assert result.t[-1] == 10.0
+    assert result.stats["steps"] < 2000
+
+
+@pytest.mark.xfail(reason="a held motion keeps a velocity of the size of rounding, and creeps")
+def test_the_stalled_compressor_rests_exactly() -> None:
+    case = find("compressor_stall")
+    result = simulated(case, 1e-10)
+    resting = result.t > case.reference().values[0]
+    assert resting.sum() > 100
+    assert np.ptp(result.q("crank.phi")[resting]) == 0.0
+    assert np.abs(result.v("crank.phi")[resting]).max() == 0.0
+
+
+@pytest.mark.parametrize("name", ["no_time", "one_step"])
+def test_the_shortest_runs(name: str) -> None:
+    case = find(name)
+    result = simulated(case, 1e-6)
+    assert result.stats["steps"] == len(case.instants()) - 1
+    assert len(result.t) == len(case.instants())
+    assert np.abs(case.measure(result) - case.reference().values).max() < 1e-14
+
+
+def test_many_outputs_change_no_step_and_are_as_right_as_the_steps() -> None:
+    case = find("dense_outputs")
+    dense = simulated(case, 1e-9)
+    steps = case.machine().simulate(case.t_end, rtol=1e-9)
+    assert dense.stats["steps"] == steps.stats["steps"] < 100
+    off = np.abs(case.measure(dense) - case.reference().values)[:, 0]
+    at_ends = np.interp(steps.t, dense.t, off)
+    assert off.max() < 10.0 * at_ends.max()
+
+
+def test_the_error_falls_with_the_tolerance() -> None:
+    case = find("every_tolerance")
+    errors = []
+    for rtol in case.tolerances:
+        off = np.abs(case.measure(simulated(case, rtol)) - case.reference().values)
+        errors.append(off.max() / rtol)
+    assert len(errors) == 12
+    assert max(errors) < 100.0
+    assert min(errors) > 0.01
+
+
+def test_a_million_turns_are_counted_to_the_last_digits() -> None:
+    case = find("crank_turned")
+    angle = case.measure(simulated(case, 1e-12))[:, 0]
+    exact = case.reference().values[:, 0]
+    assert exact[-1] / (2 * np.pi) == pytest.approx(1e6)
+    assert (np.abs(angle - exact) <= 20 * np.spacing(exact)).all()
+
+
+def test_a_fast_crank_changes_its_partition_more_than_a_hundred_times() -> None:
+    assert simulated(find("crank_fast"), 1e-9).stats["repartitions"] > 100
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_no_cell_is_wrong(case: Case, request: pytest.FixtureRequest) -> None:
+    """The tightest tolerance but for the stiff case, whose explicit steps are many."""
+    if case.name in UNTIL_MENDED:
+        request.applymarker(pytest.mark.xfail(reason=UNTIL_MENDED[case.name]))
+    rtol = case.tolerances[1 if case.name == "stiff_soft" else -1]
+    if case.t_end == 0.0:
+        worker = Worker(find, limit=10.0)
+        cell = worker.run(case, WAY, rtol)
+        worker.close()
+    else:
+        cell = run(case, WAY, rtol)
+    assert cell.verdict in (Verdict.CORRECT, Verdict.EXPECTED), f"{cell.verdict}: {cell.note}"
+    assert cell.residual < 1e-10
+    assert not cell.drift > 1e-4
+    assert cell.steps > 0 or case.t_end == 0.0
+
+
+def test_every_machine_is_one_that_loads_by_its_name() -> None:
+    for case in CASES:
+        assert case.scene == load(case.model, case.scene).scene
