@@ -26,16 +26,8 @@ from runtime.integrate.dop853 import (
     propose,
 )
 from runtime.integrate.hooks import restart
-from runtime.integrate.implicit import (
-    EQUAL,
-    STIFF,
-    STIFFNESS,
-    counts,
-    differentiate,
-    floats,
-    memory,
-    unknowns,
-)
+from runtime.integrate.memory import EQUAL, STIFF, STIFFNESS, counts, floats, memory
+from runtime.integrate.reduction import differentiate, unknowns
 from runtime.integrate.signatures import HOOK, STAGES, Integers, Vector
 from runtime.integrate.views import view
 from runtime.integrate.workspace import ROWS, SIZE, Y0, K, Run
@@ -99,7 +91,7 @@ def stages(
     n = w.size // (2 * ROWS)
     notes = counts(machine, n)
     if notes[EQUAL] % _EVERY == 0:
-        unknowns(machine, w, notes)
+        unknowns(machine, w, run, notes)
         differentiate(machine, t, Y0, w, run, p, modes, lam)
     return _stages(machine, t, h, w, run, p, modes, lam)
 

@@ -70,7 +70,7 @@ class Crossings:
 
     def __init__(self, system: System, problem: Problem, run: "_Run", parts: ModuleType) -> None:
         self.run, self.r, self.system = run, run.r, system
-        self.adopt(parts)
+        self.follow(parts)
         self.scale = np.asarray(problem.scale, dtype=np.float64)
         self.positions = Positions(
             system.constraints,
@@ -91,13 +91,13 @@ class Crossings:
         self.leap = Leap(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self.tries = 0
 
-    def adopt(self, parts: ModuleType) -> None:
-        """Take over the order of a method and the places at which it evaluates a step."""
+    # -- what the loop asks -------------------------------------------------------------------
+
+    def follow(self, parts: ModuleType) -> None:
+        """Plan for the steps of the method that is a module `parts`."""
         self.order = parts.ERROR_ORDER + 1
         nodes = sorted(getattr(parts, "NODES", (0.0, 1.0)))
         self.gaps = [(a, b) for a, b in pairwise(nodes) if b > a]
-
-    # -- what the loop asks -------------------------------------------------------------------
 
     def look(self) -> int:
         """Answer the loop: go on as planned, or the code of an outcome."""

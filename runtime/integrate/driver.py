@@ -64,7 +64,7 @@ from runtime.outcomes import Outcome
 
 GOING = -1  # the run is not over
 LOOK = -2  # nor is this: a singular position has to be looked at, see `crossing`
-CHANGE = -3  # nor this: another method is due
+CHANGE = -3  # nor is this: another method is due
 _OK = int(Outcome.OK)
 _INCONSISTENT = int(Outcome.INCONSISTENT)
 _ZENO = int(Outcome.ZENO)

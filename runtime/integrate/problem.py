@@ -312,9 +312,9 @@ class Trajectory:
     statistics: Statistics
     events: Events
     partitions: Partitions
-    methods: tuple[tuple[float, str], ...]
     crossings: tuple[Crossing, ...] = ()
     note: str = ""
+    methods: tuple[tuple[float, str], ...] = ()
 
 
 @dataclass

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from runtime.integrate import attempt, driver
-from runtime.integrate.auto import successor
 from runtime.integrate.bent import TIME_SCALE
+from runtime.integrate.changing import change_method, fill_method
 from runtime.integrate.check import check
 from runtime.integrate.crossing import Crossings
 from runtime.integrate.problem import (
@@ -30,7 +30,7 @@ from runtime.integrate.signatures import (
 )
 from runtime.integrate.slots import Slot
 from runtime.integrate.start import start
-from runtime.integrate.tables import function_table, method, wire
+from runtime.integrate.tables import method, wire
 from runtime.integrate.workspace import (
     ATOL,
     PARTITION,
@@ -57,7 +57,6 @@ _CORRECTING = {
     "baumgarte": attempt.NEVER,
     "hybrid": attempt.IF_DRIFTED,
 }
-_MOST_PATIENCE = 1024  # times the first, before a method is changed
 
 
 def integrate(
@@ -135,6 +134,7 @@ class _Run:
         self.r = self.record[0]
         self._fill_record(problem, options, parts)
         self.modes = np.zeros(s, np.int64)
+        self.methods = [(float(problem.t0), str(options.method))]
         p = np.ascontiguousarray(problem.p, dtype=np.float64)
         self.wiring = wire(system, options.method, p, 4 * driver.LOG_MARGIN)
         table, arrays = self.wiring.table, self.wiring.arrays
@@ -143,7 +143,6 @@ class _Run:
         table[Slot.STABILIZED] = table[Slot.BENDS] = int(stabilized)
         duration = problem.t_end - problem.t0
         arrays[Slot.SETTINGS][TIME_SCALE] = options.time_scale or 1e-3 * duration or 1.0
-        self.methods: list[tuple[float, str]] = [(float(problem.t0), options.method)]
         table[Slot.EACH_STAGE] = 1 if options.correction == "stage" and m > 0 else 0
         self.log_t, self.log_sets = arrays[Slot.LOG_TIMES], arrays[Slot.LOG_SETS]
         arrays[Slot.WEIGHTS][:n] = problem.scale**2
@@ -182,7 +181,7 @@ class _Run:
             r["fixed"], r["h"], r["h_max"] = 1, options.fixed_step, options.fixed_step
         r["rtol"] = options.rtol
         r["max_steps"], r["max_events"] = options.max_steps, options.max_events
-        self._fill_method(parts)
+        fill_method(r, parts)
         r["automatic"], r["patience"] = int(options.method == "auto"), 1
         r["error_old"] = 1e-4
         r["every_step"] = 0 if self.fixed_size else 1
@@ -192,28 +191,6 @@ class _Run:
         r["permitted"] = 1.0
         r["quiet"] = -np.inf
         r["blind_from"] = r["blind_to"] = -np.inf
-
-    def _fill_method(self, parts: ModuleType) -> None:
-        self.r["order"], self.r["last"] = parts.ORDER, parts.LAST
-        self.r["stage_calls"], self.r["dense_calls"] = parts.STAGE_CALLS, parts.DENSE_CALLS
-        self.r["dense_rows"] = parts.DENSE_ROWS
-        self.r["exponent"], self.r["beta"] = 1.0 / (parts.ERROR_ORDER + 1), parts.BETA
-        self.r["safety"], self.r["shrink"], self.r["grow"] = 0.9, parts.SHRINK, parts.GROW
-
-    def _change_method(self) -> None:
-        """Go on from here with another method: the state and its derivative are all it needs."""
-        freedoms = int(np.count_nonzero(self.w.reshape(ROWS, 2, self.n)[PARTITION, 0] == 0.0))
-        name = successor(self.methods[-1][1], freedoms if self.m else self.n, self.options.rtol)
-        self.methods.append((float(self.r["t"]), name))
-        self.r["patience"] = min(2 * self.r["patience"], _MOST_PATIENCE)
-        parts = method(name)
-        self._fill_method(parts)
-        self.crossings.adopt(parts)
-        functions = function_table(name)
-        table = self.wiring.table
-        table[Slot.STAGES : Slot.STAGES + functions.size] = functions
-        self.wiring.arrays[Slot.NOTES][:] = 0
-        parts.restart(table, self.r["t"], self.r["h"], self.w, self.record)
 
     def _allot(self, size: int) -> None:
         """Make room for `size` samples."""
@@ -262,7 +239,7 @@ class _Run:
                 took = time.perf_counter() - before
                 self._flush()
                 if code == driver.CHANGE:
-                    self._change_method()
+                    change_method(self)
                     code = driver.GOING
                 if self.options.chunk is None and took < 0.5 * _CHUNK_SECONDS:
                     chunk = min(2 * chunk, _LONGEST_CHUNK)
@@ -305,9 +282,9 @@ class _Run:
             statistics=Statistics(**counts, largest_dq=float(r["largest_dq"]), seconds=seconds),
             events=Events(event_t, kind[:, 0], kind[:, 1], event_y[:, :n], event_y[:, n:]),
             partitions=Partitions(set_t, sets.astype(bool)),
+            methods=tuple((t, "dop853" if name == "auto" else name) for t, name in self.methods),
             crossings=tuple(self.crossings.passed),
             note=self.crossings.note,
-            methods=tuple((t, "dop853" if name == "auto" else name) for t, name in self.methods),
         )
 
 
