@@ -67,7 +67,11 @@ def test_switching_force_makes_events(gas: Machine) -> None:
     assert abs(event.v[6]) < 1e-6
     np.testing.assert_array_equal(event.state, np.concatenate([event.q, event.v]))
     assert result.stats["events"] == len(result.events)
-    assert set(np.unique(result.samples.modes)) == {0, 1}
+    # In the end the push holds the machine against gravity.
+    assert result.events[-1].what == "holds"
+    assert set(np.unique(result.samples.modes)) == {0, 1, 2}
+    still = result.t > result.events[-1].time
+    assert np.abs(result.samples.v[still]).max() < 1e-12
 
 
 def test_stopped_run_keeps_what_it_has(pendulum: Machine) -> None:
