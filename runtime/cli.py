@@ -59,7 +59,9 @@ def simulate(
     settings: Settings = None,
     guess: Guess = None,
     points: Points = 501,
-    method: Annotated[str, typer.Option(help="Integration method: dop853 or dopri5.")] = "dop853",
+    method: Annotated[
+        str, typer.Option(help="Integration method: dop853, dopri5, radau5, bdf or auto.")
+    ] = "dop853",
     rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 1e-8,
     atol: Annotated[float | None, typer.Option(help="Absolute tolerance in SI units.")] = None,
     correction: Annotated[

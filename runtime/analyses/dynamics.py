@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError
+from runtime.analyses.asked import refuse_structure
 from runtime.analyses.assemble import Assembly, assemble
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.kinematics import instants
@@ -108,7 +109,10 @@ def simulate(
     t_start
         First instant in s; that of `start` where one is given.
     method
-        "dop853" or "dopri5".
+        "dop853" or "dopri5", explicit. "radau5" or "bdf", implicit, for what is stiff: contacts and
+        springs much stiffer than the motion is fast; "radau5" also where these vibrate. "auto"
+        starts with "dop853" and changes to an implicit method where it finds the equations stiff,
+        and back. All but the first two take exact derivatives, built when they are first needed.
     rtol, atol
         Tolerances of a step: `atol` + `rtol` times the value, for each coordinate and velocity;
         `atol` in m, rad, m/s, rad/s. Unless it is given, it is `rtol` times a typical size: 1 rad
@@ -141,6 +145,8 @@ def simulate(
     equations = Equations(machine, p)
     sizes = magnitudes(equations, begin.t, begin.q)
     require_apart(machine, p, begin.t, begin.q, begin.v, float(sizes.min(initial=1.0)))
+    if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
+        refuse_structure(machine)
     trajectory = integrate(
         _system(machine, method),
         Problem(
@@ -154,7 +160,7 @@ def simulate(
         ),
         # An unknown method is refused there, together with all else that is wrong.
         Options(
-            method=cast(Literal["dopri5", "dop853"], method),
+            method=cast(Literal["dopri5", "dop853", "bdf", "radau5", "auto"], method),
             rtol=rtol,
             atol_q=atol,
             atol_v=atol,
@@ -210,6 +216,7 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
         "dense_outputs": counts.dense_outputs,
         "repartitions": counts.repartitions,
         "events": counts.events,
+        "method_changes": len(run.methods) - 1,
         "singular_crossings": len(run.crossings),
         "crossing_error": max((crossing.error for crossing in run.crossings), default=0.0),
         "largest_correction": counts.largest_dq,
@@ -248,10 +255,19 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
     )
 
 
+def _changes(run: Trajectory) -> str:
+    """Which methods were used, where it was more than one."""
+    if len(run.methods) == 1:
+        return ""
+    shown = [f"{name} from t = {t:.6g} s" for t, name in run.methods[:6]]
+    rest = len(run.methods) - len(shown)
+    return f" Methods: {', '.join(shown)}{f', and {rest} more changes' if rest else ''}."
+
+
 def _message(machine: "Machine", run: Trajectory) -> str:
     """How the run ended, with its time and the element concerned."""
     if run.outcome is Outcome.OK:
-        return f"Reached t = {run.final_t:g} s in {run.statistics.steps} steps."
+        return f"Reached t = {run.final_t:g} s in {run.statistics.steps} steps.{_changes(run)}"
     told = machine.description
     where = ""
     if run.index >= 0:

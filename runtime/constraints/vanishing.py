@@ -2,8 +2,8 @@
 
 The Jacobian, columns scaled by the masses and rows made unit length, is reduced row by row, each by
 its largest remaining entry: the pivot of a row is about its distance from the rows before it. The
-reduction is repeated, in the same order of pivots, where the machine will be a little later. A pivot
-that changes sign in between announces a singular position.
+reduction is repeated, in the same order of pivots, where the machine will be a little later. A
+pivot that changes sign in between announces a singular position.
 """
 
 import numpy as np

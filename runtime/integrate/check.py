@@ -7,7 +7,8 @@ import numpy as np
 
 from codegen.errors import InputError
 from runtime.integrate.problem import Options, Problem, System
-from runtime.integrate.tables import METHODS
+from runtime.integrate.signatures import no_accelerations_tangent
+from runtime.integrate.tables import IMPLICIT, METHODS
 
 CORRECTIONS = ("step", "stage", "projection", "baumgarte", "hybrid")
 _MOST = 2**62  # what a count may be
@@ -18,6 +19,7 @@ def check(system: System, problem: Problem, options: Options) -> None:
     problems = [
         *_of_problem(system.coordinates, problem),
         *_of_choices(options),
+        *_of_derivatives(system, options),
         *_of_tolerances(system.coordinates, options),
         *_of_instants(problem, options),
         *_of_numbers(options),
@@ -44,14 +46,24 @@ def _of_choices(options: Options) -> list[str]:
     problems = []
     if options.method not in METHODS:
         problems.append(
-            f"method {options.method!r} is none of the explicit methods; choose one of "
-            f"{', '.join(METHODS)}."
+            f"method {options.method!r} is none of the methods; choose one of {', '.join(METHODS)}."
         )
     if options.correction not in CORRECTIONS:
         problems.append(
             f"correction = {options.correction!r} must be one of {', '.join(CORRECTIONS)}."
         )
     return problems
+
+
+def _of_derivatives(system: System, options: Options) -> list[str]:
+    if options.method in IMPLICIT and system.accelerations_tangent is no_accelerations_tangent:
+        without = (
+            f"method {options.method!r} needs the derivatives of the kernels, and this system has "
+            f"none: give it accelerations_tangent and correction_tangent, which "
+            f"runtime.load(...).tangents has, or choose dop853 or dopri5."
+        )
+        return [without]
+    return []
 
 
 def _of_tolerances(n: int, options: Options) -> list[str]:

@@ -64,6 +64,7 @@ from runtime.outcomes import Outcome
 
 GOING = -1  # the run is not over
 LOOK = -2  # nor is this: a singular position has to be looked at, see `crossing`
+CHANGE = -3  # nor is this: another method is due
 _OK = int(Outcome.OK)
 _INCONSISTENT = int(Outcome.INCONSISTENT)
 _ZENO = int(Outcome.ZENO)
@@ -128,8 +129,8 @@ def advance(
 ) -> int:
     """Take at most `budget` trial steps.
 
-    Returns `GOING`, `LOOK`, or the code of the outcome. `run.index` names the switching function or
-    constraint where an outcome concerns one.
+    Returns `GOING`, `LOOK`, `CHANGE`, or the code of the outcome. `run.index` names the switching
+    function or constraint where an outcome concerns one.
     """
     attempt = attempt_of(machine)
     first_step = first_step_of(machine)
@@ -188,6 +189,7 @@ def advance(
             return _NOT_FINITE if r.reason == NOT_FINITE else _STEP_TOO_SMALL
 
         # Try the step.
+        due = 0
         code = attempt(machine, t, h, w, run, p, modes, lam)
         if code != DONE:
             r.rejected += 1
@@ -318,7 +320,7 @@ def advance(
             r.steps += 1
             r.rejected_before = 0
             r.error_old = max(r.error, 1e-4)
-            accepted_of(machine)(machine, t, h, w, run)
+            due = accepted_of(machine)(machine, t, h, w, run)
             r.weak = r.weak + 1 if r.weak_row > 0 else 0
         r.t = t1
         r.h = h_next
@@ -379,4 +381,6 @@ def advance(
             r.plan = FREE
         if soon != 0:
             return LOOK
+        if due != 0 and r.t < r.t_end:
+            return CHANGE
     return _OK if r.t >= r.t_end else GOING

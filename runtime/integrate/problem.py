@@ -119,7 +119,8 @@ class Options:
     Attributes
     ----------
     method
-        "dopri5" or "dop853".
+        "dopri5" or "dop853", explicit; "radau5" or "bdf", implicit, for stiff equations: these take
+        the derivatives of the kernels; "auto", which starts with "dop853" and changes to and fro.
     rtol
         Relative tolerance of a step.
     atol_q, atol_v
@@ -148,7 +149,7 @@ class Options:
         Trial steps between two looks at the clock; None: chosen for about 50 ms.
     """
 
-    method: Literal["dopri5", "dop853"] = "dop853"
+    method: Literal["dopri5", "dop853", "bdf", "radau5", "auto"] = "dop853"
     rtol: float = 1e-8
     atol_q: ArrayLike | None = None
     atol_v: ArrayLike | None = None
@@ -294,6 +295,8 @@ class Trajectory:
         As their classes say.
     note
         What else is to be said about how the run ended; empty as a rule.
+    methods
+        Times from which on each method was used, with its name: one, but for "auto".
     """
 
     t: Vector
@@ -311,6 +314,7 @@ class Trajectory:
     partitions: Partitions
     crossings: tuple[Crossing, ...] = ()
     note: str = ""
+    methods: tuple[tuple[float, str], ...] = ()
 
 
 @dataclass

@@ -11,6 +11,7 @@ import numpy as np
 
 from runtime.integrate import attempt, driver
 from runtime.integrate.bent import TIME_SCALE
+from runtime.integrate.changing import change_method, fill_method
 from runtime.integrate.check import check
 from runtime.integrate.crossing import Crossings
 from runtime.integrate.problem import (
@@ -133,6 +134,7 @@ class _Run:
         self.r = self.record[0]
         self._fill_record(problem, options, parts)
         self.modes = np.zeros(s, np.int64)
+        self.methods = [(float(problem.t0), str(options.method))]
         p = np.ascontiguousarray(problem.p, dtype=np.float64)
         self.wiring = wire(system, options.method, p, 4 * driver.LOG_MARGIN)
         table, arrays = self.wiring.table, self.wiring.arrays
@@ -179,11 +181,8 @@ class _Run:
             r["fixed"], r["h"], r["h_max"] = 1, options.fixed_step, options.fixed_step
         r["rtol"] = options.rtol
         r["max_steps"], r["max_events"] = options.max_steps, options.max_events
-        r["order"], r["last"] = parts.ORDER, parts.LAST
-        r["stage_calls"], r["dense_calls"] = parts.STAGE_CALLS, parts.DENSE_CALLS
-        r["dense_rows"] = parts.DENSE_ROWS
-        r["exponent"], r["beta"] = 1.0 / (parts.ERROR_ORDER + 1), parts.BETA
-        r["safety"], r["shrink"], r["grow"] = 0.9, parts.SHRINK, parts.GROW
+        fill_method(r, parts)
+        r["automatic"], r["patience"] = int(options.method == "auto"), 1
         r["error_old"] = 1e-4
         r["every_step"] = 0 if self.fixed_size else 1
         r["growth_limit"] = r["ratio_limit"] = attempt.GROWTH_LIMIT
@@ -239,6 +238,9 @@ class _Run:
                 )
                 took = time.perf_counter() - before
                 self._flush()
+                if code == driver.CHANGE:
+                    change_method(self)
+                    code = driver.GOING
                 if self.options.chunk is None and took < 0.5 * _CHUNK_SECONDS:
                     chunk = min(2 * chunk, _LONGEST_CHUNK)
                 if progress is not None:
@@ -280,6 +282,7 @@ class _Run:
             statistics=Statistics(**counts, largest_dq=float(r["largest_dq"]), seconds=seconds),
             events=Events(event_t, kind[:, 0], kind[:, 1], event_y[:, :n], event_y[:, n:]),
             partitions=Partitions(set_t, sets.astype(bool)),
+            methods=tuple((t, "dop853" if name == "auto" else name) for t, name in self.methods),
             crossings=tuple(self.crossings.passed),
             note=self.crossings.note,
         )

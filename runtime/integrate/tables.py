@@ -27,11 +27,11 @@ from runtime.integrate.problem import System
 from runtime.integrate.signatures import Integers, Vector
 from runtime.integrate.slots import Slot
 
-METHODS = ("dopri5", "dop853", "bdf", "radau5")
+METHODS = ("dopri5", "dop853", "bdf", "radau5", "auto")
 """The methods; each is a module of this package."""
 
-IMPLICIT = ("bdf", "radau5")
-"""Those that need derivatives of the kernels."""
+IMPLICIT = ("bdf", "radau5", "auto")
+"""Those that need derivatives of the kernels, at times or throughout."""
 
 _METHOD = ("stages", "error", "dense", "propose", "accepted", "restart")
 

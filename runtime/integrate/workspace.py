@@ -94,6 +94,8 @@ _INTEGERS = [
     "rhs",
     "corrections",
     "newton",
+    "automatic",  # 1: the method may be changed
+    "patience",  # how many times longer than at first it is watched before that
     "iterations",  # of Newton's method in the steps of implicit methods
     "jacobians",
     "factorizations",

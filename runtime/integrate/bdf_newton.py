@@ -1,0 +1,143 @@
+"""Newton's method for a step of the backward differentiation formulas, and the step's error."""
+
+import numpy as np
+
+from runtime.compiled import inner
+from runtime.constraints.correction import FAILED
+from runtime.integrate.bdf_history import (
+    ERROR_CONSTANT,
+    FORESEEN,
+    NOW,
+    PSI,
+)
+from runtime.integrate.linear import solve
+from runtime.integrate.memory import (
+    COUNTS,
+    CURRENT,
+    ENOUGH,
+    FREEDOMS,
+    ITERATIONS,
+    RATE,
+    SLOPE,
+    STEP_ORDER,
+    TOLERANCE,
+    line,
+    matrix,
+)
+from runtime.integrate.newton import SLOW, filtered
+from runtime.integrate.reduction import arrive
+from runtime.integrate.signatures import Integers, Vector
+from runtime.integrate.views import view
+from runtime.integrate.workspace import ROWS, Y1, K, Run
+
+LAST = 1  # row, after K, of the derivative at the end of the step
+MOST_ITERATIONS = 4
+CORRECTIONS, RESIDUAL = 18, 19  # rows of MEMORY
+
+
+@inner
+def newton(
+    machine: Integers,
+    t: float,
+    c: float,
+    memory: Vector,
+    notes: Integers,
+    w: Vector,
+    run: Run,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+) -> int:
+    """Solve for the state Y1 at time `t`, the end of the step; its dependent half is not final.
+
+    Returns calls of `correction`, or `FAILED` where the iteration does not converge.
+    """
+    r = run[0]
+    length = w.size // ROWS
+    n = length // 2
+    f = notes[FREEDOMS]
+    y1 = view(w, Y1 * length, length)
+    a = view(w, (K + LAST) * length + n, n)
+    foreseen, psi = line(memory, FORESEEN, n), line(memory, PSI, n)
+    corrections, delta = line(memory, CORRECTIONS, n), line(memory, RESIDUAL, n)
+    allowed = line(memory, TOLERANCE, n)
+    enough = memory[ENOUGH]
+    for i in range(f):
+        j = notes[COUNTS + i]
+        corrections[i] = 0.0
+        y1[j] = foreseen[j] + c * foreseen[n + j] - psi[j]
+    taken = 0
+    before = 0.0
+    for iteration in range(MOST_ITERATIONS):
+        result = arrive(machine, t, Y1, K + LAST, w, p, modes, lam)
+        if result == FAILED:
+            return FAILED
+        taken += result
+        r.rhs += 1
+        r.iterations += 1
+        for i in range(f):
+            j = notes[COUNTS + i]
+            delta[i] = c * a[j] - psi[n + j] - corrections[i]
+        solve(matrix(memory, 2, n), f, view(notes, COUNTS + n, n), delta)
+        total = 0.0
+        for i in range(f):
+            j = notes[COUNTS + i]
+            corrections[i] += delta[i]
+            y1[n + j] = foreseen[n + j] + corrections[i]
+            y1[j] = foreseen[j] + c * y1[n + j] - psi[j]
+            total += (delta[i] / allowed[n + j]) ** 2 + (c * delta[i] / allowed[j]) ** 2
+        size = np.sqrt(total / max(1, 2 * f))
+        notes[ITERATIONS] = iteration + 1
+        if size == 0.0:
+            return taken
+        if iteration > 0:
+            ratio = size / before
+            if not ratio < 1.0:
+                return FAILED
+            memory[RATE] = ratio / (1.0 - ratio)
+            if ratio > SLOW:
+                notes[CURRENT] = 0
+            left = MOST_ITERATIONS - 1 - iteration
+            if ratio**left * memory[RATE] * size > enough:
+                return FAILED
+        if memory[RATE] * size <= enough:
+            return taken
+        if not np.isfinite(size):
+            return FAILED
+        before = size
+    return FAILED
+
+
+@inner
+def estimate(
+    machine: Integers,
+    t: float,
+    c: float,
+    other: int,
+    memory: Vector,
+    notes: Integers,
+    w: Vector,
+    p: Vector,
+) -> float:
+    """Size of the filtered difference of order k + 1 + `other` at the new state.
+
+    At an order k it is Y1 - FORESEEN = ∇ᵏ⁺¹, one lower it is that plus ∇ᵏ of the past, one higher
+    that less ∇ᵏ⁺¹ of the past.
+
+    Where stiff forces hold a position, the formula's velocity is a difference quotient of it and
+    off by one power of h more than the differences of velocities say; the filter knows.
+    """
+    n = w.size // (2 * ROWS)
+    length = 2 * n
+    k = notes[STEP_ORDER]
+    y1 = view(w, Y1 * length, length)
+    foreseen = line(memory, FORESEEN, n)
+    past = line(memory, NOW + (k if other < 0 else k + 1), n)
+    sign = 0.0 if other == 0 else (1.0 if other < 0 else -1.0)
+    rates = line(memory, SLOPE, n)
+    for i in range(notes[FREEDOMS]):
+        j = notes[COUNTS + i]
+        rates[n + i] = y1[j] - foreseen[j] + sign * past[j]
+        rates[i] = y1[n + j] - foreseen[n + j] + sign * past[n + j]
+    constant = ERROR_CONSTANT[k + other]
+    return float(constant * filtered(machine, t, Y1, c, memory, notes, w, p))

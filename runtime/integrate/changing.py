@@ -1,0 +1,45 @@
+"""The change of method in a run, between two steps."""
+
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from runtime.integrate.auto import successor
+from runtime.integrate.slots import Slot
+from runtime.integrate.tables import function_table, method
+from runtime.integrate.workspace import PARTITION, ROWS
+
+if TYPE_CHECKING:
+    from runtime.integrate.run import _Run
+
+_MOST_PATIENCE = 1024  # times the first, before a method is changed
+
+
+def fill_method(r: Any, parts: ModuleType) -> None:
+    """Write into a run's record the numbers of the method that is the module `parts`."""
+    r["order"], r["last"] = parts.ORDER, parts.LAST
+    r["stage_calls"], r["dense_calls"] = parts.STAGE_CALLS, parts.DENSE_CALLS
+    r["dense_rows"] = parts.DENSE_ROWS
+    r["exponent"], r["beta"] = 1.0 / (parts.ERROR_ORDER + 1), parts.BETA
+    r["safety"], r["shrink"], r["grow"] = 0.9, parts.SHRINK, parts.GROW
+
+
+def change_method(run: "_Run") -> None:
+    """Go on with the method that suits: the state and its derivative are all that it needs.
+
+    Each change doubles the number of steps that have to speak for the next one.
+    """
+    r, table = run.r, run.wiring.table
+    free = run.w.reshape(ROWS, 2, run.n)[PARTITION, 0] == 0.0
+    freedoms = int(np.count_nonzero(free)) if run.m else run.n
+    name = successor(run.methods[-1][1], freedoms, run.options.rtol)
+    run.methods.append((float(r["t"]), name))
+    r["patience"] = min(2 * r["patience"], _MOST_PATIENCE)
+    parts = method(name)
+    fill_method(r, parts)
+    run.crossings.follow(parts)
+    functions = function_table(name)
+    table[Slot.STAGES : Slot.STAGES + functions.size] = functions
+    run.wiring.arrays[Slot.NOTES][:] = 0
+    parts.restart(table, r["t"], r["h"], run.w, run.record)

@@ -1,0 +1,146 @@
+"""Newton's method inside implicit steps: its matrices, its tolerance, errors seen through it."""
+
+import numpy as np
+
+from runtime.compiled import inner
+from runtime.integrate.linear import factor, solve
+from runtime.integrate.memory import COUNTS, FREEDOMS, IN, OUT, SLOPE, TOLERANCE, line, matrix
+from runtime.integrate.reduction import carry
+from runtime.integrate.signatures import Integers, Vector
+from runtime.integrate.views import view
+from runtime.integrate.workspace import ATOL, ROWS, SIZE, Y0
+
+SLOW = 0.05  # convergence at which derivatives are taken anew for the next step
+_LOOSEST = 0.03  # of the tolerance of a step: how far Newton's method is taken at least
+_EPS = 2.2e-16
+_LEAST = 8.0 * _EPS  # rounding in a step, relative to the largest coordinate or velocity
+_RECOVERED = 4.0 * _EPS  # in dependent ones, times the square of the ratio of speeds
+_FASTEST = 10.0  # the largest ratio of speeds of dependent to independent coordinates reckoned with
+
+
+@inner
+def factor_real(memory: Vector, notes: Integers, n: int, c: float) -> int:
+    """Factor I - c G_u̇ - c² G_u; 1 where it is singular, else 0."""
+    f = notes[FREEDOMS]
+    by_u, by_rate, a = matrix(memory, 0, n), matrix(memory, 1, n), matrix(memory, 2, n)
+    for i in range(f):
+        for j in range(f):
+            at = i * f + j
+            a[at] = (1.0 if i == j else 0.0) - c * (by_rate[at] + c * by_u[at])
+    return int(factor(a, f, view(notes, COUNTS + n, n)))
+
+
+@inner
+def factor_complex(memory: Vector, notes: Integers, n: int, c: float, d: float) -> int:
+    """Factor I - (c + i d) G_u̇ - (c + i d)² G_u as a real matrix of order 2 f, real parts first."""
+    f = notes[FREEDOMS]
+    by_u, by_rate, a = matrix(memory, 0, n), matrix(memory, 1, n), matrix(memory, 3, n)
+    for i in range(f):
+        for j in range(f):
+            at = i * f + j
+            real = (1.0 if i == j else 0.0) - c * by_rate[at] - (c * c - d * d) * by_u[at]
+            imaginary = -d * by_rate[at] - 2.0 * c * d * by_u[at]
+            a[i * 2 * f + j] = real
+            a[i * 2 * f + f + j] = -imaginary
+            a[(f + i) * 2 * f + j] = imaginary
+            a[(f + i) * 2 * f + f + j] = real
+    return int(factor(a, 2 * f, view(notes, COUNTS + 2 * n, 2 * n)))
+
+
+@inner
+def tolerate(
+    memory: Vector,
+    notes: Integers,
+    w: Vector,
+    relative: float,
+    asked: float,
+    newton: float,
+    ahead: Vector,
+) -> float:
+    """Fill row TOLERANCE: what the error of the step may be, from its ends Y0 and `ahead`.
+
+    Not less than rounding. That of the independent coordinates is magnified by the recovery of the
+    dependent ones, and again by that of their velocities; it is not carried on into the next
+    steps. Returns how far Newton's method is to be taken, over this tolerance.
+
+    Parameters
+    ----------
+    relative
+        Relative tolerance to be held to.
+    asked
+        Relative tolerance asked for, of which the absolute ones in row ATOL are the companions.
+    newton
+        How far Newton's method is taken, over the tolerance asked.
+    """
+    length = w.size // ROWS
+    n = length // 2
+    y0 = view(w, Y0 * length, length)
+    atol = view(w, ATOL * length, length)
+    size = view(w, SIZE * length, length)
+    allowed = line(memory, TOLERANCE, n)
+    held, carried = 0.0, 0.0
+    for j in range(n, length):
+        carried = max(carried, abs(y0[j]) / size[j])
+    for i in range(notes[FREEDOMS]):
+        j = n + notes[COUNTS + i]
+        held = max(held, abs(y0[j]) / size[j])
+    ratio = min(_FASTEST, carried / max(held, 1e-300))
+    for half in range(2):
+        largest = 0.0
+        for j in range(half * n, half * n + n):
+            largest = max(largest, abs(y0[j]) / size[j])
+        for j in range(half * n, half * n + n):
+            value = relative * (atol[j] / asked + max(abs(y0[j]), abs(ahead[j])))
+            allowed[j] = value + (_LEAST + _RECOVERED * ratio * ratio) * largest * size[j]
+        for i in range(notes[FREEDOMS]):
+            j = half * n + notes[COUNTS + i]
+            allowed[j] -= _RECOVERED * ratio * ratio * largest * size[j]
+    return float(max(2.0 * _EPS / (relative + _LEAST), min(_LOOSEST, newton * asked / relative)))
+
+
+@inner
+def measured(change: Vector, allowed: Vector) -> float:
+    """Root mean square of a change over the tolerance."""
+    total = 0.0
+    for i in range(change.size):
+        ratio = change[i] / allowed[i]
+        total += ratio * ratio
+    return float(np.sqrt(total / change.size))
+
+
+@inner
+def filtered(
+    machine: Integers,
+    t: float,
+    state: int,
+    c: float,
+    memory: Vector,
+    notes: Integers,
+    w: Vector,
+    p: Vector,
+) -> float:
+    """Size of (I - c J)⁻¹ (x, y) over the tolerance, over all coordinates and velocities.
+
+    x and y, changes of the unknowns and of their rates, are in the second and in the first half of
+    row SLOPE of MEMORY and are used up. Row IN receives the result, completed by the change of the
+    dependent coordinates at the state in row `state`. The matrix takes out what stiff forces do
+    not permit, and turns an error of a position that they hold into that of its velocity.
+    """
+    n = w.size // (2 * ROWS)
+    f = notes[FREEDOMS]
+    by_u = matrix(memory, 0, n)
+    change, y, out = line(memory, IN, n), line(memory, SLOPE, n), line(memory, OUT, n)
+    x = view(y, n, n)
+    for i in range(f):
+        for k in range(f):
+            y[i] += c * by_u[i * f + k] * x[k]
+    solve(matrix(memory, 2, n), f, view(notes, COUNTS + n, n), y)
+    for j in range(2 * n):
+        change[j] = 0.0
+    for i in range(f):
+        j = notes[COUNTS + i]
+        change[n + j] = y[i]
+        change[j] = x[i] + c * y[i]
+    dq, dv = view(change, 0, n), view(change, n, n)
+    carry(machine, t, state, dq, dv, view(out, 0, n), view(out, n, n), w, p)
+    return float(measured(change, line(memory, TOLERANCE, n)))

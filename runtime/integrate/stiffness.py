@@ -1,0 +1,75 @@
+"""How stiff the equations are: bounds and the spectral radius of their derivatives."""
+
+import numpy as np
+
+from runtime.compiled import inner
+from runtime.integrate.memory import CALM, COUNTS, FREEDOMS, IN, OUT, SLOPE, STIFFNESS, line, matrix
+from runtime.integrate.signatures import Integers, Vector
+from runtime.integrate.views import view
+from runtime.integrate.workspace import ROWS, SIZE, Run
+
+_POWERS = 8  # iterations of the power method before the mean is taken, and in it
+_QUIET, _LONG = 0.5, 30  # h ρ with which an explicit method is at ease, and steps until it returns
+
+
+@inner
+def stiffness(memory: Vector, notes: Integers, w: Vector, h: float) -> float:
+    """Largest row of h² |G_u| + h |G_u̇|, each entry relative to the sizes of its coordinates."""
+    length = w.size // ROWS
+    n = length // 2
+    f = notes[FREEDOMS]
+    by_u, by_rate = matrix(memory, 0, n), matrix(memory, 1, n)
+    size = view(w, SIZE * length, length)
+    largest = 0.0
+    for i in range(f):
+        total = 0.0
+        for k in range(f):
+            at, row, column = i * f + k, notes[COUNTS + i], notes[COUNTS + k]
+            total += h * h * abs(by_u[at]) * size[column] / size[row]
+            total += h * abs(by_rate[at]) * size[n + column] / size[n + row]
+        largest = max(largest, total)
+    return float(largest)
+
+
+@inner
+def spectral_radius(memory: Vector, notes: Integers, n: int) -> float:
+    """Largest |λ| of u̇ = y, ẏ = G_u u + G_u̇ y: the mean growth in iterations of the power method.
+
+    An even number of them is averaged, as u and y have other units: their sizes change in turn.
+    """
+    f = notes[FREEDOMS]
+    by_u, by_rate = matrix(memory, 0, n), matrix(memory, 1, n)
+    x, y, z = line(memory, IN, n), line(memory, OUT, n), line(memory, SLOPE, n)
+    for i in range(f):
+        x[i] = 1.0 + 0.1 * i
+        y[i] = 1.0 - 0.3 * i
+    grown = 0.0
+    for iteration in range(2 * _POWERS):
+        largest = 0.0
+        for i in range(f):
+            z[i] = 0.0
+            for k in range(f):
+                z[i] += by_u[i * f + k] * x[k] + by_rate[i * f + k] * y[k]
+        for i in range(f):
+            x[i] = y[i]
+            y[i] = z[i]
+            largest = max(largest, abs(x[i]), abs(y[i]))
+        if not (largest > 0.0 and np.isfinite(largest)):
+            return 0.0
+        for i in range(f):
+            x[i] /= largest
+            y[i] /= largest
+        if iteration >= _POWERS:
+            grown += np.log(largest)
+    return float(np.exp(grown / _POWERS))
+
+
+@inner
+def calm(memory: Vector, notes: Integers, h: float, run: Run) -> int:
+    """1 where an explicit method could long have taken the same steps, and may be chosen."""
+    quiet = run[0].automatic != 0 and h * memory[STIFFNESS] < _QUIET
+    notes[CALM] = notes[CALM] + 1 if quiet else 0
+    if notes[CALM] < _LONG * run[0].patience:
+        return 0
+    notes[CALM] = 0
+    return 1
