@@ -74,8 +74,8 @@ BETA = 0.0
 SHRINK = 0.2
 
 
-_SHARE = 0.3
-NEWTON = 1e-2  # how far Newton's method is taken, over the tolerance asked
+_SHARE = 0.2
+NEWTON = 3e-3  # how far Newton's method is taken, over the tolerance asked
 _SAME = 1.1  # a step that could grow by less stays as it is, and with it the matrix
 
 
