@@ -50,6 +50,7 @@ _FIRST_CHUNK = 512
 _LONGEST_CHUNK = 16384
 _CHUNK_SECONDS = 0.05
 _EVENT_ROWS = 64
+_SHOWN = (Slot.WORKSPACE, Slot.SURFACES, Slot.PARAMETERS, Slot.MODES, Slot.MULTIPLIERS)
 _FOLLOWED = 2.0  # of Baumgarte's time: within longer steps what pulls back swings
 _CORRECTING = {
     "step": attempt.BY_PARTITION,
@@ -165,6 +166,10 @@ class _Run:
             np.zeros(m),
             self.t_eval,
         )
+        shown = (self.w, self.sw, p, self.modes, self.fixed_arrays[6])
+        for slot, array in zip(_SHOWN, shown, strict=True):
+            table[slot] = array.ctypes.data
+        table[Slot.PARAMETER_COUNT] = p.size
         self.crossings = Crossings(system, problem, self, parts)
         self.event_arrays: tuple[Any, ...] = (
             np.full(driver.RECENT, -np.inf),
