@@ -17,6 +17,7 @@ from runtime.integrate.memory import (
     ENOUGH,
     FREEDOMS,
     ITERATIONS,
+    OUT,
     RATE,
     SLOPE,
     STEP_ORDER,
@@ -24,7 +25,7 @@ from runtime.integrate.memory import (
     line,
     matrix,
 )
-from runtime.integrate.newton import SLOW, filtered
+from runtime.integrate.newton import SLOW, filtered, uneven
 from runtime.integrate.reduction import arrive
 from runtime.integrate.signatures import Integers, Vector
 from runtime.integrate.views import view
@@ -139,5 +140,8 @@ def estimate(
         j = notes[COUNTS + i]
         rates[n + i] = y1[j] - foreseen[j] + sign * past[j]
         rates[i] = y1[n + j] - foreseen[n + j] + sign * past[n + j]
-    constant = ERROR_CONSTANT[k + other]
-    return float(constant * filtered(machine, t, Y1, c, memory, notes, w, p))
+    found = filtered(machine, t, Y1, c, memory, notes, w, p)
+    raw, allowed = line(memory, OUT, n), line(memory, TOLERANCE, n)
+    for i in range(n):
+        raw[i] = y1[i] - foreseen[i] + sign * past[i]
+    return float(ERROR_CONSTANT[k + other] * max(found, uneven(raw, notes, w, allowed)))

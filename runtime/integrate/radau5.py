@@ -25,6 +25,7 @@ from runtime.integrate.memory import (
     H_BASE,
     IN,
     ITERATIONS,
+    OUT,
     RATE,
     SLOPE,
     STEP_ERROR,
@@ -33,7 +34,7 @@ from runtime.integrate.memory import (
     line,
     memory,
 )
-from runtime.integrate.newton import factor_complex, factor_real, filtered, tolerate
+from runtime.integrate.newton import factor_complex, factor_real, filtered, tolerate, uneven
 from runtime.integrate.radau5_coefficients import C_COMPLEX, C_IMAGINARY, C_REAL, E1, E2, E3
 from runtime.integrate.radau5_stages import (
     MOST_ITERATIONS,
@@ -97,7 +98,12 @@ def embedded(
             j = half * n + notes[COUNTS + i]
             z = E1 * (s1[j] - y0[j]) + E2 * (s2[j] - y0[j]) + E3 * (s3[j] - y0[j])
             rates[(1 - half) * n + i] = c * k0[j] + C_REAL * z
-    return float(filtered(machine, t, Y0, c, memory, notes, w, p))
+    found = filtered(machine, t, Y0, c, memory, notes, w, p)
+    raw = line(memory, OUT, n)
+    for j in range(n):
+        z = E1 * (s1[j] - y0[j]) + E2 * (s2[j] - y0[j]) + E3 * (s3[j] - y0[j])
+        raw[j] = c * k0[j] + C_REAL * z
+    return float(max(found, uneven(raw, notes, w, line(memory, TOLERANCE, n))))
 
 
 @inner
