@@ -1,4 +1,4 @@
-"""``python -m benchmarks [elements | kernels | machines | compressor]...``: tables, and files."""
+"""``python -m benchmarks [elements | kernels | machines | compressor | scenes]...``: tables."""
 
 import tempfile
 from collections.abc import Sequence
@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from benchmarks import compressor, elements, kernels, machines, twins
+from benchmarks import compressor, elements, kernels, machines, scenes, twins
 from benchmarks.report import Report, finish, records, save, verdict
 
 __all__ = ["main", "save"]
@@ -139,11 +139,33 @@ def of_compressor(quick: bool) -> list[Report]:
     ]
 
 
+def of_scenes(quick: bool) -> list[Report]:
+    """What a scene that asks for less saves."""
+    size = (5_000, 2) if quick else (200_000, 15)
+    with tempfile.TemporaryDirectory() as folder:
+        rows = scenes.kernels(Path(folder), *size)
+        runs = scenes.springs(Path(folder), 1 if quick else 5)
+    alone, struck = runs
+    table = [
+        (r.question, r.scene, str(r.operations), f"{r.microseconds:.3f}", str(r.events))
+        for r in (*rows, *runs)
+    ]
+    told = verdict(
+        f"The spring alone ({alone.events} events), in times of that with its striker:",
+        alone.microseconds / struck.microseconds,
+        1 / scenes.FASTER,
+    )
+    headings = ("question", "scene", "operations", "µs", "events")
+    title = "scenes: what leaving out is worth"
+    return [Report("scenes", title, headings, table, (told,), records((*rows, *runs)), 2)]
+
+
 MEASUREMENTS = {
     "elements": of_elements,
     "kernels": of_kernels,
     "machines": of_machines,
     "compressor": of_compressor,
+    "scenes": of_scenes,
 }
 
 
@@ -157,7 +179,8 @@ def chosen(names: Sequence[str] | None) -> Sequence[str]:
 
 def main(
     names: Annotated[
-        list[str] | None, typer.Argument(help="elements, kernels, machines, compressor; all")
+        list[str] | None,
+        typer.Argument(help="elements, kernels, machines, compressor, scenes; all"),
     ] = None,
     quick: Annotated[bool, typer.Option(help="Fewer repeats; times are rough.")] = False,
     out: Annotated[Path, typer.Option(help="Folder for the JSON and Markdown files.")] = RESULTS,

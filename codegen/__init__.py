@@ -13,6 +13,7 @@ from codegen.errors import InputError, LinkwrightError, ModelError
 if TYPE_CHECKING:
     from codegen.declare.body import Body, Curve, Point
     from codegen.declare.element import ConjugateReaction, I, J, JointReaction, Statement
+    from codegen.declare.scene import Scene
     from codegen.declare.symbols import Coordinate, alpha, coordinate, given, t
     from codegen.driver import BuildReport, build
     from codegen.elements.registry import element
@@ -24,6 +25,7 @@ _ROOMS = {
     "codegen.model": ("Model",),
     "codegen.declare.body": ("Body", "Curve", "Point"),
     "codegen.declare.element": ("ConjugateReaction", "I", "J", "JointReaction", "Statement"),
+    "codegen.declare.scene": ("Scene",),
     "codegen.declare.symbols": ("Coordinate", "alpha", "coordinate", "given", "t"),
     "codegen.driver": ("BuildReport", "build"),
     "codegen.elements.registry": ("element",),
@@ -44,6 +46,7 @@ __all__ = [
     "Model",
     "ModelError",
     "Point",
+    "Scene",
     "Statement",
     "__version__",
     "alpha",

@@ -28,6 +28,7 @@ from codegen.declare.symbols import Coordinate, Given, Parameter, Velocity, kind
 from codegen.derive.equations import active_joints
 from codegen.holding import hold_problems
 from codegen.model import Model
+from codegen.reporting import output_problems
 
 WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
 
@@ -38,7 +39,8 @@ def check_model(model: Model) -> list[str]:
     if not model.bodies:
         found.append(f"model '{model.name}' has no body; declare one with model.body(...).")
     elements: list[Constraint | Effect] = [*model.joints.values(), *model.drivers.values()]
-    elements += model.effects.values()
+    effects = _all_effects(model)
+    elements += effects
     for element in elements:
         found += _bodies(model, element)
         found += element.problems()
@@ -53,7 +55,7 @@ def check_model(model: Model) -> list[str]:
             found.append(_unknown(model, constraint, symbol))
         found += constraint_problems(constraint)
         found += _orientations(constraint)
-    for effect in model.effects.values():
+    for effect in effects:
         if effect.problems():
             continue
         sound = tuple(body for name, body in model.bodies.items() if name not in masses)
@@ -75,7 +77,7 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
     found = []
     if not scene.bodies:
         found.append(f"{where}: no body takes part; leave one in.")
-    if scene.analysis == "dynamics":
+    if scene.analysis != "kinematics":
         for name in scene.bodies:
             body = model.bodies[name]
             words = ("mass", "inertia") if body.turns else ("mass",)
@@ -101,10 +103,20 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
             found.append(
                 f"{where}: {name} has a start value, but its {model.kind(owner)} takes no part."
             )
+    found += output_problems(model, scene)
     found += hold_problems(model, scene)
     for name, value in scene.parameters:
         if problem := model.parameters[name].problem(value):
             found.append(f"{where}: {problem}")
+    return found
+
+
+def _all_effects(model: Model) -> list[Effect]:
+    """The effects in every fidelity that their declaration has the numbers for."""
+    found = list(model.effects.values())
+    for name, forms in model.fidelities.items():
+        others = (form for form in forms.values() if form is not model.effects[name])
+        found += [form for form in others if not isinstance(form, str)]
     return found
 
 
@@ -159,7 +171,7 @@ def _orientations(constraint: Constraint) -> Iterator[str]:
 
 def _needed(model: Model, scene: Scene, name: str) -> list[str]:
     """The bodies, and joints with coordinates, that an effect or driver acts on or looks at."""
-    element: Constraint | Effect = model.drivers.get(name) or model.effects[name]
+    element: Constraint | Effect = model.drivers.get(name) or model.acting(scene)[name]
     needed = [body.name for body in element.bodies if not body.fixed]
     if isinstance(element, Effect):
         bodies = tuple(model.bodies[b] for b in scene.bodies)

@@ -13,7 +13,7 @@ compile   file                  → machine code in numba's cache
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
@@ -25,7 +25,7 @@ from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
 from codegen.differentiating import derivatives, refuse_massless, wanted
 from codegen.emit.module import Origin, module_text
-from codegen.errors import ModelError, ParameterError, SceneError
+from codegen.errors import ModelError, SceneError
 from codegen.examine import examine
 from codegen.fingerprint import fingerprint
 from codegen.lower.kernels import Lowered, lower
@@ -33,6 +33,7 @@ from codegen.lower.ledger import operations
 from codegen.model import Model
 from codegen.modelfile import ModelFile, read_model
 from codegen.placing import default_folder, file_name
+from codegen.settings import settled, with_settings
 from codegen.stages import Clock, File, Progress
 from codegen.write import is_current, write_if_changed
 
@@ -75,7 +76,7 @@ class SceneReport:
     degrees_of_freedom: int
     effects: tuple[str, ...]
     left_out: tuple[str, ...]
-    strategy: str
+    strategy: str | None
     operations: dict[str, int]
     seconds: dict[str, float]
     tangents: TangentsReport | None = None
@@ -96,7 +97,7 @@ class BuildReport:
 
 def build(
     model: str | Path | Model,
-    scene: str | Sequence[str] | None = None,
+    scene: str | Scene | Sequence[str | Scene] | None = None,
     out: str | Path | None = None,
     *,
     settings: Mapping[str, float] | None = None,
@@ -112,7 +113,8 @@ def build(
     model
         Path of a model file, a bare name for ``models/NAME.py``, or a `Model`.
     scene
-        One scene, or several; None builds all of them.
+        One scene or several, by name or as `Scene.without` and `Scene.with_` made them; None
+        builds all that are declared.
     out
         Folder for the generated files; by default ``generated/`` of the library for the
         library's models, else of the folder one works in.
@@ -139,7 +141,7 @@ def build(
     file = read_model(model)
     declared = with_settings(file.model, settings or {})
     reading = perf_counter() - started
-    scenes = sound_scenes(declared, scene)
+    scenes = [settled(s, settings or {}) for s in sound_scenes(declared, scene)]
     folder = Path(out) if out is not None else default_folder(file)
     prepared = []
     for chosen in scenes:
@@ -184,7 +186,7 @@ def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowe
     return equations, lowered
 
 
-def sound_scenes(model: Model, names: str | Sequence[str] | None) -> list[Scene]:
+def sound_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None) -> list[Scene]:
     """The scenes to build, once the model and they have been checked.
 
     A model that declares no scene gets one, ``default``, in which everything acts.
@@ -196,44 +198,25 @@ def sound_scenes(model: Model, names: str | Sequence[str] | None) -> list[Scene]
         model = copy(model)
         model.scenes = {}
         model.scene("default", effects=model.effects, drivers=model.drivers)
-    wanted = (names,) if isinstance(names, str) else model.scenes if names is None else names
+    chosen = (
+        (names,) if isinstance(names, str | Scene) else model.scenes if names is None else names
+    )
+    wanted = [name for name in chosen if isinstance(name, str)]
+    made = [model.again(scene) for scene in chosen if isinstance(scene, Scene)]
     missing = [
         f"model '{model.name}' has no scene '{name}'; {nearest(name, model.scenes)}"
         for name in wanted
         if name not in model.scenes
     ]
+    missing += [problem for scene in made for problem in scene.problems]
     if missing:
         raise SceneError(missing)
     scenes = [scene for name, scene in model.scenes.items() if name in wanted]
+    scenes += [scene for scene in made if scene not in scenes]
     problems = [problem for s in scenes for problem in check_scene(model, s)]
     if problems:
         raise ModelError(problems)
     return scenes
-
-
-def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
-    """A copy of the model with other defaults; every scene takes them over."""
-    problems = []
-    changed = copy(model)
-    changed.parameters = dict(model.parameters)
-    for name, value in settings.items():
-        if name not in model.parameters:
-            problems.append(
-                f"model '{model.name}' has no parameter '{name}'; {nearest(name, model.parameters)}"
-            )
-        elif problem := model.parameters[name].problem(value):
-            problems.append(problem)
-        else:
-            changed.parameters[name] = replace(model.parameters[name], value=value)
-    if problems:
-        raise ParameterError(problems)
-    changed.scenes = {
-        name: replace(
-            scene, parameters=tuple(pair for pair in scene.parameters if pair[0] not in settings)
-        )
-        for name, scene in model.scenes.items()
-    }
-    return changed
 
 
 def origin(
@@ -253,8 +236,10 @@ def origin(
     base = path.resolve().parent.parent
     named = [(_relative(source, base), digest) for source, digest in file.sources]
     options = "".join(f" --set {name}={value!r}" for name, value in sorted(settings.items())) + more
-    command = f"build({file.model.name}, scene='{equations.scene.name}')"
-    if named:
+    made = equations.scene.root is not None  # by without() and with_(): no name that a file knows
+    scene = equations.scene.spelled if made else f"'{equations.scene.name}'"
+    command = f"build({file.model.name}, scene={scene})"
+    if named and not made:
         command = f"python -m codegen build {named[0][0]} --scene {equations.scene.name}{options}"
     generator = f"linkwright {codegen.__version__}"
     return Origin(generator, tuple(named), fingerprint(equations), command)

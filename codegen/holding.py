@@ -16,7 +16,7 @@ from codegen.model import Model
 def hold_problems(model: Model, scene: Scene) -> list[str]:
     """Numbers that the scene's parameters give, and surfaces that two effects claim."""
     bodies = tuple(model.bodies[name] for name in scene.bodies)
-    chosen = [model.effects[name] for name in scene.effects] if scene.analysis == "dynamics" else []
+    chosen = [] if scene.analysis == "kinematics" else list(model.acting(scene).values())
     named = [(effect.name, effect_terms(effect, bodies)) for effect in chosen]
     if not any(terms.hold for _, terms in named):
         return []

@@ -72,6 +72,7 @@ model.contact(
     damping=contact_damping,
     may_pull=False,
 )
+model.alternatives("follower", {"fixed": [lift], "free": ["touch"]})
 
 seat = ground.at(2 * arm, level - stem / 2 - closed)
 model.spring("valve_spring", seat, valve, stiffness=stiffness, free_length=9 * cm)
@@ -88,5 +89,5 @@ shut = {
 
 model.scene("kinematics", drivers=["camshaft"], guess=shut, analysis="kinematics")
 model.scene("inverse_dynamics", ["valve_spring"], ["camshaft"], guess=shut)
-model.scene("free_follower", ["valve_spring", "touch"], ["camshaft"], without=[lift],
+model.scene("free_follower", ["valve_spring"], ["camshaft"], fidelity={"follower": "free"},
             start={pushrod.y: level - rod / 2, pushrod.vy: 0}, guess=shut)  # fmt: skip

@@ -145,7 +145,19 @@ class StartValue(NamedTuple):
 
 
 class Description(NamedTuple):
-    """The literals of a generated module."""
+    """The literals of a generated module.
+
+    Attributes
+    ----------
+    unused
+        Parameters on which nothing that takes part in the scene depends.
+    outputs
+        What the scene asks for beside the motion; None: all that there is.
+    recovered
+        Constraints whose multipliers are answered; None: all.
+    kernels
+        What the module defines, its kernels among it.
+    """
 
     generator: str
     model: str
@@ -170,12 +182,31 @@ class Description(NamedTuple):
     mass_columns: npt.NDArray[np.intp]
     operations: tuple[tuple[str, int], ...]
     has_masses: bool
+    analysis: str = "dynamics"
+    unused: tuple[str, ...] = ()
+    outputs: tuple[str, ...] | None = None
+    recovered: tuple[int, ...] | None = None
+    kernels: frozenset[str] = frozenset()
     rigid: Table[RigidContact] = Table()
 
     @property
     def title(self) -> str:
         """`model/scene`, as messages name it."""
         return f"{self.model}/{self.scene}"
+
+    def offer(self, output: str) -> str:
+        """Sentence on an output that the scene does not ask for, and how to have it."""
+        asked = ", ".join(map(repr, (*(self.outputs or ()), output)))
+        return (
+            f"{self.title} does not compute {output}, which its outputs do not name; declare the "
+            f"scene with outputs=[{asked}], or load scene.with_(outputs=[{asked}])."
+        )
+
+    def unasked(self, output: str, *elements: str) -> bool:
+        """Whether a scene that names its outputs names neither `output` nor those of elements."""
+        if self.outputs is None or f"{output}s" in self.outputs or output in self.outputs:
+            return False
+        return not any(f"{output}({element})" in self.outputs for element in elements)
 
     @property
     def driver_rows(self) -> npt.NDArray[np.bool_]:
@@ -234,6 +265,11 @@ def describe(module: ModuleType) -> Description:
         mass_columns=indices("MASS_COLUMNS"),
         operations=tuple(module.OPERATIONS),
         has_masses=hasattr(module, "mass"),
+        analysis=getattr(module, "ANALYSIS", "dynamics"),
+        unused=tuple(getattr(module, "UNUSED", ())),
+        outputs=getattr(module, "OUTPUTS", None),
+        recovered=getattr(module, "RECOVERED", None),
+        kernels=frozenset(vars(module)),
         rigid=Table(RigidContact(*row) for row in getattr(module, "RIGID", ())),
     )
 

@@ -98,6 +98,9 @@ def gather(module: ModuleType) -> Kernels:
 def _absent(name: str) -> Kernel:
     """Stand-in of the right signature for a kernel that a scene has no use for."""
     substitutes: dict[str, Kernel] = {
+        "acceleration_rhs": _not_asked_rhs,
+        "accelerations": _not_asked_accelerations,
+        "correction": _not_asked_correction,
         "mass": _no_mass,
         "applied_forces": _no_forces,
         "potential": _no_potential,
@@ -115,6 +118,22 @@ def _absent(name: str) -> Kernel:
     }
     kernel: Kernel = compiled(SIGNATURES[name])(substitutes[name])
     return kernel
+
+
+def _not_asked_rhs(t: Any, q: Any, v: Any, p: Any, gamma: Any) -> None:
+    gamma[:] = np.nan
+
+
+def _not_asked_accelerations(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
+    a[:] = np.nan
+    lam[:] = np.nan
+    return 0
+
+
+def _not_asked_correction(t: Any, q: Any, v: Any, p: Any, w: Any, dq: Any, dv: Any) -> int:
+    dq[:] = np.nan
+    dv[:] = np.nan
+    return 0
 
 
 def _no_mass(q: Any, p: Any, values: Any) -> None:

@@ -15,7 +15,7 @@ from codegen.artefact import check_signature, import_generated
 from codegen.errors import ModelFileError, SupersededError
 
 if TYPE_CHECKING:
-    from codegen import Model
+    from codegen import Model, Scene
     from runtime.machine import Machine
 
 _ATTEMPTS = 5
@@ -24,7 +24,7 @@ _FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
 
 def load(
     model: "str | os.PathLike[str] | Model",
-    scene: str | None = None,
+    scene: "str | Scene | None" = None,
     *,
     folder: str | os.PathLike[str] | None = None,
 ) -> "Machine":
@@ -37,7 +37,8 @@ def load(
         library's model of that name; a name may have folders in it, `"hard/pendulum"`. A `Model`
         declared in the running program is built anew.
     scene
-        Name of the scene; without one, the first that the model declares.
+        Name of the scene; without one, the first that the model declares. Or a scene itself, as
+        `without` and `with_` make it: ``model.scene("run").without("gas")``.
     folder
         The folder one works in: `models/` is looked for there, and a user's own models are
         generated into its `generated/`. The current directory unless given.
@@ -63,7 +64,8 @@ def load(
     from runtime.tangents import Origin
 
     description = describe(module)
-    origin = Origin(source, description.scene, path, digest)
+    made = None if scene is None or isinstance(scene, str) else scene
+    origin = Origin(source, made or description.scene, path, digest)
     return Machine(description, gather(module), path, origin)
 
 
@@ -122,10 +124,10 @@ def _models_nearby(model: str, folders: list[Path]) -> str:
     return f" Models there: {', '.join(near)}." if near else ""
 
 
-def _fresh_module(place: _Place, scene: str | None) -> tuple[Path, str]:
+def _fresh_module(place: _Place, scene: "str | Scene | None") -> tuple[Path, str]:
     """A generated module that agrees with the model file, and its hash; built if there is none."""
     wanted = scene if scene is not None else _first_scene(place.model)
-    if wanted is not None:
+    if isinstance(wanted, str):
         path = place.generated / f"{place.model.stem}__{wanted}.py"
         if path.is_file():
             text = path.read_text(encoding="utf-8")
@@ -135,7 +137,7 @@ def _fresh_module(place: _Place, scene: str | None) -> tuple[Path, str]:
     return _build(place.model, scene, place.generated)
 
 
-def _build(model: "Path | Model", scene: str | None, generated: Path) -> tuple[Path, str]:
+def _build(model: "Path | Model", scene: "str | Scene | None", generated: Path) -> tuple[Path, str]:
     """Have the code generator write the module; scene None builds all and takes the first."""
     from codegen import build
 

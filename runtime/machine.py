@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError, ParameterError
+from runtime.analyses.asked import require_energy, require_motion
 from runtime.analyses.door import check, number
 from runtime.analyses.surfaces import require_sound
 from runtime.description import (
@@ -177,6 +178,13 @@ class Machine:
         values[: len(table)] = [row.default for row in table]
         problems = []
         for name, given in (overrides or {}).items():
+            if name in self.description.unused:
+                problems.append(
+                    f"{self.description.title}: nothing that takes part depends on parameter "
+                    f"{name}. Leave it out of the parameters, or take what needs it into the scene "
+                    f"(left out: {', '.join(self.description.left_out.names) or 'nothing'})."
+                )
+                continue
             if name not in table.names:
                 problems.append(
                     f"{self.description.title}: {unknown('parameter', name, table.names)}"
@@ -212,7 +220,8 @@ class Machine:
         """Which conditions hold at a state, shape (s,): 1 where one does, else 0.
 
         Without a state it is the assembled start. A condition that is exactly at its boundary
-        holds if the motion is about to make it hold.
+        holds if the motion is about to make it hold; it is 2 where the motion stays on the
+        boundary, because both sides push onto it, friction sticks, or a rigid contact is closed.
         """
         from runtime.integrate.run import initial_modes
 
@@ -258,6 +267,7 @@ class Machine:
         """Motion under the forces that act: see `runtime.analyses.dynamics`."""
         from runtime.analyses.dynamics import simulate
 
+        require_motion(self, "simulate")
         check(
             self,
             t_end=t_end,
@@ -303,6 +313,7 @@ class Machine:
         """Motion of a fully driven machine: see `runtime.analyses.kinematics`."""
         from runtime.analyses.kinematics import kinematics
 
+        require_motion(self, "kinematics")
         check(self, parameters=parameters, guess=guess, t_start=t_start)
         with bar(f"kinematics of {self.description.title}", progress) as report:
             return kinematics(
@@ -321,6 +332,7 @@ class Machine:
         """Forces and torques that a prescribed motion takes: see `runtime.analyses.inverse`."""
         from runtime.analyses.inverse import inverse_dynamics
 
+        require_motion(self, "inverse_dynamics")
         check(self, parameters=parameters, guess=guess, t_start=t_start)
         with bar(f"inverse dynamics of {self.description.title}", progress) as report:
             return inverse_dynamics(
@@ -339,6 +351,9 @@ class Machine:
         """Where the machine rests: see `runtime.analyses.equilibrium`."""
         from runtime.analyses.equilibrium import equilibrium
 
+        if method == "settling":
+            require_motion(self, 'equilibrium(method="settling")')
+        require_energy(self)
         check(self, parameters=parameters, guess=guess, t=t)
         with bar(f"equilibrium of {self.description.title}", progress) as report:
             return equilibrium(

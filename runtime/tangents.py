@@ -15,7 +15,7 @@ from codegen.errors import SupersededError
 from runtime.kernels import Kernel
 
 if TYPE_CHECKING:
-    from codegen import Model
+    from codegen import Model, Scene
 
 _BELONGS = re.compile(r'^MODULE_SHA256 = "([0-9a-f]{64})"$', re.MULTILINE)
 
@@ -54,7 +54,7 @@ class Origin(NamedTuple):
     """
 
     model: "Path | Model"
-    scene: str
+    scene: "str | Scene"
     path: Path
     digest: str
 
@@ -81,18 +81,18 @@ def load_tangents(origin: Origin) -> Tangents:
     report = build(
         origin.model, origin.scene, origin.path.parent, tangents=True, compile=False
     ).scenes[0]
+    name = origin.scene if isinstance(origin.scene, str) else origin.scene.name
     if report.digest != origin.digest or report.tangents is None:
         raise SupersededError(
             f"{origin.path} is {origin.digest[:12]}... in this machine and {report.digest[:12]}... "
-            f"now: the model, or the generator, has changed since the machine of scene "
-            f"'{origin.scene}' was loaded, and its derivatives would be those of another one. "
-            "Load the machine again."
+            f"now: the model, or the generator, has changed since the machine of scene '{name}' "
+            "was loaded, and its derivatives would be those of another one. Load the machine again."
         )
     return _gather(import_generated(report.tangents.path, report.tangents.digest))
 
 
 def _command(origin: Origin) -> str:
-    if not isinstance(origin.model, Path):
+    if not isinstance(origin.model, Path) or not isinstance(origin.scene, str):
         return "delete the file, and ask for the derivatives again."
     return (
         f"python -m codegen build {origin.model} --scene {origin.scene} "

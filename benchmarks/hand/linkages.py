@@ -25,7 +25,7 @@ G = 9.81
 
 def four_bar_parameters(p):
     """AB, AD, (b² - c²)/2, b², J_A, J_D, J_C, torque, and weights times arms of crank and m."""
-    AB, BC, CD, AD, density, _, torque = p[:7]
+    AB, BC, CD, AD, density, torque = p[:6]
     crank, coupler, rocker = density * AB, 2 * density * BC, density * CD
     around_D = rocker * CD**2 / 3 + coupler * CD**2
     weights = G * crank * AB / 2, G * (coupler + rocker / 2)

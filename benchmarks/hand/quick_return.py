@@ -27,9 +27,9 @@ J_5 = 10.0
 
 @solution
 def quick_return(t, q, v, p, modes, a, lam):
-    """φ̈₃ of the crank into a[5]; p = J3, m6, T3, drive_start, drive_speed, cutting_force."""
+    """φ̈₃ of the crank into a[5]; p = J3, m6, T3, cutting_force."""
     cut = modes[0] & modes[1] & modes[2]
-    J_3, slider, torque, force, omega = p[0], p[1], p[2], p[5], v[5]
+    J_3, slider, torque, force, omega = p[0], p[1], p[2], p[3], v[5]
     s, c = math.sin(q[5]), math.cos(q[5])
     inverse = 1.0 / (6.25 + 6.0 * s)
     reach = 4.0 * math.sqrt(inverse)

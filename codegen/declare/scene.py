@@ -1,9 +1,72 @@
 """A scene: which bodies, effects and drivers of a machine take part in a question asked of it."""
 
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, Protocol
 
-Analysis = Literal["dynamics", "kinematics"]
+Analysis = Literal["dynamics", "kinematics", "equilibrium"]
+ANALYSES = ("dynamics", "kinematics", "equilibrium")
+Pairs = tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The words of a scene, by name, before they are worked out: what others build on.
+
+    Attributes
+    ----------
+    without
+        Bodies, joints, effects and drivers that do not take part.
+    fidelity
+        Effect, coupler or group of alternatives → how it is taken.
+    outputs
+        What is computed beside the motion; None: all that there is.
+    """
+
+    effects: tuple[str, ...] = ()
+    drivers: tuple[str, ...] = ()
+    without: tuple[str, ...] = ()
+    fidelity: tuple[tuple[str, str], ...] = ()
+    start: Pairs = ()
+    guess: Pairs = ()
+    parameters: Pairs = ()
+    frozen: bool = False
+    analysis: Analysis = "dynamics"
+    outputs: tuple[str, ...] | None = None
+
+    def extended(self, by: "Asked", given: frozenset[str]) -> "Asked":
+        """These words with those of an extension over them.
+
+        Parameters
+        ----------
+        given
+            Which of `frozen`, `analysis` and `outputs` the extension says anything about.
+        """
+        taken = {*by.effects, *by.drivers}
+        gone = tuple(name for name in self.without if name not in taken)
+        changes = {name: getattr(by, name) for name in given}
+        return replace(
+            self,
+            effects=tuple(dict.fromkeys((*self.effects, *by.effects))),
+            drivers=tuple(dict.fromkeys((*self.drivers, *by.drivers))),
+            without=tuple(dict.fromkeys((*gone, *by.without))),
+            fidelity=tuple((dict(self.fidelity) | dict(by.fidelity)).items()),
+            start=tuple((dict(self.start) | dict(by.start)).items()),
+            guess=tuple((dict(self.guess) | dict(by.guess)).items()),
+            parameters=tuple((dict(self.parameters) | dict(by.parameters)).items()),
+            **changes,
+        )
+
+
+class Owner(Protocol):
+    """What declared a scene, and can vary it."""
+
+    @property
+    def name(self) -> str:
+        """Of the machine."""
+
+    def varied(self, scene: "Scene", *, out: Any, taken: Any, **changes: Any) -> "Scene":
+        """The scene with elements out and in, and other words changed."""
 
 
 @dataclass(frozen=True)
@@ -20,6 +83,8 @@ class Scene:
         What acts; joints act where all their bodies take part.
     opened
         Joints that do not act although their bodies take part.
+    fidelity
+        Effect or coupler → how it is taken, where it has more than one fidelity and the scene says.
     start
         Coordinate or velocity (``"crank.phi"``, ``"crank.omega"``) → value that must hold.
     guess
@@ -29,7 +94,13 @@ class Scene:
     frozen
         Whether the parameters are folded into the code as numbers.
     analysis
-        ``"kinematics"`` compiles no mass and no force.
+        ``"kinematics"`` compiles no mass and no force, ``"equilibrium"`` nothing of motion.
+    outputs
+        What is computed beside the motion; None: all that there is.
+    asked, owner
+        The words that it was made from, and who declared it.
+    spelled, root, problems
+        Of a scene made by `without` and `with_`: how, from which declared one, and what is wrong.
     """
 
     name: str
@@ -37,8 +108,74 @@ class Scene:
     effects: tuple[str, ...]
     drivers: tuple[str, ...]
     opened: tuple[str, ...]
-    start: tuple[tuple[str, float], ...]
-    guess: tuple[tuple[str, float], ...]
-    parameters: tuple[tuple[str, float], ...]
+    fidelity: tuple[tuple[str, str], ...]
+    start: Pairs
+    guess: Pairs
+    parameters: Pairs
     frozen: bool
     analysis: Analysis
+    outputs: tuple[str, ...] | None = None
+    asked: Asked = field(default=Asked(), repr=False, compare=False)
+    owner: Owner | None = field(default=None, repr=False, compare=False)
+    spelled: str = field(default="", repr=False, compare=False)
+    root: "Scene | None" = field(default=None, repr=False, compare=False)
+    problems: tuple[str, ...] = field(default=(), repr=False, compare=False)
+
+    def without(self, *elements: Any) -> "Scene":
+        """The scene with effects, drivers, joints or bodies left out, by name or object.
+
+        The scene that it answers is not declared; ``build`` and ``load`` take it as it is. What is
+        wrong with it they say.
+        """
+        return self._owner().varied(self, out=elements, taken=())
+
+    def with_(self, *elements: Any, fidelity: Any = None, **changes: Any) -> "Scene":
+        """The scene with effects or drivers taken in, or bodies and joints taken back.
+
+        Parameters
+        ----------
+        fidelity
+            How all of them are taken, a word; or a mapping, of any elements.
+        changes
+            ``start``, ``guess``, ``parameters``, ``frozen``, ``analysis`` and ``outputs``, as in
+            `Model.scene`.
+        """
+        words = fidelity
+        if fidelity is not None and not isinstance(fidelity, Mapping):
+            words = {str(getattr(e, "name", e)): fidelity for e in elements}
+        return self._owner().varied(self, out=(), taken=elements, fidelity=words, **changes)
+
+    def _owner(self) -> Owner:
+        if self.owner is None:
+            raise TypeError(f"scene '{self.name}' belongs to no model, so it cannot be varied.")
+        return self.owner
+
+    def __str__(self) -> str:
+        """The scene read aloud, as a test plan."""
+        machine = f" of {self.owner.name}" if self.owner else ""
+        how = dict(self.fidelity)
+        acting = [f"{e} ({how[e]})" if e in how else e for e in self.effects]
+        forms = [f"{name} as {word}" for name, word in how.items() if name not in self.effects]
+        lines = [
+            f"{self.name}: {self.analysis}{machine}",
+            f"  bodies      {', '.join(self.bodies) or 'none'}",
+            f"  acting      {', '.join(acting) or 'nothing'}",
+            f"  driven by   {', '.join(self.drivers) or 'nothing'}",
+        ]
+        lines += [f"  taken       {', '.join(forms)}"] if forms else []
+        before = self.root or self
+        gone = [
+            n for n in (*before.effects, *before.drivers) if n not in self.effects + self.drivers
+        ]
+        gone += [n for n in self.asked.without if n not in gone]
+        lines += [f"  left out    {', '.join(gone)}"] if gone else []
+        lines += [f"  start       {_values(self.start)}"] if self.start else []
+        lines += [f"  near        {_values(self.guess)}"] if self.guess else []
+        lines += [f"  parameters  {_values(self.parameters)}"] if self.parameters else []
+        lines += ["  parameters are fixed"] if self.frozen else []
+        told = "all that there is" if self.outputs is None else ", ".join(self.outputs)
+        return "\n".join([*lines, f"  reported    {told or 'the motion alone'}"])
+
+
+def _values(pairs: Pairs) -> str:
+    return ", ".join(f"{name} = {value:g}" for name, value in pairs)

@@ -51,6 +51,11 @@ def constraint_terms(element: Constraint) -> tuple[Statement, ConstraintTerms]:
     return statement, _derive(statement.phi, None, reaction)
 
 
+def derived_statements() -> int:
+    """How many different statements have been derived in this process."""
+    return _derive.cache_info().misses
+
+
 @cache
 def _derive(
     phi: tuple[sympy.Expr, ...],

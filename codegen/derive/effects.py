@@ -1,6 +1,10 @@
-"""Effects → potential energy, its gradient, generalized forces."""
+"""Effects → potential energy, its gradient, generalized forces.
+
+An expression that another scene of the process has brought is not differentiated again.
+"""
 
 from dataclasses import dataclass
+from functools import cache
 
 import sympy
 
@@ -85,15 +89,31 @@ def effect_terms(effect: Effect, bodies: tuple[Body, ...]) -> EffectTerms:
     potential = effect.potential(bodies)
     gradient: tuple[tuple[Coordinate, sympy.Expr], ...] = ()
     if potential is not None:
-        potential = as_pieces(potential)
-        gradient = tuple((q, sympy.diff(potential, q)) for q in kinds(potential, Coordinate))
+        potential, gradient = _conservative(potential)
     given = sorted(effect.forces(bodies).items(), key=lambda pair: pair[0].name)
-    forces = ((q, as_pieces(force)) for q, force in given)
+    forces = ((q, _pieces(force)) for q, force in given)
     pushing = tuple((q, f) for q, f in forces if f != 0)
-    told = tuple((part, unit, as_pieces(value)) for part, unit, value in reported(effect, bodies))
+    told = tuple((part, unit, _pieces(value)) for part, unit, value in reported(effect, bodies))
     holding = hold(effect, bodies)
     rubbing = _friction(effect, holding)
     return EffectTerms(potential, gradient, pushing, rubbing, holding, told)
+
+
+_pieces = cache(as_pieces)
+
+
+@cache
+def _conservative(
+    energy: sympy.Expr,
+) -> tuple[sympy.Expr, tuple[tuple[Coordinate, sympy.Expr], ...]]:
+    """V with its kinks as pieces, and (coordinate, ∂V/∂q)."""
+    potential = as_pieces(energy)
+    return potential, tuple((q, sympy.diff(potential, q)) for q in kinds(potential, Coordinate))
+
+
+def derived_effects() -> int:
+    """How many different potentials and forces have been worked on in this process."""
+    return _conservative.cache_info().misses + _pieces.cache_info().misses
 
 
 def _friction(effect: Effect, holding: Sticking | Rigid | None) -> FrictionTerms | None:

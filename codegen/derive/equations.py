@@ -1,6 +1,6 @@
 """A model and one of its scenes → all equations, element by element, as immutable values."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
 
 import sympy
 
@@ -8,7 +8,7 @@ from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Element, Statement
 from codegen.declare.parameter import ParameterDeclaration
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import Coordinate
+from codegen.declare.symbols import Coordinate, Parameter
 from codegen.derive.constraints import ConstraintTerms, constraint_terms
 from codegen.derive.effects import EffectTerms, effect_terms
 from codegen.derive.switches import (
@@ -53,6 +53,8 @@ class Equations:
         centre of mass, zero for the coordinates that elements bring. Empty in kinematic scenes.
     sides
         What the modes make of the symbols in which frictions and contacts are written.
+    parameters, unused
+        Those that something which takes part depends on, and names of the others.
     """
 
     model: str
@@ -67,6 +69,7 @@ class Equations:
     sides: tuple[HeldSide, ...]
     contacts: tuple[RigidContact, ...]
     left_out: tuple[tuple[str, str], ...]
+    unused: tuple[str, ...] = ()
 
 
 def active_joints(model: Model, scene: Scene) -> dict[str, Constraint]:
@@ -94,17 +97,20 @@ def derive(model: Model, scene: Scene) -> Equations:
         ConstraintEquations(e.name, e.kind, e.name in drivers, *constraint_terms(e))
         for e in (*joints.values(), *drivers.values())
     )
-    dynamic = scene.analysis == "dynamics"
+    dynamic = scene.analysis != "kinematics"
     effects = tuple(
-        EffectEquations(name, model.effects[name].kind, effect_terms(model.effects[name], bodies))
-        for name in (scene.effects if dynamic else ())
+        EffectEquations(name, effect.kind, effect_terms(effect, bodies))
+        for name, effect in (model.acting(scene) if dynamic else {}).items()
     )
     named = tuple((e.name, e.terms) for e in effects)
     found = switches(named)
     overrides = dict(scene.parameters)
+    masses = _masses(bodies, constraints) if dynamic else ()
+    used = _symbols(masses, constraints, effects)
     parameters = tuple(
         ParameterDeclaration(p.name, overrides.get(p.name, p.value), p.unit, p.sign)
         for p in model.parameters.values()
+        if p.name in used
     )
     taking_part = {*joints, *drivers, *(e.name for e in effects)}
     everything: list[Element] = [*model.joints.values(), *model.drivers.values()]
@@ -118,14 +124,36 @@ def derive(model: Model, scene: Scene) -> Equations:
             *(q for c in constraints for _, q in c.statement.own),
         ),
         parameters=parameters,
-        masses=_masses(bodies, constraints) if dynamic else (),
+        masses=masses,
         constraints=constraints,
         effects=effects,
         switches=found,
         sides=held_sides(named, found),
         contacts=rigid_contacts(named, found),
         left_out=tuple((e.name, e.kind) for e in everything if e.name not in taking_part),
+        unused=tuple(name for name in model.parameters if name not in used),
     )
+
+
+def _symbols(
+    masses: tuple[sympy.Expr, ...],
+    constraints: tuple[ConstraintEquations, ...],
+    effects: tuple[EffectEquations, ...],
+) -> frozenset[str]:
+    """Names of the parameters in what takes part."""
+    found: set[sympy.Basic] = set()
+    waiting: list[object] = [masses, effects]
+    for constraint in constraints:
+        waiting += [constraint.terms, list(constraint.statement.bindings.values())]
+    while waiting:
+        part = waiting.pop()
+        if isinstance(part, sympy.Basic):
+            found |= part.free_symbols
+        elif isinstance(part, tuple | list):
+            waiting += part
+        elif is_dataclass(part):
+            waiting += vars(part).values()
+    return frozenset(s.name for s in found if isinstance(s, Parameter))
 
 
 def _masses(

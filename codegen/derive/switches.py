@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from typing import Literal
 
 import sympy
@@ -73,6 +74,7 @@ class RigidContact:
     scale: sympy.Expr
 
 
+@cache
 def rate(g: sympy.Expr) -> sympy.Expr:
     """dg/dt = g_t + g_q q̇ + g_q̇ q̈."""
     terms = [sympy.diff(g, t)]

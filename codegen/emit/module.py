@@ -81,13 +81,15 @@ def _docstring(lowered: Lowered) -> list[str]:
     orders = {
         "substitute": "coordinates that a constraint gives outright first, then the loops",
         "mixed": "coordinates and constraints in the order of least fill",
+        "square": "coordinates that a constraint gives outright first, then the loops one by one",
         "schur": "accelerations, then S = Φ_q M⁻¹ Φ_qᵀ, in the order of least fill",
     }
+    eliminated = [f"Elimination: {orders[lowered.strategy]}."] if lowered.strategy else []
     return [
         f'"""Machine {told.model}, scene {told.scene}: {told.analysis}.',
         "",
         f"{n} coordinates, {m} constraints, {max(n - m, 0)} degrees of freedom.",
-        f"Elimination: {orders[lowered.strategy]}.",
+        *eliminated,
         "SI units. The arguments t, q, v, p, modes are time, coordinates, velocities, parameters",
         "with the constants behind them, and which condition holds (1) or not (0).",
         '"""',
@@ -96,6 +98,7 @@ def _docstring(lowered: Lowered) -> list[str]:
 
 def _tables(lowered: Lowered, origin: Origin) -> dict[str, Any]:
     program, told = lowered.program, lowered.description
+    whole = len(told.recovered) == len(told.constraints)
     return {
         "GENERATOR": origin.generator,
         "MODEL": told.model,
@@ -112,6 +115,9 @@ def _tables(lowered: Lowered, origin: Origin) -> dict[str, Any]:
         "CONSTANTS": tuple(formula(program, number) for number in program.constants),
         "EFFECTS": told.effects,
         "LEFT_OUT": told.left_out,
+        **({"UNUSED": told.unused} if told.unused else {}),
+        **({} if told.outputs is None else {"OUTPUTS": told.outputs}),
+        **({} if whole else {"RECOVERED": told.recovered}),
         "DRIVERS": told.drivers,
         "SWITCHES": told.switches,
         **({"RIGID": told.rigid} if told.rigid else {}),

@@ -29,6 +29,12 @@ class Description:
         scene holds as numbers.
     effects, left_out
         (name, kind) of what acts, and of what is declared but does not.
+    unused
+        Parameters on which nothing that takes part depends.
+    outputs
+        What is asked for beside the motion; None: all that there is.
+    recovered
+        Constraints whose multipliers `accelerations` answers.
     drivers
         The elements among the constraints that are drivers.
     switches
@@ -55,6 +61,9 @@ class Description:
     folded: tuple[tuple[str, float, str, str], ...]
     effects: tuple[tuple[str, str], ...]
     left_out: tuple[tuple[str, str], ...]
+    unused: tuple[str, ...]
+    outputs: tuple[str, ...] | None
+    recovered: tuple[int, ...]
     drivers: tuple[str, ...]
     switches: tuple[tuple[str, ...], ...]
     rigid: tuple[tuple[str, int], ...]
@@ -66,9 +75,20 @@ class Description:
 
 
 def describe(
-    equations: Equations, scene: SceneGraph, powers: list[tuple[str, str, int]]
+    equations: Equations,
+    scene: SceneGraph,
+    powers: list[tuple[str, str, int]],
+    reported: tuple[int, ...],
+    recovered: tuple[int, ...],
 ) -> Description:
-    """The tables of a scene whose equations stand in a graph."""
+    """The tables of a scene whose equations stand in a graph.
+
+    Parameters
+    ----------
+    powers, reported, recovered
+        What is asked for: the powers, places among the scene's reactions, and the constraints whose
+        multipliers are recovered.
+    """
     named = equations.scene
     rows, columns = zip(*scene.jacobian, strict=True) if scene.jacobian else ((), ())
     diagonal = tuple(range(len(equations.masses)))
@@ -76,7 +96,6 @@ def describe(
     fixed = dict(named.start)
     start += [(name, value, "guess") for name, value in named.guess if name not in fixed]
     parameters = tuple((p.name, p.value, p.unit, p.sign) for p in equations.parameters)
-    reactions = scene.reactions if equations.masses else []
     return Description(
         model=equations.model,
         scene=named.name,
@@ -92,13 +111,16 @@ def describe(
         folded=parameters if named.frozen else (),
         effects=tuple((e.name, e.kind) for e in equations.effects),
         left_out=equations.left_out,
+        unused=equations.unused,
+        outputs=named.outputs,
+        recovered=recovered,
         drivers=tuple(c.name for c in equations.constraints if c.driver),
         switches=tuple(
             (s.effect, s.text) if s.kind == "condition" else (s.effect, s.text, s.kind)
             for s in equations.switches
         ),
         rigid=tuple((contact.effect, contact.switch) for contact in equations.contacts),
-        reactions=tuple((name, part, unit) for name, part, unit, _ in reactions),
+        reactions=tuple(scene.reactions[k][:3] for k in reported),
         powers=tuple((source, kind) for source, kind, _ in powers),
         start=tuple(start),
         jacobian=Pattern(tuple(rows), tuple(columns)),

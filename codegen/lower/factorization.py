@@ -26,8 +26,9 @@ DIVISION = 8
 LEAST_PIVOT = 0.1
 """What a pair's entry must be of the largest number in its row of Φ_q."""
 
-Strategy = Literal["substitute", "mixed", "schur"]
-"""Pairs while there are any; whatever is cheapest now; accelerations, then multipliers."""
+Strategy = Literal["substitute", "mixed", "schur", "square"]
+"""Pairs while there are any; whatever is cheapest now; accelerations, then multipliers; what
+constraints alone determine, `codegen.lower.square`."""
 
 
 @dataclass(frozen=True)

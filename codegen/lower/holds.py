@@ -4,28 +4,33 @@ import sys
 
 from codegen.lower.program import Kernel, Op, Output, store
 from codegen.lower.scene_graph import SceneGraph
+from codegen.lower.wanted import Wanted
 
 UNBOUNDED = sys.float_info.max
 """Stands for an infinite bound, which is no literal of a generated text."""
 
 
-def hold_kernels(scene: SceneGraph) -> list[Kernel]:
+def hold_kernels(scene: SceneGraph, wanted: Wanted) -> list[Kernel]:
     """Those that the scene needs."""
     kernels = []
     if any(s.kind == "contact" or s.ratio is not None for s in scene.equations.switches):
         kernels.append(_holds(scene))
     if scene.equations.contacts:
         kernels += _contacts(scene)
-    told = switched_reactions(scene)
-    if told:
+    told = [k for k, (name, *_) in enumerate(scene.reactions) if wanted.reaction(name)]
+    switched = switched_reactions(scene)
+    outputs = tuple(
+        Output("out", row, scene.reactions[k][3], reaction_note(scene, k))
+        for row, k in enumerate(told)
+        if k in switched
+    )
+    if outputs:
         kernels.append(
             Kernel(
                 "switched_reactions",
                 "The rows of REACTIONS that a mode decides; `reactions` fills the others.",
                 ("t", "q", "v", "p", "modes", "lam", "out"),
-                tuple(
-                    Output("out", k, scene.reactions[k][3], reaction_note(scene, k)) for k in told
-                ),
+                outputs,
             )
         )
     return kernels

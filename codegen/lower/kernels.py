@@ -10,6 +10,7 @@ from codegen.lower.holds import hold_kernels, reaction_note, switched_reactions
 from codegen.lower.program import STATE, Kernel, Output, Program, store
 from codegen.lower.scene_graph import SceneGraph
 from codegen.lower.solutions import accelerations, correction
+from codegen.lower.wanted import Wanted, recovered
 
 
 @dataclass(frozen=True)
@@ -23,17 +24,18 @@ class Lowered:
     description
         The tables that go with them.
     strategy
-        The order of elimination that was cheapest.
+        The order of elimination that was cheapest; None where nothing is eliminated.
     """
 
     program: Program
     description: Description
-    strategy: Strategy
+    strategy: Strategy | None
 
 
 def lower(equations: Equations) -> Lowered:
     """Translate every equation into one graph, and arrange its values in kernels."""
-    scene = SceneGraph(equations)
+    scene, wanted = SceneGraph(equations), Wanted(equations)
+    rows = recovered(scene, wanted)
     kernels = [
         Kernel("constraints", "Φ(q, t).", ("t", "q", "p", "phi"), _named(scene, "phi", scene.phi)),
         Kernel(
@@ -48,40 +50,56 @@ def lower(equations: Equations) -> Lowered:
             ("t", "q", "p", "nu"),
             _named(scene, "nu", scene.nu),
         ),
-        Kernel(
-            "acceleration_rhs",
-            "γ = -(Φ_q q̇)_q q̇ - 2 Φ_qt q̇ - Φ_tt, so that Φ_q q̈ = γ.",
-            (*STATE, "gamma"),
-            _named(scene, "gamma", scene.gamma),
-        ),
     ]
-    fused, strategy = accelerations(scene)
-    kernels += [fused, correction(scene)]
+    resting = equations.scene.analysis == "equilibrium"
+    if not resting:
+        kernels.append(
+            Kernel(
+                "acceleration_rhs",
+                "γ = -(Φ_q q̇)_q q̇ - 2 Φ_qt q̇ - Φ_tt, so that Φ_q q̈ = γ.",
+                (*STATE, "gamma"),
+                _named(scene, "gamma", scene.gamma),
+            )
+        )
+    strategy: Strategy | None = None
+    if rows or not resting:
+        fused, strategy = accelerations(scene, rows)
+        kernels.append(fused)
+    if not resting:
+        kernels.append(correction(scene))
     powers: list[tuple[str, str, int]] = []
     if equations.masses:
-        powers = _powers(scene)
-        kernels += _dynamic_kernels(scene, powers)
+        powers = [row for row in _powers(scene) if wanted.power(row[0])]
+        kernels += _dynamic_kernels(scene, wanted, powers)
     if equations.switches:
-        kernels += _switching_kernels(scene)
-        kernels += hold_kernels(scene)
+        kernels += _switching_kernels(scene, resting)
+        kernels += hold_kernels(scene, wanted)
     program = with_constants(scene.graph, tuple(kernels), len(equations.parameters))
-    return Lowered(program, describe(equations, scene, powers), strategy)
+    told = describe(equations, scene, powers, _reported(scene, wanted), rows)
+    return Lowered(program, told, strategy)
 
 
-def _dynamic_kernels(scene: SceneGraph, powers: list[tuple[str, str, int]]) -> list[Kernel]:
+def _reported(scene: SceneGraph, wanted: Wanted) -> tuple[int, ...]:
+    """Which of the scene's reactions are asked for, in order."""
+    if not scene.equations.masses:
+        return ()
+    return tuple(k for k, (name, *_) in enumerate(scene.reactions) if wanted.reaction(name))
+
+
+def _dynamic_kernels(
+    scene: SceneGraph, wanted: Wanted, powers: list[tuple[str, str, int]]
+) -> list[Kernel]:
     coordinates = [q.name for q in scene.equations.coordinates]
     graph = scene.graph
-    energies = [
-        graph.mul(mass, graph.mul(v, v)) for mass, v in zip(scene.masses, scene.v, strict=True)
-    ]
-    kinetic = graph.mul(graph.constant(0.5), graph.total(energies))
+    told = _reported(scene, wanted)
     switched = switched_reactions(scene)
     reactions = tuple(
-        Output("out", k, value, reaction_note(scene, k))
-        for k, (*_, value) in enumerate(scene.reactions)
+        Output("out", row, scene.reactions[k][3], reaction_note(scene, k))
+        for row, k in enumerate(told)
         if k not in switched
     )
-    return [
+    resting = not wanted.moves
+    kernels = [
         Kernel(
             "mass",
             "Structural non-zeros of M, at MASS_ROWS, MASS_COLUMNS.",
@@ -94,40 +112,57 @@ def _dynamic_kernels(scene: SceneGraph, powers: list[tuple[str, str, int]]) -> l
             (*STATE, "modes", "Q"),
             store("Q", scene.applied, coordinates),
         ),
-        Kernel(
-            "potential",
-            "Potential energy V, J.",
-            ("t", "q", "p", "modes"),
-            (Output("return", 0, scene.potential),),
-        ),
-        Kernel(
-            "potential_gradient",
-            "∂V/∂q.",
-            ("t", "q", "p", "modes", "g"),
-            store("g", scene.gradient, coordinates),
-        ),
-        Kernel(
-            "kinetic_energy",
-            "T = q̇ᵀ M q̇ / 2, J.",
-            ("q", "v", "p"),
-            (Output("return", 0, kinetic),),
-        ),
-        Kernel(
-            "powers",
-            "Power of each effect without a potential and of each driver, W.",
-            (*STATE, "modes", "lam", "out"),
-            store("out", [w for *_, w in powers], [source for source, *_ in powers]),
-        ),
-        Kernel(
-            "reactions",
-            "Joint forces on the second body, in the joint's axes, and what drivers exert.",
-            (*STATE, "lam", "out"),
-            reactions,
-        ),
     ]
+    if resting or wanted.energy():
+        kernels += [
+            Kernel(
+                "potential",
+                "Potential energy V, J.",
+                ("t", "q", "p", "modes"),
+                (Output("return", 0, scene.potential),),
+            ),
+            Kernel(
+                "potential_gradient",
+                "∂V/∂q.",
+                ("t", "q", "p", "modes", "g"),
+                store("g", scene.gradient, coordinates),
+            ),
+        ]
+    if wanted.energy() and not resting:
+        energies = [
+            graph.mul(mass, graph.mul(v, v)) for mass, v in zip(scene.masses, scene.v, strict=True)
+        ]
+        kinetic = graph.mul(graph.constant(0.5), graph.total(energies))
+        kernels.append(
+            Kernel(
+                "kinetic_energy",
+                "T = q̇ᵀ M q̇ / 2, J.",
+                ("q", "v", "p"),
+                (Output("return", 0, kinetic),),
+            )
+        )
+    if powers or (wanted.outputs is None and not resting):
+        kernels.append(
+            Kernel(
+                "powers",
+                "Power of each effect without a potential and of each driver, W.",
+                (*STATE, "modes", "lam", "out"),
+                store("out", [w for *_, w in powers], [source for source, *_ in powers]),
+            )
+        )
+    if told or wanted.outputs is None:
+        kernels.append(
+            Kernel(
+                "reactions",
+                "Joint forces on the second body, in the joint's axes, and what drivers exert.",
+                (*STATE, "lam", "out"),
+                reactions,
+            )
+        )
+    return kernels
 
 
-def _switching_kernels(scene: SceneGraph) -> list[Kernel]:
+def _switching_kernels(scene: SceneGraph, resting: bool) -> list[Kernel]:
     switches = scene.equations.switches
     notes = [f"{switch.effect}: {switch.text}" for switch in switches]
     g, rates = [], []
@@ -135,13 +170,16 @@ def _switching_kernels(scene: SceneGraph) -> list[Kernel]:
         with scene.graph.serving(switch.effect):
             g.append(scene.translate(switch.g))
             rates.append(scene.translate(switch.rate))
+    switching = Kernel(
+        "switching",
+        "Switching functions g: a condition holds where its g > 0.",
+        (*STATE, "g"),
+        store("g", g, notes),
+    )
+    if resting:
+        return [switching]
     return [
-        Kernel(
-            "switching",
-            "Switching functions g: a condition holds where its g > 0.",
-            (*STATE, "g"),
-            store("g", g, notes),
-        ),
+        switching,
         Kernel(
             "switching_rates",
             "dg/dt along the motion.",

@@ -42,6 +42,8 @@ class SceneGraph:
         (row, column) of the constraints that determine a coordinate without mass.
     reactions
         (element, component, unit, value).
+    driven
+        Whether a kinematic scene has as many constraints as coordinates.
     masses
         Diagonal of M; empty in kinematic scenes.
     potential, gradient, applied
@@ -56,6 +58,7 @@ class SceneGraph:
         self.equations = equations
         self.n = len(equations.coordinates)
         self.m = sum(len(c.terms.phi) for c in equations.constraints)
+        self.driven = self.m == self.n > 0 and equations.scene.analysis == "kinematics"
         self.graph = graph = Graph()
         self.w = [graph.input("w", k, f"w_{q.name}") for k, q in enumerate(equations.coordinates)]
         self.q = [graph.input("q", k, q.name) for k, q in enumerate(equations.coordinates)]
@@ -76,6 +79,11 @@ class SceneGraph:
         self._pressing: dict[tuple[str, str], dict[int, int]] = {}
         self._constraints()
         self._effects()
+
+    @property
+    def owners(self) -> list[str]:
+        """The element of each constraint."""
+        return [c.name for c in self.equations.constraints for _ in c.statement.rows]
 
     # -- inputs ------------------------------------------------------------------------------
 
@@ -121,6 +129,7 @@ class SceneGraph:
 
     def _constraints(self) -> None:
         columns = {q: k for k, q in enumerate(self.equations.coordinates)}
+        still = self.equations.scene.analysis == "equilibrium"  # at rest γ vanishes
         for element in self.equations.constraints:
             terms, bindings = element.terms, dict(element.statement.bindings)
             inner: dict[sympy.Symbol, sympy.Expr | int] = dict(bindings)
@@ -145,7 +154,7 @@ class SceneGraph:
                             self.jacobian[key] = self.graph.add(before, translate(entry))
                     self.phi.append(translate(phi))
                     self.nu.append(translate(nu))
-                    self.gamma.append(translate(gamma))
+                    self.gamma.append(self.graph.zero if still else translate(gamma))
                 for component, unit, reaction in terms.reactions:
                     value = translate(reaction)
                     self.reactions.append((element.name, component, unit, value))

@@ -6,25 +6,35 @@ from codegen.lower.factorization import Elimination, Strategy
 from codegen.lower.friction import with_friction
 from codegen.lower.hoist import with_constants
 from codegen.lower.ledger import cost
-from codegen.lower.program import STATE, Check, Kernel, store
+from codegen.lower.program import STATE, Check, Kernel, Output, store
 from codegen.lower.scene_graph import SceneGraph
+from codegen.lower.square import Square
 
 
-def accelerations(scene: SceneGraph) -> tuple[Kernel, Strategy]:
-    """The fused kernel, by the order of elimination that costs least."""
+def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Strategy]:
+    """The fused kernel, by the order of elimination that costs least.
+
+    Parameters
+    ----------
+    rows
+        The constraints whose multipliers are wanted.
+    """
+    if scene.driven:
+        return _kinematics(scene), "square"
     strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
     if not scene.equations.masses:
         strategies = ("schur",)
     trials = []
     for strategy in strategies:
-        kernel = _dynamics(scene, strategy) if scene.equations.masses else _kinematics(scene)
+        massive = bool(scene.equations.masses)
+        kernel = _dynamics(scene, strategy, rows) if massive else _kinematics(scene)
         program = with_constants(scene.graph, (kernel,), len(scene.equations.parameters))
         trials.append((cost(program, program.kernels[-1]), kernel, strategy))
     _, kernel, strategy = min(trials, key=lambda trial: trial[0])
     return kernel, strategy
 
 
-def _dynamics(scene: SceneGraph, strategy: Strategy) -> Kernel:
+def _dynamics(scene: SceneGraph, strategy: Strategy, rows: tuple[int, ...] | None = None) -> Kernel:
     n, graph = scene.n, scene.graph
     entries = {(k, k): mass for k, mass in enumerate(scene.masses) if mass != graph.zero}
     references: dict[int, int] = {}
@@ -48,7 +58,9 @@ def _dynamics(scene: SceneGraph, strategy: Strategy) -> Kernel:
         )
         solution, rubbing = with_friction(scene, system.solve(strategy))
     outputs = store("a", solution[:n], [q.rate.name for q in scene.equations.coordinates])
-    outputs += store("lam", solution[n:], scene.row_names())
+    names = scene.row_names()
+    told = range(scene.m) if rows is None else rows
+    outputs += tuple(Output("lam", row, solution[n + row], names[row]) for row in told)
     checks = tuple(check._replace(constraint=check.constraint - n) for check in system.checks)
     checks += rubbing
     return Kernel(
@@ -72,7 +84,8 @@ def _pushes(scene: SceneGraph) -> list[list[int]]:
 
 def _kinematics(scene: SceneGraph) -> Kernel:
     """Accelerations that the constraints alone determine."""
-    ((solution,), checks) = _least(scene, [scene.gamma], [scene.graph.one] * scene.n)
+    with scene.graph.serving("factorization"):
+        (solution,), checks = _only(scene, [scene.gamma], [scene.graph.one] * scene.n)
     names = [q.rate.name for q in scene.equations.coordinates]
     return Kernel(
         "accelerations",
@@ -92,7 +105,7 @@ def correction(scene: SceneGraph) -> Kernel:
         for (i, k), entry in scene.jacobian.items():
             rates[i] = graph.add(rates[i], graph.mul(entry, scene.v[k]))
         right = [[graph.neg(phi) for phi in scene.phi], [graph.neg(rate) for rate in rates]]
-        (dq, dv), checks = _least(scene, right, scene.w)
+        (dq, dv), checks = _only(scene, right, scene.w)
     names = [q.name for q in scene.equations.coordinates]
     outputs = store("dq", dq, names) + store("dv", dv, names)
     return Kernel(
@@ -103,6 +116,18 @@ def correction(scene: SceneGraph) -> Kernel:
         checks,
         watched=True,
     )
+
+
+def _only(
+    scene: SceneGraph, right: list[list[int]], weights: list[int]
+) -> tuple[list[list[int]], tuple[Check, ...]]:
+    """Solutions d of Φ_q d = right; where the constraints leave a choice, the least by weight."""
+    if scene.driven:
+        system = Square(scene.graph, scene.jacobian, right)
+        solutions = system.solve()
+        if solutions is not None:
+            return solutions, tuple(system.checks)
+    return _least(scene, right, weights)
 
 
 def _least(

@@ -27,6 +27,8 @@ class Declarations:
         self.joints: dict[str, Constraint] = {}
         self.drivers: dict[str, Constraint] = {}
         self.effects: dict[str, Effect] = {}
+        self.fidelities: dict[str, dict[str, Effect | str]] = {}
+        self.groups: dict[str, dict[str, tuple[str, ...]]] = {}
         self.scenes: dict[str, Scene] = {}
         self.couplers: dict[str, tuple[Body, ...]] = {}
         self.files: list[Path] = []
@@ -74,9 +76,12 @@ class Declarations:
             self.joints[element.name] = element
         return element
 
-    def _effect(self, element: Effect) -> Effect:
+    def _effect(self, element: Effect, forms: dict[str, Effect | str] | None = None) -> Effect:
+        """Declare an effect; `forms`: fidelity → what it is then, or what it lacks for it."""
         if self._claim("effect", element.name):
             self.effects[element.name] = element
+            if forms:
+                self.fidelities[element.name] = forms
         return element
 
     def _point(self, name: str, place: Any) -> Point:

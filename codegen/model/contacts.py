@@ -1,6 +1,7 @@
 """The effects between surfaces: contact, and friction in joints and on belts."""
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, Literal
 
 import sympy
 
@@ -12,6 +13,9 @@ from codegen.elements.forces.dry_friction import DryFriction
 from codegen.elements.forces.friction import JointFriction
 from codegen.elements.forces.rigid_contact import RigidContact
 from codegen.model.base import Declarations
+
+ContactLaw = Literal["penalty", "rigid"]
+FrictionLaw = Literal["sticking", "regularised"]
 
 
 class Contacts(Declarations):
@@ -31,6 +35,7 @@ class Contacts(Declarations):
         may_pull: bool = True,
         restitution: Any = None,
         typical_force: Any = None,
+        fidelity: ContactLaw | None = None,
     ) -> Effect:
         """A contact while a gap is closed: by a spring and damper (Haug 8.4.2), or rigid.
 
@@ -54,37 +59,59 @@ class Contacts(Declarations):
         typical_force
             Of a rigid contact: a force of the size of its reactions, N; None: the weight of the
             bodies of the scene.
+        fidelity
+            ``"penalty"`` or ``"rigid"``, of a contact with the numbers of both: what it is where
+            a scene does not say.
         """
         where = f"contact '{name}'"
         g, bodies = self._gap(name, i, j, free_length, direction, gap)
         soft = stiffness is not None or damping is not None
-        if restitution is None:
+        both = self._read.choice(fidelity or "", ("", "penalty", "rigid"), f"{where}, fidelity")
+        forms: dict[str, Effect | str] = {
+            "penalty": "needs stiffness= in its declaration.",
+            "rigid": "needs restitution= in its declaration.",
+        }
+        if restitution is None or (both and soft):
             if stiffness is None:
                 self._note(
                     f"{where} has neither stiffness= nor restitution=; give stiffness= for one "
                     "that yields, or restitution= for one that is rigid."
                 )
                 stiffness = 1
-            if typical_force is not None:
+            if typical_force is not None and restitution is None:
                 self._note(f"{where}: typical_force= is a rigid contact's; leave it out.")
             stiff = self._read.value(stiffness, "N/m", f"stiffness of {where}")
             damp = self._read.value(
                 0 if damping is None else damping, "N s/m", f"damping of {where}"
             )
-            return self._effect(Contact(name, g, stiff, damp, bodies, bool(may_pull)))
-        if soft:
-            self._note(
-                f"{where} has both restitution= and stiffness= or damping=; give restitution= for "
-                "a rigid contact, or the others for one that yields."
-            )
-        if not may_pull:
-            self._note(f"{where}: a rigid contact never pulls; leave may_pull out.")
-        e = self._ruled(self._read.value(restitution, "", f"restitution of {where}"), "nonnegative")
-        scale = None
-        if typical_force is not None:
-            read = self._read.value(typical_force, "N", f"typical force of {where}")
-            scale = self._ruled(read, "positive")
-        return self._effect(RigidContact(name, g, e, bodies, scale))
+            forms["penalty"] = Contact(name, g, stiff, damp, bodies, bool(may_pull))
+        if restitution is not None:
+            if soft and not both:
+                self._note(
+                    f"{where} has both restitution= and stiffness= or damping=; give restitution= "
+                    "for a rigid contact, or the others for one that yields, or all with "
+                    "fidelity='rigid' or 'penalty' to let scenes choose."
+                )
+            if not may_pull and not (both and soft):
+                self._note(f"{where}: a rigid contact never pulls; leave may_pull out.")
+            word = f"restitution of {where}"
+            e = self._ruled(self._read.value(restitution, "", word), "nonnegative")
+            scale = None
+            if typical_force is not None:
+                read = self._read.value(typical_force, "N", f"typical force of {where}")
+                scale = self._ruled(read, "positive")
+            forms["rigid"] = RigidContact(name, g, e, bodies, scale)
+        return self._taken(
+            where, both or ("rigid" if restitution is not None else "penalty"), forms
+        )
+
+    def _taken(self, where: str, word: str, forms: dict[str, Effect | str]) -> Effect:
+        """Declare an effect of several fidelities, of which `word` is the default."""
+        chosen = forms[word]
+        if isinstance(chosen, str):
+            self._note(f"{where}: the fidelity '{word}' {chosen}")
+            chosen = next(form for form in forms.values() if not isinstance(form, str))
+        return self._effect(chosen, forms)
 
     def friction(
         self,
@@ -95,6 +122,7 @@ class Contacts(Declarations):
         radius: Any = None,
         length: Any = None,
         static: Any = None,
+        fidelity: FrictionLaw | None = None,
     ) -> Effect:
         """Coulomb friction in a joint, from the joint's own reaction.
 
@@ -113,6 +141,10 @@ class Contacts(Declarations):
             Of a translational joint's bearing, m: its moment then presses at both ends.
         static
             μ_s of a joint that sticks, at least μ; None: μ.
+        fidelity
+            ``"sticking"`` or ``"regularised"``: what it is where a scene does not say. Without it
+            the one with a creep speed is made smooth, and the one without sticks; with it a
+            declaration may give the numbers of both.
         """
         where = f"friction '{name}'"
         pin = getattr(joint, "kind", "") == "revolute"
@@ -125,7 +157,11 @@ class Contacts(Declarations):
             else self._ruled(self._read.value(size, "m", f"{word} of {where}"), "positive")
             for size, word in ((radius, "radius"), (length, "length"))
         )
-        return self._effect(JointFriction(name, joint, mu, speed, pin_radius, bearing, rest))
+
+        def law(creep: sympy.Expr | None, static: sympy.Expr | None) -> Effect:
+            return JointFriction(name, joint, mu, creep, pin_radius, bearing, static)
+
+        return self._rubbing(where, law, speed, rest, fidelity)
 
     def dry_friction(
         self,
@@ -139,6 +175,7 @@ class Contacts(Declarations):
         slip: Any = None,
         static: Any = None,
         creep: Any = None,
+        fidelity: FrictionLaw | None = None,
     ) -> Effect:
         """Coulomb friction under a normal force that is known: a block on a belt, a brake.
 
@@ -159,6 +196,10 @@ class Contacts(Declarations):
             μ_s of a friction that sticks, at least μ; None: μ.
         creep
             For a law made smooth at rest: the speed in m/s below which it creeps.
+        fidelity
+            ``"sticking"`` or ``"regularised"``: what it is where a scene does not say. Without it
+            the one with a creep speed is made smooth, and the one without sticks; with it a
+            declaration may give the numbers of both.
         """
         where = f"dry friction '{name}'"
         mu, rest, speed = self._coefficients(where, coefficient, static, creep, "m/s")
@@ -175,7 +216,32 @@ class Contacts(Declarations):
             along = self._direction(where, "axis", axis) or (sympy.S.One, sympy.S.Zero)
             s = rate(gap_between(*ends, along, sympy.S.Zero))
             bodies = (ends[0].body, ends[1].body)
-        return self._effect(DryFriction(name, s, load, mu, bodies, rest, speed))
+
+        def law(creep: sympy.Expr | None, static: sympy.Expr | None) -> Effect:
+            return DryFriction(name, s, load, mu, bodies, static, creep)
+
+        return self._rubbing(where, law, speed, rest, fidelity)
+
+    def _rubbing(
+        self,
+        where: str,
+        law: Callable[[sympy.Expr | None, sympy.Expr | None], Effect],
+        creep: sympy.Expr | None,
+        static: sympy.Expr | None,
+        fidelity: str | None,
+    ) -> Effect:
+        """A friction from its law of the creep speed and the static coefficient."""
+        words = ("", "sticking", "regularised")
+        chosen = self._read.choice(fidelity or "", words, f"{where}, fidelity")
+        forms: dict[str, Effect | str] = {
+            "sticking": law(None, static),
+            "regularised": "needs creep= in its declaration."
+            if creep is None
+            else law(creep, None),
+        }
+        if not chosen and creep is not None and static is not None:
+            return self._effect(law(creep, static))  # two laws at once, as its check says
+        return self._taken(where, chosen or ("sticking" if creep is None else "regularised"), forms)
 
     def _coefficients(
         self, where: str, coefficient: Any, static: Any, creep: Any, unit: str

@@ -1,9 +1,10 @@
 """Couplers: a rod between two pins, taken as heavy as a question needs it (Haug 8.1)."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
 from codegen.declare.body import Body, Point
+from codegen.declare.reading import Reader
 from codegen.model.bodies import Bodies
 from codegen.model.joints import Joints
 
@@ -57,34 +58,31 @@ class Couplers(Bodies, Joints):
         self.couplers[rod.name] = (rod, *halves)
         return rod
 
-    def _left_out(self, where: str, without: tuple[str, ...], chosen: Any) -> tuple[str, ...]:
+    def _left_out(
+        self, read: Reader, where: str, without: tuple[str, ...], forms: Mapping[str, str]
+    ) -> tuple[str, ...]:
         """Bodies that the forms of the couplers leave out of a scene."""
-        if not isinstance(chosen, Mapping):
-            self._note(f"{where}: couplers={chosen!r} is no mapping; write {{'rod': 'link'}}.")
-            return ()
-        forms = {str(getattr(key, "name", key)): form for key, form in chosen.items()}
-        for name in forms:
-            if name not in self.couplers:
-                self._note(f"{where}: there is no coupler '{name}'.")
         absent: list[str] = []
         for name, (rod, *halves) in self.couplers.items():
-            form = self._read.choice(forms.get(name, "body"), FORMS, f"{where}, coupler '{name}'")
+            form = forms.get(name, "body")
             held = self.joints.get(f"{name}_link")
             ends = [] if held is None else [body.name for body in held.bodies]
             if form != "body":
                 absent.append(rod.name)
-                self._note_lost_joints(where, rod, form, without)
+                read.problems += self._lost_joints(where, rod, form, without)
             if form != "lumped" or any(end in without for end in ends):
                 absent += [half.name for half in halves]
         return tuple(absent)
 
-    def _note_lost_joints(self, where: str, rod: Body, form: str, without: tuple[str, ...]) -> None:
+    def _lost_joints(
+        self, where: str, rod: Body, form: str, without: tuple[str, ...]
+    ) -> Iterator[str]:
         """Joints on a coupler that is no body: they would come apart in silence."""
         for joint in self.joints.values():
             its_own = joint.name in (f"{rod.name}_i", f"{rod.name}_j")
             pinned = any(body is rod for body in joint.bodies)
             if pinned and not its_own and joint.name not in without:
-                self._note(
+                yield (
                     f"{where}: joint '{joint.name}' holds '{rod.name}', which is no body as "
                     f"'{form}'; take it as 'body', or leave the joint out."
                 )

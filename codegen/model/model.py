@@ -12,11 +12,11 @@ from codegen.model.cams import Cams
 from codegen.model.contacts import Contacts
 from codegen.model.drivers import Drivers
 from codegen.model.forces import Forces
-from codegen.model.scenes import Scenes
 from codegen.model.values import Values
+from codegen.model.variations import Variations
 
 
-class Model(Values, Scenes, Cams, Drivers, Forces, Contacts):
+class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
     """A planar machine.
 
     Parameters

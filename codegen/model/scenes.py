@@ -2,13 +2,16 @@
 
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import replace
+from typing import Any, cast
 
 import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Located, own_coordinates
-from codegen.declare.names import name_problem
-from codegen.declare.scene import Analysis, Scene
+from codegen.declare.names import name_problem, nearest
+from codegen.declare.reading import Reader
+from codegen.declare.scene import ANALYSES, Analysis, Asked, Owner, Scene
 from codegen.declare.scene_values import (
     NamedValues,
     Names,
@@ -19,10 +22,12 @@ from codegen.declare.scene_values import (
     states,
 )
 from codegen.declare.symbols import Parameter
-from codegen.model.couplers import Couplers, Form
+from codegen.model.couplers import Form
+from codegen.model.fidelities import NONE, Fidelities
+from codegen.model.outputs import Outputs
 
 
-class Scenes(Couplers):
+class Scenes(Fidelities, Outputs):
     """What takes part in the questions asked of a machine."""
 
     def scene(
@@ -31,15 +36,21 @@ class Scenes(Couplers):
         effects: Names = (),
         drivers: Names = (),
         *,
+        extends: str | Scene | None = None,
         without: Names = (),
         couplers: Mapping[str | Body, Form] | None = None,
+        fidelity: Mapping[Any, str] | None = None,
         start: Values | None = None,
         guess: Values | None = None,
         parameters: Values | None = None,
-        frozen: bool = False,
-        analysis: Analysis = "dynamics",
+        frozen: bool | None = None,
+        analysis: Analysis | None = None,
+        outputs: Names | None = None,
     ) -> Scene:
         """Name what takes part in a question asked of the machine.
+
+        With the name alone it answers the scene that was declared under it, to be varied:
+        ``model.scene("compressor").without("gas").with_("rub", fidelity="sticking")``.
 
         Parameters
         ----------
@@ -47,10 +58,17 @@ class Scenes(Couplers):
             An identifier.
         effects, drivers
             What acts, by name or by the object that its declaration returned.
+        extends
+            Another scene: it has all that this one has, but for what is said here.
         without
-            Bodies that do not take part, with the joints and effects on them; or joints alone.
+            Bodies that do not take part, with the joints and effects on them; or joints, effects
+            and drivers alone.
         couplers
             ``{"rod": "link"}`` or ``"lumped"``: how a coupler is taken, a body unless said.
+        fidelity
+            Effect, coupler or group of `alternatives` → how it is taken: a friction
+            ``"sticking"`` or ``"regularised"``, a contact ``"penalty"`` or ``"rigid"``, a coupler
+            as in `couplers`, any effect ``"none"``; as declared unless said.
         start
             Values that must hold at the beginning: ``{"crank.phi": π, "crank.omega": 30}``.
         guess
@@ -61,25 +79,27 @@ class Scenes(Couplers):
         frozen
             Fold the parameters into the code.
         analysis
-            ``"kinematics"`` compiles neither masses nor forces.
+            ``"dynamics"`` unless given. ``"kinematics"`` compiles neither masses nor forces,
+            ``"equilibrium"`` nothing that only a motion needs.
+        outputs
+            What is computed beside the motion: ``"reactions"``, ``"energy"``, ``"powers"``, or
+            those of one element, ``"reaction(A)"``, ``"power(gas)"``; all unless given, which
+            ``"all"`` says in an extension.
         """
-        where = f"scene '{name}'"
-        gone = named(self._read, where, "body or joint", without, self.bodies | self.joints)
-        absent = (*gone, *self._left_out(where, gone, couplers or {}))
-        known = states(self._read, where, self._coordinates(), start or {})
-        given = states(self._read, where, self._coordinates(), guess or {})
-        scene = Scene(
-            name=name,
-            bodies=tuple(b for b in self.bodies if b not in absent),
-            effects=named(self._read, where, "effect", effects, self.effects),
-            drivers=named(self._read, where, "driver", drivers, self.drivers),
-            opened=tuple(name for name in absent if name in self.joints),
-            start=known,
-            guess=self._with_contacts(known, absent, given),
-            parameters=overrides(self._read, where, self.parameters, parameters or {}),
-            frozen=frozen,
-            analysis=self._read.choice(analysis, ("dynamics", "kinematics"), f"{where}, analysis"),
-        )
+        base = self.scenes.get(name)
+        said = (effects, drivers, extends, without, couplers, fidelity, start, guess, parameters)
+        bare = not any(bool(word) for word in said) and (frozen, analysis, outputs) == (None,) * 3
+        if bare and base is not None and base.asked != Asked():
+            return base
+        where, read = f"scene '{name}'", self._read
+        asked, given = self._asked(
+            read, where, effects, drivers, without=without, couplers=couplers, fidelity=fidelity,
+            start=start, guess=guess, parameters=parameters, frozen=frozen, analysis=analysis,
+            outputs=outputs,
+        )  # fmt: skip
+        if extends is not None:
+            asked = self._extension(read, where, extends, asked, given)
+        scene = self._composed(read, name, asked)
         if problem := name_problem("scene", name):
             self._note(problem)
         elif name in self.scenes:
@@ -87,6 +107,103 @@ class Scenes(Couplers):
         else:
             self.scenes[name] = scene
         return scene
+
+    def _asked(
+        self, read: Reader, where: str, effects: Names, drivers: Names, **words: Any
+    ) -> tuple[Asked, frozenset[str]]:
+        """The words of a scene, read; and which of those with a default were given."""
+        known = self.bodies | self.joints | self.effects | self.drivers
+        coordinates = self._coordinates()
+        plain = {"frozen": False, "analysis": "dynamics", "outputs": None}
+        given = {key: plain[key] if words[key] is None else words[key] for key in plain}
+        analysis = read.choice(given["analysis"], ANALYSES, f"{where}, analysis")
+        asked = Asked(
+            effects=named(read, where, "effect", effects, self.effects),
+            drivers=named(read, where, "driver", drivers, self.drivers),
+            without=named(read, where, "body or joint", words["without"], known),
+            fidelity=self._read_fidelities(read, where, words["fidelity"], words["couplers"]),
+            start=states(read, where, coordinates, words["start"] or {}),
+            guess=states(read, where, coordinates, words["guess"] or {}),
+            parameters=overrides(read, where, self.parameters, words["parameters"] or {}),
+            frozen=bool(given["frozen"]),
+            analysis=analysis,
+            outputs=self._read_outputs(read, where, given["outputs"]),
+        )
+        return asked, frozenset(key for key in plain if words[key] is not None)
+
+    def _extension(
+        self,
+        read: Reader,
+        where: str,
+        extends: str | Scene,
+        asked: Asked,
+        given: frozenset[str],
+    ) -> Asked:
+        base = extends if isinstance(extends, Scene) else self.scenes.get(extends)
+        if base is None:
+            hint = nearest(str(extends), self.scenes)
+            read.problems.append(f"{where} extends '{extends}', which is no scene; {hint}")
+            return asked
+        inherited = base.asked
+        for group, choice in asked.fidelity:
+            others = {
+                name
+                for word, names in self.groups.get(group, {}).items()
+                if word != choice
+                for name in names
+            }
+            kept = tuple(e for e in inherited.effects if e not in others)
+            inherited = replace(inherited, effects=kept)
+        return self._fitting(inherited.extended(asked, given), asked)
+
+    def _fitting(self, merged: Asked, mine: Asked) -> Asked:
+        """Without the start values that were inherited for what no longer takes part."""
+        scratch = self._composed(Reader(), "scratch", merged)
+        present = {*scratch.bodies, *self.joints} - {*scratch.opened, *merged.without}
+        own = {name for name, _ in (*mine.start, *mine.guess)}
+
+        def fits(values: NamedValues) -> NamedValues:
+            return tuple(
+                (name, value)
+                for name, value in values
+                if name in own or name.rpartition(".")[0] in present
+            )
+
+        return replace(merged, start=fits(merged.start), guess=fits(merged.guess))
+
+    def _composed(self, read: Reader, name: str, asked: Asked, **about: Any) -> Scene:
+        """The scene that the words mean."""
+        where = f"scene '{name}'"
+        how = dict(asked.fidelity)
+        wanted = tuple(e for e in asked.effects if e not in asked.without)
+        brought, others = self._chosen(read, where, how, wanted)
+        gone = (*asked.without, *others)
+        absent = (*gone, *self._left_out(read, where, gone, how))
+        idle = {e for e, word in how.items() if word == NONE}
+        acting = {*wanted, *brought} - idle - {*asked.without}
+        read.problems += [
+            f"{where}: '{e}' has a fidelity but does not act; name it among the effects."
+            for e in how
+            if e in self.effects and e not in (*acting, *idle)
+        ]
+        driving = ({*asked.drivers} | {*brought}) - {*asked.without}
+        return Scene(
+            name=name,
+            bodies=tuple(b for b in self.bodies if b not in absent),
+            effects=tuple(e for e in self.effects if e in acting),
+            drivers=tuple(d for d in self.drivers if d in driving),
+            opened=tuple(n for n in dict.fromkeys(absent) if n in self.joints),
+            fidelity=tuple((n, w) for n, w in how.items() if n in acting or n not in self.effects),
+            start=asked.start,
+            guess=self._with_contacts(asked.start, absent, asked.guess),
+            parameters=asked.parameters,
+            frozen=asked.frozen,
+            analysis=asked.analysis,
+            outputs=asked.outputs,
+            asked=asked,
+            owner=cast(Owner, self),
+            **about,
+        )
 
     def _with_contacts(
         self, start: NamedValues, absent: tuple[str, ...], guess: NamedValues

@@ -5,6 +5,7 @@ wrong or hangs.
 """
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
@@ -54,10 +55,14 @@ def main(
             raise typer.BadParameter(f"{name!r} is none of {known}", param_hint="--method")
     cases = [case for case in CASES if case.name in (only or names)]
     ways = [way for way in WAYS if not method or way.method in method]
-    cells = run_all(cases, ways, quick, limit)
+    cells = []
     results.parent.mkdir(parents=True, exist_ok=True)
-    lines = [json.dumps(cell.record(), ensure_ascii=False) for cell in cells]
-    results.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    # Written as they come: a run that is broken off leaves what it has found.
+    with results.open("w", encoding="utf-8") as lines:
+        for cell in run_all(cases, ways, quick, limit):
+            cells.append(cell)
+            lines.write(json.dumps(cell.record(), ensure_ascii=False) + "\n")
+            lines.flush()
     whole = not (only or method or quick)
     page = out or (Path("docs/hard-cases.md") if whole else None)
     if page is not None:
@@ -74,20 +79,18 @@ def tolerances(case: Case, quick: bool) -> tuple[float, ...]:
     return (case.tolerances[len(case.tolerances) // 2],) if quick else case.tolerances
 
 
-def run_all(cases: list[Case], ways: list[Way], quick: bool, limit: float) -> list[Cell]:
+def run_all(cases: list[Case], ways: list[Way], quick: bool, limit: float) -> Iterator[Cell]:
     """Every cell, in the order of the page, with a bar."""
     asked = [(c, way, rtol) for c in cases for way in ways for rtol in tolerances(c, quick)]
-    cells = []
     worker = Worker(find, limit)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
     with Progress(*columns, TimeElapsedColumn(), console=console, transient=True) as bar:
         task = bar.add_task("starting", total=len(asked))
         for case, way, rtol in asked:
             bar.update(task, description=f"{case.name}, {way.method}, rtol {rtol:.0e}")
-            cells.append(worker.run(case, way, rtol))
+            yield worker.run(case, way, rtol)
             bar.advance(task)
     worker.close()
-    return cells
 
 
 def summary(cells: list[Cell]) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError
+from runtime.analyses.asked import refuse_structure
 from runtime.analyses.assemble import Assembly, assemble
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.kinematics import instants
@@ -144,6 +145,8 @@ def simulate(
     equations = Equations(machine, p)
     sizes = magnitudes(equations, begin.t, begin.q)
     require_apart(machine, p, begin.t, begin.q, begin.v, float(sizes.min(initial=1.0)))
+    if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
+        refuse_structure(machine)
     trajectory = integrate(
         _system(machine, method),
         Problem(

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+ENERGIES = ("kinetic_energy", "potential")
 accelerations_of = FETCH["accelerations"]
 constraints_of = FETCH["constraints"]
 jacobian_of = FETCH["jacobian"]
@@ -188,6 +189,10 @@ def evaluate(
         told.jacobian_rows.astype(np.int64), told.jacobian_columns.astype(np.int64),
         a, lam, reaction, power, energy, residual, weak, np.zeros(len(told.jacobian_rows)),
     )  # fmt: skip
+    if told.recovered is not None:
+        lam[:, np.setdiff1d(np.arange(m), told.recovered)] = np.nan
+    if told.has_masses:
+        energy[:, [k for k, name in enumerate(ENERGIES) if name not in told.kernels]] = np.nan
     if (modes == 2).any():
         from runtime.analyses.holding import mix_held
 

@@ -230,9 +230,7 @@ class Positions:
         if miss > _SAME * max(abs(s) * speed, 1e-3):
             return self.near(motion, s)
         growth = speed / known.speed
-        return known._replace(
-            t=motion.t + s, speed=speed, rate=known.rate * growth, miss=miss
-        )
+        return known._replace(t=motion.t + s, speed=speed, rate=known.rate * growth, miss=miss)
 
     def frame(self, matrix: FloatArray) -> _Frame:
         """Singular vectors of this Jacobian, or of a known one that hardly differs."""
@@ -266,7 +264,7 @@ class _Root(NamedTuple):
     @property
     def freedom(self) -> int:
         """Degrees of freedom of the positions around; one null direction is time's."""
-        return self.null.shape[1] - self.left.shape[1] - 1
+        return int(self.null.shape[1] - self.left.shape[1] - 1)
 
 
 class _Search:
@@ -363,9 +361,9 @@ class _Search:
         miss = float(np.linalg.norm((self.at(s) - root.z)[:-1]))
         if miss > 0.1 * abs(s) * self.speed + 1e-3:
             return None
-        along = np.linalg.lstsq(root.null, rate, rcond=None)[0]
+        along = np.asarray(np.linalg.lstsq(root.null, rate, rcond=None)[0], dtype=np.float64)
         passing = root.form @ along
-        left, rates, right = np.linalg.svd(passing)
+        _, rates, right = np.linalg.svd(passing)
         veer = (root.null @ (_on_branch(root.form, along) - along))[:-1]
         weakest = float(rates[-1])
         direction = (root.null @ right[len(rates) - 1])[:-1]

@@ -2,8 +2,8 @@
 
 The Jacobian, columns scaled by the masses and rows made unit length, is reduced row by row, each by
 its largest remaining entry: the pivot of a row is about its distance from the rows before it. The
-reduction is repeated, in the same order of pivots, where the machine will be a little later. A pivot
-that changes sign in between announces a singular position.
+reduction is repeated, in the same order of pivots, where the machine will be a little later. A
+pivot that changes sign in between announces a singular position.
 """
 
 import numpy as np
@@ -28,8 +28,9 @@ BEHIND, AHEAD = 0.1, 2.5  # of a step: how far back and ahead is looked
 _FORESIGHT = 0.1  # of the coordinates' sizes: what is nearer matters to the finest tolerances
 _REACH = 0.5  # of the coordinates' sizes: how far a motion is continued
 _MARGIN = 0.5  # of the time in which a pivot could vanish: when to look again
-_TRUST = 0.95  # of the time over which nothing announced itself: no need to look again
+_TRUST = 0.5  # of the time over which nothing announced itself: when to look again
 _NEAR = 1e-5  # a pivot that counts as small in any case
+_EPS = 2.2e-16
 _REDUNDANT = 1e-8  # a row whose pivot is below this at both places says what others say
 
 
@@ -129,7 +130,9 @@ def vanishing(
         speed = max(speed, abs(v[j]) / size[j], abs(view(w, state * 2 * n + n, n)[j]) / size[j])
     span, back, ahead = h, 0.0, max(AHEAD * h, _FORESIGHT / max(speed, 1e-300))
     if state == Y0:
-        back, ahead = -BEHIND * h, h
+        # Rounding fails steps that are shorter and shorter within this distance, on either side.
+        noisy = np.cbrt(_EPS / r.rtol) / max(speed, 1e-300)
+        back, ahead = -max(BEHIND * h, noisy), max(h, noisy)
         span = min(h, _REACH / max(speed, 1e-300))
     for j in range(n):
         moved[j] = q[j] + span * v[j] if state == Y0 else end[j]

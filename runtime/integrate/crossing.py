@@ -2,19 +2,21 @@
 
 Where constraints cease to be independent the motion may go on smoothly, but the accelerations are a
 quotient 0/0: at the distance τ in time, a rounding error ε of the constraints makes one of
-2 ε / (σ' τ³) in them, σ' the rate at which the smallest singular value passes through zero. No step
-control helps, as shorter steps only come nearer. But a method evaluates the equations at a few nodes
-of its step: the step is laid so that the singular instant falls into the middle of a gap between
-two of them. Then nothing is ever computed close to it, nothing has to be rejected, and the other
-branches, whose velocities differ, are never seen. Its length balances the error of the method
+2 ε / (σ' τ³) in them, σ' the rate at which the smallest singular value passes through zero. No
+step control helps, as shorter steps only come nearer. But a method evaluates the equations at a few
+nodes of its step: the step is laid so that the singular instant falls into the middle of a gap
+between two of them. Then nothing is ever computed close to it, nothing has to be rejected, and the
+other branches, whose velocities differ, are never seen. Its length balances the error of the method
 against rounding, and its error may be the larger of the two. Near the position, states return onto
 the constraints by projection: there no choice of independent coordinates is a good one.
 """
 
+from itertools import pairwise
 from types import ModuleType
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from runtime.constraints.singular import Motion, Positions, Singularity, hermite, taylor
 from runtime.integrate import driver
@@ -36,6 +38,7 @@ from runtime.outcomes import Outcome
 if TYPE_CHECKING:
     from runtime.integrate.run import _Run
 
+FloatArray = npt.NDArray[np.float64]
 _EPS = 2.2e-16
 _ROUNDING = 64.0  # units of rounding within which a constraint counts as satisfied
 _ALLOWANCE = 30.0  # the error of a step across may be this many times what is expected
@@ -94,7 +97,7 @@ class Crossings:
         """Plan for the steps of the method that is a module `parts`."""
         self.order = parts.ERROR_ORDER + 1
         nodes = sorted(getattr(parts, "NODES", (0.0, 1.0)))
-        self.gaps = [(a, b) for a, b in zip(nodes, nodes[1:], strict=False) if b > a]
+        self.gaps = [(a, b) for a, b in pairwise(nodes) if b > a]
 
     def look(self) -> int:
         """Answer the loop: go on as planned, or the code of an outcome."""
@@ -129,7 +132,7 @@ class Crossings:
     # -- steps of a plan ----------------------------------------------------------------------
 
     def _plan(self, s: float) -> int:
-        """Is there a singular position about the time `s` hence, and where does its step begin?"""
+        """Find the singular position about the time `s` hence, and where its step begins."""
         r, motion = self.r, self._motion()
         found = self.positions.near(motion, s)
         self.tries = 0
@@ -292,7 +295,7 @@ class Crossings:
         delta = self._reach(found)
         places = found.t - motion.t + delta * np.array([-2.0, -1.0, 1.0, 2.0])
         powers = np.vander(places, 4, increasing=True)
-        series = np.zeros((4, n))
+        series: FloatArray = np.zeros((4, n))
         lam = np.zeros(run.m)
         for _ in range(4):
             found_a = np.zeros((4, n))
@@ -308,7 +311,7 @@ class Crossings:
                 if not self._projected(t, q, v):
                     return False
                 system.accelerations(t, q, v, p, modes, a, lam)
-            series = np.linalg.solve(powers, found_a)
+            series = np.asarray(np.linalg.solve(powers, found_a), dtype=np.float64)
         if not np.isfinite(series).all():
             return False
         run.w.reshape(ROWS, 2, n)[K, 1] = series[0]

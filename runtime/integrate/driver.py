@@ -372,7 +372,7 @@ def advance(
             r.vanishing = 0.0
             return LOOK
         if planned == 0 and h > 0.0:
-            r.usual = h
+            r.usual = max(h, 0.5 * r.usual)
         if r.plan == CROSSING or (r.plan == APPROACHING and t1 >= r.turn):
             return LOOK
         if r.plan >= LEAVING and t1 >= r.quiet:

@@ -27,6 +27,8 @@ ON_SURFACE = 1e-13  # |g| over its running maximum below which g counts as zero 
 
 _SWEEPS = 200
 _AGREED = 1e-14  # of the fastest approach: what a sweep may still change
+_ROUNDING = 1e-15  # of the largest velocity: the same
+_HOPELESS = 1e-6  # of the fastest approach: what sweeps that do not converge still change
 _LOW_FLIGHT = 0.01  # of the tolerance of a position: flights that rise no higher have ended
 _UNSEEN = 2e-12  # of the largest gap: heights at which rounding would move the next impact
 
@@ -82,8 +84,8 @@ def impact(
 
     Newton's law, ġ⁺ = -e ġ⁻, with impulses that only push, and with those that hold the other
     contacts that touch: v⁺ = v⁻ + Σ P_i d_i, P_i ≥ 0, ġ_i⁺ ≥ -e_i ġ_i⁻, one of the two an
-    equality, by projected Gauss-Seidel sweeps. The directions d_i are those in which the forces
-    of the contacts accelerate the machine.
+    equality, by projected Gauss-Seidel sweeps; without rebound where no such velocities exist. The
+    directions d_i are those in which the forces of the contacts accelerate the machine.
 
     Where the flight that follows would rise no higher than what a tolerance lets pass, bouncing
     ends: all further flights, each e times as long as the one before, take T/(1 - e) together,
@@ -128,24 +130,30 @@ def impact(
         impulse[c] = 0.0
         target[c] = -restitution[rigid[k]] * min(rates[k], 0.0)
         fastest = max(fastest, abs(rates[k]))
-    for _ in range(_SWEEPS):
+    matrix = view(work, (s + 1) * size, s * s)
+    quickest = 0.0
+    for j in range(n):
+        quickest = max(quickest, abs(v[j]))
+    for sweep in range(2 * _SWEEPS):
         moved = 0.0
         for c in range(count):
             k = held[c]
             unit = view(work, (c + 1) * size, n)
             switching_rates_of(machine)(t, q, v, any_a, p, rates)
-            speed = rates[k]
+            gain = -matrix[c * count + c]
+            more = max((target[c] - rates[k]) / gain, -impulse[c]) if gain > 0.0 else 0.0
             for j in range(n):
-                v[j] -= unit[j]
-            switching_rates_of(machine)(t, q, v, any_a, p, rates)
-            gain = rates[k] - speed
-            more = max((target[c] - speed) / gain, -impulse[c]) if gain > 0.0 else 0.0
-            for j in range(n):
-                v[j] += (1.0 - more) * unit[j]
+                v[j] -= more * unit[j]
             impulse[c] += more
             moved = max(moved, abs(more * gain))
-        if not moved > _AGREED * fastest:
+        if not moved > _AGREED * fastest + _ROUNDING * quickest:
             break
+        if sweep == _SWEEPS - 1:
+            if not moved > _HOPELESS * fastest:
+                break
+            # Bodies without clearance cannot rebound from each other.
+            for c in range(count):
+                target[c] = 0.0
     for k in range(s):
         modes[k] = int(now[k])
     switching_rates_of(machine)(t, q, v, any_a, p, rates)

@@ -194,6 +194,7 @@ def transition(
         hold(machine, modes)
     prefer(machine, letting_go, side, sw, modes)
     rates = view(sw, RATE_NOW * s, s)
+    switching_rates_of(machine)(t, q, v, view(w, DELTA * length, n), p, rates)
     if hit:
         leaves = modes[crossing] != HELD_MODE and rates[crossing] > 0.0
         sw[PREFERRED * s + crossing] = modes[crossing] + GIVEN if leaves else HELD_MODE
@@ -207,9 +208,12 @@ def transition(
         sw[BAND * s + k] = 0.0
         near = k == crossing or was_held or abs(g[k]) <= max(ON_SURFACE * largest, clock)
         if rigid[k] >= 0 and modes[k] == 1 and k != crossing and not was_held:
-            # It took part in this impact where it touched; else it will have its own.
-            near = hit and abs(g[k]) <= ON_SURFACE * largest
-            if near and rates[k] > 0.0:
+            # It took part in this impact where it touched, or rests against what lets go now; else
+            # it will have an impact of its own.
+            near = abs(g[k]) <= ON_SURFACE * largest and (
+                hit or abs(rates[k]) * LOOK_AHEAD * h <= ON_SURFACE * largest
+            )
+            if near and hit and rates[k] > 0.0:
                 sw[PREFERRED * s + k] = 1 + GIVEN
         if near:
             sw[BAND * s + k] = 2.0 * abs(g[k]) + 1e-14 * largest + 1e-300

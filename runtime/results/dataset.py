@@ -61,13 +61,16 @@ def dataset(result: "Result") -> "xr.Dataset":
             "source": np.array(told.powers.names, dtype=np.str_),
         }
         energy = np.column_stack([samples.energy, samples.energy.sum(axis=1)])
+        if told.unasked("energy"):
+            del coords["part"]
+        else:
+            variables["energy"] = (("time", "part"), energy, {"units": "J"})
         variables |= {
             "reaction": (
                 ("time", "joint", "component"),
                 reaction,
                 {"units": "N, N m", "long_name": "first body on second, in joint axes"},
             ),
-            "energy": (("time", "part"), energy, {"units": "J"}),
             "power": (("time", "source"), samples.power, {"units": "W"}),
         }
     if told.switches:

@@ -107,6 +107,10 @@ class Result:
                 f"{self.description.title}: joint {joint} has no reaction {component!r}; "
                 f"it has {', '.join(of_joint)}."
             )
+        elements = {*(row.element for row in self.description.constraints)}
+        elements |= {*self.description.effects.names}
+        if joint in elements and self.description.unasked("reaction", joint):
+            raise InputError(self.description.offer(f"reaction({joint})"))
         names = list(dict.fromkeys(row.element for row in rows))
         raise InputError(f"{self.description.title}: {unknown('reaction of', joint, names)}")
 
@@ -131,6 +135,9 @@ class Result:
     def power(self, source: str) -> FloatArray:
         """Power of an effect or driver on the machine in W, shape (k,)."""
         rows = self.description.powers
+        sources = (*self.description.effects.names, *self.description.drivers)
+        if source in sources and self.description.unasked("power", source):
+            raise InputError(self.description.offer(f"power({source})"))
         if source not in rows.names:
             raise InputError(f"{self.description.title}: {unknown('power of', source, rows.names)}")
         return self.samples.power[:, rows.index(source)]
@@ -143,6 +150,8 @@ class Result:
             raise InputError(
                 f"{self.description.title} has bodies without mass, so there is no energy."
             )
+        if self.description.unasked("energy"):
+            raise InputError(self.description.offer("energy"))
         kinetic, potential = self.samples.energy[:, 0], self.samples.energy[:, 1]
         parts: dict[str, FloatArray] = {
             "kinetic": kinetic,

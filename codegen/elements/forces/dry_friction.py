@@ -32,7 +32,8 @@ def coefficient_problems(
     if creep is not None:
         found.append(
             f"{where} has both static= and creep=; a friction that creeps never sticks: give "
-            "creep= for the smooth law, or static= for the one that sticks."
+            "creep= for the smooth law, or static= for the one that sticks, or both with "
+            "fidelity='sticking' or 'regularised' to let scenes choose."
         )
     elif kinetic == 0:
         found.append(

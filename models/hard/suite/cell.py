@@ -8,13 +8,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from models.hard.suite.case import WORTH, Array, Case, machine
+from models.hard.suite.case import KEPT, WORTH, Array, Case, machine
 from runtime import Outcome, Result
 from runtime.integrate.check import CORRECTIONS
 from runtime.integrate.tables import METHODS
 
 RESIDUAL = 1e-10
-"""The largest |Φ| that a run may show at any output, m or rad."""
+"""The largest |Φ| that a run may show at any output, m or rad, where it returns to Φ = 0."""
+
+DRIFTING = ("baumgarte", "hybrid")
+"""Corrections that let |Φ| grow to the size of the tolerance, and do not claim more."""
 
 
 class Way(NamedTuple):
@@ -24,7 +27,7 @@ class Way(NamedTuple):
     correction: str
 
 
-COMPARED = METHODS[-1]
+COMPARED = "dop853"
 """The method with which the ways back onto the constraints are compared."""
 
 WAYS = (
@@ -156,8 +159,9 @@ def judge(case: Case, way: Way, rtol: float, result: Result, cpu: float) -> Cell
     error, bound, until, note = _compared(case, rtol, result)
     residual = float(result.samples.residual[:, 0].max(initial=0.0))
     outcome = result.outcome
-    if note == "" and not residual <= RESIDUAL:
-        note = f"|Φ| reaches {residual:.1e}, more than {RESIDUAL:.0e}"
+    largest = RESIDUAL + (KEPT * rtol if way.correction in DRIFTING else 0.0)
+    if note == "" and not residual <= largest:
+        note = f"|Φ| reaches {residual:.1e}, more than {largest:.0e}"
     if note != "":
         verdict = Verdict.WRONG
     elif outcome.name not in case.ends:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite
 
 from models.hard.suite.case import KEPT, SHARE, WORTH, Case
-from models.hard.suite.cell import RESIDUAL, Cell, Verdict
+from models.hard.suite.cell import DRIFTING, RESIDUAL, Cell, Verdict
 
 HEAD = f"""# Hard cases
 
@@ -19,7 +19,8 @@ the errors of all steps add up: the bound is {SHARE:g} × steps × growth × rto
 method of order 8 at rtol 1e-9, and at least {KEPT:g} × growth × rtol. Where the bound exceeds
 {WORTH:g} (m, rad, s) the number is beyond the horizon and not compared; the column *until* says
 how far the comparison reaches, and where nothing can be compared the verdict is *beyond the
-horizon*. |Φ| must stay below {RESIDUAL:.0e}.
+horizon*. |Φ| must stay below {RESIDUAL:.0e}; with the corrections that only pull back or return
+now and then, {" and ".join(DRIFTING)}, below {KEPT:g} × rtol.
 
 | column | meaning |
 |---|---|

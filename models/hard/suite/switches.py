@@ -60,7 +60,10 @@ def _thrown() -> Reference:
 def _landings(run: Result) -> Array:
     """Every time at which the follower leaves or lands, s, and its place at the end, m."""
     touch = run.description.switches[0]
-    times = [e.time for e in run.events if e.name == f"{touch.name}: {touch.condition}"]
+    name = f"{touch.name}: {touch.condition}"
+    # The run starts on the contact's boundary, to rounding: whether it touches there from the first
+    # instant on, or from 1e-10 s later, is not asked.
+    times = [event.time for event in run.events if event.name == name and event.time > 1e-8]
     return np.append(times, run.q("pushrod.y")[-1])
 
 

@@ -1,0 +1,158 @@
+"""Fidelities: what is declared once, and taken by each scene as finely as its question needs."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from codegen.declare.element import Effect
+from codegen.declare.names import nearest
+from codegen.declare.reading import Reader
+from codegen.declare.scene import Scene
+from codegen.model.couplers import FORMS, Couplers
+
+NONE = "none"
+"""The fidelity of an effect that a scene does without."""
+
+
+class Fidelities(Couplers):
+    """Effects with several laws, couplers, and groups of alternatives."""
+
+    def alternatives(
+        self,
+        name: str,
+        choices: Mapping[str, Iterable[Any]],
+        default: str | None = None,
+    ) -> str:
+        """Elements that stand for one another: a scene takes those of one choice.
+
+        A cam's follower that is held to the cam or may leave it, a spring of six masses or of
+        fifty: each choice names the bodies, joints, effects and drivers that only it has. In a
+        scene with ``fidelity={name: choice}`` its effects and drivers act, and nothing of the other
+        choices takes part. A scene that says nothing has the default's bodies and joints.
+
+        Parameters
+        ----------
+        name
+            An identifier.
+        choices
+            Choice, a word → elements, by name or by the objects that their declarations returned.
+        default
+            The first choice unless given.
+
+        Returns
+        -------
+        str
+            The name.
+        """
+        where = f"alternatives '{name}'"
+        known = self.bodies | self.joints | self.effects | self.drivers
+        read: dict[str, tuple[str, ...]] = {}
+        for choice, elements in choices.items():
+            names = [str(getattr(e, "name", e)) for e in elements]
+            for missing in (n for n in names if n not in known):
+                self._note(f"{where}, {choice}: there is no '{missing}'; {nearest(missing, known)}")
+            read[str(choice)] = tuple(n for n in names if n in known)
+        if len(read) < 2:
+            self._note(f"{where}: {len(read)} choice is no choice; give at least two.")
+        if default is not None and default not in read:
+            self._note(f"{where}: no choice {default!r}; {nearest(str(default), read)}")
+            default = None
+        if self._claim("group of alternatives", name) and read:
+            chosen = default or next(iter(read))
+            self.groups[name] = {chosen: read[chosen]} | read
+        return str(name)
+
+    def acting(self, scene: Scene) -> dict[str, Effect]:
+        """Name → the effects of a scene, in the fidelity that it asks for."""
+        how = dict(scene.fidelity)
+        found = {}
+        for name in scene.effects:
+            form = self.fidelities.get(name, {}).get(how.get(name, ""))
+            found[name] = self.effects[name] if form is None or isinstance(form, str) else form
+        return found
+
+    def _read_fidelities(
+        self, read: Reader, where: str, given: Any, couplers: Any
+    ) -> tuple[tuple[str, str], ...]:
+        """What a scene says of fidelities, by name; what cannot be is noted."""
+        if couplers is not None and not isinstance(couplers, Mapping):
+            read.problems.append(
+                f"{where}: couplers={couplers!r} is no mapping; write {{'rod': 'link'}}."
+            )
+            couplers = None
+        if given is not None and not isinstance(given, Mapping):
+            read.problems.append(
+                f"{where}: fidelity={given!r} is no mapping; write {{'rub': 'sticking'}}."
+            )
+            given = None
+        found: dict[str, str] = {}
+        for key, form in (couplers or {}).items():
+            name = str(getattr(key, "name", key))
+            if name in self.couplers:
+                found[name] = read.choice(form, FORMS, f"{where}, coupler '{name}'")
+            else:
+                read.problems.append(
+                    f"{where}: there is no coupler '{name}'; {nearest(name, self.couplers)}"
+                )
+        for key, word in (given or {}).items():
+            name = str(getattr(key, "name", key))
+            if not isinstance(word, str):
+                words = f"{word!r}"
+                read.problems.append(
+                    f"{where}: '{name}' with the fidelity {words}; a scene takes one at a time: "
+                    "give one word, or declare a scene for each."
+                )
+                continue
+            if name in found and found[name] != word:
+                read.problems.append(
+                    f"{where}: '{name}' is asked for as '{found[name]}' and as '{word}'; "
+                    "give one fidelity."
+                )
+                continue
+            if problem := self._fidelity_problem(name, word):
+                read.problems.append(f"{where}: {problem}")
+                continue
+            found[name] = word
+        return tuple(found.items())
+
+    def _fidelity_problem(self, name: str, word: str) -> str | None:
+        several = self.fidelities | self.groups | dict.fromkeys(self.couplers)
+        if name in self.couplers:
+            choices: Mapping[str, Any] = dict.fromkeys(FORMS)
+        elif name in self.groups:
+            choices = self.groups[name]
+        elif name in self.effects:
+            choices = self.fidelities.get(name, {}) | {NONE: ()}
+            if len(choices) == 1 and word != NONE:
+                return (
+                    f"{self.effects[name].kind} '{name}' has one fidelity only, so it cannot be "
+                    f"taken as '{word}'; leave fidelity= out."
+                )
+        else:
+            return f"nothing called '{name}' has fidelities; {nearest(name, several)}"
+        if word not in choices:
+            return f"'{name}' cannot be taken as '{word}'; {nearest(word, choices)}"
+        lacking = choices[word]
+        return f"'{name}' as '{word}' {lacking}" if isinstance(lacking, str) else None
+
+    def _chosen(
+        self, read: Reader, where: str, how: dict[str, str], effects: tuple[str, ...]
+    ) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Elements that the choices of groups bring, and those that they leave out."""
+        brought: list[str] = []
+        gone: list[str] = []
+        for group, choices in self.groups.items():
+            default = next(iter(choices))
+            named = [c for c, names in choices.items() if any(n in effects for n in names)]
+            # Effects that are named decide as well as the word of their choice does.
+            choice = how.get(group) or (named[0] if len(named) == 1 else default)
+            mine = choices[choice]
+            others = [n for names in choices.values() for n in names if n not in mine]
+            if clash := [n for n in others if n in effects]:
+                read.problems.append(
+                    f"{where}: '{clash[0]}' acts only in another choice of '{group}' than "
+                    f"'{choice}', which the scene takes; give fidelity={{'{group}': ...}} and "
+                    "leave the other's effects out."
+                )
+            brought += mine if group in how else ()
+            gone += others
+        return tuple(brought), tuple(gone)

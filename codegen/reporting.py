@@ -1,0 +1,67 @@
+"""What is wrong with the outputs that one scene asks for."""
+
+from collections.abc import Iterator
+
+from codegen.declare.scene import Scene
+from codegen.derive.constraints import constraint_terms
+from codegen.derive.effects import effect_terms
+from codegen.derive.equations import active_joints
+from codegen.model import Model
+from codegen.model.outputs import ONE
+
+
+def output_problems(model: Model, scene: Scene) -> Iterator[str]:
+    """Outputs that need what the scene leaves out; each says what, and how to have it."""
+    where = f"scene '{scene.name}'"
+    joints = active_joints(model, scene)
+    for word in scene.outputs or ():
+        if scene.analysis == "kinematics":
+            yield (
+                f"{where}: the output '{word}' needs masses and forces, which a kinematic scene "
+                "leaves out; declare it with analysis='dynamics', or leave the output out."
+            )
+            continue
+        if scene.analysis == "equilibrium" and word.startswith("power"):
+            yield (
+                f"{where}: the output '{word}' needs a motion, which a scene for equilibrium "
+                "leaves out; declare it with analysis='dynamics', or leave the output out."
+            )
+        match = ONE.match(word)
+        if match is None:
+            continue
+        what, name = match.groups()
+        if name in (*joints, *scene.drivers, *scene.effects):
+            yield from _nothing_there(model, scene, where, what, name)
+            continue
+        kind = model.kind(name)
+        wanted = f"{kind}s" if kind in ("effect", "driver") else "bodies and joints"
+        yield (
+            f"{where}: the output '{word}' needs {kind} '{name}', which the scene leaves out; "
+            f"take '{name}' in among its {wanted}, or leave the output out."
+        )
+
+
+def _nothing_there(model: Model, scene: Scene, where: str, what: str, name: str) -> Iterator[str]:
+    """Reactions and powers that an element which acts does not have."""
+    output = f"{what}({name})"
+    if name not in scene.effects:
+        element = model.joints.get(name) or model.drivers[name]
+        moving = name in scene.drivers or any(nu != 0 for nu in constraint_terms(element)[1].nu)
+        if what == "power" and not moving:
+            yield (
+                f"{where}: there is no output '{output}', as {element.kind} '{name}' does no work; "
+                "leave it out."
+            )
+        return
+    effect = model.acting(scene)[name]
+    terms = effect_terms(effect, tuple(model.bodies[b] for b in scene.bodies))
+    if what == "power" and not (terms.forces or terms.friction):
+        yield (
+            f"{where}: there is no output '{output}', as all that {effect.kind} '{name}' does has "
+            "a potential; ask for 'energy'."
+        )
+    if what == "reaction" and not (terms.reported or terms.friction):
+        yield (
+            f"{where}: there is no output '{output}', as {effect.kind} '{name}' reports no force; "
+            "leave it out."
+        )

@@ -1,0 +1,36 @@
+"""Other defaults for one build: ``--set NAME=VALUE``."""
+
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import replace
+
+from codegen.declare.names import nearest
+from codegen.declare.scene import Scene
+from codegen.errors import ParameterError
+from codegen.model import Model
+
+
+def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
+    """A copy of the model with other defaults; every scene takes them over."""
+    problems = []
+    changed = copy(model)
+    changed.parameters = dict(model.parameters)
+    for name, value in settings.items():
+        if name not in model.parameters:
+            problems.append(
+                f"model '{model.name}' has no parameter '{name}'; {nearest(name, model.parameters)}"
+            )
+        elif problem := model.parameters[name].problem(value):
+            problems.append(problem)
+        else:
+            changed.parameters[name] = replace(model.parameters[name], value=value)
+    if problems:
+        raise ParameterError(problems)
+    changed.scenes = {name: settled(scene, settings) for name, scene in model.scenes.items()}
+    return changed
+
+
+def settled(scene: Scene, settings: Mapping[str, float]) -> Scene:
+    """The scene without values of its own for the parameters that a build sets."""
+    kept = tuple(pair for pair in scene.parameters if pair[0] not in settings)
+    return replace(scene, parameters=kept)

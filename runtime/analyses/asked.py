@@ -1,0 +1,55 @@
+"""Questions that a scene was compiled without the means to answer."""
+
+from typing import TYPE_CHECKING
+
+from codegen.errors import AnalysisError
+
+if TYPE_CHECKING:
+    from runtime.machine import Machine
+
+
+def require_motion(machine: "Machine", question: str) -> None:
+    """Refuse a motion where the scene asks only where the machine rests.
+
+    Raises
+    ------
+    AnalysisError
+        If its kernels of motion were left out.
+    """
+    told = machine.description
+    if told.analysis == "equilibrium":
+        raise AnalysisError(
+            f"{told.title}: {question} needs the equations of motion, which a scene with "
+            f"analysis='equilibrium' leaves out. Declare it with analysis='dynamics', or load "
+            f"scene.with_(analysis='dynamics')."
+        )
+
+
+def require_energy(machine: "Machine") -> None:
+    """Refuse a search for equilibrium where the potential was left out.
+
+    Raises
+    ------
+    AnalysisError
+        If the scene has masses and no kernel of the potential.
+    """
+    told = machine.description
+    if told.has_masses and "potential" not in told.kernels:
+        raise AnalysisError(f"equilibrium needs the potential energy: {told.offer('energy')}")
+
+
+def refuse_structure(machine: "Machine") -> None:
+    """Refuse to integrate where joints hold all and no driver moves anything.
+
+    Raises
+    ------
+    AnalysisError
+        If the scene has no driver.
+    """
+    told = machine.description
+    if not told.drivers:
+        raise AnalysisError(
+            f"{told.title}: nothing is left to integrate: {len(told.constraints)} constraints hold "
+            f"all {len(told.coordinates)} coordinates and no driver moves them. Leave a joint out, "
+            f"take a driver in, or ask for inverse_dynamics, which gives the reactions at rest."
+        )

@@ -1,0 +1,187 @@
+"""An effect that a scene leaves out costs no operation, parameter, state, event or byte."""
+
+import re
+from collections.abc import Iterator
+from copy import copy
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from codegen import Model
+from codegen.declare.scene import Scene
+from codegen.derive.equations import derive
+from codegen.driver import sound_scenes
+from codegen.emit.module import Origin, module_text
+from codegen.lower.kernels import Lowered, lower
+from codegen.lower.ledger import operations
+from codegen.lower.own import own_operations
+from codegen.modelfile import read_model
+
+NAMES = ("MODEL", "SCENE", "LEFT_OUT", "UNUSED")
+"""Tables of the header that list names of what is not there."""
+
+
+def library(root: Path) -> list[Path]:
+    found = sorted(root.glob("models/[!_]*.py")) + sorted(root.glob("models/hard/[!_]*.py"))
+    return [path for path in found if "\nmodel = " in path.read_text(encoding="utf-8")]
+
+
+def compiled_without_names(model: Model, scene: Scene) -> tuple[str, Lowered]:
+    """A scene's text, but for the names in its header."""
+    lowered = lower(derive(model, scene))
+    text = module_text(lowered, Origin("linkwright", (), "0" * 64, "build"))
+    lines = [line for line in text.splitlines() if not line.startswith(("# content", '"""Mach'))]
+    text = "\n".join(lines)
+    for name in NAMES:
+        text = re.sub(rf"^{name} = (?:\(\n(?:    .*\n)*\)|.*)\n", "", text, flags=re.MULTILINE)
+    return text, lowered
+
+
+def counts(lowered: Lowered) -> dict[str, int]:
+    return {k.name: operations(lowered.program, k) for k in lowered.program.kernels}
+
+
+def never_declared(model: Model, *effects: str) -> Model:
+    """The model as it would be if these effects were not in its file."""
+    other = copy(model)
+    other.effects = {n: e for n, e in model.effects.items() if n not in effects}
+    other.fidelities = {n: f for n, f in model.fidelities.items() if n not in effects}
+    other.groups = {
+        group: {c: tuple(n for n in names if n not in effects) for c, names in choices.items()}
+        for group, choices in model.groups.items()
+    }
+    return other
+
+
+def with_and_without(path: Path) -> Iterator[tuple[Model, Scene, str, Scene]]:
+    model = read_model(path).model
+    for scene in sound_scenes(model, None):
+        for effect in scene.effects:
+            (bare,) = sound_scenes(model, scene.without(effect))
+            yield model, scene, effect, bare
+
+
+MACHINES = [path.stem for path in library(Path(__file__).resolve().parents[2])]
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+def test_every_effect_leaves_no_trace(machine: str, root: Path) -> None:
+    (path,) = (p for p in library(root) if p.stem == machine)
+    for model, scene, effect, bare in with_and_without(path):
+        where = f"{scene.name}, {effect}"
+        text, without = compiled_without_names(model, bare)
+        never, _ = compiled_without_names(never_declared(model, effect), bare)
+        assert text == never, where
+        told = without.description
+        assert effect not in {name for name, *_ in (*told.switches, *told.reactions, *told.powers)}
+        equations = derive(model, scene)
+        full, rest = counts(lower(equations)), counts(without)
+        difference = {name: count - rest.get(name, 0) for name, count in full.items()}
+        assert difference == own_operations(equations, effect), where
+        assert set(rest) <= set(full), where
+
+
+def test_effects_cost_what_they_should(root: Path) -> None:
+    # A constant torque on one body is one product in its power, and one sum in the solution.
+    model = read_model(root / "models" / "quick_return.py").model
+    own = own_operations(derive(model, model.scenes["shaper"]), "motor")
+    assert {k: n for k, n in own.items() if n} == {"accelerations": 1, "powers": 1}
+    # A friction that sticks costs the closure of the loads, and no applied force.
+    model = read_model(root / "models" / "hard" / "guide_friction.py").model
+    own = own_operations(derive(model, model.scenes["rocking"]), "rub")
+    assert own["accelerations"] > 100
+    assert own["applied_forces"] == 0
+
+
+def bare_compressor(root: Path) -> tuple[Model, Scene]:
+    model = read_model(root / "models" / "slider_crank.py").model
+    return model, model.scene("compressor").without("gas", "motor").with_(outputs=[])
+
+
+def test_compressor_of_gravity_alone_is_that_of_a_machine_with_nothing_else(root: Path) -> None:
+    model, scene = bare_compressor(root)
+    assert scene.effects == ("gravity_right",)
+    text, lowered = compiled_without_names(model, scene)
+    poor = never_declared(model, *(set(model.effects) - {"gravity_right"}))
+    poor.drivers = {}
+    poor.scenes = {}
+    poor.parameters = {n: p for n, p in model.parameters.items() if n in ("J1", "rod_length")}
+    given = {"start": dict(scene.start), "guess": dict(scene.guess), "outputs": []}
+    poor.scene("falling", ["gravity_right"], **given)
+    other, _ = compiled_without_names(poor, sound_scenes(poor, "falling")[0])
+    assert text == other
+    kernels = {k.name for k in lowered.program.kernels}
+    assert not kernels & {"reactions", "powers", "kinetic_energy", "potential", "switching"}
+
+
+def test_parameters_of_what_is_left_out_are_gone(root: Path) -> None:
+    model, scene = bare_compressor(root)
+    told = lower(derive(model, scene)).description
+    assert [name for name, *_ in told.parameters] == ["J1", "rod_length"]
+    assert told.unused == ("motor_torque", "drive_speed", "gas_scale")
+
+
+def test_multipliers_that_nothing_asks_for_are_not_recovered(root: Path) -> None:
+    model = read_model(root / "models" / "slider_crank.py").model
+    whole = model.scene("compressor")
+    counted = {}
+    for outputs in ("all", ["energy"], ["reaction(guide)"]):
+        lowered = lower(derive(model, whole.with_(outputs=outputs)))
+        stored = {
+            out.slot
+            for k in lowered.program.kernels
+            if k.name == "accelerations"
+            for out in k.outputs
+            if out.array == "lam"
+        }
+        assert stored == set(lowered.description.recovered)
+        counted[str(outputs)] = counts(lowered)["accelerations"], len(stored)
+    assert counted["['energy']"][1] == 0
+    assert counted["['reaction(guide)']"][1] == 2
+    assert counted["['energy']"][0] < counted["['reaction(guide)']"][0] < counted["all"][0]
+
+
+def test_kinematic_scene_of_the_quick_return_is_small(root: Path) -> None:
+    model = read_model(root / "models" / "quick_return.py").model
+    moving = counts(lower(derive(model, model.scenes["kinematics"])))
+    shaping = counts(lower(derive(model, model.scenes["shaper"])))
+    assert sum(moving.values()) <= 0.4 * sum(shaping.values())
+    for kernel in ("accelerations", "correction"):  # what every instant costs
+        assert moving[kernel] <= 0.4 * shaping[kernel]
+    assert not set(moving) & {"mass", "applied_forces", "potential", "powers", "reactions"}
+
+
+def test_scene_for_equilibrium_knows_no_motion(root: Path) -> None:
+    model = read_model(root / "models" / "slider_crank.py").model
+    rest = model.scene("gas_equilibrium").with_(analysis="equilibrium")
+    kernels = {k.name: k for k in lower(derive(model, rest)).program.kernels}
+    absent = {"acceleration_rhs", "correction", "kinetic_energy", "powers", "switching_rates"}
+    assert not set(kernels) & absent
+    silent = lower(derive(model, rest.with_(outputs=["energy"]))).program.kernels
+    assert not {k.name for k in silent} & {"accelerations", "reactions"}
+
+
+def test_scene_of_the_spring_alone_has_no_events(root: Path) -> None:
+    path = root / "models" / "coil_spring.py"
+    model = read_model(path).model
+    lowered = lower(derive(model, model.scenes["surge"]))
+    assert lowered.description.switches == ()
+    assert not {k.name for k in lowered.program.kernels} & {"switching", "switching_rates", "holds"}
+
+
+def test_frozen_parameters_fold_and_others_stay(root: Path) -> None:
+    model = read_model(root / "models" / "hard" / "guide_friction.py").model
+    scene = model.scene("rocking").with_(parameters={"torque": 0.0})
+    free, fixed = (lower(derive(model, s)) for s in (scene, scene.with_(frozen=True)))
+    assert "torque" in {name for name, *_ in free.description.parameters}
+    assert fixed.description.parameters == ()
+    assert counts(fixed)["applied_forces"] < counts(free)["applied_forces"]
+
+
+def test_names_of_on_the_fly_scenes_do_not_reach_the_kernels(root: Path) -> None:
+    model = read_model(root / "models" / "slider_crank.py").model
+    scene = model.scene("compressor").without("gas")
+    one, _ = compiled_without_names(model, scene)
+    other, _ = compiled_without_names(model, replace(scene, name="idling"))
+    assert one == other
