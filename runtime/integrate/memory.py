@@ -19,7 +19,8 @@ CHANGE = 10  # first of 72 numbers in which a change of the step's length is wor
 NUMBERS = 82
 # Rows: the first 20 are a method's; then directions for the derivatives, then the tolerance.
 IN, OUT, SLOPE, TOLERANCE = 20, 21, 22, 23
-LINES = 24
+LOW = 24  # what rounding cut off the state at the start of the step
+LINES = 25
 
 # NOTES: counts, then the unknowns (n), pivots (n), pivots of the complex matrix (2 n).
 FREEDOMS = 0  # f
@@ -32,7 +33,8 @@ ITERATIONS = 6  # of the last step
 CALM = 7  # steps in a row that an explicit method could have taken
 STIFF = 8  # steps of an explicit method that were limited by stability
 PARTITIONED = 9  # 1: dependent coordinates are recovered at every iterate
-COUNTS = 10
+SETTLED = 10  # steps since the unknowns were other ones
+COUNTS = 11
 
 
 def memory(n: int) -> tuple[int, int]:

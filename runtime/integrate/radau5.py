@@ -25,24 +25,44 @@ from runtime.integrate.memory import (
     H_BASE,
     IN,
     ITERATIONS,
+    LOW,
     OUT,
     RATE,
     SLOPE,
     STEP_ERROR,
+    TOLERANCE,
     counts,
     floats,
     line,
     memory,
 )
 from runtime.integrate.newton import factor_complex, factor_real, filtered, tolerate, uneven
-from runtime.integrate.radau5_coefficients import C_COMPLEX, C_IMAGINARY, C_REAL, E1, E2, E3
+from runtime.integrate.radau5_coefficients import (
+    A11,
+    A12,
+    A13,
+    A21,
+    A22,
+    A23,
+    A31,
+    A32,
+    A33,
+    C_COMPLEX,
+    C_IMAGINARY,
+    C_REAL,
+    E1,
+    E2,
+    E3,
+)
 from runtime.integrate.radau5_stages import (
     MOST_ITERATIONS,
     NEWTON,
     POLYNOMIAL,
     STATES,
+    VELOCITIES,
     curve,
     foresee,
+    keep_low,
     newton,
 )
 from runtime.integrate.reduction import arrive, differentiate, unknowns
@@ -65,6 +85,9 @@ SHRINK, GROW = 0.2, 8.0
 _SAME = 1.2  # a step that could grow by less stays as it is, and with it the matrices
 _SMOOTH = 10.0  # h² |G_u| + h |G_u̇| up to which the ends' accelerations add a sixth of their error
 _ROUNDING = 2.2e-16
+E_A1 = E1 * A11 + E2 * A21 + E3 * A31
+E_A2 = E1 * A12 + E2 * A22 + E3 * A32
+E_A3 = E1 * A13 + E2 * A23 + E3 * A33
 
 
 @inner
@@ -93,11 +116,17 @@ def embedded(
     s3 = view(w, (K + STATES + 2) * length, length)
     rates = line(memory, SLOPE, n)
     c = h * C_REAL
+    one, two, three = (
+        line(memory, VELOCITIES, n),
+        line(memory, VELOCITIES + 1, n),
+        line(memory, VELOCITIES + 2, n),
+    )
     for i in range(notes[FREEDOMS]):
-        for half in range(2):
-            j = half * n + notes[COUNTS + i]
-            z = E1 * (s1[j] - y0[j]) + E2 * (s2[j] - y0[j]) + E3 * (s3[j] - y0[j])
-            rates[(1 - half) * n + i] = c * k0[j] + C_REAL * z
+        # The changes of positions are h (c u̇ + A Δu̇), and Σ e c = -1: nothing large cancels.
+        j = notes[COUNTS + i]
+        z = E_A1 * one[i] + E_A2 * two[i] + E_A3 * three[i]
+        rates[n + i] = c * ((k0[j] - y0[n + j]) + z)
+        rates[i] = c * k0[n + j] + C_REAL * (E1 * one[i] + E2 * two[i] + E3 * three[i])
     found = filtered(machine, t, Y0, c, memory, notes, w, p)
     raw = line(memory, OUT, n)
     for j in range(n):
@@ -160,7 +189,7 @@ def stages(
     for _ in range(2):
         foresee(memory, notes, h, w)
         last = view(w, (K + STATES + 2) * length, length)
-        memory[ENOUGH] = tolerate(memory, notes, w, share(r.rtol) * r.rtol, r.rtol, NEWTON, last)
+        memory[ENOUGH] = tolerate(memory, notes, w, share(r.rtol) * r.rtol, r.rtol, NEWTON, 0, last)
         fresh = notes[CURRENT] != 1
         if fresh:
             differentiate(machine, t, Y0, w, run, p, modes, lam)
@@ -221,6 +250,7 @@ def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
     length = w.size // ROWS
     n = length // 2
     memory, notes = floats(machine, n), counts(machine, n)
+    keep_low(h, memory, notes, w)
     change = line(memory, POLYNOMIAL, n)
     for i in range(length):
         change[i] = w[Y1 * length + i] - w[Y0 * length + i]
@@ -234,7 +264,11 @@ def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
 @compiled(HOOK)
 def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
     """Forget the past: the motion goes on under other equations."""
-    notes = counts(machine, w.size // (2 * ROWS))
+    length = w.size // ROWS
+    notes = counts(machine, length // 2)
+    low = line(floats(machine, length // 2), LOW, length // 2)
+    for j in range(length):
+        low[j] = 0.0
     notes[EQUAL] = 0
     notes[CURRENT] = 0
     return 0
