@@ -123,7 +123,9 @@ def stages(
     for _ in range(2):
         foresee(memory, notes, w)
         y1 = view(w, Y1 * length, length)
-        memory[ENOUGH] = tolerate(memory, notes, w, part * r.rtol, r.rtol, NEWTON, HIGHEST + 2, y1)
+        memory[ENOUGH] = tolerate(
+            memory, notes, w, part * r.rtol, r.rtol, NEWTON, HIGHEST + 2, c, y1
+        )
         fresh = notes[CURRENT] != 1
         if fresh:
             z = view(w, STAGE * length, length)

@@ -17,7 +17,10 @@ from runtime.integrate.memory import (
     CURRENT,
     ENOUGH,
     FREEDOMS,
+    IN,
     ITERATIONS,
+    LINES,
+    NUMBERS,
     OUT,
     RATE,
     SLOPE,
@@ -27,7 +30,7 @@ from runtime.integrate.memory import (
     matrix,
 )
 from runtime.integrate.newton import SLOW, filtered, uneven
-from runtime.integrate.reduction import arrive
+from runtime.integrate.reduction import along, arrive, carry
 from runtime.integrate.signatures import Integers, Vector
 from runtime.integrate.views import view
 from runtime.integrate.workspace import ROWS, Y1, K, Run
@@ -35,6 +38,56 @@ from runtime.integrate.workspace import ROWS, Y1, K, Run
 LAST = 1  # row, after K, of the derivative at the end of the step
 MOST_ITERATIONS = 4
 RESIDUAL = 19  # row of MEMORY
+_SEEN = 0.01  # of the tolerance: what rounding a position may change in a velocity
+
+
+@inner
+def unrounded(
+    machine: Integers,
+    t: float,
+    c: float,
+    memory: Vector,
+    notes: Integers,
+    w: Vector,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+) -> bool:
+    """Write into row SLOPE what accelerations change by from Y1 to what rounding cut off from it.
+
+    Where that is nothing that Newton's method would see, False and nothing is written. At an angle
+    of a million turns the last digit is a force that no step gets smooth; so it is where a force is
+    stiff.
+    """
+    length = w.size // ROWS
+    n = length // 2
+    f = notes[FREEDOMS]
+    y1 = view(w, Y1 * length, length)
+    start, ahead, difference = (
+        line(memory, NOW, n),
+        line(memory, AHEAD, n),
+        line(memory, DIFFERENCE, n),
+    )
+    allowed, by_u = line(memory, TOLERANCE, n), matrix(memory, 0, n)
+    rest, out = line(memory, IN, n), line(memory, OUT, n)
+    for j in range(length):
+        rest[j] = 0.0
+    for i in range(2 * f):
+        j = notes[COUNTS + i // 2] + i % 2 * n
+        rest[j] = (ahead[j] + difference[j]) - (y1[j] - start[j])
+    seen = False
+    for i in range(f):
+        change = 0.0
+        for k in range(f):
+            change += abs(by_u[i * f + k] * rest[notes[COUNTS + k]])
+        seen = seen or c * change > _SEEN * allowed[n + notes[COUNTS + i]]
+    if seen:
+        dq, dv = view(rest, 0, n), view(rest, n, n)
+        carry(machine, t, Y1, dq, dv, view(out, 0, n), view(out, n, n), w, p)
+        # The complex matrix is none of this method's, and lends room.
+        free = view(memory, NUMBERS + length * LINES + 3 * n * n, 4 * n * n)
+        along(machine, t, Y1, dq, dv, view(line(memory, SLOPE, n), 0, n), free, w, p, modes, lam)
+    return seen
 
 
 @inner
@@ -62,7 +115,7 @@ def newton(
     a = view(w, (K + LAST) * length + n, n)
     start, ahead, psi = line(memory, NOW, n), line(memory, AHEAD, n), line(memory, PSI, n)
     difference, delta = line(memory, DIFFERENCE, n), line(memory, RESIDUAL, n)
-    allowed = line(memory, TOLERANCE, n)
+    da, allowed = view(line(memory, SLOPE, n), 0, n), line(memory, TOLERANCE, n)
     enough = memory[ENOUGH]
     for i in range(f):
         j = notes[COUNTS + i]
@@ -78,6 +131,9 @@ def newton(
         taken += result
         r.rhs += 1
         r.iterations += 1
+        if unrounded(machine, t, c, memory, notes, w, p, modes, lam):
+            for i in range(n):
+                a[i] += da[i]
         for i in range(f):
             j = notes[COUNTS + i]
             delta[i] = c * a[j] - psi[n + j] - difference[n + j]

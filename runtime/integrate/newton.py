@@ -25,6 +25,7 @@ SLOW = 0.05  # convergence at which derivatives are taken anew for the next step
 _LOOSEST = 0.03  # of the tolerance of a step: how far Newton's method is taken at least
 _EPS = 2.2e-16
 _ROUNDED = 64.0 * _EPS  # rounding in a difference of high order, relative to a step's change
+_STIFF = 16.0 * _EPS  # in such a difference of velocities, where stiff forces hold a position
 _SOLVED = 4.0 * _EPS  # in Newton's residual
 _LEAST = 8.0 * _EPS  # in the past of what was dependent, relative to the largest coordinate
 _RECOVERED = 4.0 * _EPS  # and this times the square of the ratio of speeds
@@ -69,6 +70,7 @@ def tolerate(
     asked: float,
     newton: float,
     remembered: int,
+    c: float,
     ahead: Vector,
 ) -> float:
     """Fill row TOLERANCE: what the error of the step may be, from its ends Y0 and `ahead`.
@@ -88,6 +90,9 @@ def tolerate(
         How far Newton's method is taken, over the tolerance asked.
     remembered
         Steps for which the method remembers the past.
+    c
+        Of the matrix I - c G_u̇ - c² G_u. Where it is stiff, the last digit of a position is a force
+        that the next velocity has to undo.
     """
     length = w.size // ROWS
     n = length // 2
@@ -112,6 +117,17 @@ def tolerate(
         for j in range(half * n, half * n + n):
             value = relative * (atol[j] / asked + max(abs(y0[j]), abs(ahead[j])))
             allowed[j] = value + (_ROUNDED * moved + rough * largest) * size[j]
+    f = notes[FREEDOMS]
+    by_u = matrix(memory, 0, n)
+    for i in range(f):
+        force, stiff = 0.0, 0.0
+        j = notes[COUNTS + i]
+        for k in range(f):
+            other = notes[COUNTS + k]
+            entry = abs(by_u[i * f + k])
+            force += entry * abs(y0[other])
+            stiff += c * c * entry * size[other] / size[j]
+        allowed[n + j] += _STIFF * c * force * stiff / (1.0 + stiff) ** 2
     at_rounding = _SOLVED * moved / (relative + _ROUNDED * moved)
     return float(max(at_rounding, min(_LOOSEST, newton * asked / relative)))
 

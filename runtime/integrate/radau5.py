@@ -189,7 +189,9 @@ def stages(
     for _ in range(2):
         foresee(memory, notes, h, w)
         last = view(w, (K + STATES + 2) * length, length)
-        memory[ENOUGH] = tolerate(memory, notes, w, share(r.rtol) * r.rtol, r.rtol, NEWTON, 0, last)
+        memory[ENOUGH] = tolerate(
+            memory, notes, w, share(r.rtol) * r.rtol, r.rtol, NEWTON, 0, h * C_REAL, last
+        )
         fresh = notes[CURRENT] != 1
         if fresh:
             differentiate(machine, t, Y0, w, run, p, modes, lam)
