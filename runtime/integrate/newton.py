@@ -185,7 +185,8 @@ def uneven(raw: Vector, notes: Integers, w: Vector, allowed: Vector) -> float:
     """Size of an error `raw` of all coordinates, over the tolerance, of the dependent ones alone.
 
     At the ends of steps these follow from the constraints and have no error of their own. But they
-    are interpolated between, and where drivers move them the independent ones say nothing of how.
+    are foreseen, and interpolated between. Where drivers move them the independent ones say nothing
+    of how, and Newton's method for them might come to another way to assemble the machine.
     Velocities are left out: where a stiff force holds a position they are not smooth.
     """
     if notes[PARTITIONED] == 0:

@@ -16,67 +16,48 @@ from runtime.constraints.correction import FAILED
 from runtime.integrate.dense import hermite_rows
 from runtime.integrate.memory import (
     C_FACTORED,
-    COUNTS,
     CURRENT,
     ENOUGH,
     EQUAL,
     ERROR_BASE,
-    FREEDOMS,
     H_BASE,
-    IN,
     ITERATIONS,
     LOW,
-    OUT,
     RATE,
-    SLOPE,
     STEP_ERROR,
-    TOLERANCE,
     counts,
     floats,
     line,
     memory,
 )
-from runtime.integrate.newton import factor_complex, factor_real, filtered, tolerate, uneven
+from runtime.integrate.newton import factor_complex, factor_real, tolerate
 from runtime.integrate.radau5_coefficients import (
-    A11,
-    A12,
-    A13,
-    A21,
-    A22,
-    A23,
-    A31,
-    A32,
-    A33,
     C_COMPLEX,
     C_IMAGINARY,
     C_REAL,
-    E1,
-    E2,
-    E3,
 )
+from runtime.integrate.radau5_error import LAST, estimate
 from runtime.integrate.radau5_stages import (
     MOST_ITERATIONS,
     NEWTON,
     POLYNOMIAL,
     STATES,
-    VELOCITIES,
     curve,
     foresee,
     keep_low,
     newton,
 )
-from runtime.integrate.reduction import arrive, differentiate, unknowns
+from runtime.integrate.reduction import differentiate, unknowns
 from runtime.integrate.signatures import DENSE, ERROR, HOOK, PROPOSE, STAGES, Integers, Vector
 from runtime.integrate.stiffness import calm, stiffness
 from runtime.integrate.views import view
-from runtime.integrate.workspace import ROWS, STAGE, Y0, Y1, F, K, Run
+from runtime.integrate.workspace import ROWS, Y0, Y1, F, K, Run
 
-__all__ = ["accepted", "dense", "error", "memory", "propose", "restart", "stages"]
+__all__ = ["LAST", "accepted", "dense", "error", "memory", "propose", "restart", "stages"]
 
 ORDER = 4  # power of the step in the error estimate
 ERROR_ORDER = 3
 STAGE_CALLS = 0  # counted where they happen
-LAST = 1
 DENSE_ROWS = 6
 DENSE_CALLS = 0
 BETA = 0.0
@@ -85,88 +66,12 @@ SHRINK, GROW = 0.2, 8.0
 _SAME = 1.2  # a step that could grow by less stays as it is, and with it the matrices
 _SMOOTH = 10.0  # h² |G_u| + h |G_u̇| up to which the ends' accelerations add a sixth of their error
 _ROUNDING = 2.2e-16
-E_A1 = E1 * A11 + E2 * A21 + E3 * A31
-E_A2 = E1 * A12 + E2 * A22 + E3 * A32
-E_A3 = E1 * A13 + E2 * A23 + E3 * A33
 
 
 @inner
 def share(rtol: float) -> float:
     """What the estimate is held to, over the tolerance asked: errors of a run go with h⁵."""
     return float(0.1 * rtol**-0.2)
-
-
-@inner
-def embedded(
-    machine: Integers,
-    t: float,
-    h: float,
-    k0: Vector,
-    memory: Vector,
-    notes: Integers,
-    w: Vector,
-    p: Vector,
-) -> float:
-    """Size of the filtered error c (k0 + Σ e z / h), which is left in row IN of MEMORY."""
-    length = w.size // ROWS
-    n = length // 2
-    y0 = view(w, Y0 * length, length)
-    s1 = view(w, (K + STATES) * length, length)
-    s2 = view(w, (K + STATES + 1) * length, length)
-    s3 = view(w, (K + STATES + 2) * length, length)
-    rates = line(memory, SLOPE, n)
-    c = h * C_REAL
-    one, two, three = (
-        line(memory, VELOCITIES, n),
-        line(memory, VELOCITIES + 1, n),
-        line(memory, VELOCITIES + 2, n),
-    )
-    for i in range(notes[FREEDOMS]):
-        # The changes of positions are h (c u̇ + A Δu̇), and Σ e c = -1: nothing large cancels.
-        j = notes[COUNTS + i]
-        z = E_A1 * one[i] + E_A2 * two[i] + E_A3 * three[i]
-        rates[n + i] = c * ((k0[j] - y0[n + j]) + z)
-        rates[i] = c * k0[n + j] + C_REAL * (E1 * one[i] + E2 * two[i] + E3 * three[i])
-    found = filtered(machine, t, Y0, c, memory, notes, w, p)
-    raw = line(memory, OUT, n)
-    for j in range(n):
-        z = E1 * (s1[j] - y0[j]) + E2 * (s2[j] - y0[j]) + E3 * (s3[j] - y0[j])
-        raw[j] = c * k0[j] + C_REAL * z
-    return float(max(found, uneven(raw, notes, w, line(memory, TOLERANCE, n))))
-
-
-@inner
-def estimate(
-    machine: Integers,
-    t: float,
-    h: float,
-    memory: Vector,
-    notes: Integers,
-    w: Vector,
-    run: Run,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> float:
-    """Error over the tolerance; where it is too large at a first step or again, filtered twice."""
-    r = run[0]
-    length = w.size // ROWS
-    n = length // 2
-    found = embedded(machine, t, h, view(w, K * length, length), memory, notes, w, p)
-    if found >= 1.0 and (r.rejected_before != 0 or notes[EQUAL] == 0):
-        y0 = view(w, Y0 * length, length)
-        z = view(w, STAGE * length, length)
-        slope = view(w, (K + LAST) * length, length)
-        change = line(memory, IN, n)
-        for i in range(length):
-            z[i] = y0[i] + change[i]
-        if arrive(machine, t, STAGE, K + LAST, w, p, modes, lam) == FAILED:
-            return found
-        r.rhs += 1
-        for i in range(n):
-            slope[i] = z[n + i]
-        found = embedded(machine, t, h, slope, memory, notes, w, p)
-    return found
 
 
 @compiled(STAGES)
