@@ -171,6 +171,15 @@ def test_events_are_those_of_explicit_methods(root: Path, method: str) -> None:
         assert ours.direction == theirs.direction
 
 
+@pytest.mark.parametrize("method", ["bdf", "radau5", "dop853"])
+def test_a_start_on_a_surface_costs_no_steps(root: Path, method: str) -> None:
+    # The gap is zero, but for rounding of a size that nothing in the run has shown yet.
+    machine = load(root / "models" / "valve_lifter.py", "free_follower")
+    result = machine.simulate(0.001, method=method, rtol=1e-8, progress=False)
+    assert not result.events
+    assert np.diff(result.t).min() > 1e-9
+
+
 @pytest.mark.parametrize("correction", ["stage", "projection", "baumgarte", "hybrid"])
 @pytest.mark.parametrize("method", ["bdf", "radau5"])
 def test_all_ways_back_onto_the_constraints(root: Path, method: str, correction: str) -> None:
