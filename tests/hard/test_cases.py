@@ -12,11 +12,6 @@ from runtime.integrate.tables import METHODS
 
 WAY = Way(COMPARED, "step")
 
-UNTIL_MENDED = {
-    "mass_ratio_light": "accelerations lose as many digits as the ratio of masses has",
-    "mass_ratio_heavy": "accelerations lose as many digits as the ratio of masses has",
-}
-
 
 def simulated(case: Case, rtol: float, method: str = COMPARED) -> Result:
     """The run of a case, which must reach its end."""
@@ -33,12 +28,7 @@ def simulated(case: Case, rtol: float, method: str = COMPARED) -> Result:
     return result
 
 
-# The error of BDF is some hundred times its tolerance here, as many steps add up.
-LOOSER = pytest.mark.xfail(reason="2.7e-9 with rtol 1e-11")
-NINE = [pytest.param(m, marks=LOOSER) if m == "bdf" else m for m in METHODS]
-
-
-@pytest.mark.parametrize("method", NINE)
+@pytest.mark.parametrize("method", METHODS)
 def test_andrews_to_nine_digits(method: str) -> None:
     case = find("andrews")
     angles = case.measure(simulated(case, 1e-11, method))
@@ -160,10 +150,8 @@ def test_a_fast_crank_changes_its_partition_more_than_a_hundred_times() -> None:
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-def test_no_cell_is_wrong(case: Case, request: pytest.FixtureRequest) -> None:
+def test_no_cell_is_wrong(case: Case) -> None:
     """The tightest tolerance but for the stiff case, whose explicit steps are many."""
-    if case.name in UNTIL_MENDED:
-        request.applymarker(pytest.mark.xfail(reason=UNTIL_MENDED[case.name]))
     rtol = case.tolerances[1 if case.name == "stiff_soft" else -1]
     if case.t_end == 0.0:
         worker = Worker(find, limit=10.0)
