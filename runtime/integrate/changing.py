@@ -30,13 +30,18 @@ def change_method(run: "_Run") -> None:
 
     Each change doubles the number of steps that have to speak for the next one.
     """
-    r, table = run.r, run.wiring.table
+    r = run.r
     free = run.w.reshape(ROWS, 2, run.n)[PARTITION, 0] == 0.0
     freedoms = int(np.count_nonzero(free)) if run.m else run.n
     name = successor(run.methods[-1][1], freedoms, run.options.rtol)
     run.methods.append((float(r["t"]), name))
     r["patience"] = min(2 * r["patience"], _MOST_PATIENCE)
-    parts = method(name)
+    adopt(run, name)
+
+
+def adopt(run: "_Run", name: str) -> None:
+    """Take the next steps with the method `name`, for which nothing is to be remembered."""
+    r, table, parts = run.r, run.wiring.table, method(name)
     fill_method(r, parts)
     run.crossings.follow(parts)
     functions = function_table(name)

@@ -20,6 +20,9 @@ import numpy.typing as npt
 
 from runtime.constraints.singular import Motion, Positions, Singularity, hermite, taylor
 from runtime.integrate import driver
+from runtime.integrate.attempt import TOO_LARGE
+from runtime.integrate.changing import adopt
+from runtime.integrate.control import first_step
 from runtime.integrate.problem import Crossing, Problem, System
 from runtime.integrate.signatures import Vector, no_right_side
 from runtime.integrate.workspace import (
@@ -41,10 +44,13 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 _EPS = 2.2e-16
 _ROUNDING = 64.0  # units of rounding within which a constraint counts as satisfied
-_ALLOWANCE = 30.0  # the error of a step across may be this many times what is expected
+_RESIDUE = 1e-15  # of a position: what Newton's iterations leave of a constraint
+_ALLOWANCE = 100.0  # the part of rounding in an error may be this many times what is expected
 _ASTRAY = 1e-6  # of a velocity: what a start may be off the branch that it follows
 _SLACK = 1e3  # where rounding rules, the estimate of it may be wrong by as much as this
 _TRIES = 4
+_EXPLICIT = "dop853"
+_ITERATING = ("bdf", "radau5")
 _ROOM = 0.1  # of a step: the distance from a node below which errors of stages tell
 _WEIGHT = 0.1  # of one stage in the result of a step
 _TAYLOR = 5e-3  # eps ** (1/7): of the time scale, where rounding balances a cubic's error
@@ -89,7 +95,7 @@ class Crossings:
         self.note = ""
         self.found: Singularity | None = None
         self.leap = Leap(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        self.tries = 0
+        self.tries, self.kept = 0, 0.0
 
     # -- what the loop asks -------------------------------------------------------------------
 
@@ -102,6 +108,8 @@ class Crossings:
     def look(self) -> int:
         """Answer the loop: go on as planned, or the code of an outcome."""
         r = self.r
+        if r["plan"] == FREE and r["lent"]:
+            return self._given_back()
         if r["plan"] == APPROACHING:
             return self.cross()
         if r["plan"] == CROSSING:
@@ -146,11 +154,12 @@ class Crossings:
             return driver.GOING
         if found.gap > self._rounding(motion.q):
             return self._missed(found)
-        self.found = found
         ahead = found.t - motion.t
         if ahead < 0.0 and self._noise(found) * usual < -(ahead**3):
             r["quiet"] = motion.t + usual  # it lies behind, and far enough
             return driver.GOING
+        self.found = found
+        self._lend()
         return driver.GOING if self._approached(found, ahead) else self.cross()
 
     def _approached(self, found: Singularity, ahead: float) -> bool:
@@ -199,7 +208,8 @@ class Crossings:
         self.tries += 1
         error = float(r["error"])
         leap = self.leap
-        if leap.rounding + leap.start > leap.method and error < _SLACK * r["permitted"]:
+        rounded = r["reason"] == TOO_LARGE and leap.rounding + leap.start > leap.method
+        if rounded and error < _SLACK * r["permitted"]:
             r["permitted"] = 1.01 * error  # rounding again: another step would fare no better
             return driver.GOING
         if self.tries > _TRIES:
@@ -229,11 +239,39 @@ class Crossings:
         r["quiet"] = found.t + max(abs(found.t - r["t"]), 10.0 * width)
         return driver.GOING
 
+    # -- methods ------------------------------------------------------------------------------
+
+    def _lend(self) -> None:
+        """Let an explicit method step for an implicit one.
+
+        The derivative of the accelerations by the velocities is 2/τ at the distance τ, of opposite
+        signs on both sides: no Newton iteration reaches across.
+        """
+        run, r = self.run, self.r
+        if run.methods[-1][1] not in _ITERATING or r["lent"]:
+            return
+        self.kept = float(r["h"])
+        r["lent"], r["automatic"] = 1, 0
+        adopt(run, _EXPLICIT)
+        p, modes, lam = run.fixed_arrays[3], run.fixed_arrays[4], run.fixed_arrays[6]
+        first = first_step(
+            run.wiring.table, r["t"], r["h_max"], r["rtol"], r["order"], run.w, p, modes, lam
+        )
+        r["usual"] = r["h"] = max(float(r["h"]), first)
+
+    def _given_back(self) -> int:
+        """Go on with the implicit method."""
+        run, r = self.run, self.r
+        r["lent"], r["automatic"] = 0, int(run.options.method == "auto")
+        r["h"] = self.kept
+        adopt(run, run.methods[-1][1])
+        return driver.GOING
+
     # -- lengths ------------------------------------------------------------------------------
 
     def _noise(self, found: Singularity) -> float:
         """Error over tolerance, times g³ h², of a step h that keeps the distance g h."""
-        rounding = _EPS * self._size(found.q)
+        rounding = _RESIDUE * self._size(found.q)
         return 2.0 * _WEIGHT * rounding / (found.rate * found.speed * float(self.r["rtol"]))
 
     def _leap(self, found: Singularity, h: float, lead: float, g: float, usual: float) -> Leap:

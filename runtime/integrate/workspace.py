@@ -120,6 +120,7 @@ _INTEGERS = [
     "standing",  # events in a row without time between them
     "blamed",  # switching function for which no mode is consistent, or -1
     "index",  # function or constraint that an outcome concerns
+    "lent",  # 1: an explicit method steps for an implicit one near a singular position
     "plan",  # what is planned about a singular position, one of the below
 ]
 FREE, APPROACHING, CROSSING, LEAVING, MISSING = 0, 1, 2, 3, 4
