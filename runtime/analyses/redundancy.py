@@ -68,18 +68,21 @@ class Findings(NamedTuple):
     rank: int
 
 
-def inspect(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]) -> Findings:
+def inspect(
+    task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_], v: FloatArray
+) -> Findings:
     """Look for dependent constraints at an assembled position.
 
     A dependency that disappears when the machine is moved a little along its own motion belongs
-    to the position (a dead centre); one that stays is a redundancy.
+    to the position (a dead centre); one that stays is a redundancy. The velocities `v` asked for
+    are one motion, if the joints allow them; others are tried too.
     """
     order = [int(row) for row in np.argsort(drivers, kind="stable")]
     here = dependent_rows(_scaled(task, q), order)
     if not here:
         return Findings([], [], len(order))
     lasting = here
-    for moved in _neighbours(task, q, drivers):
+    for moved in _neighbours(task, q, drivers, v):
         there = {found.row for found in dependent_rows(_scaled(task, moved), order)}
         if len(there) < len(lasting):
             lasting = [found for found in lasting if found.row in there][: len(there)]
@@ -107,7 +110,32 @@ def _scaled(task: Task, q: FloatArray) -> FloatArray:
     return matrix
 
 
-def _neighbours(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]) -> list[FloatArray]:
+def overdetermined(
+    task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]
+) -> list[Dependency]:
+    """Dependencies among more joints than there are coordinates, where they come nearest to closing.
+
+    What is left of constraints that contradict each other is a combination that no motion changes.
+    """
+    if int((~drivers).sum()) <= len(q):
+        return []
+    order = [int(row) for row in np.flatnonzero(~drivers)]
+    return dependent_rows(_scaled(task, q), order)
+
+
+def undetermined(task: Task, q: FloatArray) -> list[int]:
+    """Constraints whose multipliers the equations of motion leave open: rows in dependencies."""
+    matrix = _scaled(task, q)
+    matrix = matrix / np.maximum(np.linalg.norm(matrix, axis=1), 1e-300)[:, None]
+    left, values, _ = np.linalg.svd(matrix)
+    rank = int(np.sum(values > RANK_TOLERANCE))
+    shares = np.abs(left[:, rank:]).max(axis=1, initial=0.0)
+    return [int(row) for row in np.flatnonzero(shares > RANK_TOLERANCE)]
+
+
+def _neighbours(
+    task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_], v: FloatArray
+) -> list[FloatArray]:
     """Assembled positions a little way off, along the motion that the joints leave."""
     joints = task._replace(rows=~drivers, free=np.ones(len(q), dtype=np.bool_))
     matrix = joints.slopes(q)
@@ -119,10 +147,12 @@ def _neighbours(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]) -> li
         motions = np.eye(len(q))
     found = []
     random = np.random.default_rng(3)
-    for size in (0.02, -0.05, 0.1):
+    asked = motions.T @ (motions @ (v / task.scale))
+    tried = [asked, asked] if np.linalg.norm(asked) > 0.0 else []
+    tried += [random.normal(size=len(motions)) @ motions for _ in range(3)]
+    for direction, size in zip(tried, (0.02, -0.05, 0.1, 0.02, -0.05), strict=False):
         if not len(motions):
             break
-        direction = random.normal(size=len(motions)) @ motions
         moved = refine(joints, q + size * direction / np.linalg.norm(direction) * task.scale)
         apart = float(np.abs((moved - q) / task.scale).max())
         if np.abs(joints.gaps(moved)).max(initial=0.0) <= CLOSED and apart > 1e-4:

@@ -19,6 +19,7 @@ from runtime.integrate.slots import (
     NONZEROS,
     PIVOT_COLUMNS,
     PIVOTS,
+    RANK,
     jacobian_of,
 )
 from runtime.integrate.views import floats_at, integers_at, matrix_at, view
@@ -145,6 +146,8 @@ def vanishing(
         change = later[i] - now[i]
         if max(abs(now[i]), abs(later[i])) <= _REDUNDANT or change == 0.0:
             continue
+        if abs(now[i]) <= _REDUNDANT and machine[RANK] < m:
+            continue  # it follows from others wherever these hold
         s = -now[i] * span / change
         if back <= s <= ahead and abs(s) < abs(nearest):
             nearest = s

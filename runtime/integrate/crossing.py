@@ -86,7 +86,9 @@ class Crossings:
             np.asarray(system.jacobian_columns),
             problem.p,
             self.scale,
-            np.arange(system.constraint_count),
+            np.arange(system.constraint_count)
+            if system.independent is None
+            else np.asarray(system.independent, dtype=np.int64),
             system.constraint_count,
         )
         if system.constraints is no_right_side:
