@@ -13,7 +13,7 @@ from runtime.compiled import compiled
 
 FLOAT, INTEGER = types.float64, types.int64
 VECTOR, MATRIX = types.float64[::1], types.float64[:, ::1]
-INTEGERS = types.int64[::1]
+INTEGERS = types.Array(types.int64, 1, "C", readonly=True)  # what a closure holds
 
 _NONE = 1e-10  # a pivot below this, rows and columns scaled to unit diagonal, is none
 _NULL = 1e-9
