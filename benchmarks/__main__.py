@@ -150,9 +150,10 @@ def of_scenes(quick: bool) -> list[Report]:
         (r.question, r.scene, str(r.operations), f"{r.microseconds:.3f}", str(r.events))
         for r in (*rows, *runs)
     ]
-    told = (
-        f"The spring alone runs {struck.microseconds / alone.microseconds:.1f} times as fast as "
-        f"with its striker, with {alone.events} events; the bar: {scenes.FASTER:g} times and none."
+    told = verdict(
+        f"The spring alone ({alone.events} events), in times of that with its striker:",
+        alone.microseconds / struck.microseconds,
+        1 / scenes.FASTER,
     )
     headings = ("question", "scene", "operations", "µs", "events")
     title = "scenes: what leaving out is worth"

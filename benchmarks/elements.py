@@ -62,6 +62,14 @@ def _rubbing(m: Model, i: Point, j: Point) -> None:
     m.friction("e", guide, 0.3, 0.01)
 
 
+def _sticking(m: Model, i: Point, j: Point) -> None:
+    speeds = [
+        b.vx - b.omega * (sin(b.phi) * x + cos(b.phi) * y)
+        for b, (x, y) in ((i.body, S_I), (j.body, S_J))
+    ]
+    m.dry_friction("e", slip=speeds[1] - speeds[0], normal=30.0, coefficient=0.4)
+
+
 def _drag(m: Model, i: Point, j: Point) -> None:
     vx = i.body.vx
     m.generalized_force("e", {i.body.x: -3 * vx * sqrt(vx**2 + 0.01)})
@@ -227,6 +235,15 @@ FORCES = (
         lambda m, i, j: m.potential("e", 6 * (i.body.x**2 + i.body.y**2) ** 2),
         forces.potential,
         "potential, 6 r⁴",
+    ),
+    _force("dry friction", _sticking, forces.dry_friction, "dry friction"),
+    _force(
+        "rigid contact",
+        lambda m, i, j: m.contact(
+            "e", i, j, direction=(forces.UX, forces.UY), free_length=0.1, restitution=0.5
+        ),
+        forces.rigid_contact,
+        "rigid contact",
     ),
     _force("generalized force", _drag, forces.generalized, "generalized force, drag"),
     Sample("friction", "friction in a guide", _rubbing, {"accelerations": forces.friction}),

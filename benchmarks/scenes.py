@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from time import perf_counter
 
 import numpy as np
 
@@ -66,7 +65,11 @@ def _solutions(machine: Machine, kernel):  # type: ignore[no-untyped-def]  # num
 
 
 def springs(folder: Path, repeats: int, masses: int = MASSES) -> tuple[Row, ...]:
-    """Five seconds of a long spring: struck, and with the striker that may come back."""
+    """A minute of a long spring, struck, and with the striker that may come back.
+
+    The time is that of the integration: putting a hundred and fifty coordinates together at the
+    start, and evaluating what is reported, is the same for both.
+    """
     model = spring(masses)
     rows = []
     for scene in ("surge", "impact"):
@@ -74,10 +77,9 @@ def springs(folder: Path, repeats: int, masses: int = MASSES) -> tuple[Row, ...]
         machine.simulate(0.1, progress=False)
         best = np.inf
         for _ in range(repeats):
-            began = perf_counter()
-            run = machine.simulate(5.0, parameters={"k": 200.0}, progress=False)
-            best = min(best, perf_counter() - began)
+            run = machine.simulate(60.0, [0.0, 60.0], parameters={"k": 200.0}, progress=False)
+            best = min(best, run.stats["integration_seconds"])
         counted = dict(machine.description.operations)["accelerations"]
-        question = f"5 s of {masses} masses"
+        question = f"60 s of {masses} masses"
         rows.append(Row(question, scene, counted, best * 1e6, int(run.stats["events"])))
     return tuple(rows)

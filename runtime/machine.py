@@ -240,7 +240,8 @@ class Machine:
         """Which conditions hold at a state, shape (s,): 1 where one does, else 0.
 
         Without a state it is the assembled start. A condition that is exactly at its boundary
-        holds if the motion is about to make it hold.
+        holds if the motion is about to make it hold; it is 2 where the motion stays on the
+        boundary, because both sides push onto it, friction sticks, or a rigid contact is closed.
         """
         from runtime.integrate.run import initial_modes
 

@@ -99,6 +99,36 @@ def torsion_spring(t, q, v, p, modes, Q):
 
 
 @force
+def rigid_contact(t, q, v, p, modes, Q):
+    """A unit of force, the weight of both bodies, along u in body i while the gap is closed."""
+    ux, uy = rotated(q[2], UX, UY)
+    jx, jy = rotated(q[5], SJX, SJY)
+    ex, ey = q[3] + jx - q[0], q[4] + jy - q[1]
+    f = 0.0 if modes[0] else -9.81 * (MASS_I + MASS_J)
+    fx, fy = f * ux, f * uy
+    Q[0] = fx
+    Q[1] = fy
+    Q[2] = ex * fy - ey * fx
+    Q[3] = -fx
+    Q[4] = -fy
+    Q[5] = jy * fx - jx * fy
+
+
+@force
+def dry_friction(t, q, v, p, modes, Q):
+    """f = -0.4 · 30 N along x, against the slip of the points."""
+    f = -12.0 if modes[0] else 12.0
+    iy = rotated(q[2], SIX, SIY)[1]
+    jy = rotated(q[5], SJX, SJY)[1]
+    Q[0] = -f
+    Q[1] = 0.0
+    Q[2] = iy * f
+    Q[3] = f
+    Q[4] = 0.0
+    Q[5] = -jy * f
+
+
+@force
 def bushing(t, q, v, p, modes, Q):
     """k = (900, 700, 50), c = (8, 6, 0.4), θ0 = 0.1."""
     c, s = math.cos(q[2]), math.sin(q[2])

@@ -186,7 +186,8 @@ class KernelText:
         for check in self.kernel.checks:
             pivot = self._text(check.pivot, SUM)
             reference = self._text(check.reference, SIGN)
-            yield f"    if not {pivot} > WEAK_PIVOT * {reference}:"
+            limit = "WEAK_PIVOT" if check.part == 1.0 else f"{check.part!r} * WEAK_PIVOT"
+            yield f"    if not {pivot} > {limit} * {reference}:"
             yield f"        return {1 + check.constraint}"
         yield "    return 0"
 

@@ -116,11 +116,12 @@ class Output(NamedTuple):
 
 
 class Check(NamedTuple):
-    """`pivot` is weak when it is not above `reference` times the tolerance of the program."""
+    """`pivot` is weak when it is not above `part` of `reference` times the program's tolerance."""
 
     pivot: int
     reference: int
     constraint: int
+    part: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,6 +21,9 @@ LARGEST = 3
 ROUNDING = 1e-12
 """A number below this part of what it was subtracted from is zero."""
 
+SHARPER = 1e-6
+"""Part of the rows' squares against which det² is held."""
+
 SEARCHED = 30
 """Rows among which sets are looked for; more are taken together."""
 
@@ -165,7 +168,9 @@ class Square:
             for i in chosen:
                 squares = [graph.mul(entry, entry) for entry in self._stated[i]]
                 reference = graph.mul(reference, graph.total(squares))
-            self.checks.append(Check(graph.mul(det, det), reference, max(chosen)))
+            # Nothing has been squared to find det, so that it may be smaller than a pivot of
+            # Φ_q Φ_qᵀ; and short arms make it so where nothing is singular.
+            self.checks.append(Check(graph.mul(det, det), reference, max(chosen), SHARPER))
         inverse = graph.div(graph.one, det)
         return [
             [

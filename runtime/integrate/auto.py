@@ -2,10 +2,11 @@
 
 It starts with the explicit method of order 8, which needs the fewest evaluations where nothing is
 stiff. Now and then the exact derivatives are taken and their spectral radius ρ is found. A step is
-limited by stability, and not by the accuracy of the motion, where two things meet: the fastest
-motion that is possible would turn by a good part of a radian in it, and the motion that there is
-changes its accelerations by less than an implicit method would permit itself. After that has been
-so for many steps another method is due, and `run` changes over; see `successor`.
+limited by stability where h ρ is at the edge of the region of stability; and also, as a method of
+high order sees what is left of a fast motion long before the edge, where two things meet: the
+fastest motion would turn by a good part of a radian in the step, and the accelerations change by
+less than an implicit method would permit itself. After that has been so for many steps another
+method is due, and the run changes over; see `successor`.
 """
 
 from runtime.compiled import compiled
@@ -58,8 +59,10 @@ _EVERY = 10  # steps between two looks at the derivatives
 # h ρ that the explicit method hardly exceeds at tight tolerances: what is left of a fast motion is
 # resolved then, far from the edge of the region of stability, at 6.
 _TURN = 0.3
+_EDGE = 4.0  # h ρ that no accuracy permits the explicit method: it is at the edge itself
 _EASY = 0.5  # of the relative change of accelerations in a step of Radau IIA, about rtol^(1/5)
-_SEEN = 30  # steps in a row
+_SEEN = 30  # such steps
+_DOUBT = 2  # of them are forgotten for one other
 
 _MANY = 20  # unknowns from which on three stages at a time cost more than small steps
 _LOOSE = 1e-5  # relative tolerance down to which those are few
@@ -112,8 +115,9 @@ def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
         change = max(change, abs(after[j] - before[j]) / size[j])
         largest = max(largest, abs(after[j]) / size[j])
     easy = change < _EASY * r.rtol**0.2 * largest
-    limited = easy and h * floats(machine, n)[STIFFNESS] > _TURN
-    notes[STIFF] = notes[STIFF] + 1 if limited else 0
+    turn = h * floats(machine, n)[STIFFNESS]
+    limited = turn > _EDGE or (easy and turn > _TURN)
+    notes[STIFF] = notes[STIFF] + 1 if limited else max(0, notes[STIFF] - _DOUBT)
     if notes[STIFF] < _SEEN * r.patience:
         return 0
     notes[STIFF] = 0

@@ -11,6 +11,8 @@ The step ends at t₁ with u̇ - ψ̇ - c ü = 0 and u - ψ - c u̇ = 0, c = h /
 this is solved.
 """
 
+import numpy as np
+
 from runtime.compiled import compiled, inner
 from runtime.constraints.correction import FAILED
 from runtime.integrate.bdf_history import (
@@ -30,6 +32,7 @@ from runtime.integrate.bdf_newton import LAST, MOST_ITERATIONS, estimate, newton
 from runtime.integrate.memory import (
     C_FACTORED,
     CURRENT,
+    DAMPING,
     ENOUGH,
     EQUAL,
     H_BASE,
@@ -41,6 +44,7 @@ from runtime.integrate.memory import (
     REJECTED,
     STEP_ERROR,
     STEP_ORDER,
+    STIFFNESS,
     counts,
     floats,
     line,
@@ -74,8 +78,11 @@ BETA = 0.0
 SHRINK = 0.2
 
 
-_SHARE = 0.3
-NEWTON = 1e-2  # how far Newton's method is taken, over the tolerance asked
+_SHARE = 0.2
+NEWTON = 3e-3  # how far Newton's method is taken, over the tolerance asked
+# Cosines of the angles of A(α) stability, of the NDF: Shampine and Reichelt, table 1.
+_DAMPED = np.append([-1.0, -1.0, -1.0], np.cos(np.radians([80.0, 66.0, 51.0])))
+_RESOLVED, _PASSED = 0.5, 15.0  # rad in a step; between these the roots may lie outside the circle
 _SAME = 1.1  # a step that could grow by less stays as it is, and with it the matrix
 
 
@@ -149,6 +156,17 @@ def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
     return float(floats(machine, w.size // (2 * ROWS))[STEP_ERROR])
 
 
+@inner
+def permitted(memory: Vector, k: int, h: float) -> bool:
+    """Whether the formula of order `k` damps the fastest vibration at steps of length `h`.
+
+    The formulas of order 3 to 5 do so within an angle about the negative real axis, and outside it
+    where the vibration is resolved, or else passes many times in a step.
+    """
+    turn = h * memory[STIFFNESS]
+    return bool(memory[DAMPING] >= _DAMPED[k] or turn < _RESOLVED or turn > _PASSED)
+
+
 @compiled(PROPOSE)
 def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
     """Choose the next order; ratio of the next step's length to this accepted one's.
@@ -165,14 +183,15 @@ def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
         return 1.0
     safety = r.safety * (2 * MOST_ITERATIONS + 1) / (2 * MOST_ITERATIONS + notes[ITERATIONS])
     best = max(r.error, 1e-10) ** (-1.0 / (k + 1))
+    stable = permitted(memory, k, h)
     if k > 1:
         ratio = max(memory[LOWER], 1e-10) ** (-1.0 / k)
-        if ratio > best:
+        if ratio > best or not stable:
             best = ratio
             notes[NEXT_ORDER] = k - 1
-    if k < HIGHEST:
+    if k < HIGHEST and stable:
         ratio = max(memory[HIGHER], 1e-10) ** (-1.0 / (k + 2))
-        if ratio > best:
+        if ratio > best and permitted(memory, k + 1, max(1.0, ratio * safety) * h):
             best = ratio
             notes[NEXT_ORDER] = k + 1
     best *= safety

@@ -84,8 +84,8 @@ def impact(
 
     Newton's law, ġ⁺ = -e ġ⁻, with impulses that only push, and with those that hold the other
     contacts that touch: v⁺ = v⁻ + Σ P_i d_i, P_i ≥ 0, ġ_i⁺ ≥ -e_i ġ_i⁻, one of the two an
-    equality, by projected Gauss-Seidel sweeps; without rebound where no such velocities exist. The directions d_i are those in which the forces
-    of the contacts accelerate the machine.
+    equality, by projected Gauss-Seidel sweeps; without rebound where no such velocities exist. The
+    directions d_i are those in which the forces of the contacts accelerate the machine.
 
     Where the flight that follows would rise no higher than what a tolerance lets pass, bouncing
     ends: all further flights, each e times as long as the one before, take T/(1 - e) together,

@@ -15,6 +15,7 @@ STIFFNESS = 8  # spectral radius of the derivatives, 1/s
 LOWER, HIGHER = 6, 7  # the error that a multistep method would have made at other orders
 ENOUGH = 5  # how far Newton's method is taken, over the tolerance of the step
 CHANGE = 9  # first of 72 numbers in which a change of the step's length is worked out
+DAMPING = 81  # -cos of the angle of those eigenvalues: 1 without vibration, 0 without damping
 NUMBERS = 82
 # Rows: the first 20 are a method's; then directions for the derivatives, then the tolerance.
 IN, OUT, SLOPE, TOLERANCE = 20, 21, 22, 23

@@ -23,7 +23,6 @@ from runtime.integrate.memory import (
     OUT,
     PARTITIONED,
     SLOPE,
-    STIFFNESS,
     counts,
     floats,
     line,
@@ -38,7 +37,7 @@ from runtime.integrate.slots import (
     correct_of,
     correction_tangent_of,
 )
-from runtime.integrate.stiffness import spectral_radius
+from runtime.integrate.stiffness import take_spectrum
 from runtime.integrate.views import view
 from runtime.integrate.workspace import FREE, MISSING, PARTITION, ROWS, SIZE, Run
 
@@ -225,6 +224,5 @@ def differentiate(
     notes[CURRENT] = 1
     memory[C_FACTORED] = 0.0
     run[0].jacobians += 1
-    if run[0].automatic != 0:
-        memory[STIFFNESS] = spectral_radius(memory, notes, n)
+    take_spectrum(memory, notes, n)
     return 0

@@ -125,7 +125,9 @@ def start(
             return _SINGULAR
     outcome = _OK
     if s > 0:
-        h = first_step(machine, t, r.h_max, r.rtol, r.order, w, p, modes, lam)
+        # A run of no length has modes too; they are judged as if it went on for a second.
+        longest = r.h_max if r.h_max > 0.0 else 1.0
+        h = first_step(machine, t, longest, r.rtol, r.order, w, p, modes, lam)
         floats_at(machine, SETTINGS, 2)[STEP] = h
         rigid = integers_at(machine, RIGID, s)
         for k in range(s):

@@ -3,7 +3,18 @@
 import numpy as np
 
 from runtime.compiled import inner
-from runtime.integrate.memory import CALM, COUNTS, FREEDOMS, IN, OUT, SLOPE, STIFFNESS, line, matrix
+from runtime.integrate.memory import (
+    CALM,
+    COUNTS,
+    DAMPING,
+    FREEDOMS,
+    IN,
+    OUT,
+    SLOPE,
+    STIFFNESS,
+    line,
+    matrix,
+)
 from runtime.integrate.signatures import Integers, Vector
 from runtime.integrate.views import view
 from runtime.integrate.workspace import ROWS, SIZE, Run
@@ -32,36 +43,57 @@ def stiffness(memory: Vector, notes: Integers, w: Vector, h: float) -> float:
 
 
 @inner
-def spectral_radius(memory: Vector, notes: Integers, n: int) -> float:
-    """Largest |λ| of u̇ = y, ẏ = G_u u + G_u̇ y: the mean growth in iterations of the power method.
+def take_spectrum(memory: Vector, notes: Integers, n: int) -> None:
+    """Find the largest |λ| of u̇ = y, ẏ = G_u u + G_u̇ y, and the damping of what belongs to it.
 
-    An even number of them is averaged, as u and y have other units: their sizes change in turn.
+    The power method: the mean growth of an even number of iterations, as u and y have other units
+    and their sizes change in turn. Three iterates in a row give a and b in λ² = a λ + b.
     """
     f = notes[FREEDOMS]
     by_u, by_rate = matrix(memory, 0, n), matrix(memory, 1, n)
     x, y, z = line(memory, IN, n), line(memory, OUT, n), line(memory, SLOPE, n)
+    memory[STIFFNESS] = 0.0
+    memory[DAMPING] = 1.0
     for i in range(f):
         x[i] = 1.0 + 0.1 * i
         y[i] = 1.0 - 0.3 * i
     grown = 0.0
+    xx, xy, yy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0
     for iteration in range(2 * _POWERS):
         largest = 0.0
+        xx, xy, yy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0
         for i in range(f):
             z[i] = 0.0
             for k in range(f):
                 z[i] += by_u[i * f + k] * x[k] + by_rate[i * f + k] * y[k]
         for i in range(f):
+            xx += x[i] * x[i]
+            xy += x[i] * y[i]
+            yy += y[i] * y[i]
+            xz += x[i] * z[i]
+            yz += y[i] * z[i]
             x[i] = y[i]
             y[i] = z[i]
             largest = max(largest, abs(x[i]), abs(y[i]))
         if not (largest > 0.0 and np.isfinite(largest)):
-            return 0.0
+            return
         for i in range(f):
             x[i] /= largest
             y[i] /= largest
         if iteration >= _POWERS:
             grown += np.log(largest)
-    return float(np.exp(grown / _POWERS))
+    memory[STIFFNESS] = np.exp(grown / _POWERS)
+    independent = xx * yy - xy * xy
+    if independent > 1e-10 * xx * yy:
+        a = (xx * yz - xy * xz) / independent
+        b = (yy * xz - xy * yz) / independent
+    elif f == 1:
+        a, b = by_rate[0], by_u[0]
+    else:
+        return
+    if a * a + 4.0 * b < 0.0:
+        memory[STIFFNESS] = np.sqrt(-b)
+        memory[DAMPING] = -0.5 * a / np.sqrt(-b)
 
 
 @inner

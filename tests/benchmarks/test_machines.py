@@ -64,7 +64,7 @@ def test_the_hand_derived_linkage_is_that_of_the_study() -> None:
         Rider(2, cd / 2, density * cd, density * cd**3 / 12),
     )
     study = FourBar(0j, complex(ad), ab, bc, cd, 1, riders, 9.81)
-    p = linkages.four_bar_parameters(np.array([ab, bc, cd, ad, density, 0.0, torque]))
+    p = linkages.four_bar_parameters(np.array([ab, bc, cd, ad, density, torque]))
     a, none = np.zeros(9), np.zeros(0, dtype=np.int64)
     for phi in np.linspace(0.1, 6.2, 23):
         q, v = np.zeros(9), np.zeros(9)

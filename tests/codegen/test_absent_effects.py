@@ -23,7 +23,8 @@ NAMES = ("MODEL", "SCENE", "LEFT_OUT", "UNUSED")
 
 
 def library(root: Path) -> list[Path]:
-    return sorted(root.glob("models/[!_]*.py")) + sorted(root.glob("models/hard/[!_]*.py"))
+    found = sorted(root.glob("models/[!_]*.py")) + sorted(root.glob("models/hard/[!_]*.py"))
+    return [path for path in found if "\nmodel = " in path.read_text(encoding="utf-8")]
 
 
 def compiled_without_names(model: Model, scene: Scene) -> tuple[str, Lowered]:

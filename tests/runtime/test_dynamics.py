@@ -72,6 +72,10 @@ def test_switching_force_makes_events(gas: Machine) -> None:
     standing = result.samples.modes[:, 0] == 2
     assert np.abs(result.v("slider.vx")[standing]).max() < 1e-12
     assert np.all((result.samples.share[standing] > 0.0) & (result.samples.share[standing] < 1.0))
+    # In the end the push holds the machine against gravity.
+    assert result.events[-1].what == "holds"
+    still = result.t > result.events[-1].time
+    assert np.abs(result.samples.v[still]).max() < 1e-12
 
 
 def test_stopped_run_keeps_what_it_has(pendulum: Machine) -> None:

@@ -120,7 +120,7 @@ def test_independent_coordinates_carry_the_dependent_ones(
 def test_compiled_loops_take_them_out_of_the_table_of_a_run(stone: Path) -> None:
     machine = load("stone", folder=stone)
     system = replace(machine.system, **machine.tangents._asdict())
-    run = wire(system, "dopri5", 1)
+    run = wire(system, "dopri5", machine.parameter_values(), 1)
 
     @compiled(types.none(ADDRESSES, types.int64[::1], types.float64[:, ::1], types.float64[::1]))
     def call(table, modes, rows, p):

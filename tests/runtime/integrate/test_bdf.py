@@ -1,0 +1,144 @@
+"""Backward differentiation formulas: order of each, the past, changes of step and partition."""
+
+from math import comb
+
+import numpy as np
+import pytest
+
+from runtime.integrate import driver
+from runtime.integrate.attempt import attempt
+from runtime.integrate.bdf import accepted
+from runtime.integrate.bdf_history import GAMMA, KAPPA, PAST
+from runtime.integrate.memory import H_BASE, LINES, NEXT_ORDER, NUMBERS, STEP_ORDER
+from runtime.integrate.problem import Options, Problem
+from runtime.integrate.run import _Run, integrate
+from runtime.integrate.slots import Slot
+from runtime.integrate.workspace import ROWS, Y0, Y1, K
+from runtime.outcomes import Outcome
+from tests.runtime.integrate.stiff import DRAWN, SMOOTH_PENDULUM, one, smooth_relay
+from tests.runtime.integrate.systems import pendulum_problem, run_relay
+
+OMEGA = 2.0
+
+
+def oscillator(t):
+    return np.array([np.cos(OMEGA * t), -OMEGA * np.sin(OMEGA * t)])
+
+
+class Stepper:
+    """One formula with its past from the solution, at a step that stays."""
+
+    def __init__(self, order, h):
+        system, p = smooth_relay(stiffness=OMEGA**2)
+        q, v = oscillator(0.0)
+        options = Options(method="bdf", rtol=1e-13, atol_q=1e-13, atol_v=1e-13)
+        self.run = _Run(
+            system, Problem(0.0, 1e3, np.array([q]), np.array([v]), p, np.ones(1)), options
+        )
+        self.run.start()
+        arrays = self.run.wiring.arrays
+        lines = arrays[Slot.MEMORY][NUMBERS : NUMBERS + 2 * LINES].reshape(LINES, 2)
+        past = np.array([oscillator(-i * h) for i in range(7)])
+        for j in range(7):
+            lines[PAST + j] = sum((-1) ** i * comb(j, i) * past[i] for i in range(j + 1))
+        arrays[Slot.MEMORY][H_BASE] = h
+        arrays[Slot.NOTES][STEP_ORDER] = arrays[Slot.NOTES][NEXT_ORDER] = order
+        self.h, self.t = h, 0.0
+
+    def step(self):
+        w, _, record, p, modes, _, lam, _ = self.run.fixed_arrays
+        table = self.run.wiring.table
+        attempt(table, self.t, self.h, w, record, p, modes, lam)
+        accepted(table, self.t, self.h, w, record)
+        self.t += self.h
+        rows = w.reshape(ROWS, 2)
+        rows[Y0], rows[K] = rows[Y1], rows[K + 1]
+        return rows[Y1].copy()
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4, 5])
+def test_order_of_each_formula(order):
+    errors, counts = [], np.array([200, 283, 400, 566, 800])
+    for count in counts:
+        stepper = Stepper(order, 2.0 / count)
+        for _ in range(count):
+            y = stepper.step()
+        errors.append(np.abs(y - oscillator(2.0)).max())
+    assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(order, abs=0.15)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4, 5])
+def test_step_satisfies_the_formula(order):
+    # h a and h v are the differences of v and of q, with the term that makes NDF of BDF.
+    stepper = Stepper(order, 0.05)
+    t = stepper.h * np.arange(-order - 1, 1)
+    y = np.array([*oscillator(t).T, stepper.step()])[::-1]
+    differences = [
+        sum((-1) ** i * comb(m, i) * y[i] for i in range(m + 1)) for m in range(order + 2)
+    ]
+    left = sum(differences[m] / m for m in range(1, order + 1))
+    left = left - KAPPA[order] * GAMMA[order] * differences[order + 1]
+    slope = np.array([y[0][1], -(OMEGA**2) * y[0][0]])
+    np.testing.assert_allclose(left, stepper.h * slope, atol=2e-14)
+
+
+def test_past_at_another_distance_is_that_of_the_same_polynomial():
+    # A shorter and a longer step: errors stay those of order 5.
+    errors = []
+    for h in (0.02, 0.01):
+        stepper = Stepper(5, h)
+        for factor in (1.0, 0.37, 2.5, 1.0, 0.5, 2.0):
+            stepper.h = stepper.h * factor
+            stepper.step()
+        errors.append(np.abs(stepper.step() - oscillator(stepper.t)).max())
+    assert np.log2(errors[0] / errors[1]) > 5.0
+
+
+def test_the_order_rises_from_one_to_five():
+    r = run_relay(smooth_relay(stiffness=OMEGA**2), 1.0, 0.0, 20.0, method="bdf", tolerance=1e-8)
+    q, v = oscillator(r.t)
+    assert max(np.abs(r.q[:, 0] - q).max(), np.abs(r.v[:, 0] - v).max()) < 2e-6
+    # With order 1 alone steps of about 1e-4 would be needed, with order 2 of about 3e-3.
+    assert r.statistics.steps < 2500
+
+
+def test_a_change_of_partition_costs_neither_order_nor_restart():
+    # x or y is the independent coordinate, and changes twice a turn.
+    problem = pendulum_problem(0.3, 12.0, 20.0)
+    run = _Run(SMOOTH_PENDULUM, problem, Options(method="bdf", rtol=1e-8, t_eval=[20.0]))
+    notes, before, orders = run.wiring.arrays[Slot.NOTES], 0, []
+    code = driver.GOING if run.start() == Outcome.OK else None
+    while code == driver.GOING:
+        code = driver.advance(1, run.wiring.table, *run.fixed_arrays, *run.out, *run.event_arrays)
+        run._flush()
+        if run.r["repartitions"] > before:
+            before = int(run.r["repartitions"])
+            orders.append(int(notes[STEP_ORDER]))
+    assert code == Outcome.OK
+    assert len(orders) > 100
+    # A restart would show as order 1; the order that the motion asks for is 5, at times 4.
+    assert min(orders[5:]) >= 4
+    assert sum(order == 5 for order in orders) > 0.9 * len(orders)
+    exact = integrate(SMOOTH_PENDULUM, problem, Options(rtol=1e-13, t_eval=[20.0]))
+    # An angle of 244 rad is asked for to 1e-8 of itself, and x and y follow from it.
+    assert np.abs(run.state[0] - exact.q[-1]).max() < 1e-7 * exact.q[-1, 2]
+
+
+@pytest.mark.parametrize("stiffness", [1e4, 1e8, 1e12])
+def test_a_stiff_spring_costs_nothing(stiffness):
+    # Drawn after sin t: what is needed for sin t itself is some tens of steps.
+    options = Options(method="bdf", rtol=1e-6, t_eval=np.linspace(0.0, 10.0, 51))
+    damping = 2.0 * np.sqrt(stiffness)
+    r = integrate(DRAWN, one(0.0, 1.0, 10.0, [stiffness, damping]), options)
+    assert r.statistics.steps < 400
+    assert np.abs(r.q[:, 0] - np.sin(r.t)).max() < 1e-6
+    assert np.abs(r.v[:, 0] - np.cos(r.t)).max() < 1e-5
+
+
+def test_orders_that_do_not_damp_a_vibration_are_left():
+    # Damped by a tenth: outside the angles of orders 3 to 5, which would feed the vibration.
+    problem = one(0.0, 1.0, 10.0, [1e6, 200.0])
+    r = integrate(DRAWN, problem, Options(method="bdf", rtol=1e-5, t_eval=[10.0]))
+    assert abs(r.q[-1, 0] - np.sin(10.0)) < 1e-5
+    assert r.statistics.rejected < 0.25 * r.statistics.steps
+    assert r.statistics.steps < 1500
