@@ -176,9 +176,7 @@ def build(
     return BuildReport(tuple(reports), tuple(f.path for f in every if check and f.changed))
 
 
-def translate(
-    model: Model, scene: Scene, clock: Clock
-) -> tuple[Equations, Lowered, Findings]:
+def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowered, Findings]:
     """Derive, lower and examine one scene."""
     with clock("derive"):
         equations = derive(model, scene)
@@ -254,9 +252,7 @@ def _relative(source: Path, base: Path) -> str:
     return (source.relative_to(base) if source.is_relative_to(base) else source).as_posix()
 
 
-def report(
-    equations: Equations, lowered: Lowered, findings: Findings, file: File
-) -> SceneReport:
+def report(equations: Equations, lowered: Lowered, findings: Findings, file: File) -> SceneReport:
     """Gather what a person wants to know about a build."""
     n = len(equations.coordinates)
     m = sum(len(c.statement.rows) for c in equations.constraints)

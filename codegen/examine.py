@@ -42,7 +42,9 @@ class Findings(NamedTuple):
 
 def examine(equations: Equations, lowered: Lowered) -> Findings:
     """Look for constraints that are too many near the start values."""
-    rows = [(c.name, c.kind, c.driver, row) for c in equations.constraints for row in c.statement.rows]
+    rows = [
+        (c.name, c.kind, c.driver, row) for c in equations.constraints for row in c.statement.rows
+    ]
     n = len(equations.coordinates)
     if not rows:
         return Findings((), (), 0)
@@ -64,12 +66,12 @@ def examine(equations: Equations, lowered: Lowered) -> Findings:
         f"scene '{equations.scene.name}': {len(rows)} constraints on {n} coordinates, of which "
         f"only {independent} are independent; redundant: {redundant}."
     )
-    drivers = sorted({name for name, _, driver, _ in found if driver})
+    drivers = sorted({name for name, _kind, driver, _row in found if driver})
     if drivers:
-        named = " or ".join(repr(name) for name in drivers)
-        problem = f"{head} Remove or relax {named}: no motion is left for them to prevent."
+        blamed = " or ".join(repr(name) for name in drivers)
+        problem = f"{head} Remove or relax {blamed}: no motion is left for them to prevent."
         return Findings((problem,), (), independent)
-    elements = " or ".join(repr(name) for name in sorted({name for name, *_ in found}))
+    elements = " or ".join(repr(name) for name in sorted({row[0] for row in found}))
     note = (
         f"{head} The scene runs as long as its parameters let them agree, at some cost, and "
         f"reactions of joints that share a load are not unique. Remove or relax {elements} to "

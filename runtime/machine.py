@@ -91,7 +91,7 @@ class Machine:
         return load_tangents(self._origin)
 
     def bearing(self, independent: tuple[int, ...]) -> "Machine":
-        """This machine with kernels that bear redundant constraints.
+        """The machine with kernels that bear redundant constraints.
 
         Parameters
         ----------
@@ -145,6 +145,11 @@ class Machine:
             limits=told.friction_limits,
             independent=self._independent,
         )
+
+    @property
+    def independent(self) -> tuple[int, ...]:
+        """Indices of constraints of which none follows from others; all but after `bearing`."""
+        return self._independent
 
     @property
     def model(self) -> str:

@@ -381,7 +381,9 @@ def _report(
     table = machine.constraints
     names = table.names
     redundant = tuple(
-        Redundant(names[row], table[row].element, tuple(sorted({table[k].element for k in sources})))
+        Redundant(
+            names[row], table[row].element, tuple(sorted({table[k].element for k in sources}))
+        )
         for row, sources in findings.lasting
     )
     lost = {found.row for found in findings.lasting}

@@ -68,9 +68,7 @@ class Findings(NamedTuple):
     rank: int
 
 
-def inspect(
-    task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_], v: FloatArray
-) -> Findings:
+def inspect(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_], v: FloatArray) -> Findings:
     """Look for dependent constraints at an assembled position.
 
     A dependency that disappears when the machine is moved a little along its own motion belongs
@@ -110,10 +108,8 @@ def _scaled(task: Task, q: FloatArray) -> FloatArray:
     return matrix
 
 
-def overdetermined(
-    task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]
-) -> list[Dependency]:
-    """Dependencies among more joints than there are coordinates, where they come nearest to closing.
+def overdetermined(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]) -> list[Dependency]:
+    """Dependencies among more joints than coordinates, where they come nearest to closing.
 
     What is left of constraints that contradict each other is a combination that no motion changes.
     """

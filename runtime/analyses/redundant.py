@@ -57,19 +57,19 @@ def bearing_kernels(kernels: Kernels, told: Description, count: int) -> Kernels:
 def _accelerations(kernels: Kernels, told: Description, n: int, m: int, spare: int) -> Any:
     jacobian, gamma_of = kernels.jacobian, kernels.acceleration_rhs
     mass_of, forces = kernels.mass, kernels.applied_forces
+    resting = told.analysis == "equilibrium"  # such a scene has no γ: nothing moves, and it is zero
     rows, columns = _arrays(told.jacobian_rows, told.jacobian_columns)
     mass_rows, mass_columns = _arrays(told.mass_rows, told.mass_columns)
 
     def dynamic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
         values, masses = np.empty(rows.size), np.empty(mass_rows.size)
-        gamma, force = np.empty(m), np.empty(n)
+        gamma, force = np.zeros(m), np.empty(n)
         jacobian(t, q, p, values)
-        gamma_of(t, q, v, p, gamma)
+        if not resting:
+            gamma_of(t, q, v, p, gamma)
         mass_of(q, p, masses)
         forces(t, q, v, p, modes, force)
-        lost = motion(
-            rows, columns, values, mass_rows, mass_columns, masses, force, gamma, a, lam
-        )
+        lost = motion(rows, columns, values, mass_rows, mass_columns, masses, force, gamma, a, lam)
         return 0 if lost <= spare else m
 
     def kinematic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:

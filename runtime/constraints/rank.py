@@ -10,18 +10,17 @@ import numpy as np
 from numba import types
 
 from runtime.compiled import compiled
+from runtime.integrate.signatures import Integers, Matrix, Vector, i8, matrix, vector
 
-FLOAT, INTEGER = types.float64, types.int64
-VECTOR, MATRIX = types.float64[::1], types.float64[:, ::1]
-INTEGERS = types.Array(types.int64, 1, "C", readonly=True)  # what a closure holds
+constant = types.Array(types.int64, 1, "C", readonly=True)  # integers that a closure holds
 
 _NONE = 1e-10  # a pivot below this, rows and columns scaled to unit diagonal, is none
 _NULL = 1e-9
 
 
-@compiled(INTEGER(INTEGERS, INTEGERS, VECTOR, VECTOR, MATRIX, MATRIX))
+@compiled(i8(constant, constant, vector, vector, matrix, matrix))
 def least(
-    rows: INTEGERS, columns: INTEGERS, values: VECTOR, w: VECTOR, right: MATRIX, d: MATRIX
+    rows: Integers, columns: Integers, values: Vector, w: Vector, right: Matrix, d: Matrix
 ) -> int:
     """Solve Φ_q d = right for the d that are least in dᵀ W⁻¹ d, W = diag(w).
 
@@ -97,11 +96,11 @@ def least(
             i = order[step]
             for k in range(n):
                 d[c, k] += w[k] * dense[i, k] * unit[i] * mu[i]
-    return rank
+    return int(rank)
 
 
-@compiled(INTEGER(MATRIX, VECTOR, VECTOR, MATRIX))
-def eliminated(matrix: MATRIX, right: VECTOR, x: VECTOR, null: MATRIX) -> int:
+@compiled(i8(matrix, vector, vector, matrix))
+def eliminated(matrix: Matrix, right: Vector, x: Vector, null: Matrix) -> int:
     """Solve a square system by Gaussian elimination with full pivoting.
 
     Parameters
@@ -158,19 +157,19 @@ def eliminated(matrix: MATRIX, right: VECTOR, x: VECTOR, null: MATRIX) -> int:
 
 
 @compiled(
-    INTEGER(INTEGERS, INTEGERS, VECTOR, INTEGERS, INTEGERS, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR)
+    i8(constant, constant, vector, constant, constant, vector, vector, vector, vector, vector)
 )
 def motion(
-    rows: INTEGERS,
-    columns: INTEGERS,
-    values: VECTOR,
-    mass_rows: INTEGERS,
-    mass_columns: INTEGERS,
-    masses: VECTOR,
-    force: VECTOR,
-    gamma: VECTOR,
-    a: VECTOR,
-    lam: VECTOR,
+    rows: Integers,
+    columns: Integers,
+    values: Vector,
+    mass_rows: Integers,
+    mass_columns: Integers,
+    masses: Vector,
+    force: Vector,
+    gamma: Vector,
+    a: Vector,
+    lam: Vector,
 ) -> int:
     """Solve M a + Φ_qᵀ λ = Q, Φ_q a = γ; λ has the least norm.
 

@@ -1,6 +1,5 @@
 """What is wrong with a model is said by name, all of it at once, and nothing is written."""
 
-import re
 from pathlib import Path
 
 import pytest
