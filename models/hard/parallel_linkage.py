@@ -12,7 +12,9 @@ three and one turning is left in common. The linkage moves as if they had no say
 its load among them is not determined. One that is longer or shorter contradicts the others.
 
 Cranks of 1 m, 1 m apart, 1 kg each, the table of 5 kg with its centre of mass above the middle (C).
-`parallel_linkage(cranks)` declares any number of cranks; the file's own has four.
+`parallel_linkage(cranks)` declares any number of cranks; the file's own has four. With `carrying`
+only the first so many reach up to the table; the others turn along with the first, so that with two
+of them the machine is the same, and nothing in it is said twice.
 
 Scenes
 ------
@@ -27,9 +29,11 @@ from math import cos, pi, sin
 from codegen import Model, t
 
 
-def parallel_linkage(cranks: int) -> Model:
-    """The table on so many cranks."""
-    model = Model(f"parallel_linkage_{cranks}", gravity=(0, -9.81))
+def parallel_linkage(cranks: int, carrying: int | None = None) -> Model:
+    """The table on so many cranks, of which the first `carrying` carry it; all unless given."""
+    carriers = cranks if carrying is None else carrying
+    name = f"parallel_linkage_{cranks}" + (f"_{carriers}" if carriers < cranks else "")
+    model = Model(name, gravity=(0, -9.81))
     last = model.parameter("last", 1.0, unit="m", sign="positive")  # length of the last crank
     drive_speed = model.parameter("drive_speed", 2 * pi, unit="rad/s")
 
@@ -39,7 +43,10 @@ def parallel_linkage(cranks: int) -> Model:
     for k, bar in enumerate(bars):
         length = last if k == cranks - 1 else 1.0
         model.revolute(f"A{k}", model.ground.at(k, 0), bar.at(-length / 2, 0))
-        model.revolute(f"B{k}", bar.at(length / 2, 0), table.at(k - middle, 0))
+        if k < carriers:
+            model.revolute(f"B{k}", bar.at(length / 2, 0), table.at(k - middle, 0))
+        else:
+            model.constraint(f"along_{k}", bar.phi - bars[0].phi)
     model.driver("crank_drive", bars[0].phi, pi / 3 + drive_speed * t)
 
     drawn = {table.x: middle + cos(pi / 3), table.y: sin(pi / 3), table.phi: 0.0}

@@ -9,10 +9,12 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.analyses.closing import CLOSED, Task, refine
+from runtime.analyses.closing import CLOSED, Task, nearest, refine
 from runtime.analyses.equations import FloatArray
 
 RANK_TOLERANCE = 1e-6  # below this a direction is lost; an assembled dead centre is good to 1e-8
+_SIZES = (0.02, -0.05, 0.1, 0.02, -0.05, 0.1, -0.2)  # scaled lengths of the ways that are tried
+_APART = 1e-3  # scaled distance at which what is lost at a position only is no longer lost
 
 
 class Dependency(NamedTuple):
@@ -81,11 +83,15 @@ def inspect(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_], v: FloatA
         return Findings([], [], len(order))
     lasting = here
     for moved in _neighbours(task, q, drivers, v):
-        there = {found.row for found in dependent_rows(_scaled(task, moved), order)}
+        there = dependent_rows(_scaled(task, moved), order)
         if len(there) < len(lasting):
-            lasting = [found for found in lasting if found.row in there][: len(there)]
-    here_only = [found for found in here if found not in lasting]
-    return Findings(lasting, here_only, len(order) - len(lasting))
+            lasting = there
+    if len(lasting) == len(here):
+        return Findings(here, [], len(order) - len(here))
+    # Which row of a dependency comes last may differ here: those that follow elsewhere go first.
+    lost = {found.row for found in lasting}
+    rows = [row for row in order if row not in lost]
+    return Findings(lasting, dependent_rows(_scaled(task, q), rows), len(rows))
 
 
 def structural(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]) -> list[Dependency]:
@@ -145,12 +151,15 @@ def _neighbours(
     random = np.random.default_rng(3)
     asked = motions.T @ (motions @ (v / task.scale))
     tried = [asked, asked] if np.linalg.norm(asked) > 0.0 else []
-    tried += [random.normal(size=len(motions)) @ motions for _ in range(3)]
-    for direction, size in zip(tried, (0.02, -0.05, 0.1, 0.02, -0.05), strict=False):
+    tried += [random.normal(size=len(motions)) @ motions for _ in _SIZES[2:]]
+    for direction, size in zip(tried, _SIZES, strict=False):
         if not len(motions):
             break
-        moved = refine(joints, q + size * direction / np.linalg.norm(direction) * task.scale)
-        apart = float(np.abs((moved - q) / task.scale).max())
-        if np.abs(joints.gaps(moved)).max(initial=0.0) <= CLOSED and apart > 1e-4:
-            found.append(moved)
+        begin = q + size * direction / np.linalg.norm(direction) * task.scale
+        # Newton's method may fall back into q where motions cross; the nearest point does not.
+        for moved in (refine(joints, begin), refine(joints, nearest(joints, begin))):
+            apart = float(np.abs((moved - q) / task.scale).max())
+            if np.abs(joints.gaps(moved)).max(initial=0.0) <= CLOSED and apart > _APART:
+                found.append(moved)
+                break
     return found
