@@ -7,7 +7,7 @@ corrections of `correction` in the metric of the masses on theirs, so no kernel 
 """
 
 from runtime.compiled import compiled
-from runtime.integrate.held import shares, units
+from runtime.integrate.held import CANCELLED, shares, units
 from runtime.integrate.signatures import FIELD, Integers, Vector
 from runtime.integrate.slots import (
     CONSTRAINT_COUNT,
@@ -56,17 +56,21 @@ def bent(
         share = floats_at(machine, SHARE, s)
         held = view(integers_at(machine, PLAIN, 2 * s), s, s)
         work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
-        for j in range(n):
-            a[j] = work[j]
         for i in range(m):
             lam[i] = work[n + i]
+        for j in range(n):
+            total, largest = work[j], abs(work[j])
+            for c in range(count):
+                part = share[held[c]] * work[(c + 1) * size + j]
+                total += part
+                largest = max(largest, abs(part))
+            # What is left where they cancel would set a machine at rest creeping.
+            a[j] = total if abs(total) > CANCELLED * largest else 0.0
         for c in range(count):
             part = share[held[c]]
-            unit = view(work, (c + 1) * size, size)
-            for j in range(n):
-                a[j] += part * unit[j]
+            unit = view(work, (c + 1) * size + n, m)
             for i in range(m):
-                lam[i] += part * unit[n + i]
+                lam[i] += part * unit[i]
     if machine[STABILIZED] != 0 and m > 0:
         tau = floats_at(machine, SETTINGS, 2)[TIME_SCALE]
         pull = floats_at(machine, WEIGHTS, 3 * n)

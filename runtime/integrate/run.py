@@ -50,6 +50,7 @@ _FIRST_CHUNK = 512
 _LONGEST_CHUNK = 16384
 _CHUNK_SECONDS = 0.05
 _EVENT_ROWS = 64
+_FOLLOWED = 2.0  # of Baumgarte's time: within longer steps what pulls back swings
 _CORRECTING = {
     "step": attempt.BY_PARTITION,
     "stage": attempt.BY_PARTITION,
@@ -142,7 +143,10 @@ class _Run:
         stabilized = options.correction in ("baumgarte", "hybrid")
         table[Slot.STABILIZED] = table[Slot.BENDS] = int(stabilized)
         duration = problem.t_end - problem.t0
-        arrays[Slot.SETTINGS][TIME_SCALE] = options.time_scale or 1e-3 * duration or 1.0
+        pull = options.time_scale or 1e-3 * duration or 1.0
+        arrays[Slot.SETTINGS][TIME_SCALE] = pull
+        if stabilized and options.fixed_step is None:
+            self.r["h_max"] = min(float(self.r["h_max"]), _FOLLOWED * pull)
         table[Slot.EACH_STAGE] = 1 if options.correction == "stage" and m > 0 else 0
         self.log_t, self.log_sets = arrays[Slot.LOG_TIMES], arrays[Slot.LOG_SETS]
         arrays[Slot.WEIGHTS][:n] = problem.scale**2
