@@ -13,6 +13,7 @@ from runtime.integrate.workspace import PARTITION, ROWS
 if TYPE_CHECKING:
     from runtime.integrate.run import _Run
 
+_FORESIGHT = 0.1  # of the coordinates' sizes: what is nearer matters to the finest tolerances
 _MOST_PATIENCE = 1024  # times the first, before a method is changed
 
 
@@ -22,6 +23,7 @@ def fill_method(r: Any, parts: ModuleType) -> None:
     r["stage_calls"], r["dense_calls"] = parts.STAGE_CALLS, parts.DENSE_CALLS
     r["dense_rows"] = parts.DENSE_ROWS
     r["exponent"], r["beta"] = 1.0 / (parts.ERROR_ORDER + 1), parts.BETA
+    r["foresight"] = getattr(parts, "FORESIGHT", _FORESIGHT)
     r["safety"], r["shrink"], r["grow"] = 0.9, parts.SHRINK, parts.GROW
 
 

@@ -49,8 +49,10 @@ _ALLOWANCE = 100.0  # the part of rounding in an error may be this many times wh
 _ASTRAY = 1e-6  # of a velocity: what a start may be off the branch that it follows
 _SLACK = 1e3  # where rounding rules, the estimate of it may be wrong by as much as this
 _TRIES = 4
-_EXPLICIT = "dop853"
+_LEADING = "dop853"  # across, for methods that do not reach
 _ITERATING = ("bdf", "radau5")
+_POOR = 10.0  # error over tolerance from which on another method leads across
+_LEARNING = 0.2  # of the way there: the first step of a method that is lent
 _ROOM = 0.1  # of a step: the distance from a node below which errors of stages tell
 _WEIGHT = 0.1  # of one stage in the result of a step
 _TAYLOR = 5e-3  # eps ** (1/7): of the time scale, where rounding balances a cubic's error
@@ -110,7 +112,7 @@ class Crossings:
     def look(self) -> int:
         """Answer the loop: go on as planned, or the code of an outcome."""
         r = self.r
-        if r["plan"] == FREE and r["lent"]:
+        if r["plan"] == FREE and r["lent"] and r["t"] >= r["lent_until"]:
             return self._given_back()
         if r["plan"] == APPROACHING:
             return self.cross()
@@ -161,7 +163,8 @@ class Crossings:
             r["quiet"] = motion.t + usual  # it lies behind, and far enough
             return driver.GOING
         self.found = found
-        self._lend()
+        if self._lend(found, ahead):
+            return driver.GOING
         return driver.GOING if self._approached(found, ahead) else self.cross()
 
     def _approached(self, found: Singularity, ahead: float) -> bool:
@@ -203,6 +206,7 @@ class Crossings:
             error = float(r["error"])
             self.passed.append(Crossing(found.t, row, found.lost, found.direction, error))
             r["plan"], r["quiet"] = LEAVING, r["t"] + r["leap"]
+            r["lent_until"] = r["quiet"]
             r["permitted"] = 1.0
             self.tries = 0
             r["h"] = self._usual()
@@ -238,31 +242,45 @@ class Crossings:
             )
             return int(Outcome.SINGULAR)
         r["plan"], r["turn"], r["leap"] = MISSING, found.t, 0.5 * width
-        r["quiet"] = found.t + max(abs(found.t - r["t"]), 10.0 * width)
+        ahead = found.t - float(r["t"])
+        # From further away than the bend is wide, what is missed may turn out to be met.
+        r["quiet"] = r["t"] + 0.5 * ahead
+        if ahead < width:
+            r["quiet"] = max(found.t + 3.0 * width, r["t"] - 0.5 * ahead)
         return driver.GOING
 
     # -- methods ------------------------------------------------------------------------------
 
-    def _lend(self) -> None:
-        """Let an explicit method step for an implicit one.
+    def _lend(self, found: Singularity, ahead: float) -> bool:
+        """Let the explicit method of highest order step for one that does not reach across.
 
-        The derivative of the accelerations by the velocities is 2/τ at the distance τ, of opposite
-        signs on both sides: no Newton iteration reaches across.
+        None that is implicit does: at the distance τ the derivative of the accelerations by the
+        velocities is 2/τ, of opposite signs on both sides, and no Newton iteration goes through
+        that. One of low order does not where its steps are so short that rounding rules.
+
+        Returns whether there is way left on which to learn how long steps may be.
         """
         run, r = self.run, self.r
-        if run.methods[-1][1] not in _ITERATING or r["lent"]:
-            return
+        name = run.methods[-1][1]
+        if name in {_LEADING, "auto"} or r["lent"]:
+            return False
+        if name not in _ITERATING and self._best(found, self._usual()).total < _POOR:
+            return False
         self.kept = float(r["h"])
         r["lent"], r["automatic"] = 1, 0
-        adopt(run, _EXPLICIT)
+        r["lent_until"] = found.t + max(ahead, self.kept)
+        adopt(run, _LEADING)
         p, modes, lam = run.fixed_arrays[3], run.fixed_arrays[4], run.fixed_arrays[6]
         first = first_step(
             run.wiring.table, r["t"], r["h_max"], r["rtol"], r["order"], run.w, p, modes, lam
         )
-        r["usual"] = r["h"] = max(float(r["h"]), first)
+        way = _LEARNING * ahead
+        r["usual"] = r["h"] = min(first, way) if way > 0.0 else max(first, self.kept)
+        r["look_at"] = r["t"]
+        return way > 0.0
 
     def _given_back(self) -> int:
-        """Go on with the implicit method."""
+        """Go on with the method that was asked for."""
         run, r = self.run, self.r
         r["lent"], r["automatic"] = 0, int(run.options.method == "auto")
         r["h"] = self.kept
