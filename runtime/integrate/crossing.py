@@ -141,6 +141,12 @@ class Crossings:
         self.r["plan"] = CROSSING
         return self._continued(self._motion(), found)
 
+    def leave(self) -> int:
+        """Lay the first step out of a singular position in which the run starts."""
+        assert self.found is not None
+        self._lend(self.found, 0.0)
+        return self.cross()
+
     # -- steps of a plan ----------------------------------------------------------------------
 
     def _plan(self, s: float) -> int:

@@ -221,7 +221,7 @@ class _Run:
         if code in {Outcome.SINGULAR, Outcome.NEWTON_FAILED} and self.crossings.begin():
             code = start(self.wiring.table, *self.fixed_arrays, *self.out)
             if code == Outcome.OK:
-                code = self.crossings.cross()
+                code = self.crossings.leave()
         self._flush()
         return code
 
