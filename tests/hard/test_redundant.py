@@ -228,6 +228,15 @@ def test_other_ways_back_are_refused_by_name(table: Machine, correction: str) ->
     assert run.outcome is Outcome.OK
 
 
+def test_friction_that_follows_from_reactions_is_refused(tmp_path: Path) -> None:
+    model = parallel_linkage(3)
+    model.friction("rub", model.joints["A0"], 0.1, radius=0.02)
+    fall = model.scenes["fall"]
+    model.scene("rubbed", ["gravity", "rub"], start=dict(fall.start), guess=dict(fall.guess))
+    with pytest.raises(AnalysisError, match=r"friction in joints \(rub\) follows from their reac"):
+        load(model, "rubbed", folder=tmp_path).simulate(1.0)
+
+
 def test_samples_are_reproduced(table: Machine) -> None:
     """Which pivot is taken hangs on nothing but the state."""
     runs = [table.simulate(1.0, rtol=1e-6, progress=False) for _ in range(2)]
