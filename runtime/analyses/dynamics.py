@@ -15,6 +15,7 @@ from runtime.analyses.kinematics import instants
 from runtime.analyses.magnitudes import magnitudes
 from runtime.analyses.masses import require_masses
 from runtime.analyses.outputs import evaluate
+from runtime.analyses.redundant import sound, spared
 from runtime.analyses.surfaces import require_apart
 from runtime.integrate.problem import Correction, Options, Problem, System, Trajectory
 from runtime.integrate.run import integrate
@@ -142,6 +143,9 @@ def simulate(
     p = machine.parameter_values(parameters)
     require_masses(machine, p)
     begin = start if start is not None else assemble(machine, guess, parameters, t_start)
+    machine = sound(machine, begin)
+    if begin.redundant:
+        correction = _projecting(machine, begin, method, correction)
     equations = Equations(machine, p)
     sizes = magnitudes(equations, begin.t, begin.q)
     require_apart(machine, p, begin.t, begin.q, begin.v, float(sizes.min(initial=1.0)))
@@ -173,7 +177,29 @@ def simulate(
         ),
         lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
     )
-    return _result(machine, trajectory, p, began)
+    return _result(machine, trajectory, p, began, begin)
+
+
+def _projecting(
+    machine: "Machine", begin: Assembly, method: str, correction: Correction
+) -> Correction:
+    """The way back onto redundant constraints; refuses methods that need independent ones.
+
+    Off the constraints a redundant row seems to be independent, and a choice of independent
+    coordinates would go by it.
+    """
+    names = ", ".join(row.name for row in begin.redundant)
+    if method in IMPLICIT:
+        raise AnalysisError(
+            f"{machine.description.title}: method {method!r} needs independent constraints, and "
+            f"{names} follow from others. Take dop853 or dopri5, or remove them."
+        )
+    if correction not in {"step", "projection"}:
+        raise AnalysisError(
+            f"{machine.description.title}: with redundant constraints ({names}) states return by "
+            f'projection; correction={correction!r} needs independent ones. Leave it at "step".'
+        )
+    return "projection"
 
 
 def _system(machine: "Machine", method: str) -> System:
@@ -194,7 +220,9 @@ def _mobility(equations: Equations, q: FloatArray) -> FloatArray:
     return 1.0 / np.sqrt(np.where(heavy, inertia, 0.01 * inertia[heavy].min()))
 
 
-def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) -> Result:
+def _result(
+    machine: "Machine", run: Trajectory, p: FloatArray, began: float, begin: Assembly
+) -> Result:
     """Outputs at the samples; a run that stopped early gets its last state as one more."""
     t, q, v, modes = run.t, run.q, run.v, run.modes
     if run.outcome is not Outcome.OK and (len(t) == 0 or run.final_t > t[-1]):
@@ -248,10 +276,11 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
         p,
         analysis="simulation",
         outcome=run.outcome,
-        message=_message(machine, run),
+        message=_message(machine, run) + spared(begin),
         stats=stats,
         events=events,
         partitions=partitions,
+        not_unique=begin.not_unique,
     )
 
 
@@ -264,10 +293,33 @@ def _changes(run: Trajectory) -> str:
     return f" Methods: {', '.join(shown)}{f', and {rest} more changes' if rest else ''}."
 
 
+def _crossed(machine: "Machine", run: Trajectory) -> str:
+    """Which singular positions were passed, and what it cost, where there were any."""
+    if not run.crossings:
+        return ""
+    first = run.crossings[0]
+    worst = max(run.crossings, key=lambda crossing: crossing.error)
+    count = len(run.crossings)
+    told = (
+        f" Passed {count} singular position{'s' if count > 1 else ''} on the branch on which the "
+        f"velocity is continuous, the first at t = {first.t:.6g} s, where "
+        f"{machine.constraints.names[first.row]} lost its hold."
+    )
+    if worst.error > 1.0:
+        told += (
+            f" Rounding there exceeds rtol: the step at t = {worst.t:.6g} s may err by "
+            f"{worst.error:.1g} times the tolerance."
+        )
+    return told
+
+
 def _message(machine: "Machine", run: Trajectory) -> str:
     """How the run ended, with its time and the element concerned."""
     if run.outcome is Outcome.OK:
-        return f"Reached t = {run.final_t:g} s in {run.statistics.steps} steps.{_changes(run)}"
+        return (
+            f"Reached t = {run.final_t:g} s in {run.statistics.steps} steps."
+            f"{_changes(run)}{_crossed(machine, run)}"
+        )
     told = machine.description
     where = ""
     if run.index >= 0:

@@ -12,6 +12,7 @@ from runtime.analyses.branches import branches
 from runtime.analyses.door import shown
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.outputs import evaluate
+from runtime.analyses.redundant import sound, spared
 from runtime.analyses.walking import (
     DONE,
     MARK,
@@ -76,6 +77,7 @@ def kinematics(
     times = instants(t_eval)
     start = assemble(machine, guess, parameters, t_start)
     require_driven(machine, start, analysis)
+    machine = sound(machine, start)
     wished = start_values(machine, guess).v
     found = follow(machine, times, start, wished, parameters, progress)
     samples = evaluate(machine, found.p, found.t, found.q, found.v)
@@ -95,8 +97,9 @@ def kinematics(
         found.p,
         analysis=analysis,
         outcome=Outcome.LOCKED if found.locked else Outcome.OK,
-        message=message,
+        message=message + spared(start),
         stats=found.stats,
+        not_unique=start.not_unique,
     )
 
 

@@ -19,13 +19,13 @@ from runtime.integrate.slots import (
     NONZEROS,
     PIVOT_COLUMNS,
     PIVOTS,
+    RANK,
     jacobian_of,
 )
 from runtime.integrate.views import floats_at, integers_at, matrix_at, view
 from runtime.integrate.workspace import PARTITION, ROWS, SAMPLE, SIZE, Y0, K, Run
 
 BEHIND, AHEAD = 0.1, 2.5  # of a step: how far back and ahead is looked
-_FORESIGHT = 0.1  # of the coordinates' sizes: what is nearer matters to the finest tolerances
 _REACH = 0.5  # of the coordinates' sizes: how far a motion is continued
 _MARGIN = 0.5  # of the time in which a pivot could vanish: when to look again
 _TRUST = 0.5  # of the time over which nothing announced itself: when to look again
@@ -128,7 +128,7 @@ def vanishing(
     for j in range(n):
         haste = max(haste, abs(view(w, K * 2 * n + n, n)[j]) / size[j])
         speed = max(speed, abs(v[j]) / size[j], abs(view(w, state * 2 * n + n, n)[j]) / size[j])
-    span, back, ahead = h, 0.0, max(AHEAD * h, _FORESIGHT / max(speed, 1e-300))
+    span, back, ahead = h, 0.0, max(AHEAD * h, r.foresight / max(speed, 1e-300))
     if state == Y0:
         # Rounding fails steps that are shorter and shorter within this distance, on either side.
         noisy = np.cbrt(_EPS / r.rtol) / max(speed, 1e-300)
@@ -145,6 +145,8 @@ def vanishing(
         change = later[i] - now[i]
         if max(abs(now[i]), abs(later[i])) <= _REDUNDANT or change == 0.0:
             continue
+        if abs(now[i]) <= _REDUNDANT and machine[RANK] < m:
+            continue  # it follows from others wherever these hold
         s = -now[i] * span / change
         if back <= s <= ahead and abs(s) < abs(nearest):
             nearest = s

@@ -80,6 +80,7 @@ ERROR_ORDER = 1
 STAGE_CALLS = 0  # counted where they happen
 DENSE_CALLS = 0
 BETA = 0.0
+FORESIGHT = 0.5  # as far as a few steps of the explicit method that leads across reach
 SHRINK = 0.2
 
 

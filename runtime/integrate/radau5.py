@@ -61,6 +61,7 @@ STAGE_CALLS = 0  # counted where they happen
 DENSE_ROWS = 6
 DENSE_CALLS = 0
 BETA = 0.0
+FORESIGHT = 0.5  # as far as a few steps of the explicit method that leads across reach
 SHRINK, GROW = 0.2, 8.0
 
 _SAME = 1.2  # a step that could grow by less stays as it is, and with it the matrices

@@ -229,7 +229,7 @@ class _Run:
         if code in {Outcome.SINGULAR, Outcome.NEWTON_FAILED} and self.crossings.begin():
             code = start(self.wiring.table, *self.fixed_arrays, *self.out)
             if code == Outcome.OK:
-                code = self.crossings.cross()
+                code = self.crossings.leave()
         self._flush()
         self._log_first_impacts()
         return code

@@ -21,6 +21,7 @@ from runtime.integrate.signatures import (
     vector,
 )
 from runtime.integrate.slots import (
+    RANK,
     RIGID,
     ROW_ORDER,
     SETTINGS,
@@ -138,7 +139,7 @@ def start(
     if m > 0 and r.plan == FREE:
         repartition_of(machine)(machine, t, Y0, w, run, p)
         r.repartitions = 0
-        if r.rank < m:
+        if r.rank < machine[RANK]:
             r.index = integers_at(machine, ROW_ORDER, m)[r.rank]
             return _SINGULAR
         result = correct_of(machine)(machine, t, Y0, PARTITION, w, p)

@@ -42,6 +42,9 @@ class Result:
         What happened between the instants.
     partitions
         The independent coordinates of a simulation: the first choice, then every change.
+    not_unique
+        Joints and drivers whose reactions redundant constraints leave open; those of least norm are
+        given.
     parameters
         Parameter values by name.
     """
@@ -58,6 +61,7 @@ class Result:
         stats: Mapping[str, float],
         events: Sequence[Any] = (),
         partitions: Sequence[Any] = (),
+        not_unique: Sequence[str] = (),
     ) -> None:
         self.description: Description = machine.description
         self.samples = samples
@@ -67,6 +71,7 @@ class Result:
         self.stats = dict(stats)
         self.events = tuple(events)
         self.partitions = tuple(partitions)
+        self.not_unique = tuple(not_unique)
         self.parameters = {
             row.name: float(value) for row, value in zip(machine.parameters, p, strict=False)
         }
@@ -204,6 +209,7 @@ class Result:
             "message": self.message,
             "parameters": json.dumps(self.parameters),
             "stats": json.dumps(self.stats),
+            "not_unique": ", ".join(self.not_unique),
             "linkwright": __version__,
             "generator": told.generator,
             "numpy": np.__version__,

@@ -149,7 +149,9 @@ def test_a_fast_crank_changes_its_partition_more_than_a_hundred_times() -> None:
     assert simulated(find("crank_fast"), 1e-9).stats["repartitions"] > 100
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+@pytest.mark.parametrize(
+    "case", [case for case in CASES if not case.long], ids=lambda case: case.name
+)
 def test_no_cell_is_wrong(case: Case) -> None:
     """The tightest tolerance but for the stiff case, whose explicit steps are many."""
     rtol = case.tolerances[1 if case.name == "stiff_soft" else -1]
@@ -168,3 +170,5 @@ def test_no_cell_is_wrong(case: Case) -> None:
 def test_every_machine_is_one_that_loads_by_its_name() -> None:
     for case in CASES:
         assert case.scene == load(case.model, case.scene).scene
+        if case.declare is not None:
+            assert case.scene in case.declare().scenes

@@ -81,6 +81,17 @@ def test_what_cannot_be_told_is_not_called_correct() -> None:
     assert cell_of(replace(ONE, reference=lambda: far)).verdict is Verdict.BEYOND
 
 
+def test_a_refusal_says_why_and_is_fine_where_it_is_expected() -> None:
+    case = find("parallel_linkage")
+    cell = run(case, Way("bdf", "step"), 1e-6)
+    assert cell.verdict is Verdict.EXPECTED
+    assert (cell.outcome, cell.note, cell.steps) == ("REFUSED", "", 0)
+    assert "B3.y follow from others" in cell.message
+    other = run(replace(case, ends=("OK",)), Way("bdf", "step"), 1e-6)
+    assert other.verdict is Verdict.STOPPED
+    assert other.note == other.message
+
+
 def endless(name: str) -> Case:
     """A case whose measuring never ends in time."""
 
