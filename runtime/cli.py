@@ -225,8 +225,12 @@ def _run(
         _refuse(error.problems, 2, as_json)
     except (LinkwrightError, OSError) as error:
         _refuse((str(error),), 1, as_json)
+    from runtime.results.summary import events, last_values, summary
+
     failed = result.failed
     _say(repr(result))
+    for line in events(result):
+        _say(line)
     if saved is not None:
         count = len(result.t)
         upto = f" up to t = {result.t[-1]:g} s" if failed and count else ""
@@ -234,9 +238,9 @@ def _run(
     elif failed:
         _say("  Nothing was saved; give --out FILE to keep what was computed.")
     if as_json:
-        _print_json(_summary(result, saved))
+        _print_json(summary(result, saved))
     elif not failed:
-        for line in _last_values(result):
+        for line in last_values(result):
             sys.stdout.write(line + "\n")
     raise typer.Exit(1 if failed else 0)
 
@@ -248,52 +252,6 @@ def _refuse(problems: tuple[str, ...], status: int, as_json: bool) -> NoReturn:
     if as_json:
         _print_json({"ok": False, "status": status, "problems": list(problems)})
     raise typer.Exit(status)
-
-
-def _summary(result: "Result", saved: Path | None) -> dict[str, Any]:
-    """The JSON object of a run."""
-    told = result.description
-    last = result.samples
-    names = told.coordinates
-    some = len(result.t) > 0
-    summary: dict[str, Any] = {
-        "ok": not result.failed,
-        "model": told.model,
-        "scene": told.scene,
-        "analysis": result.analysis,
-        "outcome": result.outcome.name,
-        "message": result.message,
-        "instants": len(result.t),
-        "t": [float(result.t[0]), float(result.t[-1])] if some else [],
-        "q": {row.name: _plain(last.q[-1, i]) for i, row in enumerate(names)} if some else {},
-        "v": {row.velocity: _plain(last.v[-1, i]) for i, row in enumerate(names)} if some else {},
-        "parameters": result.parameters,
-        "stats": {name: _plain(value) for name, value in result.stats.items()},
-        "events": len(result.events),
-        "saved": None if saved is None else str(saved),
-    }
-    stability = getattr(result, "stability", None)
-    if stability is not None:
-        summary["stability"] = str(stability)
-        summary["frequencies"] = [_plain(value) for value in getattr(result, "frequencies", ())]
-    return summary
-
-
-def _last_values(result: "Result") -> list[str]:
-    """The last state, a line a coordinate."""
-    width = max((len(row.name) for row in result.description.coordinates), default=0)
-    return [
-        f"{row.name:<{width}}  {result.samples.q[-1, i]: .9g} {row.unit}"
-        for i, row in enumerate(result.description.coordinates)
-    ]
-
-
-def _plain(value: Any) -> Any:
-    """A number as JSON knows it; not a number becomes null."""
-    number = float(value)
-    if not math.isfinite(number):
-        return None
-    return int(number) if isinstance(value, int) else number
 
 
 def _pairs(given: list[str] | None, option: str) -> dict[str, float]:

@@ -4,7 +4,7 @@ Further groups, of singular positions, redundant constraints, friction and conta
 `CASES` in the same way: a module with a tuple of `Case`.
 """
 
-from models.hard.suite import edges, long_runs, loops, springs, switches
+from models.hard.suite import edges, long_runs, loops, springs, surfaces, switches
 from models.hard.suite.case import Case
 
 GROUPS: dict[str, tuple[Case, ...]] = {
@@ -12,6 +12,7 @@ GROUPS: dict[str, tuple[Case, ...]] = {
     "Loops and masses": loops.CASES,
     "Springs": springs.CASES,
     "Switching": switches.CASES,
+    "Surfaces": surfaces.CASES,
     "Edges": edges.CASES,
 }
 """Heading on the page → its cases."""

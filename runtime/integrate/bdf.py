@@ -258,7 +258,7 @@ def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
     """Forget the past: the motion goes on under other equations."""
     n = w.size // (2 * ROWS)
     memory, notes = floats(machine, n), counts(machine, n)
-    begin(memory, notes, h if h > 0.0 else 1.0, w, run)
+    begin(memory, notes, h if h > 0.0 else 1.0, 2, w, run)
     notes[CURRENT] = 0
     notes[REJECTED] = run[0].rejected
     return 0

@@ -83,8 +83,12 @@ def lengthen(memory: Vector, k: int, ratio: float) -> None:
 
 
 @inner
-def begin(memory: Vector, notes: Integers, h: float, w: Vector, run: Run) -> None:
-    """Make the past a straight line through the state Y0 with derivative K."""
+def begin(memory: Vector, notes: Integers, h: float, order: int, w: Vector, run: Run) -> None:
+    """Make up a past for the state Y0 with derivative K: a straight line, at order 1.
+
+    At order 2 positions have a parabola, as their second derivative is known, which leaves their
+    tiny flights after an impact exact however coarse the tolerance is.
+    """
     length = w.size // ROWS
     n = length // 2
     y0 = view(w, Y0 * length, length)
@@ -99,11 +103,16 @@ def begin(memory: Vector, notes: Integers, h: float, w: Vector, run: Run) -> Non
         low[i] = 0.0
         value[i] = y0[i]
         slope[i] = h * k0[i]
+    if order > 1:
+        bend = line(memory, PAST + 2, n)
+        for i in range(n):
+            bend[i] = h * h * k0[n + i]
+            slope[i] -= 0.5 * bend[i]
     memory[H_BASE] = h
-    notes[STEP_ORDER] = 1
-    notes[NEXT_ORDER] = 1
+    notes[STEP_ORDER] = order
+    notes[NEXT_ORDER] = order
     notes[EQUAL] = 0
-    run[0].exponent = 0.5
+    run[0].exponent = 1.0 / (order + 1)
 
 
 @inner
@@ -118,7 +127,7 @@ def look_back(memory: Vector, notes: Integers, h: float, w: Vector, run: Run) ->
     ratio = h / memory[H_BASE]
     failures = r.rejected - notes[REJECTED]
     if notes[STEP_ORDER] > 1 and (ratio > 1.01 * GROW or failures >= _FAILURES):
-        begin(memory, notes, h, w, run)
+        begin(memory, notes, h, 1, w, run)
         ratio = 1.0
     k = notes[STEP_ORDER]
     if ratio != 1.0:

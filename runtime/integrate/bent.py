@@ -7,11 +7,13 @@ corrections of `correction` in the metric of the masses on theirs, so no kernel 
 """
 
 from runtime.compiled import compiled
-from runtime.integrate.held import shares, units
-from runtime.integrate.signatures import FIELD, Integers, Vector
+from runtime.integrate.field import field
+from runtime.integrate.held import CANCELLED, shares, units
+from runtime.integrate.signatures import FIELD, SLOPE, Integers, Vector
 from runtime.integrate.slots import (
     CONSTRAINT_COUNT,
     COORDINATES,
+    EACH_STAGE,
     HELD,
     PLAIN,
     RIGID_COUNT,
@@ -22,9 +24,11 @@ from runtime.integrate.slots import (
     WEIGHTS,
     WORK,
     accelerations_of,
+    correct_of,
     correction_of,
 )
 from runtime.integrate.views import floats_at, integers_at, view
+from runtime.integrate.workspace import PARTITION, ROWS
 
 STEP, TIME_SCALE = 0, 1
 """Places in SETTINGS: the length of the step, s; τ of Baumgarte's method, s."""
@@ -56,17 +60,21 @@ def bent(
         share = floats_at(machine, SHARE, s)
         held = view(integers_at(machine, PLAIN, 2 * s), s, s)
         work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
-        for j in range(n):
-            a[j] = work[j]
         for i in range(m):
             lam[i] = work[n + i]
+        for j in range(n):
+            total, largest = work[j], abs(work[j])
+            for c in range(count):
+                part = share[held[c]] * work[(c + 1) * size + j]
+                total += part
+                largest = max(largest, abs(part))
+            # What is left where they cancel would set a machine at rest creeping.
+            a[j] = total if abs(total) > CANCELLED * largest else 0.0
         for c in range(count):
             part = share[held[c]]
-            unit = view(work, (c + 1) * size, size)
-            for j in range(n):
-                a[j] += part * unit[j]
+            unit = view(work, (c + 1) * size + n, m)
             for i in range(m):
-                lam[i] += part * unit[n + i]
+                lam[i] += part * unit[i]
     if machine[STABILIZED] != 0 and m > 0:
         tau = floats_at(machine, SETTINGS, 2)[TIME_SCALE]
         pull = floats_at(machine, WEIGHTS, 3 * n)
@@ -75,3 +83,29 @@ def bent(
         for j in range(n):
             a[j] += 2.0 * dv[j] / tau + dq[j] / (tau * tau)
     return weak
+
+
+@compiled(SLOPE)
+def bent_slope(
+    machine: Integers,
+    t: float,
+    state: int,
+    derivative: int,
+    w: Vector,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+) -> int:
+    """As `slope`, also where the field is not the machine's own or stages are corrected."""
+    length = w.size // ROWS
+    n = length // 2
+    taken = 0
+    if machine[EACH_STAGE] != 0:
+        taken = int(correct_of(machine)(machine, t, state, PARTITION, w, p))
+    q = view(w, state * length, n)
+    v = view(w, state * length + n, n)
+    rate = view(w, derivative * length, n)
+    field(machine, t, q, v, p, modes, view(w, derivative * length + n, n), lam)
+    for j in range(n):
+        rate[j] = v[j]
+    return taken

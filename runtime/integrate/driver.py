@@ -251,7 +251,7 @@ def advance(
                 dense_ready = 1
                 r.dense_outputs += 1
                 r.rhs += r.dense_calls
-                x = locate_of(machine)(machine, t, h, r.dense_rows, w, sw, p, modes, lam, found)
+                x = locate_of(machine)(machine, t, h, r.dense_rows, found)
                 if x <= 1.0:
                     crossing = found[0]
                     reach = h

@@ -7,8 +7,10 @@ crossings is not stepped over.
 """
 
 from runtime.compiled import compiled, inner
+from runtime.integrate.arrays import mode_numbers, parameters, surfaces, workspace
 from runtime.integrate.dense import interpolate
-from runtime.integrate.signatures import LOCATE, Integers, Vector
+from runtime.integrate.signatures import LOCATE, SAMPLED, Integers, Vector
+from runtime.integrate.slots import SWITCHES, sampled_of
 from runtime.integrate.surfaces import functions
 from runtime.integrate.workspace import (
     BAND,
@@ -23,7 +25,6 @@ from runtime.integrate.workspace import (
     SCAN,
     SUBDIVISIONS,
     SUSPECT,
-    SWITCH_ROWS,
     TRIAL,
 )
 
@@ -62,25 +63,13 @@ def suspects(h: float, sw: Vector, modes: Integers) -> int:
     return count
 
 
-@inner
-def sample(
-    machine: Integers,
-    t: float,
-    h: float,
-    x: float,
-    k: int,
-    dense_rows: int,
-    w: Vector,
-    sw: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> float:
+@compiled(SAMPLED)
+def sampled(machine: Integers, t: float, h: float, x: float, k: int, dense_rows: int) -> float:
     """Function `k` on the dense output at fraction `x` of the step; all of them in row TRIAL."""
-    s = sw.size // SWITCH_ROWS
+    w, sw = workspace(machine), surfaces(machine)
     interpolate(w, dense_rows, x, SAMPLE)
-    functions(machine, t + x * h, SAMPLE, TRIAL, w, sw, p, modes, lam)
-    return float(sw[TRIAL * s + k])
+    functions(machine, t + x * h, SAMPLE, TRIAL, w, sw, parameters(machine))
+    return float(sw[TRIAL * machine[SWITCHES] + k])
 
 
 @inner
@@ -94,20 +83,16 @@ def dip(
     band: float,
     k: int,
     dense_rows: int,
-    w: Vector,
-    sw: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
 ) -> float:
     """A fraction between `low` and `high` at which side * g_k < -band, or `NOWHERE`.
 
     Golden section, which ends as soon as such a point is found.
     """
+    sample = sampled_of(machine)
     x1 = low + _GOLDEN * (high - low)
     x2 = high - _GOLDEN * (high - low)
-    g1 = side * sample(machine, t, h, x1, k, dense_rows, w, sw, p, modes, lam)
-    g2 = side * sample(machine, t, h, x2, k, dense_rows, w, sw, p, modes, lam)
+    g1 = side * sample(machine, t, h, x1, k, dense_rows)
+    g2 = side * sample(machine, t, h, x2, k, dense_rows)
     for _ in range(40):
         if g1 < -band:
             return x1
@@ -116,11 +101,11 @@ def dip(
         if g1 < g2:
             high, x2, g2 = x2, x1, g1
             x1 = low + _GOLDEN * (high - low)
-            g1 = side * sample(machine, t, h, x1, k, dense_rows, w, sw, p, modes, lam)
+            g1 = side * sample(machine, t, h, x1, k, dense_rows)
         else:
             low, x1, g1 = x1, x2, g2
             x2 = high - _GOLDEN * (high - low)
-            g2 = side * sample(machine, t, h, x2, k, dense_rows, w, sw, p, modes, lam)
+            g2 = side * sample(machine, t, h, x2, k, dense_rows)
     return NOWHERE
 
 
@@ -135,19 +120,15 @@ def root(
     band: float,
     k: int,
     dense_rows: int,
-    w: Vector,
-    sw: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
 ) -> float:
     """Fraction at which side * g_k + band falls through zero, between `low` and `high`.
 
     Regula falsi with halved weights (Illinois), every third point a bisection; to 1e-13 of the
     step.
     """
-    g_low = side * sample(machine, t, h, low, k, dense_rows, w, sw, p, modes, lam) + band
-    g_high = side * sample(machine, t, h, high, k, dense_rows, w, sw, p, modes, lam) + band
+    sample = sampled_of(machine)
+    g_low = side * sample(machine, t, h, low, k, dense_rows) + band
+    g_high = side * sample(machine, t, h, high, k, dense_rows) + band
     kept = 0
     for i in range(120):
         if high - low <= 1e-13:
@@ -158,7 +139,7 @@ def root(
             x = high - g_high * (high - low) / (g_high - g_low)
             if not (low < x < high):
                 x = 0.5 * (low + high)
-        g = side * sample(machine, t, h, x, k, dense_rows, w, sw, p, modes, lam) + band
+        g = side * sample(machine, t, h, x, k, dense_rows) + band
         if g < 0.0:
             high, g_high = x, g
             if kept == 1:
@@ -173,25 +154,16 @@ def root(
 
 
 @compiled(LOCATE)
-def locate(
-    machine: Integers,
-    t: float,
-    h: float,
-    dense_rows: int,
-    w: Vector,
-    sw: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-    found: Integers,
-) -> float:
+def locate(machine: Integers, t: float, h: float, dense_rows: int, found: Integers) -> float:
     """Fraction of the step at which a marked function first crosses, or `NOWHERE`.
 
     The dense output must be there. `found[0]` receives the function's index.
     """
-    s = modes.size
+    s = machine[SWITCHES]
+    sw, modes = surfaces(machine), mode_numbers(machine)
+    sample = sampled_of(machine)
     for i in range(1, SUBDIVISIONS):
-        sample(machine, t, h, i / SUBDIVISIONS, 0, dense_rows, w, sw, p, modes, lam)
+        sample(machine, t, h, i / SUBDIVISIONS, 0, dense_rows)
         for k in range(s):
             sw[(SCAN + i) * s + k] = sw[TRIAL * s + k]
     for k in range(s):
@@ -227,9 +199,7 @@ def locate(
             else:
                 rises = side * sw[(SCAN + i + 1) * s + k] >= here
             if (falls and before <= here) or (rises and here <= before):
-                x = dip(
-                    machine, t, h, left, right, side, noise, k, dense_rows, w, sw, p, modes, lam
-                )
+                x = dip(machine, t, h, left, right, side, noise, k, dense_rows)
                 if x < 1.0:
                     low, high = left, x
                     break
@@ -237,7 +207,7 @@ def locate(
             # It has left the surface on which it began, and comes back to zero itself.
             low, band = away, 0.0
         if high <= 1.0:
-            x = root(machine, t, h, low, high, side, band, k, dense_rows, w, sw, p, modes, lam)
+            x = root(machine, t, h, low, high, side, band, k, dense_rows)
             if x < first:
                 first = x
                 found[0] = k

@@ -32,6 +32,9 @@ from runtime.integrate.slots import (
 from runtime.integrate.views import floats_at, integers_at, view
 
 _SINGULAR = 1e-11  # pivot of a row whose largest entry is one, below which it is rounding
+CANCELLED = 64.0 * 2.3e-16
+"""Of the largest of some terms: a sum below it is their rounding."""
+
 HELD_MODE = 2
 """A mode that is neither 0 nor 1: the motion stays on the surface."""
 

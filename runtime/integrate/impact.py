@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.compiled import compiled, inner
-from runtime.integrate.held import HELD_MODE, shares, solve, units
+from runtime.integrate.held import CANCELLED, HELD_MODE, shares, solve, units
 from runtime.integrate.signatures import IMPACT, RETURN_HELD, Integers, Vector
 from runtime.integrate.slots import (
     CONSTRAINT_COUNT,
@@ -224,11 +224,15 @@ def return_held(
                     copy[i * count + j] = 1.0 if i == j else 0.0
         if solve(copy, right, count) != 0:
             return 1
-        for c in range(count):
-            unit = view(work, (c + 1) * size, n)
-            for j in range(n):
-                if level == 0:
-                    q[j] -= right[c] * unit[j]
-                else:
-                    v[j] -= right[c] * unit[j]
+        for j in range(n):
+            total, largest = 0.0, 0.0
+            for c in range(count):
+                part = right[c] * work[(c + 1) * size + j]
+                total += part
+                largest = max(largest, abs(part))
+            if level == 0:
+                q[j] -= total
+            else:
+                rests = abs(v[j] - total) <= CANCELLED * max(largest, abs(v[j]))
+                v[j] = 0.0 if rests else v[j] - total
     return 0

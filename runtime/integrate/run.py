@@ -14,6 +14,7 @@ from runtime.integrate.bent import TIME_SCALE
 from runtime.integrate.changing import change_method, fill_method
 from runtime.integrate.check import check
 from runtime.integrate.crossing import Crossings
+from runtime.integrate.held import HELD_MODE
 from runtime.integrate.problem import (
     Events,
     Options,
@@ -31,6 +32,7 @@ from runtime.integrate.signatures import (
 from runtime.integrate.slots import Slot
 from runtime.integrate.start import start
 from runtime.integrate.tables import method, wire
+from runtime.integrate.transition import HELD, IMPACT
 from runtime.integrate.workspace import (
     ATOL,
     PARTITION,
@@ -38,6 +40,7 @@ from runtime.integrate.workspace import (
     ROWS,
     RUN,
     SIZE,
+    STRUCK,
     SWITCH_ROWS,
     Y0,
 )
@@ -50,6 +53,8 @@ _FIRST_CHUNK = 512
 _LONGEST_CHUNK = 16384
 _CHUNK_SECONDS = 0.05
 _EVENT_ROWS = 64
+_SHOWN = (Slot.WORKSPACE, Slot.SURFACES, Slot.PARAMETERS, Slot.MODES, Slot.MULTIPLIERS)
+_FOLLOWED = 2.0  # of Baumgarte's time: within longer steps what pulls back swings
 _CORRECTING = {
     "step": attempt.BY_PARTITION,
     "stage": attempt.BY_PARTITION,
@@ -142,7 +147,10 @@ class _Run:
         stabilized = options.correction in ("baumgarte", "hybrid")
         table[Slot.STABILIZED] = table[Slot.BENDS] = int(stabilized)
         duration = problem.t_end - problem.t0
-        arrays[Slot.SETTINGS][TIME_SCALE] = options.time_scale or 1e-3 * duration or 1.0
+        pull = options.time_scale or 1e-3 * duration or 1.0
+        arrays[Slot.SETTINGS][TIME_SCALE] = pull
+        if stabilized and options.fixed_step is None:
+            self.r["h_max"] = min(float(self.r["h_max"]), _FOLLOWED * pull)
         table[Slot.EACH_STAGE] = 1 if options.correction == "stage" and m > 0 else 0
         self.log_t, self.log_sets = arrays[Slot.LOG_TIMES], arrays[Slot.LOG_SETS]
         arrays[Slot.WEIGHTS][:n] = problem.scale**2
@@ -161,6 +169,10 @@ class _Run:
             np.zeros(m),
             self.t_eval,
         )
+        shown = (self.w, self.sw, p, self.modes, self.fixed_arrays[6])
+        for slot, array in zip(_SHOWN, shown, strict=True):
+            table[slot] = array.ctypes.data
+        table[Slot.PARAMETER_COUNT] = p.size
         self.crossings = Crossings(system, problem, self, parts)
         self.event_arrays: tuple[Any, ...] = (
             np.full(driver.RECENT, -np.inf),
@@ -219,7 +231,18 @@ class _Run:
             if code == Outcome.OK:
                 code = self.crossings.cross()
         self._flush()
+        self._log_first_impacts()
         return code
+
+    def _log_first_impacts(self) -> None:
+        """The contacts that were struck in the very first instant are events as well."""
+        struck = np.flatnonzero(self.sw.reshape(SWITCH_ROWS, self.s)[STRUCK])
+        for row, k in enumerate(struck):
+            self.event_t[row] = self.r["t"]
+            self.event_kind[row] = k, HELD if self.modes[k] == HELD_MODE else IMPACT
+            self.event_y[row] = self.state.ravel()
+        self.happened.take(len(struck), self.event_t, self.event_kind, self.event_y)
+        self.r["events"] += len(struck)
 
     def execute(self, progress: Progress | None) -> Trajectory:
         """Run to the end or to whatever stops the run before."""

@@ -58,6 +58,7 @@ DIFFERENTIATE = i8(
     integers, f8, i8, vector, run_record, vector, integers, vector
 )  # machine t state w run p modes lam
 CORRECT = i8(integers, f8, i8, i8, vector, vector)  # machine t row weighing w p
+SLOPE = i8(integers, f8, i8, i8, vector, vector, integers, vector)
 FIELD = i8(integers, f8, vector, vector, vector, integers, vector, vector)
 # machine t q v p modes a lam; as ACCELERATIONS
 IMPACT = f8(
@@ -90,9 +91,9 @@ SWITCHED_REACTIONS = none(
 ATTEMPT = i8(integers, f8, f8, vector, run_record, vector, integers, vector)
 # machine t h w run p modes lam
 REPARTITION = i8(integers, f8, i8, vector, run_record, vector)  # machine t state w run p
-LOCATE = f8(
-    integers, f8, f8, i8, vector, vector, vector, integers, vector, integers
-)  # machine t h dense_rows w sw p modes lam found
+LOCATE = f8(integers, f8, f8, i8, integers)  # machine t h dense_rows found
+SAMPLED = f8(integers, f8, f8, f8, i8, i8)  # machine t h x k dense_rows
+MARGINS = none(integers, f8, i8, i8)  # machine t state slot
 SETTLE = i8(
     integers, i8, f8, f8, i8, i8, vector, vector, vector, integers, integers, vector
 )  # machine first t d state slot w sw p modes scratch lam
@@ -125,6 +126,7 @@ Dense = types.FunctionType(DENSE)
 Propose = types.FunctionType(PROPOSE)
 Hook = types.FunctionType(HOOK)
 Correct = types.FunctionType(CORRECT)
+Slope = types.FunctionType(SLOPE)
 Field = types.FunctionType(FIELD)
 Impact = types.FunctionType(IMPACT)
 ReturnHeld = types.FunctionType(RETURN_HELD)
@@ -135,6 +137,8 @@ SwitchedReactions = types.FunctionType(SWITCHED_REACTIONS)
 Attempt = types.FunctionType(ATTEMPT)
 Repartition = types.FunctionType(REPARTITION)
 Locate = types.FunctionType(LOCATE)
+Sampled = types.FunctionType(SAMPLED)
+Margins = types.FunctionType(MARGINS)
 Settle = types.FunctionType(SETTLE)
 FirstStep = types.FunctionType(FIRST_STEP)
 Emit = types.FunctionType(EMIT)

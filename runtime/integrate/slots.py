@@ -26,13 +26,16 @@ from runtime.integrate.signatures import (
     Jacobian,
     Limit,
     Locate,
+    Margins,
     Mass,
     Propose,
     Reactions,
     Repartition,
     ReturnHeld,
     RightSide,
+    Sampled,
     Settle,
+    Slope,
     Stages,
     StateRightSide,
     SwitchedReactions,
@@ -79,16 +82,19 @@ class Slot(IntEnum):
     ATTEMPT = auto()
     REPARTITION = auto()
     LOCATE = auto()
+    SAMPLED = auto()
     SETTLE = auto()
     BEGIN = auto()
     FIRST_STEP = auto()
     EMIT = auto()
     WATCH = auto()
     BENT = auto()
+    BENT_SLOPE = auto()
     IMPACT = auto()
     RETURN_HELD = auto()
     TRANSITION = auto()
     LIMITED = auto()
+    MARGINS = auto()
     VANISHING = auto()
     # Numbers.
     COORDINATES = auto()
@@ -103,6 +109,7 @@ class Slot(IntEnum):
     REACTION_ROWS = auto()
     EACH_STAGE = auto()
     CORRECTING = auto()
+    PARAMETER_COUNT = auto()
     # Arrays.
     JACOBIAN_ROWS = auto()
     JACOBIAN_COLUMNS = auto()
@@ -128,6 +135,11 @@ class Slot(IntEnum):
     NOTES = auto()
     PIVOTS = auto()
     PIVOT_COLUMNS = auto()
+    WORKSPACE = auto()
+    SURFACES = auto()
+    PARAMETERS = auto()
+    MODES = auto()
+    MULTIPLIERS = auto()
 
 
 accelerations_of = at(Accelerations, Slot.ACCELERATIONS)
@@ -153,13 +165,16 @@ correct_of = at(Correct, Slot.CORRECT)
 attempt_of = at(Attempt, Slot.ATTEMPT)
 repartition_of = at(Repartition, Slot.REPARTITION)
 locate_of = at(Locate, Slot.LOCATE)
+sampled_of = at(Sampled, Slot.SAMPLED)
 settle_of = at(Settle, Slot.SETTLE)
 begin_of = at(Settle, Slot.BEGIN)
 first_step_of = at(FirstStep, Slot.FIRST_STEP)
 emit_of = at(Emit, Slot.EMIT)
 watch_of = at(Watch, Slot.WATCH)
 bent_of = at(Field, Slot.BENT)
+bent_slope_of = at(Slope, Slot.BENT_SLOPE)
 limited_of = at(Limit, Slot.LIMITED)
+margins_of = at(Margins, Slot.MARGINS)
 reactions_of = at(Reactions, Slot.REACTIONS)
 switched_reactions_of = at(SwitchedReactions, Slot.SWITCHED_REACTIONS)
 transition_of = at(Transition, Slot.TRANSITION)
@@ -204,3 +219,9 @@ MEMORY = int(Slot.MEMORY)
 NOTES = int(Slot.NOTES)
 PIVOTS = int(Slot.PIVOTS)
 PIVOT_COLUMNS = int(Slot.PIVOT_COLUMNS)
+WORKSPACE = int(Slot.WORKSPACE)
+SURFACES = int(Slot.SURFACES)
+PARAMETERS = int(Slot.PARAMETERS)
+PARAMETER_COUNT = int(Slot.PARAMETER_COUNT)
+MODES = int(Slot.MODES)
+MULTIPLIERS = int(Slot.MULTIPLIERS)

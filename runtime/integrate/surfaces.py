@@ -2,19 +2,29 @@
 
 import numpy as np
 
-from runtime.compiled import inlined, inner
+from runtime.compiled import compiled, inlined, inner
+from runtime.integrate.arrays import (
+    mode_numbers,
+    multipliers,
+    parameters,
+    surfaces,
+    workspace,
+)
 from runtime.integrate.bent import STEP
 from runtime.integrate.held import HELD_MODE
-from runtime.integrate.signatures import Integers, Vector
+from runtime.integrate.signatures import MARGINS, Integers, Vector
 from runtime.integrate.slots import (
+    COORDINATES,
     HELD,
     HIGH,
     LIMITS,
     LOW,
     SETTINGS,
     SHARE,
+    SWITCHES,
     bent_of,
     limited_of,
+    margins_of,
     switching_of,
     switching_rates_of,
 )
@@ -34,8 +44,6 @@ def functions(
     w: Vector,
     sw: Vector,
     p: Vector,
-    modes: Integers,
-    lam: Vector,
 ) -> None:
     """Write g at the state in row `state` of the workspace into row `slot` of `sw`.
 
@@ -47,29 +55,7 @@ def functions(
     q, v = view(w, state * 2 * n, n), view(w, state * 2 * n + n, n)
     switching_of(machine)(t, q, v, p, view(sw, slot * s, s))
     if machine[HELD] != 0:
-        margins(machine, t, state, slot, w, sw, p, modes, lam)
-
-
-@inner
-def margins(
-    machine: Integers,
-    t: float,
-    state: int,
-    slot: int,
-    w: Vector,
-    sw: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> None:
-    """Write the margins of what is held over its functions in row `slot` of `sw`."""
-    n = w.size // (2 * ROWS)
-    s = sw.size // SWITCH_ROWS
-    q, v = view(w, state * 2 * n, n), view(w, state * 2 * n + n, n)
-    bent_of(machine)(machine, t, q, v, p, modes, view(w, DELTA * 2 * n, n), lam)
-    for k in range(s):
-        if modes[k] == HELD_MODE:
-            sw[slot * s + k] = margin(machine, t, q, v, p, lam, s, k)
+        margins_of(machine)(machine, t, state, slot)
 
 
 @inner
@@ -88,6 +74,19 @@ def margin(
     if low >= UNBOUNDED:
         room *= (share - low) / (high - low)
     return float(room) if np.isfinite(room) else -1.0
+
+
+@compiled(MARGINS)
+def margins(machine: Integers, t: float, state: int, slot: int) -> None:
+    """Write the margins of what is held over its functions in row `slot` of `sw`."""
+    n, s = machine[COORDINATES], machine[SWITCHES]
+    w, sw, p = workspace(machine), surfaces(machine), parameters(machine)
+    modes, lam = mode_numbers(machine), multipliers(machine)
+    q, v = view(w, state * 2 * n, n), view(w, state * 2 * n + n, n)
+    bent_of(machine)(machine, t, q, v, p, modes, view(w, DELTA * 2 * n, n), lam)
+    for k in range(s):
+        if modes[k] == HELD_MODE:
+            sw[slot * s + k] = margin(machine, t, q, v, p, lam, s, k)
 
 
 @inner
@@ -110,7 +109,7 @@ def measure(
     length = w.size // ROWS
     n = length // 2
     s = sw.size // SWITCH_ROWS
-    functions(machine, t, state, slot, w, sw, p, modes, lam)
+    functions(machine, t, state, slot, w, sw, p)
     q, v = view(w, state * length, n), view(w, state * length + n, n)
     a = view(w, derivative * length + n, n)
     rates = view(sw, (slot + 1) * s, s)

@@ -19,6 +19,7 @@ from runtime.integrate import (
     mixing,
     modes,
     outputs,
+    surfaces,
     transition,
     watch,
 )
@@ -57,16 +58,19 @@ def _loop() -> Integers:
             attempt.attempt,
             attempt.repartition,
             events.locate,
+            events.sampled,
             modes.settle,
             modes.begin,
             control.first_step,
             outputs.emit,
             watch.watch,
             bent.bent,
+            bent.bent_slope,
             impact.impact,
             impact.return_held,
             transition.transition,
             mixing.limited,
+            surfaces.margins,
             vanishing,
         )
     )

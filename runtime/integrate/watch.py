@@ -58,8 +58,6 @@ def between(
     w: Vector,
     sw: Vector,
     p: Vector,
-    modes: Integers,
-    lam: Vector,
 ) -> None:
     """Fill the three rows at BETWEEN with the functions at points between the ends of the step.
 
@@ -79,9 +77,9 @@ def between(
         z1[j] = start + RISE1 * change + LEAVE1 * leave + ARRIVE1 * arrive
         z2[j] = start + RISE2 * change + LEAVE2 * leave + ARRIVE2 * arrive
         z3[j] = start + RISE3 * change + LEAVE3 * leave + ARRIVE3 * arrive
-    functions(machine, t + X1 * h, STAGE, BETWEEN, w, sw, p, modes, lam)
-    functions(machine, t + X2 * h, SAMPLE, BETWEEN + 1, w, sw, p, modes, lam)
-    functions(machine, t + X3 * h, PREDICTED, BETWEEN + 2, w, sw, p, modes, lam)
+    functions(machine, t + X1 * h, STAGE, BETWEEN, w, sw, p)
+    functions(machine, t + X2 * h, SAMPLE, BETWEEN + 1, w, sw, p)
+    functions(machine, t + X3 * h, PREDICTED, BETWEEN + 2, w, sw, p)
 
 
 @inner
@@ -141,7 +139,7 @@ def watch(
     """
     r = run[0]
     measure(machine, t1, Y1, K + r.last, G1, w, sw, p, modes, lam)
-    between(machine, t, h, K + r.last, w, sw, p, modes, lam)
+    between(machine, t, h, K + r.last, w, sw, p)
     allowed = bearable(h, sw, modes)
     r.stretch = np.inf if r.fixed != 0 else 0.9 * allowed
     if r.fixed == 0:

@@ -5,9 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from models.hard.suite import guide
 from runtime import load
 from runtime.outcomes import Outcome
-from tests.hard import guide
 from tests.hard.reading import held, work
 
 METHODS = ("dopri5", "dop853")

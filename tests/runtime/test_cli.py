@@ -163,3 +163,16 @@ def test_unwritable_file_ends_with_one(
     done = run("kinematics", "sc_driven", "--t-end", "1", "--out", tmp_path / "run.csv")
     assert done.exit_code == 1
     assert done.stderr == "error: disk full\n"
+
+
+def test_events_are_told_and_listed() -> None:
+    ball = ("simulate", "hard/bouncing_ball", "--t-end", "3")
+    done = CliRunner().invoke(app, list(ball))
+    assert done.exit_code == 0
+    assert "t = 0.451523641    impact  plate: ball_y - radius > 0\n" in done.stderr
+    assert "5 more events" in done.stderr
+    assert "holds   plate" in done.stderr
+    told = json.loads(CliRunner().invoke(app, [*ball, "--json"]).stdout)["events"]
+    assert len(told) == 17
+    assert told[-1]["what"] == "holds"
+    assert told[-1]["t"] == pytest.approx(1.35457092, abs=1e-8)

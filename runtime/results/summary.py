@@ -1,0 +1,67 @@
+"""A result in a few lines for a person, or as one JSON object for a program."""
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from runtime.results.result import Result
+
+_SHOWN = 12  # events, before it says how many more there are
+
+
+def summary(result: "Result", saved: Path | None) -> dict[str, Any]:
+    """The JSON object of a run."""
+    told = result.description
+    last = result.samples
+    names = told.coordinates
+    some = len(result.t) > 0
+    summary: dict[str, Any] = {
+        "ok": not result.failed,
+        "model": told.model,
+        "scene": told.scene,
+        "analysis": result.analysis,
+        "outcome": result.outcome.name,
+        "message": result.message,
+        "instants": len(result.t),
+        "t": [float(result.t[0]), float(result.t[-1])] if some else [],
+        "q": {row.name: plain(last.q[-1, i]) for i, row in enumerate(names)} if some else {},
+        "v": {row.velocity: plain(last.v[-1, i]) for i, row in enumerate(names)} if some else {},
+        "parameters": result.parameters,
+        "stats": {name: plain(value) for name, value in result.stats.items()},
+        "events": [{"t": e.time, "name": e.name, "what": e.what} for e in result.events],
+        "saved": None if saved is None else str(saved),
+    }
+    stability = getattr(result, "stability", None)
+    if stability is not None:
+        summary["stability"] = str(stability)
+        summary["frequencies"] = [plain(value) for value in getattr(result, "frequencies", ())]
+    return summary
+
+
+def last_values(result: "Result") -> list[str]:
+    """The last state, a line a coordinate."""
+    width = max((len(row.name) for row in result.description.coordinates), default=0)
+    return [
+        f"{row.name:<{width}}  {result.samples.q[-1, i]: .9g} {row.unit}"
+        for i, row in enumerate(result.description.coordinates)
+    ]
+
+
+def plain(value: Any) -> Any:
+    """A number as JSON knows it; not a number becomes null."""
+    number = float(value)
+    if not math.isfinite(number):
+        return None
+    return int(number) if isinstance(value, int) else number
+
+
+def events(result: "Result") -> list[str]:
+    """What happened between the instants, a line an event; of many, the first and the last ones."""
+    happened = result.events
+    width = max((len(event.what) for event in happened), default=0)
+    lines = [f"  t = {e.time:<14.9g} {e.what:<{width}}  {e.name}" for e in happened]
+    if len(lines) <= _SHOWN:
+        return lines
+    half = _SHOWN // 2
+    return [*lines[:half], f"  … {len(lines) - 2 * half} more events …", *lines[-half:]]
