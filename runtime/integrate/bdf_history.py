@@ -111,7 +111,8 @@ def begin(memory: Vector, notes: Integers, h: float, order: int, w: Vector, run:
     memory[H_BASE] = h
     notes[STEP_ORDER] = order
     notes[NEXT_ORDER] = order
-    notes[EQUAL] = 0
+    # What is made up is smooth: the next step may be another one at once.
+    notes[EQUAL] = order if order > 1 else 0
     run[0].exponent = 1.0 / (order + 1)
 
 

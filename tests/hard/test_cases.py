@@ -172,3 +172,24 @@ def test_every_machine_is_one_that_loads_by_its_name() -> None:
         assert case.scene == load(case.model, case.scene).scene
         if case.declare is not None:
             assert case.scene in case.declare().scenes
+
+
+@pytest.mark.parametrize("method", ["bdf", "radau5"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "double_pendulum",
+        "crank_wound",
+        "crank_fast",
+        "mass_ratio_light",
+        "mass_ratio_heavy",
+        "stiff_soft",
+        "cam_thrown",
+    ],
+)
+def test_implicit_methods_reach_the_tightest_tolerance(name: str, method: str) -> None:
+    """Errors per step there are those of rounding a state, unless what it cuts off is kept."""
+    case = find(name)
+    cell = run(case, Way(method, "step"), min(case.tolerances))
+    assert cell.verdict == Verdict.CORRECT, f"{cell.verdict}: {cell.note}"
+    assert cell.rejected < 0.1 * cell.steps

@@ -180,6 +180,18 @@ def test_a_start_on_a_surface_costs_no_steps(root: Path, method: str) -> None:
     assert np.diff(result.t).min() > 1e-9
 
 
+@pytest.mark.parametrize("rtol", [1e-4, 1e-8])
+@pytest.mark.parametrize("method", ["bdf", "radau5"])
+def test_a_contact_that_lets_go_has_no_impacts(root: Path, method: str, rtol: float) -> None:
+    # The gap opens with the third power of time: at first by less than the error of a step.
+    machine = load(root / "models" / "hard" / "contact_follower.py", "thrown")
+    exact = machine.simulate(0.05, method="dop853", rtol=1e-12, progress=False)
+    result = machine.simulate(0.05, method=method, rtol=rtol, progress=False)
+    assert [e.what for e in result.events] == [e.what for e in exact.events] == ["began", "impact"]
+    for ours, theirs in zip(result.events, exact.events, strict=True):
+        assert ours.time == pytest.approx(theirs.time, abs=rtol)
+
+
 @pytest.mark.parametrize("correction", ["stage", "projection", "baumgarte", "hybrid"])
 @pytest.mark.parametrize("method", ["bdf", "radau5"])
 def test_all_ways_back_onto_the_constraints(root: Path, method: str, correction: str) -> None:
