@@ -21,47 +21,11 @@ from runtime.integrate.run import integrate
 from runtime.integrate.tables import IMPLICIT
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
+from runtime.results.events import Event
 from runtime.results.result import Result
 
 if TYPE_CHECKING:
     from runtime.machine import Machine, Values
-
-
-WORDS = {1: "began", -1: "ceased", 0: "holds", 2: "impact"}
-
-
-class Event(NamedTuple):
-    """A switching condition changed, or a contact was struck.
-
-    Attributes
-    ----------
-    name
-        `effect: condition`.
-    time
-        In s; where bouncing ends, the instant at which its last flight would.
-    direction
-        1: the condition began to hold, or a contact opened; -1: it ceased; 0: from now on the
-        motion stays on its boundary: it slides there, friction sticks, or a contact is closed;
-        2: an impact, after which the contact is open.
-    q, v
-        State, shape (n,); after an impact, the velocities that it leaves.
-    """
-
-    name: str
-    time: float
-    direction: int
-    q: FloatArray
-    v: FloatArray
-
-    @property
-    def what(self) -> str:
-        """The direction in a word: began, ceased, holds or impact."""
-        return WORDS[self.direction]
-
-    @property
-    def state(self) -> FloatArray:
-        """q and v in one array, shape (2 n,)."""
-        return np.concatenate([self.q, self.v])
 
 
 class Partition(NamedTuple):

@@ -15,6 +15,7 @@ from codegen.errors import InputError
 from runtime.description import Description, unknown
 from runtime.outcomes import Outcome
 from runtime.results.samples import Samples
+from runtime.results.singular import SingularPosition
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,6 +43,8 @@ class Result:
         What happened between the instants.
     partitions
         The independent coordinates of a simulation: the first choice, then every change.
+    singular
+        The singular positions that the run met, in order.
     parameters
         Parameter values by name.
     """
@@ -58,6 +61,7 @@ class Result:
         stats: Mapping[str, float],
         events: Sequence[Any] = (),
         partitions: Sequence[Any] = (),
+        singular: Sequence[SingularPosition] = (),
     ) -> None:
         self.description: Description = machine.description
         self.samples = samples
@@ -67,6 +71,7 @@ class Result:
         self.stats = dict(stats)
         self.events = tuple(events)
         self.partitions = tuple(partitions)
+        self.singular = tuple(singular)
         self.parameters = {
             row.name: float(value) for row, value in zip(machine.parameters, p, strict=False)
         }

@@ -1,0 +1,166 @@
+"""What a driven machine meets where its constraints cease to be independent: judged and told.
+
+u and x are the left and the right null vector of Phi_q there. Where uᵀ Phi_t does not vanish, the
+driver asks for what no motion gives: time turns back along the curve of positions, a fold, and the
+machine locks up. Where it vanishes, curves of positions cross, and the quadratic form uᵀ gamma of
+the velocities v_p + c x says in which directions (see `branches`).
+"""
+
+import numpy as np
+
+from codegen.errors import AnalysisError
+from runtime.analyses.branches import Branch, Lost, lost
+from runtime.analyses.equations import Equations, FloatArray
+from runtime.results.singular import Kind, SingularPosition
+
+_TAKING = 0.05  # of the largest share in what is lost: constraints that are named
+_FEW = 4
+
+
+def met(
+    equations: Equations,
+    kind: Kind,
+    t: float,
+    q: FloatArray,
+    v: FloatArray,
+    scale: FloatArray,
+) -> SingularPosition:
+    """Describe the singular position (t, q)."""
+    told = equations.description
+    at = lost(equations, t, q, scale, least=1)
+    nu = equations.velocity_rhs(t, q) / at.lengths
+    part = np.abs(at.left).max(axis=1)
+    taking = [
+        told.constraints[int(row)].element
+        for row in np.argsort(-part, kind="stable")
+        if part[row] > _TAKING * part.max()
+    ]
+    named = tuple(dict.fromkeys(taking))
+    length = float(np.linalg.norm(nu))
+    return SingularPosition(
+        kind=kind,
+        time=t,
+        drivers=tuple(name for name in named if name in told.drivers),
+        joints=tuple(name for name in named if name not in told.drivers),
+        lost=at.k,
+        null_directions=tuple(_named(equations, x) for x in _simple(at)),
+        singular_value=float(at.values[-1]),
+        drift=float(np.linalg.norm(at.left.T @ nu)) / length if length > 0.0 else 0.0,
+        q=q.copy(),
+        v=v.copy(),
+    )
+
+
+def lock_up(equations: Equations, found: SingularPosition) -> str:
+    """The message of a run that ends in a lock-up."""
+    drivers = found.drivers or equations.description.drivers
+    return (
+        f"Locked up at t = {found.time:.12g} s: driver {', '.join(drivers)} cannot go on, "
+        f"joints {', '.join(found.joints)} stand in the way (smallest singular value of Phi_q "
+        f"{found.singular_value:.1e}; of the drivers' motion the part {found.drift:.2g} has no "
+        f"velocity that gives it). With the drivers at rest the machine could move by "
+        f"{found.free}. Velocities grow without bound there. Change the dimensions or the range "
+        f"of the driver, or drive one of these coordinates."
+    )
+
+
+def undefined(equations: Equations, t: float, ahead: float, q: FloatArray) -> str:
+    """The message where an element has no value a little later; empty where all have."""
+    later = equations.constraints(t + ahead * 1e-6 * max(abs(t), 1e-3), q)
+    without = [
+        row.element
+        for row, gap in zip(equations.description.constraints, later, strict=True)
+        if not np.isfinite(gap)
+    ]
+    if not without:
+        return ""
+    return (
+        f"Stopped at t = {t:.9g} s: {', '.join(dict.fromkeys(without))} has no value just "
+        f"after. Look for a table asked beyond its ends, a division by zero or a root of a "
+        f"negative number."
+    )
+
+
+def stuck(equations: Equations, t: float, q: FloatArray, scale: FloatArray) -> str:
+    """The message where no smooth motion was found, and no fold either."""
+    found = met(equations, "lock-up", t, q, np.full_like(q, np.nan), scale)
+    return (
+        f"Stopped at t = {t:.9g} s, at a position that is singular or too near to one to be told "
+        f"from it (smallest singular value of Phi_q {found.singular_value:.1e}, "
+        f"{', '.join((*found.drivers, *found.joints))}): no smooth motion leads on. With the "
+        f"drivers at rest the machine could move by {found.free}. Change a dimension by a little, "
+        f"or drive one of these coordinates."
+    )
+
+
+def crossings(found: list[SingularPosition]) -> str:
+    """What a message says of the positions that were crossed."""
+    if not found:
+        return ""
+    where = ", ".join(f"{row.time:.6g}" for row in found[:5])
+    first = found[0]
+    return (
+        f" Crossed {len(found)} singular position(s) at t = {where} s on the branch on which the "
+        f"velocity is continuous; at the first of them {', '.join(first.drivers + first.joints)} "
+        f"left the machine free to move by {first.free}."
+    )
+
+
+def no_start(equations: Equations, found: SingularPosition, choices: list[Branch]) -> AnalysisError:
+    """The error where nothing says how the motion begins."""
+    told = equations.description
+    names = (*found.drivers, *found.joints)
+    head = (
+        f"{told.title}: the machine starts in a singular position at t = {found.time:g} s "
+        f"({', '.join(names)} {'has' if len(names) == 1 else 'have'} no hold here; free to move: "
+        f"{found.free})"
+    )
+    if not choices:
+        return AnalysisError(
+            f"{head}, and no smooth motion leads out of it. Begin a little beside it: another "
+            f"t_start, or other start values."
+        )
+    listed = "; ".join(
+        f"({number}) {_apart(equations, branch, choices)}"
+        for number, branch in enumerate(choices[:_FEW], 1)
+    )
+    rest = f" and {len(choices) - _FEW} more" if len(choices) > _FEW else ""
+    return AnalysisError(
+        f"{head}, where {len(choices)} motions meet, and the start velocities are as near to one "
+        f"as to another: {listed}{rest}. Give start velocities of the one that is meant."
+    )
+
+
+def _apart(equations: Equations, branch: Branch, choices: list[Branch]) -> str:
+    """The velocities in which a branch differs from the others."""
+    all_v = np.array([other.v for other in choices])
+    spread = np.ptp(all_v, axis=0)
+    differs = spread > 1e-6 * max(float(np.abs(all_v).max()), 1e-300)
+    return ", ".join(
+        f"{row.velocity} = {branch.v[k]:.6g} {row.unit}/s"
+        for k, row in enumerate(equations.description.coordinates)
+        if differs[k]
+    )
+
+
+def _named(equations: Equations, x: FloatArray) -> dict[str, float]:
+    largest = float(x[np.abs(x).argmax()])
+    return {
+        row.name: float(part / largest)
+        for row, part in zip(equations.description.coordinates, x, strict=True)
+        if abs(part) > 1e-9 * abs(largest)
+    }
+
+
+def _simple(at: Lost) -> FloatArray:
+    """A basis of the null directions, each free of the others' largest coordinates, (k, n)."""
+    rows = at.null.T.copy()
+    for i in range(len(rows)):
+        pick = i + int(np.abs(rows[i:]).max(axis=1).argmax())
+        column = int(np.abs(rows[pick]).argmax())
+        rows[[i, pick]] = rows[[pick, i]]
+        rows[i] /= rows[i, column]
+        for other in range(len(rows)):
+            if other != i:
+                rows[other] -= rows[other, column] * rows[i]
+    return rows
