@@ -28,7 +28,6 @@ def met(
     """Describe the singular position (t, q)."""
     told = equations.description
     at = lost(equations, t, q, scale, least=1)
-    nu = equations.velocity_rhs(t, q) / at.lengths
     part = np.abs(at.left).max(axis=1)
     taking = [
         told.constraints[int(row)].element
@@ -36,7 +35,6 @@ def met(
         if part[row] > _TAKING * part.max()
     ]
     named = tuple(dict.fromkeys(taking))
-    length = float(np.linalg.norm(nu))
     return SingularPosition(
         kind=kind,
         time=t,
@@ -45,10 +43,36 @@ def met(
         lost=at.k,
         null_directions=tuple(_named(equations, x) for x in _simple(at)),
         singular_value=float(at.values[-1]),
-        drift=float(np.linalg.norm(at.left.T @ nu)) / length if length > 0.0 else 0.0,
+        drift=drift(equations, t, q, scale),
         q=q.copy(),
         v=v.copy(),
     )
+
+
+def drift(equations: Equations, t: float, q: FloatArray, scale: FloatArray) -> float:
+    """|uᵀ nu| / |nu|, the second-order test: rounding where motions cross, else a lock-up."""
+    at = lost(equations, t, q, scale, least=1)
+    nu = equations.velocity_rhs(t, q) / at.lengths
+    length = float(np.linalg.norm(nu))
+    return float(np.linalg.norm(at.left.T @ nu)) / length if length > 0.0 else 0.0
+
+
+def pace(equations: Equations, t: float, q: FloatArray, scale: FloatArray) -> float:
+    """How fast the drivers move the constraints, rows of unit length, 1/s."""
+    lengths = np.linalg.norm(equations.jacobian(t, q) * scale, axis=1)
+    lengths[lengths == 0.0] = 1.0
+    return float(np.abs(equations.velocity_rhs(t, q) / lengths).max(initial=0.0))
+
+
+def instant(equations: Equations, t: float, q: FloatArray) -> float:
+    """The instant near t to which the drivers assign the position q."""
+    for _ in range(3):
+        nu = equations.velocity_rhs(t, q)
+        square = float(nu @ nu)
+        if square == 0.0:
+            break
+        t += float(equations.constraints(t, q) @ nu) / square
+    return t
 
 
 def lock_up(equations: Equations, found: SingularPosition) -> str:
@@ -57,8 +81,8 @@ def lock_up(equations: Equations, found: SingularPosition) -> str:
     return (
         f"Locked up at t = {found.time:.12g} s: driver {', '.join(drivers)} cannot go on, "
         f"joints {', '.join(found.joints)} stand in the way (smallest singular value of Phi_q "
-        f"{found.singular_value:.1e}; of the drivers' motion the part {found.drift:.2g} has no "
-        f"velocity that gives it). With the drivers at rest the machine could move by "
+        f"{found.singular_value:.1e}; the part {found.drift:.2g} of the drivers' motion is one "
+        f"that no velocities give). With the drivers at rest the machine could move by "
         f"{found.free}. Velocities grow without bound there. Change the dimensions or the range "
         f"of the driver, or drive one of these coordinates."
     )

@@ -13,7 +13,7 @@ from runtime.analyses.branches import Branch
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.walking import settle
 
-_DISTANCE = 1e-2  # of the scale of time: states at this and twice this distance
+DISTANCE = 1e-2  # of the scale of time: states at this and twice this distance
 _TRIED = (1.0, 0.5, 2.0, 0.25, 4.0, 0.125)
 _NEAR = 0.2  # of the way to the next branch: a state that is on this one
 _ENDS = (-1.0, 1.0, -2.0, 2.0)
@@ -62,7 +62,7 @@ def zone(
         How fast the machine and its singular value move, 1/s.
     """
     for factor in _TRIED:
-        found = _zone(equations, t, q, branch, apart, scale, factor * _DISTANCE / rate)
+        found = _zone(equations, t, q, branch, apart, scale, factor * DISTANCE / rate)
         if found is not None:
             return found
     return None

@@ -75,6 +75,11 @@ class Curve:
         entries = self.positions.entries(t, q, 1.0 / self.rate)
         return self.positions.dense(entries) / self.lengths[:, None]
 
+    def narrowness(self, point: Point) -> float:
+        """The smallest singular value of Phi_q."""
+        values = np.linalg.svd(self.matrix(point.z)[:, :-1], compute_uv=False)
+        return float(values[-1])
+
     def point(self, z: FloatArray, along: FloatArray) -> Point | None:
         """The point at z, its tangent in the direction of `along`; None beyond the numbers."""
         matrix = self.matrix(z)
