@@ -14,6 +14,7 @@ from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.kinematics import instants
 from runtime.analyses.magnitudes import magnitudes
 from runtime.analyses.masses import require_masses
+from runtime.analyses.meeting import passed
 from runtime.analyses.outputs import evaluate
 from runtime.analyses.surfaces import require_apart
 from runtime.integrate.problem import Correction, Options, Problem, System, Trajectory
@@ -137,7 +138,10 @@ def simulate(
         ),
         lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
     )
-    return _result(machine, trajectory, p, began)
+    found = _result(machine, trajectory, p, began)
+    mobility = _mobility(equations, begin.q)
+    found.singular = tuple(passed(equations, begin.t, begin.q, mobility, trajectory.crossings))
+    return found
 
 
 def _system(machine: "Machine", method: str) -> System:

@@ -6,11 +6,14 @@ machine locks up. Where it vanishes, curves of positions cross, and the quadrati
 the velocities v_p + c x says in which directions (see `branches`).
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from codegen.errors import AnalysisError
 from runtime.analyses.branches import Branch, Lost, lost
 from runtime.analyses.equations import Equations, FloatArray
+from runtime.integrate.problem import Crossing
 from runtime.results.singular import Kind, SingularPosition
 
 _TAKING = 0.05  # of the largest share in what is lost: constraints that are named
@@ -47,6 +50,34 @@ def met(
         q=q.copy(),
         v=v.copy(),
     )
+
+
+def passed(
+    equations: Equations, t: float, q: FloatArray, mobility: FloatArray, run: Sequence[Crossing]
+) -> list[SingularPosition]:
+    """Describe the crossings of a simulation that began at (t, q), its columns scaled by masses.
+
+    Of each it keeps one constraint and one direction, and no state.
+    """
+    told = equations.description
+    units = mobility / equations.scale(equations.size(t, q))
+    found = []
+    for row in run:
+        element = told.constraints[row.row].element
+        driver = element in told.drivers
+        found.append(
+            SingularPosition(
+                kind="crossing",
+                time=row.t,
+                drivers=(element,) if driver else (),
+                joints=() if driver else (element,),
+                lost=row.lost,
+                null_directions=(_named(equations, row.direction * units),),
+                singular_value=np.nan,
+                drift=np.nan,
+            )
+        )
+    return found
 
 
 def drift(equations: Equations, t: float, q: FloatArray, scale: FloatArray) -> float:

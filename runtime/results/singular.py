@@ -39,8 +39,10 @@ class SingularPosition(NamedTuple):
     drift
         |uᵀ ν| / |ν|: rounding where motions cross.
     q, v
-        State, shape (n,); velocities that no bound holds are not numbers. None where the run keeps
-        no state of it, as that of a simulation.
+        State, shape (n,); velocities that no bound holds are not numbers.
+
+    A simulation keeps less of a crossing: the constraint with the largest share, one direction
+    besides the motion's, no state (None), and neither `singular_value` nor `drift` (not a number).
     """
 
     kind: Kind
