@@ -1,5 +1,7 @@
 """Where a walk through the instants of a driven machine stands, and what it has reached."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from runtime.analyses.assemble import Assembly
@@ -17,8 +19,23 @@ from runtime.analyses.walking import (
     T,
     walk,
 )
+from runtime.outcomes import Outcome
+from runtime.results.singular import SingularPosition
 
 _CHUNK = 4096
+_SAME = 1e-8  # scaled: positions that are one but for rounding near a singular position
+
+
+class Walk(NamedTuple):
+    """A driven motion: states at the instants reached, how it ended, what it met."""
+
+    t: FloatArray
+    q: FloatArray
+    v: FloatArray
+    outcome: Outcome
+    message: str
+    stats: dict[str, float]
+    singular: tuple[SingularPosition, ...]
 
 
 class Course:
@@ -96,9 +113,20 @@ class Course:
         )  # fmt: skip
 
     def through(self, made: Zone, coming: float) -> bool:
-        """Sample within the zone and leave it towards the next instant; whether it was crossed."""
+        """Sample within the zone and leave it towards the next instant; whether it was crossed.
+
+        Instants within it that were done before anything was known of it are sampled again: walked
+        to, their velocities are not as good.
+        """
         done, times = self.mark, self.times
         reached = self.t
+        earlier = done - 1
+        while earlier >= 0 and made.holds(float(times[earlier])):
+            q, v = made.at(float(times[earlier]))
+            if np.abs((q - self.q_out[earlier]) / self.scale).max() > _SAME:
+                break
+            self.q_out[earlier], self.v_out[earlier] = q, v
+            earlier -= 1
         while done < len(times) and made.holds(float(times[done])):
             reached = float(times[done])
             self.q_out[done], self.v_out[done] = made.at(reached)

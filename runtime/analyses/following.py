@@ -6,14 +6,14 @@ the branch on which the velocity is continuous is taken (`passing`). Where they 
 where time turns back, the curve of positions is followed by its length (`tracing`).
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from runtime.analyses import meeting
 from runtime.analyses.assemble import Assembly
 from runtime.analyses.branches import Branch, ambiguous, branches
-from runtime.analyses.course import Course
+from runtime.analyses.course import Course, Walk
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.passing import DISTANCE, Zone, zone
 from runtime.analyses.tracing import Curve, Point
@@ -34,31 +34,20 @@ from runtime.analyses.walking import (
 from runtime.constraints.singular import Positions, Singularity, taylor
 from runtime.outcomes import Outcome
 from runtime.progress import Progress
-from runtime.results.singular import SingularPosition
+from runtime.results.singular import Kind, SingularPosition
 
 if TYPE_CHECKING:
     from runtime.machine import Machine
 
 _ROUNDING = 64.0 * 2.2e-16  # of the largest coordinate: a gap that closes but for rounding
-_DRIFT = 1e-4  # |uᵀ ν| / |ν| where motions cross; miss each other, about the root of the gap
+_DRIFT = 1e-4  # |uᵀ ν|, the drivers' pace 1, where motions cross or their continuations would
+_SEEN = 17  # instants at which the drivers' pace is looked at
 _CLOSE = 1e-3  # scaled: a stretch that is followed by its length where nothing was found on it
 _ABOUT = 1e-2  # scaled: how far from where a walk is stuck the cause may lie
 _NEARER = 0.3  # of the way to the next branch: a state or velocity that is on this one
 _REGAINED = 0.3  # of the smallest singular value where a trace began: it has left the narrows
 _WIDE = 1e-2  # or this singular value
 _FARTHEST = 1.0  # scaled length of a trace
-
-
-class Walk(NamedTuple):
-    """A driven motion: states at the instants reached, how it ended, what it met."""
-
-    t: FloatArray
-    q: FloatArray
-    v: FloatArray
-    outcome: Outcome
-    message: str
-    stats: dict[str, float]
-    singular: tuple[SingularPosition, ...]
 
 
 class Follower:
@@ -68,6 +57,11 @@ class Follower:
         told, m = equations.description, equations.m
         self.equations, self.course = equations, Course(equations, times, start)
         self.scale = self.course.scale
+        seen = np.append(
+            np.linspace(start.t, float(times[0]), _SEEN),
+            np.linspace(float(times[0]), float(times[-1]), _SEEN),
+        )
+        self.pace = max(meeting.pace(equations, seen, start.q, self.scale), 1e-3)
         self.positions = Positions(
             equations.kernels.constraints,
             equations.kernels.jacobian,
@@ -135,7 +129,8 @@ class Follower:
         room = 1e-3 / found.speed
         if not (found.rate > 0.0 and -room < way < 1.5 * stretch + room):
             return False
-        return meeting.drift(self.equations, found.t, found.q, self.scale) < _DRIFT
+        drift = meeting.drift(self.equations, found.t, found.q, self.scale, self.pace)
+        return drift < _DRIFT
 
     # -- where motions cross ------------------------------------------------------------------
 
@@ -158,11 +153,10 @@ class Follower:
             if off > _NEARER * self._apart(choices) * abs(t - course.t) + 1e-9:
                 made = None
         if made is None:
-            told = meeting.stuck(equations, course.t, course.q, self.scale)
-            return Outcome.SINGULAR, told
+            return Outcome.SINGULAR, self._unclear()
         self.awaited = None
         if course.through(made, np.sign(t - course.t) or course.ahead):
-            row = meeting.met(equations, "crossing", t, q, choices[0].v, self.scale)
+            row = self._met("crossing", t, q, choices[0].v)
             self.singular.append(row)
         return None
 
@@ -171,7 +165,7 @@ class Follower:
         course, equations, scale = self.course, self.equations, self.scale
         t, q = course.t, course.q.copy()
         choices = branches(equations, t, q, wished, scale)
-        told = meeting.met(equations, "start", t, q, course.v, scale)
+        told = self._met("start", t, q, course.v)
         if not choices or ambiguous(choices, scale):
             raise meeting.no_start(equations, told, choices)
         course.v[:], course.a[:] = choices[0].v, choices[0].a
@@ -208,7 +202,7 @@ class Follower:
     def _trace(self, missed: Singularity | None, end: float) -> tuple[Outcome, str] | None:
         """Follow the curve of positions by its length, until beyond `end` all is well again."""
         course, equations, ahead = self.course, self.equations, self.course.ahead
-        rate = max(meeting.pace(equations, course.t, course.q, self.scale), 1e-3)
+        rate = self.pace
         curve = Curve(self.positions, course.t, course.q, rate)
         along = ahead * np.append(course.v / self.scale, rate)
         begin = curve.point(curve.z(course.t, course.q), along)
@@ -235,7 +229,7 @@ class Follower:
             return self._stopped(t, q)
         if trace.folded:
             course.v[:] = np.nan
-            found = meeting.met(equations, "lock-up", t, q, course.v, self.scale)
+            found = self._met("lock-up", t, q, course.v)
             self.singular.append(found)
             return Outcome.LOCKED, meeting.lock_up(equations, found)
         course.v[:] = curve.velocity(point)
@@ -246,7 +240,17 @@ class Follower:
     def _stopped(self, t: float, q: FloatArray) -> tuple[Outcome, str]:
         """The end where no fold was found: an element without a value, or no smooth motion."""
         told = meeting.undefined(self.equations, t, self.course.ahead, q)
-        return Outcome.LOCKED, told or meeting.stuck(self.equations, t, q, self.scale)
+        return Outcome.LOCKED, told or self._unclear()
+
+    def _unclear(self) -> str:
+        """Record where the course stands as singular, and why nothing leads on."""
+        course = self.course
+        row = self._met("unclear", course.t, course.q, course.v)
+        self.singular.append(row)
+        return meeting.unclear(row)
+
+    def _met(self, kind: Kind, t: float, q: FloatArray, v: FloatArray) -> SingularPosition:
+        return meeting.met(self.equations, kind, t, q, v, self.scale, self.pace)
 
     def _rounding(self) -> float:
         return _ROUNDING * float(np.abs(self.course.q / self.scale).max(initial=1.0))

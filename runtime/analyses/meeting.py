@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from codegen.errors import AnalysisError
-from runtime.analyses.branches import Branch, Lost, lost
+from runtime.analyses.branches import SOLVED, Branch, Lost, lost
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.integrate.problem import Crossing
 from runtime.results.singular import Kind, SingularPosition
@@ -27,8 +27,9 @@ def met(
     q: FloatArray,
     v: FloatArray,
     scale: FloatArray,
+    rate: float,
 ) -> SingularPosition:
-    """Describe the singular position (t, q)."""
+    """Describe the singular position (t, q); `rate` is the drivers' pace, 1/s."""
     told = equations.description
     at = lost(equations, t, q, scale, least=1)
     part = np.abs(at.left).max(axis=1)
@@ -46,7 +47,7 @@ def met(
         lost=at.k,
         null_directions=tuple(_named(equations, x) for x in _simple(at)),
         singular_value=float(at.values[-1]),
-        drift=drift(equations, t, q, scale),
+        drift=drift(equations, t, q, scale, rate),
         q=q.copy(),
         v=v.copy(),
     )
@@ -80,19 +81,22 @@ def passed(
     return found
 
 
-def drift(equations: Equations, t: float, q: FloatArray, scale: FloatArray) -> float:
-    """|uᵀ nu| / |nu|, the second-order test: rounding where motions cross, else a lock-up."""
+def drift(equations: Equations, t: float, q: FloatArray, scale: FloatArray, rate: float) -> float:
+    """|uᵀ nu| / rate, the second-order test: rounding where motions cross, else a lock-up."""
     at = lost(equations, t, q, scale, least=1)
     nu = equations.velocity_rhs(t, q) / at.lengths
-    length = float(np.linalg.norm(nu))
-    return float(np.linalg.norm(at.left.T @ nu)) / length if length > 0.0 else 0.0
+    return float(np.linalg.norm(at.left.T @ nu)) / rate
 
 
-def pace(equations: Equations, t: float, q: FloatArray, scale: FloatArray) -> float:
-    """How fast the drivers move the constraints, rows of unit length, 1/s."""
-    lengths = np.linalg.norm(equations.jacobian(t, q) * scale, axis=1)
+def pace(equations: Equations, times: FloatArray, q: FloatArray, scale: FloatArray) -> float:
+    """How fast the drivers move the constraints, rows of unit length, at their fastest, 1/s.
+
+    At the instants of a run, and at one position, as laws of time mostly know no other.
+    """
+    lengths = np.linalg.norm(equations.jacobian(float(times[0]), q) * scale, axis=1)
     lengths[lengths == 0.0] = 1.0
-    return float(np.abs(equations.velocity_rhs(t, q) / lengths).max(initial=0.0))
+    rates = [np.linalg.norm(equations.velocity_rhs(float(t), q) / lengths) for t in times]
+    return max((float(rate) for rate in rates if np.isfinite(rate)), default=0.0)
 
 
 def instant(equations: Equations, t: float, q: FloatArray) -> float:
@@ -136,12 +140,11 @@ def undefined(equations: Equations, t: float, ahead: float, q: FloatArray) -> st
     )
 
 
-def stuck(equations: Equations, t: float, q: FloatArray, scale: FloatArray) -> str:
+def unclear(found: SingularPosition) -> str:
     """The message where no smooth motion was found, and no fold either."""
-    found = met(equations, "lock-up", t, q, np.full_like(q, np.nan), scale)
     return (
-        f"Stopped at t = {t:.9g} s, at a position that is singular or too near to one to be told "
-        f"from it (smallest singular value of Phi_q {found.singular_value:.1e}, "
+        f"Stopped at t = {found.time:.9g} s, at a position that is singular or too near to one to "
+        f"be told from it (smallest singular value of Phi_q {found.singular_value:.1e}, "
         f"{', '.join((*found.drivers, *found.joints))}): no smooth motion leads on. With the "
         f"drivers at rest the machine could move by {found.free}. Change a dimension by a little, "
         f"or drive one of these coordinates."
@@ -171,9 +174,10 @@ def no_start(equations: Equations, found: SingularPosition, choices: list[Branch
         f"{found.free})"
     )
     if not choices:
+        locked = "" if found.drift <= SOLVED else " (a lock-up: no velocities satisfy the drivers)"
         return AnalysisError(
-            f"{head}, and no smooth motion leads out of it. Begin a little beside it: another "
-            f"t_start, or other start values."
+            f"{head}, and no smooth motion leads out of it{locked}. Begin a little beside it: "
+            f"another t_start, or other start values."
         )
     listed = "; ".join(
         f"({number}) {_apart(equations, branch, choices)}"

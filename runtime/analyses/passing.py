@@ -1,8 +1,8 @@
 """How a driven motion passes a position in which motions cross.
 
 Close to it velocities and accelerations are quotients 0/0. So states are computed on the branch at
-some distance before and behind, where nothing is lost to rounding, and what lies between is the
-polynomial through them and through the position itself.
+some distance before and behind, where little is lost to rounding, and what lies between is the
+polynomial through them. The position itself, which is known less well, is not one of them.
 """
 
 from typing import NamedTuple
@@ -13,7 +13,7 @@ from runtime.analyses.branches import Branch
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.walking import settle
 
-DISTANCE = 1e-2  # of the scale of time: states at this and twice this distance
+DISTANCE = 2e-2  # of the scale of time: states at this and twice this distance
 _TRIED = (1.0, 0.5, 2.0, 0.25, 4.0, 0.125)
 _NEAR = 0.2  # of the way to the next branch: a state that is on this one
 _ENDS = (-1.0, 1.0, -2.0, 2.0)
@@ -22,7 +22,7 @@ _ENDS = (-1.0, 1.0, -2.0, 2.0)
 class Zone(NamedTuple):
     """A branch about a singular instant t; within `reach` of it, s, q is a polynomial.
 
-    `coefficients`, shape (10, n), are those of the powers of 2 (time - t) / reach.
+    `coefficients`, shape (8, n), are those of the powers of 2 (time - t) / reach.
     """
 
     t: float
@@ -78,7 +78,8 @@ def _zone(
     unit: float,
 ) -> Zone | None:
     w = scale * scale
-    places, values, slopes = [0.0], [q], [unit * branch.v]
+    values: list[FloatArray] = []
+    slopes: list[FloatArray] = []
     a = branch.a
     for x in _ENDS:
         h = x * unit
@@ -94,13 +95,12 @@ def _zone(
         veered = float(np.linalg.norm((v - branch.v - h * a) / scale))
         if off > _NEAR * apart * abs(h) or veered > _NEAR * apart:
             return None
-        places.append(x)
         values.append(there)
         slopes.append(unit * v)
         if x == 1.0:
             # What the equations leave open of the acceleration follows from the nearer two.
-            a = (slopes[2] - slopes[1]) / (2.0 * unit * unit)
-    nodes = np.array(places)[:, None]
+            a = (slopes[1] - slopes[0]) / (2.0 * unit * unit)
+    nodes = np.array(_ENDS)[:, None]
     powers = np.arange(2.0 * len(nodes))
     rates = powers[1:] * nodes ** (powers[1:] - 1)
     matrix = np.vstack([nodes**powers, np.column_stack([np.zeros(len(nodes)), rates])])

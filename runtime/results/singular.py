@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
-Kind = Literal["crossing", "lock-up", "start"]
+Kind = Literal["crossing", "lock-up", "start", "unclear"]
 
 _SMALL = 0.02  # of the largest share: what is left out of a text
 _MOST = 8
@@ -24,7 +24,9 @@ class SingularPosition(NamedTuple):
     ----------
     kind
         "crossing": motions cross, and the run went on along the one on which the velocity is
-        continuous; "lock-up": the drivers cannot go on; "start": a crossing in which it began.
+        continuous; "lock-up": the drivers cannot go on; "start": a crossing in which it began;
+        "unclear": the run ended where two motions are too much alike, in a corner, or too near to
+        several of these to be told from them.
     time
         In s.
     drivers, joints
@@ -37,7 +39,7 @@ class SingularPosition(NamedTuple):
     singular_value
         The smallest of Φ_q, lengths in units of the machine's size, rows of unit length.
     drift
-        |uᵀ ν| / |ν|: rounding where motions cross.
+        |uᵀ ν| in units of the drivers' pace, the largest |ν|: rounding where motions cross.
     q, v
         State, shape (n,); velocities that no bound holds are not numbers.
 
