@@ -270,6 +270,7 @@ def _summary(result: "Result", saved: Path | None) -> dict[str, Any]:
         "parameters": result.parameters,
         "stats": {name: _plain(value) for name, value in result.stats.items()},
         "events": len(result.events),
+        "singular": [row.facts() for row in getattr(result, "singular", ())],
         "saved": None if saved is None else str(saved),
     }
     stability = getattr(result, "stability", None)

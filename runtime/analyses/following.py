@@ -6,6 +6,8 @@ the branch on which the velocity is continuous is taken (`passing`). Where they 
 where time turns back, the curve of positions is followed by its length (`tracing`).
 """
 
+from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -57,11 +59,6 @@ class Follower:
         told, m = equations.description, equations.m
         self.equations, self.course = equations, Course(equations, times, start)
         self.scale = self.course.scale
-        seen = np.append(
-            np.linspace(start.t, float(times[0]), _SEEN),
-            np.linspace(float(times[0]), float(times[-1]), _SEEN),
-        )
-        self.pace = max(meeting.pace(equations, seen, start.q, self.scale), 1e-3)
         self.positions = Positions(
             equations.kernels.constraints,
             equations.kernels.jacobian,
@@ -76,6 +73,14 @@ class Follower:
         self.awaited: Singularity | None = None
         self.singular: list[SingularPosition] = []
         self.notes = ""
+
+    @cached_property
+    def pace(self) -> float:
+        """How fast the drivers go at their fastest, 1/s, and not nothing."""
+        course = self.course
+        ends = course.began, float(course.times[0]), float(course.times[-1])
+        seen = np.concatenate([np.linspace(*pair, _SEEN) for pair in pairwise(ends)])
+        return max(meeting.pace(self.equations, seen, course.q, self.scale), 1e-3)
 
     def run(self, progress: Progress) -> tuple[Outcome, str]:
         """Walk to the last instant, or to where the motion ends."""

@@ -209,6 +209,7 @@ class Result:
             "message": self.message,
             "parameters": json.dumps(self.parameters),
             "stats": json.dumps(self.stats),
+            "singular": json.dumps([row.facts() for row in self.singular]),
             "linkwright": __version__,
             "generator": told.generator,
             "numpy": np.__version__,

@@ -63,6 +63,19 @@ class SingularPosition(NamedTuple):
         """`singular: drive, A, B`, as events name it."""
         return f"singular: {', '.join((*self.drivers, *self.joints))}"
 
+    def facts(self) -> dict[str, object]:
+        """What a file or a JSON text says of it, but for the state; not a number becomes None."""
+        numbers = {"singular_value": self.singular_value, "drift": self.drift}
+        return {
+            "kind": self.kind,
+            "time": self.time,
+            "drivers": list(self.drivers),
+            "joints": list(self.joints),
+            "lost": self.lost,
+            "null_directions": [dict(direction) for direction in self.null_directions],
+            **{name: value if np.isfinite(value) else None for name, value in numbers.items()},
+        }
+
     @property
     def free(self) -> str:
         """The null directions as text."""

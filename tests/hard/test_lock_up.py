@@ -4,6 +4,8 @@ Every motion is compared with its closed form. The slider-crank has a crank of 1
 1 + excess; the parallelograms are those of `n_four_bar` and `five_bar`.
 """
 
+import json
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -78,6 +80,9 @@ def test_a_crossing_is_an_event_with_its_facts() -> None:
     columns = [row.name for row in result.description.coordinates]
     assert event.q[columns.index("crank.phi")] == pytest.approx(np.pi / 2, abs=1e-10)
     assert event.v[columns.index("slider.x")] == pytest.approx(-2 * OMEGA, abs=1e-9)
+    (kept,) = json.loads(result.data.attrs["singular"])
+    assert (kept["kind"], kept["time"], kept["lost"]) == ("crossing", found.time, 1)
+    assert kept["null_directions"] == [free]
     assert "Crossed 1 singular position(s) at t = 0.125 s on the branch" in result.message
     assert "left the machine free to move by slider.x" in result.message
 
