@@ -6,10 +6,13 @@ import numpy as np
 
 from runtime.analyses.assemble import Assembly
 from runtime.analyses.equations import Equations, FloatArray
-from runtime.analyses.passing import Zone
-from runtime.analyses.tracing import Curve, Piece
-from runtime.analyses.walking import (
+from runtime.analyses.looking import (
     BARRIER,
+    BEST,
+    GOOD_MARK,
+    GOOD_Q,
+    GOOD_T,
+    GOOD_V,
     LEAST,
     MARK,
     RECORD,
@@ -17,8 +20,10 @@ from runtime.analyses.walking import (
     STEP,
     TRAVEL,
     T,
-    walk,
 )
+from runtime.analyses.passing import Zone
+from runtime.analyses.tracing import Curve, Piece
+from runtime.analyses.walking import walk
 from runtime.outcomes import Outcome
 from runtime.results.singular import SingularPosition
 
@@ -88,7 +93,7 @@ class Course:
 
     @property
     def ahead(self) -> float:
-        """1 where the next instant lies ahead, -1 where it lies behind."""
+        """1 where the next instant lies ahead, -1 where it lies behind; see `sample`."""
         return 1.0 if self.times[self.mark] > self.t else -1.0
 
     @property
@@ -143,8 +148,25 @@ class Course:
         """Let the walk go on from the state as it is now."""
         r = self.record
         r[T], r[STEP], r[LEAST], r[BARRIER], r[TRAVEL] = t, step, -1.0, np.nan, 0.0
+        r[BEST] = 0.0
         motion = self.equations.motion(t, self.q, self.v, self.modes)
         self.a[:], self.lam[:] = motion.a, motion.lam
+
+    def sample(self) -> None:
+        """Store the state if the next instant is now, which says nothing of where time goes."""
+        done = self.mark
+        if not self.finished and self.times[done] == self.t:
+            self.q_out[done], self.v_out[done] = self.q, self.v
+            self.record[MARK] = done + 1
+
+    def return_to_good(self) -> None:
+        """Go back to where the pivots were last good, if that is not here."""
+        r, rows = self.record, self._work[0]
+        if r[GOOD_T] != self.t:
+            self.q[:], self.v[:] = rows[GOOD_Q], rows[GOOD_V]
+            r[MARK] = r[GOOD_MARK]
+            self.resume(float(r[GOOD_T]), float(r[STEP]))
+            self.sample()
 
     def along(self, curve: Curve, piece: Piece, ahead: float) -> None:
         """Store the instants that lie on a piece of the curve."""

@@ -17,22 +17,10 @@ from runtime.analyses.assemble import Assembly
 from runtime.analyses.branches import Branch, ambiguous, branches
 from runtime.analyses.course import Course, Walk
 from runtime.analyses.equations import Equations, FloatArray
+from runtime.analyses.looking import BARRIER, END, MARK, NEWTON, REJECTED, STEP, STEPS, ZERO, T
 from runtime.analyses.passing import DISTANCE, Zone, zone
 from runtime.analyses.tracing import Curve, Point
-from runtime.analyses.walking import (
-    ARRIVED,
-    BARRIER,
-    DONE,
-    END,
-    MARK,
-    NEWTON,
-    REJECTED,
-    STEP,
-    STEPS,
-    SUSPECT,
-    ZERO,
-    T,
-)
+from runtime.analyses.walking import ARRIVED, DONE, SUSPECT
 from runtime.constraints.singular import Positions, Singularity, taylor
 from runtime.outcomes import Outcome
 from runtime.progress import Progress
@@ -47,6 +35,8 @@ _SEEN = 17  # instants at which the drivers' pace is looked at
 _CLOSE = 1e-3  # scaled: a stretch that is followed by its length where nothing was found on it
 _ABOUT = 1e-2  # scaled: how far from where a walk is stuck the cause may lie
 _NEARER = 0.3  # of the way to the next branch: a state or velocity that is on this one
+_PATIENCE = 100  # looks for what stands in the way, without coming further
+_WITHIN = 0.99  # of the reach of a zone: well inside
 _REGAINED = 0.3  # of the smallest singular value where a trace began: it has left the narrows
 _WIDE = 1e-2  # or this singular value
 _FARTHEST = 1.0  # scaled length of a trace
@@ -84,12 +74,17 @@ class Follower:
 
     def run(self, progress: Progress) -> tuple[Outcome, str]:
         """Walk to the last instant, or to where the motion ends."""
-        course = self.course
+        course, furthest, idle = self.course, (-1, 0.0), 0
         while not course.finished:
             status = course.walk()
             progress(abs(course.t - course.began) / course.span)
             if status == DONE:
                 continue
+            course.sample()
+            place = course.mark, course.ahead * course.t
+            furthest, idle = (place, 0) if place > furthest else (furthest, idle + 1)
+            if idle > _PATIENCE:
+                return Outcome.SINGULAR, self._unclear()
             if status == ARRIVED:
                 assert self.awaited is not None
                 ended = self._cross(self.awaited)
@@ -114,6 +109,9 @@ class Follower:
                 r[STEP] = 0.25 * stretch  # it strayed on the way there
                 return None
             self.awaited = found
+            course.return_to_good()
+            r[STEP] = max(r[STEP], _ABOUT / speed)
+            t, ahead = course.t, course.ahead
             barrier = found.t - ahead * 2.0 * DISTANCE / max(found.rate, found.speed)
             if (barrier - t) * ahead > 0.0:
                 r[BARRIER] = barrier
@@ -159,6 +157,10 @@ class Follower:
                 made = None
         if made is None:
             return Outcome.SINGULAR, self._unclear()
+        entry = made.t - course.ahead * _WITHIN * made.reach
+        if not made.holds(course.t) and (entry - course.t) * course.ahead > 0.0:
+            course.record[BARRIER] = entry  # nearer than most: first walk there
+            return None
         self.awaited = None
         if course.through(made, np.sign(t - course.t) or course.ahead):
             row = self._met("crossing", t, q, choices[0].v)

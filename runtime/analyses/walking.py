@@ -5,10 +5,9 @@ A step is halved where the prediction is poor, so that the machine stays on its 
 apart the instants lie, and where Newton's method fails, so that a lock-up is approached to the
 last position at which the machine still assembles.
 
-A step can be so long that it lands on another assembly of the machine, close to a position in which
-two of them meet or almost meet. So the pivots of Phi_q are compared now and then, in one order: on
-one assembly the determinant keeps its sign. A change takes the walk back to where it was last known
-to be right, and is reported.
+Now and then the pivots of Phi_q are looked at (`looking`): a step can be so long that it lands on
+another assembly of the machine. That takes the walk back to where it was last known to be right,
+and is reported.
 """
 
 from typing import Any
@@ -16,24 +15,31 @@ from typing import Any
 import numpy as np
 from numba import types
 
-from runtime.compiled import ADDRESSES, compiled, inner
-from runtime.constraints.elimination import REDUNDANT, fill, reduce
+from runtime.analyses.looking import (
+    BARRIER,
+    LEAST,
+    LOOK_MARK,
+    LOOK_Q,
+    LOOK_T,
+    LOOK_V,
+    MARGIN,
+    MARK,
+    NEWTON,
+    REJECTED,
+    STEP,
+    STEPS,
+    TRAVEL,
+    T,
+    look,
+    suspicious,
+)
+from runtime.compiled import ADDRESSES, compiled
 from runtime.kernels import FETCH, MATRIX, MODE_ROWS, MODES, SCALAR, TYPES, VECTOR
 
 DONE, STUCK, SUSPECT, ARRIVED = 0, 1, 2, 3
-# Places in the record that a walk leaves behind. BARRIER: an instant to stop at, or not a number.
-# TRAVEL: scaled motion since pivots were looked at; LEAST: the smallest then, negative where they
-# are to be looked at first. At a suspicion, END: until when the pivots were followed, and ZERO:
-# where between there and now one of them vanishes.
-T, STEP, STEPS, REJECTED, NEWTON, MARK, BARRIER, TRAVEL, LEAST, END, ZERO = range(11)
-_LOOK_T, _LOOK_MARK = 11, 12
-RECORD = 13
-ROWS = 8  # of the work array, (ROWS, n)
 
 _PREDICTED = 0.05  # largest scaled error of a prediction that is trusted to name the branch
 _TRAVEL = 0.5  # largest scaled motion of one step
-_MARGIN = 0.5  # of the smallest pivot: scaled motion after which pivots are looked at again
-_POOR = 0.5  # of the smallest pivots at both ends: one in between that is suspicious
 correction_of = FETCH["correction"]
 accelerations_of = FETCH["accelerations"]
 jacobian_of = FETCH["jacobian"]
@@ -92,74 +98,6 @@ def settle(
                 info[1] = max(info[1], abs(dv[i]) / scale[i])
             v[i] += dv[i]
     return 0
-
-
-@inner
-def _least(pivots: Any) -> float:
-    least = 1.0
-    for i in range(pivots.size):
-        if REDUNDANT < abs(pivots[i]) < least:
-            least = abs(pivots[i])
-    return least
-
-
-@inner
-def _look(
-    jacobian: Any, t: Any, q: Any, v: Any, p: Any, scale: Any, sparse: Any, values: Any,
-    dense: Any, pivots: Any, order: Any, record: Any, work: Any,
-) -> None:  # fmt: skip
-    """Keep this state and the pivots there as what the next look is compared with."""
-    fill(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
-    reduce(dense, order, pivots[0], 1)
-    record[LEAST] = _least(pivots[0])
-    record[TRAVEL] = 0.0
-    record[_LOOK_T] = t
-    record[_LOOK_MARK] = record[MARK]
-    for i in range(len(q)):
-        work[5, i] = q[i]
-        work[6, i] = v[i]
-
-
-@inner
-def _suspicious(
-    jacobian: Any, t: Any, q: Any, p: Any, scale: Any, sparse: Any, values: Any, dense: Any,
-    pivots: Any, order: Any, spare: Any, record: Any, work: Any,
-) -> bool:  # fmt: skip
-    """Whether the constraints were, or may have been, dependent since the last look.
-
-    A pivot that vanishes only in this order of pivots takes another through infinity: signs change
-    in pairs, and the position in between is a good one with an order of its own. An odd number of
-    changes is a change of the determinant's sign.
-    """
-    now, later, between = pivots[0], pivots[1], pivots[2]
-    before, moved = work[5], work[7]
-    fill(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
-    reduce(dense, order, later, 0)
-    changes = 0
-    poorest = np.inf
-    for i in range(now.size):
-        if min(abs(now[i]), abs(later[i])) <= REDUNDANT or now[i] * later[i] > 0.0:
-            continue
-        changes += 1
-        share = now[i] / (now[i] - later[i])
-        middle = record[_LOOK_T] + share * (t - record[_LOOK_T])
-        for j in range(len(q)):
-            moved[j] = before[j] + share * (q[j] - before[j])
-        fill(jacobian, middle, moved, p, scale, sparse[0], sparse[1], values, dense)
-        reduce(dense, spare, between, 1)
-        least = _least(between)
-        if least < poorest:
-            poorest = least
-            record[ZERO] = share
-    if changes % 2 == 0:
-        if changes == 0:
-            return False
-        fill(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
-        reduce(dense, spare, between, 1)
-        if poorest >= _POOR * min(record[LEAST], _least(between)):
-            return False
-    record[END] = t
-    return True
 
 
 @compiled(
@@ -223,7 +161,7 @@ def walk(
     order, spare = orders[0], orders[1]
     done = int(record[MARK])
     if record[LEAST] < 0.0:
-        _look(
+        look(
             jacobian, record[T], q, v, p, scale, sparse, values, dense, pivots, order, record, work
         )
     while done < len(times):
@@ -279,18 +217,18 @@ def walk(
         if info[0] < 0.2 * _PREDICTED:
             record[STEP] = max(record[STEP], 2.0 * abs(h))
         ends = last and (barred or done + 1 == len(times))
-        if record[TRAVEL] < _MARGIN * record[LEAST] and not ends:
+        if record[TRAVEL] < MARGIN * record[LEAST] and not ends:
             continue
-        if _suspicious(
+        if suspicious(
             jacobian, new, q, p, scale, sparse, values, dense, pivots, order, spare, record, work
         ):
             for i in range(n):
-                q[i] = work[5, i]
-                v[i] = work[6, i]
-            record[T] = record[_LOOK_T]
-            record[MARK] = record[_LOOK_MARK]
+                q[i] = work[LOOK_Q, i]
+                v[i] = work[LOOK_V, i]
+            record[T] = record[LOOK_T]
+            record[MARK] = record[LOOK_MARK]
             accelerations(record[T], q, v, p, modes, a, lam)
             record[TRAVEL] = np.inf
             return SUSPECT
-        _look(jacobian, new, q, v, p, scale, sparse, values, dense, pivots, order, record, work)
+        look(jacobian, new, q, v, p, scale, sparse, values, dense, pivots, order, record, work)
     return DONE
