@@ -14,6 +14,7 @@ from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.kinematics import instants
 from runtime.analyses.magnitudes import magnitudes
 from runtime.analyses.masses import require_masses
+from runtime.analyses.meeting import passed
 from runtime.analyses.outputs import evaluate
 from runtime.analyses.redundant import sound, spared
 from runtime.analyses.surfaces import require_apart
@@ -22,47 +23,11 @@ from runtime.integrate.run import integrate
 from runtime.integrate.tables import IMPLICIT
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
+from runtime.results.events import Event
 from runtime.results.result import Result
 
 if TYPE_CHECKING:
     from runtime.machine import Machine, Values
-
-
-WORDS = {1: "began", -1: "ceased", 0: "holds", 2: "impact"}
-
-
-class Event(NamedTuple):
-    """A switching condition changed, or a contact was struck.
-
-    Attributes
-    ----------
-    name
-        `effect: condition`.
-    time
-        In s; where bouncing ends, the instant at which its last flight would.
-    direction
-        1: the condition began to hold, or a contact opened; -1: it ceased; 0: from now on the
-        motion stays on its boundary: it slides there, friction sticks, or a contact is closed;
-        2: an impact, after which the contact is open.
-    q, v
-        State, shape (n,); after an impact, the velocities that it leaves.
-    """
-
-    name: str
-    time: float
-    direction: int
-    q: FloatArray
-    v: FloatArray
-
-    @property
-    def what(self) -> str:
-        """The direction in a word: began, ceased, holds or impact."""
-        return WORDS[self.direction]
-
-    @property
-    def state(self) -> FloatArray:
-        """q and v in one array, shape (2 n,)."""
-        return np.concatenate([self.q, self.v])
 
 
 class Partition(NamedTuple):
@@ -177,7 +142,10 @@ def simulate(
         ),
         lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
     )
-    return _result(machine, trajectory, p, began, begin)
+    found = _result(machine, trajectory, p, began, begin)
+    mobility = _mobility(equations, begin.q)
+    found.singular = tuple(passed(equations, begin.t, begin.q, mobility, trajectory.crossings))
+    return found
 
 
 def _projecting(

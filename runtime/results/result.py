@@ -15,6 +15,7 @@ from codegen.errors import InputError
 from runtime.description import Description, unknown
 from runtime.outcomes import Outcome
 from runtime.results.samples import Samples
+from runtime.results.singular import SingularPosition
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,6 +46,8 @@ class Result:
     not_unique
         Joints and drivers whose reactions redundant constraints leave open; those of least norm are
         given.
+    singular
+        The singular positions that the run met, in order.
     parameters
         Parameter values by name.
     """
@@ -62,6 +65,7 @@ class Result:
         events: Sequence[Any] = (),
         partitions: Sequence[Any] = (),
         not_unique: Sequence[str] = (),
+        singular: Sequence[SingularPosition] = (),
     ) -> None:
         self.description: Description = machine.description
         self.samples = samples
@@ -72,6 +76,7 @@ class Result:
         self.events = tuple(events)
         self.partitions = tuple(partitions)
         self.not_unique = tuple(not_unique)
+        self.singular = tuple(singular)
         self.parameters = {
             row.name: float(value) for row, value in zip(machine.parameters, p, strict=False)
         }
@@ -210,6 +215,7 @@ class Result:
             "parameters": json.dumps(self.parameters),
             "stats": json.dumps(self.stats),
             "not_unique": ", ".join(self.not_unique),
+            "singular": json.dumps([row.facts() for row in self.singular]),
             "linkwright": __version__,
             "generator": told.generator,
             "numpy": np.__version__,
