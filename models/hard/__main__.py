@@ -15,10 +15,9 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from models.hard.cases import CASES, GROUPS, find
 from models.hard.suite.case import Case
-from models.hard.suite.cell import WAYS, Cell, Verdict, Way
+from models.hard.suite.cell import WAYS, Cell, Verdict, Way, suits
 from models.hard.suite.page import markdown
 from models.hard.suite.worker import LIMIT, Worker
-from runtime.integrate.tables import IMPLICIT
 
 BAD = (Verdict.WRONG, Verdict.HANGS)
 
@@ -86,7 +85,7 @@ def run_all(cases: list[Case], ways: list[Way], quick: bool, limit: float) -> It
         (c, way, rtol)
         for c in cases
         for way in ways
-        if not (c.long and way.method in IMPLICIT)
+        if suits(c, way)
         for rtol in tolerances(c, quick)
     ]
     worker = Worker(find, limit)

@@ -240,7 +240,8 @@ class Crossings:
         """
         r = self.r
         width = float(np.sqrt(found.gap / (found.rate * found.speed)))
-        if self._noise(found) > width**2:
+        ahead = found.t - float(r["t"])
+        if ahead < width and self._noise(found) > width**2:
             r["index"] = int(found.rows.argmax())
             self.note = (
                 f"At t = {found.t:.9g} s the machine misses a position in which its motions cross "
@@ -248,7 +249,6 @@ class Crossings:
             )
             return int(Outcome.SINGULAR)
         r["plan"], r["turn"], r["leap"] = MISSING, found.t, 0.5 * width
-        ahead = found.t - float(r["t"])
         # From further away than the bend is wide, what is missed may turn out to be met.
         r["quiet"] = r["t"] + 0.5 * ahead
         if ahead < width:

@@ -12,7 +12,7 @@ import typer
 from models.hard.__main__ import main, tolerances
 from models.hard.cases import CASES, GROUPS, find
 from models.hard.suite.case import Array, Case, Reference
-from models.hard.suite.cell import COMPARED, WAYS, Cell, Verdict, Way, run
+from models.hard.suite.cell import COMPARED, WAYS, Cell, Verdict, Way, run, suits
 from models.hard.suite.page import markdown
 from models.hard.suite.worker import Worker
 from runtime import Result
@@ -146,6 +146,12 @@ def test_names_are_unique_and_every_way_has_its_place() -> None:
     assert len({case.name for case in CASES}) == len(CASES)
     assert len(set(WAYS)) == len(WAYS)
     assert tolerances(find("andrews"), quick=True) == (1e-9,)
+
+
+def test_what_is_too_long_to_compile_is_run_by_explicit_methods_alone() -> None:
+    assert [way.method for way in WAYS if suits(find("n_four_bar_40"), way)].count("bdf") == 0
+    assert suits(find("n_four_bar_40"), Way("dopri5", "step"))
+    assert all(suits(find("n_four_bar_5"), way) for way in WAYS)
 
 
 def test_an_unknown_name_is_refused(tmp_path: Path) -> None:

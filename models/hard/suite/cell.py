@@ -13,7 +13,7 @@ from codegen.errors import AnalysisError
 from models.hard.suite.case import KEPT, WORTH, Array, Case
 from runtime import Outcome, Result
 from runtime.integrate.check import CORRECTIONS
-from runtime.integrate.tables import METHODS
+from runtime.integrate.tables import IMPLICIT, METHODS
 
 if TYPE_CHECKING:
     from runtime import Machine
@@ -149,6 +149,11 @@ class Cell:
             name: None if isinstance(value, float) and not np.isfinite(value) else value
             for name, value in asdict(self).items()
         }
+
+
+def suits(case: Case, way: Way) -> bool:
+    """Whether a case is run that way: code that is too long is not compiled with derivatives."""
+    return not (case.long and way.method in IMPLICIT)
 
 
 def run(case: Case, way: Way, rtol: float) -> Cell:
