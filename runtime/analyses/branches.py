@@ -9,6 +9,7 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from runtime.analyses.equations import Equations, FloatArray
 
@@ -35,9 +36,11 @@ class Branch(NamedTuple):
 class Lost(NamedTuple):
     """Phi_q with unit rows, scaled columns, and its singular vectors; `k` values are lost.
 
-    `left` has shape (m, k), `null` (n, k), `inverse` (n, m), `lengths` (m,).
+    Rows that follow from others everywhere are left out; m is the number of the others, whose
+    indices are `rows`. `left` has shape (m, k), `null` (n, k), `inverse` (n, m), `lengths` (m,).
     """
 
+    rows: npt.NDArray[np.int64]
     matrix: FloatArray
     lengths: FloatArray
     values: FloatArray
@@ -53,7 +56,8 @@ class Lost(NamedTuple):
 
 def lost(equations: Equations, t: float, q: FloatArray, scale: FloatArray, least: int = 0) -> Lost:
     """What Phi_q has lost at q; at least so many of the smallest singular values count as lost."""
-    matrix = equations.jacobian(t, q) * scale
+    rows = equations.independent
+    matrix = equations.jacobian(t, q)[rows] * scale
     lengths = np.linalg.norm(matrix, axis=1)
     lengths[lengths == 0.0] = 1.0
     matrix = matrix / lengths[:, None]
@@ -61,7 +65,7 @@ def lost(equations: Equations, t: float, q: FloatArray, scale: FloatArray, least
     k = max(int((values < LOST).sum()), least)
     kept = len(values) - k
     inverse = right[:kept].T @ (left[:, :kept].T / values[:kept, None])
-    return Lost(matrix, lengths, values, left[:, kept:], right[kept:].T, inverse)
+    return Lost(rows, matrix, lengths, values, left[:, kept:], right[kept:].T, inverse)
 
 
 def branches(
@@ -71,7 +75,7 @@ def branches(
     at = lost(equations, t, q, scale)
     if at.k == 0 or at.left.shape[0] != at.null.shape[0]:
         return []
-    nu = equations.velocity_rhs(t, q) / at.lengths
+    nu = equations.velocity_rhs(t, q)[at.rows] / at.lengths
     base = wished / scale
     base = base - at.inverse @ (at.matrix @ base - nu)
     speed = max(float(np.abs(base).max()), 1e-300)
@@ -83,14 +87,14 @@ def branches(
         return v
 
     def lack(c: FloatArray) -> FloatArray:
-        gamma = equations.acceleration_rhs(t, q, velocity(c)) / at.lengths
+        gamma = equations.acceleration_rhs(t, q, velocity(c))[at.rows] / at.lengths
         missing: FloatArray = at.left.T @ gamma / speed**2
         return missing
 
     found = []
     for c in _roots(*_quadratic(lack, at.k)):
         v = velocity(c)
-        gamma = equations.acceleration_rhs(t, q, v) / at.lengths
+        gamma = equations.acceleration_rhs(t, q, v)[at.rows] / at.lengths
         far = speed * float(np.linalg.norm(c))
         found.append(Branch(v, (at.inverse @ gamma) * scale, far))
     return sorted(found, key=lambda branch: branch.far)

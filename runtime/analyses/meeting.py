@@ -34,7 +34,7 @@ def met(
     at = lost(equations, t, q, scale, least=1)
     part = np.abs(at.left).max(axis=1)
     taking = [
-        told.constraints[int(row)].element
+        told.constraints[int(at.rows[row])].element
         for row in np.argsort(-part, kind="stable")
         if part[row] > _TAKING * part.max()
     ]
@@ -84,7 +84,7 @@ def passed(
 def drift(equations: Equations, t: float, q: FloatArray, scale: FloatArray, rate: float) -> float:
     """|uᵀ nu| / rate, the second-order test: rounding where motions cross, else a lock-up."""
     at = lost(equations, t, q, scale, least=1)
-    nu = equations.velocity_rhs(t, q) / at.lengths
+    nu = equations.velocity_rhs(t, q)[at.rows] / at.lengths
     return float(np.linalg.norm(at.left.T @ nu)) / rate
 
 

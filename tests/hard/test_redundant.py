@@ -243,3 +243,16 @@ def test_samples_are_reproduced(table: Machine) -> None:
     for one, other in pairwise(runs):
         assert (one.samples.q == other.samples.q).all()
         assert (one.samples.reaction == other.samples.reaction).all()
+
+
+def test_driven_table_passes_its_level_positions_as_a_parallelogram() -> None:
+    """Two constraints follow from others everywhere, and three more do where the bars lie level."""
+    driven = load("hard/parallel_linkage", "inverse_dynamics", folder=ROOT)
+    run = driven.kinematics(np.linspace(0.0, 2.0, 41))
+    assert run.outcome is Outcome.OK
+    assert np.abs(run.q("table.phi")).max() < 1e-12
+    turned = np.pi / 3 + 2 * np.pi * run.t
+    for k in range(4):
+        np.testing.assert_allclose(run.q(f"crank_{k}.phi"), turned, atol=1e-11)
+    np.testing.assert_allclose([row.time for row in run.singular], np.arange(4) / 2 + 1 / 3)
+    assert {row.lost for row in run.singular} == {3}
