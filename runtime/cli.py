@@ -1,19 +1,20 @@
-"""The command line: `python -m runtime simulate | kinematics | inverse | equilibrium | report`.
+"""The command line: `python -m runtime simulate | kinematics | … | report | matters`.
 
 Exit status: 0 done, 1 the run failed (the message says at which t, and what was saved), 2 the
 user's input is wrong. Messages and progress go to stderr; with --json, stdout holds one object.
 """
 
-import json
 import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn, cast
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
 from codegen.errors import InputError, LinkwrightError
+from runtime.commanding import pairs, print_json, refuse, say
+from runtime.matters_command import matters
 
 if TYPE_CHECKING:
     from runtime.integrate.problem import Correction
@@ -27,6 +28,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+app.command()(matters)
 
 Model = Annotated[str, typer.Argument(help="Path of a model file, or a name: models/NAME.py.")]
 Scene = Annotated[str | None, typer.Option(help="Scene of the model; the first unless given.")]
@@ -84,8 +86,8 @@ def simulate(
             method=method,
             rtol=rtol,
             correction=cast("Correction", correction),  # refused there if it is none
-            parameters=_pairs(settings, "--set"),
-            guess=_pairs(guess, "--guess"),
+            parameters=pairs(settings, "--set"),
+            guess=pairs(guess, "--guess"),
             **extra,
         )
 
@@ -108,8 +110,8 @@ def kinematics(
     _run(
         lambda machine: machine.kinematics(
             _instants(t_start, t_end, points),
-            parameters=_pairs(settings, "--set"),
-            guess=_pairs(guess, "--guess"),
+            parameters=pairs(settings, "--set"),
+            guess=pairs(guess, "--guess"),
         ),
         model,
         scene,
@@ -134,8 +136,8 @@ def inverse(
     _run(
         lambda machine: machine.inverse_dynamics(
             _instants(t_start, t_end, points),
-            parameters=_pairs(settings, "--set"),
-            guess=_pairs(guess, "--guess"),
+            parameters=pairs(settings, "--set"),
+            guess=pairs(guess, "--guess"),
         ),
         model,
         scene,
@@ -159,8 +161,8 @@ def report(
     """A page about a run: simulation, or the driven motion where drivers leave no freedom."""
 
     def analyse(machine: "Machine") -> "Result":
-        values = _pairs(settings, "--set")
-        begin = _pairs(guess, "--guess")
+        values = pairs(settings, "--set")
+        begin = pairs(guess, "--guess")
         instants = _instants(0.0, t_end, points)
         if machine.description.drivers and machine.degrees_of_freedom == 0:
             inverse = machine.description.has_masses
@@ -169,7 +171,7 @@ def report(
         return machine.simulate(t_end, instants, rtol=rtol, parameters=values, guess=begin)
 
     if out.suffix != ".html":
-        _refuse((f"{out}: a report is an .html page. Change the ending.",), 2, as_json)
+        refuse((f"{out}: a report is an .html page. Change the ending.",), 2, as_json)
     _run(analyse, model, scene, out, as_json)
 
 
@@ -188,8 +190,8 @@ def equilibrium(
     _run(
         lambda machine: machine.equilibrium(
             method,
-            parameters=_pairs(settings, "--set"),
-            guess=_pairs(guess, "--guess"),
+            parameters=pairs(settings, "--set"),
+            guess=pairs(guess, "--guess"),
             t=t,
         ),
         model,
@@ -222,52 +224,27 @@ def _run(
         result = analyse(load(model, scene))
         saved = None if out is None else result.save(out)
     except InputError as error:
-        _refuse(error.problems, 2, as_json)
+        refuse(error.problems, 2, as_json)
     except (LinkwrightError, OSError) as error:
-        _refuse((str(error),), 1, as_json)
+        refuse((str(error),), 1, as_json)
     from runtime.results.summary import events, last_values, summary
 
     failed = result.failed
-    _say(repr(result))
+    say(repr(result))
     for line in events(result):
-        _say(line)
+        say(line)
     if saved is not None:
         count = len(result.t)
         upto = f" up to t = {result.t[-1]:g} s" if failed and count else ""
-        _say(f"  {'What was computed' if failed else 'Saved'}: {count} instants{upto} in {saved}")
+        say(f"  {'What was computed' if failed else 'Saved'}: {count} instants{upto} in {saved}")
     elif failed:
-        _say("  Nothing was saved; give --out FILE to keep what was computed.")
+        say("  Nothing was saved; give --out FILE to keep what was computed.")
     if as_json:
-        _print_json(summary(result, saved))
+        print_json(summary(result, saved))
     elif not failed:
         for line in last_values(result):
             sys.stdout.write(line + "\n")
     raise typer.Exit(1 if failed else 0)
-
-
-def _refuse(problems: tuple[str, ...], status: int, as_json: bool) -> NoReturn:
-    """Say what is wrong and end."""
-    for problem in problems:
-        _say(f"error: {problem}")
-    if as_json:
-        _print_json({"ok": False, "status": status, "problems": list(problems)})
-    raise typer.Exit(status)
-
-
-def _pairs(given: list[str] | None, option: str) -> dict[str, float]:
-    """NAME=VALUE texts as a mapping."""
-    pairs, problems = {}, []
-    for text in given or []:
-        name, equals, value = text.partition("=")
-        try:
-            pairs[name.strip()] = float(value)
-        except ValueError:
-            equals = ""
-        if not equals:
-            problems.append(f"{option} {text}: write NAME=VALUE with a number.")
-    if problems:
-        raise InputError(problems)
-    return pairs
 
 
 def _instants(first: float, last: float, count: int) -> list[float]:
@@ -276,11 +253,3 @@ def _instants(first: float, last: float, count: int) -> list[float]:
         raise InputError(f"The time span from {first:g} to {last:g} s must be finite and positive.")
     step = (last - first) / (count - 1)
     return [first + index * step for index in range(count - 1)] + [last]
-
-
-def _say(text: str) -> None:
-    sys.stderr.write(text + "\n")
-
-
-def _print_json(content: dict[str, Any]) -> None:
-    sys.stdout.write(json.dumps(content) + "\n")
