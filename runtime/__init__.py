@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from runtime.load import load
 
 if TYPE_CHECKING:
+    from runtime.analyses.matters import matters
     from runtime.machine import Machine
     from runtime.outcomes import Outcome
     from runtime.results.result import Result
@@ -21,9 +22,10 @@ _HOMES = {
     "Machine": "runtime.machine",
     "Outcome": "runtime.outcomes",
     "Result": "runtime.results.result",
+    "matters": "runtime.analyses.matters",
 }
 
-__all__ = ["Machine", "Outcome", "Result", "load"]
+__all__ = ["Machine", "Outcome", "Result", "load", "matters"]
 
 
 def __getattr__(name: str) -> Any:

@@ -88,6 +88,8 @@ def matters(
     if as_json:
         print_json({"ok": True, **told.facts()})
         return
+    from textwrap import fill
+
     from rich.console import Console
 
     from runtime.show.matters_table import sentences, table, width
@@ -95,4 +97,5 @@ def matters(
     screen = Console(width=width(), highlight=False)
     screen.print(table(told))
     for line in sentences(told):
-        screen.print(f"  {line}", markup=False)
+        lines = fill(line, width(), initial_indent="  ", subsequent_indent="    ")
+        screen.print(lines, markup=False)

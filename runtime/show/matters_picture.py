@@ -17,6 +17,7 @@ COLOURS = {
     Verdict.NEGLIGIBLE: "#1f6fb2",
     Verdict.NONE_SEEN: "#9aa4ae",
     Verdict.NEEDED: "#59636e",
+    Verdict.IMPOSSIBLE: "#59636e",
 }
 
 
@@ -83,11 +84,17 @@ def _size(told: Matters) -> float:
     return told.size or 1.0
 
 
+def _shown(row: Row) -> float:
+    """What is drawn of a row: its change, or what a change that is not seen may be at most."""
+    if row.change is None:
+        return 0.0
+    return row.doubt if row.verdict is Verdict.NONE_SEEN else abs(row.change)
+
+
 def _changes(axes: "Axes", told: Matters) -> None:
     size = _size(told)
-    shown = [abs(row.change) / size for row in told.rows if row.change]
-    doubts = [row.doubt / size for row in told.rows if row.doubt > 0.0]
-    lowest = min([*shown, *doubts, told.error or math.inf, 1.0])
+    shown = [_shown(row) / size for row in told.rows if _shown(row) > 0.0]
+    lowest = min([*shown, told.error or math.inf, 1.0])
     highest = max([*shown, told.error or 0.0, 10.0 * lowest])
     floor = 10.0 ** (math.floor(math.log10(lowest)) - 0.5)
     axes.set_xscale("log")
@@ -105,15 +112,16 @@ def _changes(axes: "Axes", told: Matters) -> None:
 
 def _change(axes: "Axes", height: int, row: Row, size: float, floor: float) -> None:
     if row.change is None:
-        axes.text(1.3 * floor, height, "needed", va="center", fontsize=8, style="italic")
+        axes.text(1.3 * floor, height, str(row.verdict), va="center", fontsize=8, style="italic")
         return
-    change, doubt = abs(row.change) / size, row.doubt / size
     seen = row.verdict is not Verdict.NONE_SEEN
-    drawn = change if seen else doubt
+    drawn = _shown(row) / size
     colour = COLOURS[row.verdict]
     axes.barh(height, drawn - floor, left=floor, height=0.6, color=colour, alpha=1 if seen else 0.4)
-    label = f"{100 * change:.2g} %" if seen else f"none seen above {100 * doubt:.1g} %"
-    axes.text(1.2 * max(drawn, floor), height, label, va="center", fontsize=8)
+    number = f"{100 * drawn:.2g}" if drawn < 1.0 else f"{100 * drawn:.0f}"
+    label = f"{number} %" if seen else f"none seen above {number} %"
+    paper = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+    axes.text(1.2 * max(drawn, floor), height, label, va="center", fontsize=8, bbox=paper)
 
 
 def _times(axes: "Axes", told: Matters) -> None:

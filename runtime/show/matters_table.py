@@ -1,5 +1,6 @@
 """Which effects matter, on a terminal: a row an effect, no wider than a person reads."""
 
+import math
 import shutil
 from collections.abc import Iterator
 
@@ -9,6 +10,8 @@ from runtime.analyses.matters.answer import Costs, Matters, Row, Verdict
 
 NARROW, WIDE, UNKNOWN = 80, 140, 120
 """Columns that a table has at least and at most, and where nothing says how wide the screen is."""
+ROOMY = 96
+"""Columns from which on there is room for blanks beside every number."""
 REASONS = 200
 
 
@@ -21,7 +24,11 @@ def table(told: Matters) -> Table:
     """The full scene, then what changes, and what it spares, without each effect."""
     unit = f" {told.unit}" if told.unit else ""
     title = f"{told.model}/{told.scene}, {told.analysis}: {told.quantity} = {told.value:.7g}{unit}"
-    made = Table(title=title, caption="operations, time, steps and events: what is spared")
+    made = Table(
+        title=title,
+        caption="operations, time, steps, events: in full, then what is spared of them",
+        padding=(0, 1 if width() >= ROOMY else 0),
+    )
     made.add_column("without", overflow="fold", ratio=1, min_width=9)
     for name in ("change", "relative", "acc.", "all", "time", "steps", "events"):
         made.add_column(name, justify="right", no_wrap=True)
@@ -57,19 +64,17 @@ def sentences(told: Matters) -> Iterator[str]:
 
 def _sentence(told: Matters, row: Row) -> str:
     taken = row.word != "none"
-    if row.verdict is Verdict.NEEDED:
+    if row.change is None:
         reason = row.reason if len(row.reason) <= REASONS else f"{row.reason[:REASONS]} …"
-        return f"{row.title} is {'not possible' if taken else 'needed'}: {reason}"
+        return f"{row.title} is {row.verdict}: {reason}"
     share = row.time_share or 0.0
-    does = "spares" if share >= 0.0 else "takes"
-    more = "" if share >= 0.0 else " more"
     if row.verdict is Verdict.NONE_SEEN:
         limit = _percent(row.doubt / told.size) if told.size else f"{row.doubt:.1e}"
         effect = f"changes {told.quantity} by less than can be seen ({limit})"
     else:
         effect = f"changes {told.quantity} by {_percent(row.relative)}"
     if taken:
-        return f"{row.title} {effect} and {does} {abs(share):.0%} of the time{more}"
+        return f"{row.title} {effect} and {_ratio(share)}"
     if share >= 0.0:
         return f"{row.title} {effect} and costs {share:.0%} of the time"
     return f"{row.title} {effect}; without it the run takes {-share:.0%} more time"
@@ -125,6 +130,8 @@ def _costs(base: Costs, costs: Costs, share: float | None) -> tuple[str, ...]:
 def _percent(share: float | None) -> str:
     if share is None:
         return ""
+    if not math.isfinite(share):
+        return "∞"
     return f"{100 * share:.2g} %" if share < 1.0 else f"{100 * share:.0f} %"
 
 

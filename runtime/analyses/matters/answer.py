@@ -16,7 +16,9 @@ class Verdict(StrEnum):
     NONE_SEEN = "none seen"
     """It changes by less than it is known to."""
     NEEDED = "needed"
-    """The machine does not work so, or has no such quantity."""
+    """Without it the machine does not work, or has no such quantity."""
+    IMPOSSIBLE = "impossible"
+    """Taken so, the machine does not work, or has no such quantity."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,9 @@ class Costs:
         Arithmetic operations of the kernel `accelerations`, and of all kernels.
     evaluations, steps, events
         What the run counts; 0 where its analysis counts none.
+    work
+        Operations that evaluations and returns onto the constraints take together in the run;
+        those of all kernels, once, where none are counted. Unlike times it is the same every time.
     seconds
         Wall time of the run, the least of several rounds in which all scenes take turns.
     """
@@ -38,12 +43,8 @@ class Costs:
     evaluations: int
     steps: int
     events: int
+    work: int
     seconds: float
-
-    @property
-    def work(self) -> int:
-        """Operations that the evaluations of a run take together; one each where none count."""
-        return self.evaluations * self.accelerations if self.evaluations else self.operations
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class Row:
     time_share
         Share of the full run's time that goes with it; negative where the run takes longer.
     reason
-        Why it is needed, in a sentence; else "".
+        Why it is needed or impossible, in a sentence; else "".
     """
 
     name: str

@@ -4,20 +4,19 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from time import perf_counter
 from typing import TYPE_CHECKING
 
 from codegen.errors import AnalysisError, InputError, LinkwrightError
 from runtime.analyses.matters.answer import Costs, Matters, Row, Verdict
 from runtime.analyses.matters.proposing import Judge, proposed
 from runtime.analyses.matters.quantity import Function, quantity
+from runtime.analyses.matters.timing import take_turns
 from runtime.analyses.matters.trial import (
     ANALYSES,
     LEAST_RTOL,
     LostError,
     Plan,
     Trial,
-    take_turns,
     tried,
 )
 from runtime.load import load
@@ -144,7 +143,8 @@ def matters(
     proposal, best = proposed(judge, rows, progress) if error is not None else (None, None)
     progress(f"{read.name}/{chosen.name}: taking times")
     run = [t for t in (full, *trials, best) if t is not None]
-    seconds = iter(take_turns([t.machine for t in run], plan, rounds, perf_counter))
+    turns = take_turns([t.machine for t in run], plan, rounds)
+    seconds = iter(turns.seconds)
     base = replace(full.costs, seconds=next(seconds))
     done = [
         row if found is None else _with_time(row, base, next(seconds))
@@ -157,7 +157,7 @@ def matters(
     return Matters(
         read.name, chosen.name, plan.analysis, wanted.text, value, full.reading.unit, size,
         full.doubt, base, tuple(sorted(done, key=_rank)), error, proposal,
-        tuple(_notes(changes, full, size, error)),
+        (*_notes(changes, full, size, error), *_disturbed([run[k] for k in turns.disturbed])),
     )  # fmt: skip
 
 
@@ -170,7 +170,7 @@ def _with_time(row: Row, base: Costs, seconds: float) -> Row:
 def _rank(row: Row) -> tuple[bool, bool, float]:
     """What is needed first, then by what it changes; what is only seen in the noise last."""
     return (
-        row.verdict is not Verdict.NEEDED,
+        row.change is not None,
         row.verdict is Verdict.NONE_SEEN,
         -(row.relative or 0.0),
     )
@@ -199,6 +199,18 @@ def _notes(
             f"{error:g} that is permitted: lower rtol, give more points, or end the run earlier."
         )
     return told
+
+
+def _disturbed(trials: list[Trial]) -> list[str]:
+    """That times of scenes are not to be relied on."""
+    if not trials:
+        return []
+    names = ", ".join(dict.fromkeys(trial.machine.scene for trial in trials))
+    told = (
+        f"Other work on this machine disturbed every run of {names}, so times may be much too "
+        "long; counts are not touched. Ask again when it is calm, or give more rounds."
+    )
+    return [told]
 
 
 def _stopped(full: Trial, found: Trial) -> str:

@@ -40,7 +40,8 @@ class Judge:
         try:
             found = self.trial(scene)
         except LostError as lost:
-            row = Row(*about, None, None, None, 0.0, None, None, Verdict.NEEDED, str(lost))
+            verdict = Verdict.NEEDED if change.word == "none" else Verdict.IMPOSSIBLE
+            row = Row(*about, None, None, None, 0.0, None, None, verdict, str(lost))
             return row, None
         delta, doubt, relative = self.change(found)
         if abs(delta) <= doubt:

@@ -140,7 +140,7 @@ def _reduced(result: "Result", text: str, word: str, name: str) -> Reading:
         value = how.reduce(Series(result.t, x, jumps))
     except InputError as error:
         raise InputError(f"{told.title}, {text}: {error}") from None
-    return Reading(value, how.unit.format(unit), float(np.abs(x).max()))
+    return Reading(value + 0.0, how.unit.format(unit), float(np.abs(x).max()))
 
 
 def _no_series(name: str, known: dict[str, list[str]]) -> str:

@@ -1,12 +1,13 @@
 """A scene run for the sake of one number: how large, how far to be trusted, what it took.
 
-Everything is run twice. The second time tolerances are a hundred times tighter, samples twice as
-dense, and what jumps at an event is sampled on both sides of it; a rest is looked for once more
-from where it was found. By how much the two answers differ is how far the second may be off.
+Everything is run twice, the second time with tolerances a hundred times tighter and samples twice
+as dense. What jumps at an event is sampled on both sides of it, the second time nearer to it. A
+rest is looked for once more from close by. By how much the two answers differ is how far the second
+may be off.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +30,8 @@ COARSER = 100.0
 LEAST_RTOL = 1e-13
 BESIDE = 1e-7
 """Share of the run by which samples lie before and after an event."""
+ASIDE = 1e-4
+"""Share by which a rest is looked for once more from beside the one that was found."""
 FLOOR = 1e-12
 """Share of a quantity that rounding may take, however well two runs agree."""
 
@@ -88,20 +91,17 @@ class Plan:
         states = {*rows.names, *(row.velocity for row in rows)}
         return {k: x for k, x in self.guess.items() if k in states}
 
-    def instants(self, count: int, events: FloatArray | None = None) -> FloatArray:
-        """Equally spaced instants, and those just before and after events."""
+    def instants(
+        self, count: int, events: FloatArray | None = None, beside: float = 0.0
+    ) -> FloatArray:
+        """Equally spaced instants, and those before and after events by a share of the run."""
         even = np.linspace(self.t_start, self.t_end, count)
         if events is None or not len(events):
             return even
-        beside = BESIDE * (self.t_end - self.t_start)
-        more = np.concatenate([events - beside, events + beside])
+        step = beside * (self.t_end - self.t_start)
+        more = np.concatenate([events - step, events + step])
         inside = more[(more > self.t_start) & (more < self.t_end)]
         return np.unique(np.concatenate([even, inside]))
-
-    def timed(self, machine: "Machine") -> float:
-        """Seconds of one run: of the integration, or where there is none of the whole analysis."""
-        found = self.run(machine, rtol=self.rtol, instants=self.instants(self.points))
-        return float(found.stats.get("integration_seconds", found.stats["wall_seconds"]))
 
 
 @dataclass(frozen=True)
@@ -144,14 +144,10 @@ def tried(machine: "Machine", plan: Plan, asked: Quantity) -> Trial:
     """
     try:
         freedom = _freedom(machine, plan)
-        rough = plan.run(
-            machine, rtol=min(COARSER * plan.rtol, 1e-3), instants=plan.instants(plan.points)
-        )
-        if not rough.failed:
-            fine = _again(machine, plan, rough)
+        rough, fine = _twice(machine, plan)
     except InputError as error:
         raise LostError("; ".join(error.problems)) from error
-    for run in (rough, fine) if not rough.failed else (rough,):
+    for run in (rough, fine):
         if run.failed:
             raise LostError(f"{run.description.title}: {run.message}")
     first, second = asked.read(rough), asked.read(fine)
@@ -177,46 +173,38 @@ def _freedom(machine: "Machine", plan: Plan) -> int:
     return start.degrees_of_freedom
 
 
-def _again(machine: "Machine", plan: Plan, rough: "Result") -> "Result":
-    """The run from which the quantity is taken."""
+def _twice(machine: "Machine", plan: Plan) -> tuple["Result", "Result"]:
+    """The run that is compared with, and that from which the quantity is taken."""
+    rtol, points = min(COARSER * plan.rtol, 1e-3), plan.points
+    rough = plan.run(machine, rtol=rtol, instants=plan.instants(points))
+    if rough.failed:
+        return rough, rough
     if plan.analysis == "equilibrium":
-        found = dict(zip(machine.coordinates.names, rough.samples.q[0].tolist(), strict=True))
-        again = replace(plan, guess={**plan.guess, **found})
-        return again.run(machine, rtol=plan.rtol, instants=plan.instants(1))
-    events = None
-    if plan.analysis == "simulate":
-        events = np.array([event.time for event in rough.events])
-    return plan.run(machine, rtol=plan.rtol, instants=plan.instants(2 * plan.points - 1, events))
+        q = rough.samples.q[0] + ASIDE * (1.0 + np.abs(rough.samples.q[0]))
+        near = dict(zip(machine.coordinates.names, q.tolist(), strict=True))
+        again = replace(plan, guess={**plan.guess, **near})
+        return rough, again.run(machine, rtol=rtol, instants=plan.instants(points))
+    events = np.array([event.time for event in rough.events])
+    if plan.analysis == "simulate" and len(events):
+        rough = plan.run(machine, rtol=rtol, instants=plan.instants(points, events, 4.0 * BESIDE))
+    else:
+        events = np.zeros(0)
+    instants = plan.instants(2 * points - 1, events, BESIDE)
+    return rough, plan.run(machine, rtol=plan.rtol, instants=instants)
 
 
 def _costs(machine: "Machine", run: "Result") -> Costs:
     operations = dict(machine.description.operations)
+    evaluations = int(run.stats.get("rhs_evaluations", 0))
+    iterations = int(run.stats.get("newton_iterations", 0))
+    work = evaluations * operations.get("accelerations", 0)
+    work += iterations * operations.get("correction", 0)
     return Costs(
         accelerations=operations.get("accelerations", 0),
         operations=sum(operations.values()),
-        evaluations=int(run.stats.get("rhs_evaluations", 0)),
+        evaluations=evaluations,
         steps=int(run.stats.get("steps", 0)),
         events=len(run.events),
+        work=work or sum(operations.values()),
         seconds=math.nan,
     )
-
-
-def take_turns(
-    machines: list["Machine"], plan: Plan, rounds: int | None, clock: Callable[[], float]
-) -> list[float]:
-    """Least seconds of a run of each machine; in each round every one has its turn.
-
-    Parameters
-    ----------
-    rounds
-        How many; as many as fit into two seconds, 3 to 25, unless given.
-    """
-    best = [math.inf] * len(machines)
-    began, done = clock(), 0
-    while done < (rounds or 25):
-        for k, machine in enumerate(machines):
-            best[k] = min(best[k], plan.timed(machine))
-        done += 1
-        if rounds is None and done >= 3 and clock() - began > 2.0:
-            break
-    return best

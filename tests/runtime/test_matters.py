@@ -1,0 +1,333 @@
+"""Which effects matter: what each changes and costs, what is proposed, what is refused."""
+
+import dataclasses
+import json
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from typer.testing import CliRunner
+
+from codegen import Model
+from codegen.errors import InputError, LinkwrightError
+from codegen.variants import declared, variants
+from runtime import Result, load, matters
+from runtime.analyses.matters import Matters, Verdict
+from runtime.analyses.matters.quantity import quantity
+from runtime.analyses.matters.reading import REDUCTIONS, Series
+from runtime.cli import app
+from runtime.show import matters_picture, matters_table
+
+MACHINES = {
+    "compressor": ("slider_crank", "compressor", "max:crank.omega", 0.5),
+    "quick return": ("quick_return", "shaper", "rate:crank.phi", 1.0),
+    "valve train": ("valve_lifter", "free_follower", "max:valve.y", 0.02),
+}
+
+
+def sledge() -> Model:
+    """A mass on a spring that is pushed, damped, blown at ever so slightly, and rubs."""
+    model = Model("sledge", gravity=(0, -9.81))
+    c = model.parameter("c", 0.2, unit="N s/m")
+    body = model.body("body", mass=2.0, inertia=0.1)
+    guide = model.translational("guide", model.ground, body, axis=(1, 0))
+    model.spring("spring", model.ground.at(-1, 0), body, 50.0, free_length=1.0)
+    model.force("damper", on=body, fx=-c * body.vx)
+    model.force("breeze", on=body, fx=1e-14)
+    model.force("kick", on=body, fx=30.0, when=body.x < 0)
+    model.friction("rub", guide, 0.05, creep=1e-3, fidelity="regularised")
+    start = {body.x: 0.5, body.vx: 0.0}
+    model.scene("swing", ["spring", "damper", "breeze"], start=start | {body.vx: 0.3})
+    model.scene("kicked", ["spring", "kick"], start=start)
+    model.scene("alone", ["spring"], start=start)
+    model.scene("empty", start=start)
+    return model
+
+
+@pytest.fixture(scope="module")
+def folder(request: pytest.FixtureRequest) -> Path:
+    """A folder whose compiled scenes outlive a run."""
+    made: Path = request.config.cache.mkdir("matters")
+    return made
+
+
+@pytest.fixture(scope="module")
+def swing(folder: Path) -> Matters:
+    return matters(
+        sledge(), "swing", asked="range:body.x", t_end=3.0, error=1e-3, rounds=1, folder=folder
+    )
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+def test_without_what_is_negligible_the_quantity_stays(machine: str, folder: Path) -> None:
+    model, scene, asked, t_end = MACHINES[machine]
+    found = matters(
+        model, scene, asked=asked, t_end=t_end, error=1e-3, fidelities=False, rounds=1,
+        folder=folder,
+    )  # fmt: skip
+    judged = [row for row in found.rows if row.relative is not None]
+    assert {row.name for row in found.rows} == set(load(model, scene).effects.names)
+    shown = [row.relative for row in judged if row.verdict is not Verdict.NONE_SEEN]
+    assert all(more >= less for more, less in pairwise(shown))
+    assert found.doubt < 1e-6 * found.size
+    small = [row for row in judged if row.verdict is Verdict.NEGLIGIBLE]
+    assert small
+    assert any(row.verdict is Verdict.MATTERS for row in judged)
+    assert found.proposal is not None
+    assert set(found.proposal.left_out) == {row.name for row in small}
+
+    # once more by hand: the proposed scene and the full one, other method, tolerance and samples
+    read, full = declared(model, scene)
+    cheaper = full.without(*found.proposal.left_out)
+    assert cheaper.name == found.proposal.scene
+    measured = [
+        quantity(asked)
+        .read(m.simulate(t_end, np.linspace(0.0, t_end, 4001), rtol=1e-9, method="dopri5"))
+        .value
+        for m in (load(model, scene), load(read, cheaper, folder=folder / ".linkwright_cache"))
+    ]
+    assert abs(measured[1] / measured[0] - 1.0) <= 1e-3
+    assert_allclose(measured[0], found.value, rtol=1e-6)
+    assert_allclose(measured[1], found.proposal.value, rtol=1e-6)
+    for row in small:
+        assert row.costs is not None
+        assert row.costs.accelerations < found.costs.accelerations
+        assert row.costs.operations < found.costs.operations
+
+
+def test_an_effect_below_what_the_run_is_known_to_is_none_seen(swing: Matters) -> None:
+    breeze = swing["breeze"]
+    assert breeze.verdict is Verdict.NONE_SEEN
+    assert breeze.change is not None
+    assert abs(breeze.change) <= breeze.doubt
+    assert breeze is swing.rows[-1]
+    assert swing.rows[0].verdict is Verdict.MATTERS
+    assert 0.0 < swing.doubt < 1e-7 * swing.size
+
+
+def test_what_is_too_much_together_is_put_back(folder: Path) -> None:
+    model = Model("twins")
+    ball = model.particle("ball", mass=1.0)
+    model.force("wind", on=ball, fx=100.0)
+    for name, push in (("one", 0.06), ("two", 0.07)):
+        model.force(name, on=ball, fx=push)
+    model.scene("fly", ["wind", "one", "two"], start={ball.x: 0.0, ball.vx: 0.0})
+    found = matters(
+        model, "fly", asked="ball.x", t_end=1.0, error=1e-3, rounds=1, folder=folder
+    )  # fmt: skip
+    assert_allclose(found.value, 50.065, rtol=1e-12)
+    for name, push in (("one", 0.06), ("two", 0.07)):
+        assert found[name].verdict is Verdict.NEGLIGIBLE
+        assert_allclose(found[name].relative, push / 100.13, rtol=1e-6)
+    assert found.proposal is not None
+    assert found.proposal.left_out == ("one",)
+    assert found.proposal.put_back == ("two",)
+    (together, too_much), (kept, within) = found.proposal.tried
+    assert together == ("one", "two")
+    assert_allclose((too_much, within), (0.13 / 100.13, 0.06 / 100.13), rtol=1e-6)
+    assert kept == found.proposal.left_out
+    assert found.proposal.relative == within
+    told = " ".join(matters_table.sentences(found))
+    assert "two is negligible alone and too much with the others, so it is put back" in told
+
+
+def test_a_quantity_that_goes_with_the_effect_makes_it_needed(folder: Path) -> None:
+    found = matters(
+        sledge(), "kicked", asked="event:kick", t_end=2.0, error=0.5, rounds=1, folder=folder
+    )
+    kick = found["kick"]
+    assert kick.verdict is Verdict.NEEDED
+    assert "kicked_without_kick: There is no effect with events 'kick'" in kick.reason
+    spring = found["spring"]
+    assert spring.verdict is Verdict.NEEDED
+    assert "kick has 0 events up to t = 2 s" in spring.reason
+    assert found.proposal is not None
+    assert found.proposal.left_out == ()
+
+
+def test_other_fidelities_are_tried_as_well(folder: Path) -> None:
+    model = sledge()
+    scene = model.scene("alone").with_("rub", "gravity")
+    names = [change.title for change in variants(model, scene)]
+    assert names == ["gravity", "spring", "rub", "rub as sticking"]
+    found = matters(model, scene, asked="body.x", t_end=0.2, rounds=1, folder=folder)
+    assert found["rub as sticking"].word == "sticking"
+    assert found["rub as sticking"].scene.endswith("rub_sticking")
+    assert found["rub"].verdict is Verdict.MATTERS
+    assert_allclose(found["gravity"].change, found["rub"].change, rtol=1e-6)  # it is what presses
+    assert found["rub as sticking"].relative < 0.1 * found["rub"].relative
+
+
+def test_rod_may_be_a_link_in_dynamics_and_kinematics() -> None:
+    compressor = [change.title for change in variants(*declared("slider_crank", "compressor"))]
+    assert compressor == ["gas", "motor", "gravity_right", "rod as link"]
+    kinematics = [change.title for change in variants(*declared("slider_crank", "kinematics"))]
+    assert kinematics == ["rod as link"]
+    follower = [change.title for change in variants(*declared("valve_lifter", "free_follower"))]
+    assert follower == ["touch", "valve_spring", "follower as fixed"]
+
+
+def test_inverse_dynamics_and_equilibrium_are_judged(folder: Path) -> None:
+    model = Model("pendulum", gravity=(0, -9.81))
+    bob = model.body("bob", mass=2.0, inertia=0.1)
+    hinge = model.revolute("hinge", model.ground.at(0, 0), bob.at(-1, 0))
+    assert hinge.name == "hinge"
+    model.torsion_spring("coil", model.ground, bob, 5.0)
+    model.driver("turn", bob.phi, 0.5)
+    model.scene("hold", ["gravity", "coil"], ["turn"], guess={bob.x: 0.9})
+    model.scene("hang", ["gravity", "coil"], guess={bob.x: 0.5, bob.y: -0.9, bob.phi: -1.0})
+    about = {"rounds": 1, "folder": folder}
+    held = matters(model, "hold", asked="turn.torque", t_end=1.0, points=11, **about)
+    assert held.analysis == "inverse"
+    weight = 2.0 * 9.81 * np.cos(0.5)
+    assert_allclose(abs(held.value), weight + 2.5, rtol=1e-12)
+    assert_allclose(held["gravity"].relative, weight / (weight + 2.5), rtol=1e-9)
+    assert_allclose(held["coil"].relative, 2.5 / (weight + 2.5), rtol=1e-9)
+    rest = matters(model, "hang", asked="bob.phi", analysis="equilibrium", **about)
+    assert_allclose(rest["gravity"].change, -rest.value, rtol=1e-8)
+    assert_allclose(rest["coil"].change, -np.pi / 2 - rest.value, rtol=1e-8)
+
+
+def test_a_function_is_a_quantity_and_what_stops_the_machine_is_needed(folder: Path) -> None:
+    def travel(result: Result) -> float:
+        return float(np.abs(np.diff(result.q("body.x"))).sum())
+
+    found = matters(sledge(), "alone", asked=travel, t_end=1.0, rounds=1, folder=folder)
+    assert found.quantity == "travel"
+    assert found["spring"].verdict is Verdict.NEEDED
+    assert found["spring"].reason == "nothing moves without it"
+    assert found["spring"].costs is None
+    alone = "spring is the only effect of the scene, so there is none to rank it with."
+    assert alone in found.notes
+    with pytest.raises(InputError, match="nonsense answers nan; it must answer a finite number"):
+        matters(sledge(), "alone", asked=nonsense, t_end=1.0, folder=folder)
+
+
+def nonsense(result: Result) -> float:
+    return float("nan")
+
+
+def test_reductions_of_a_wave_are_those_of_the_curve() -> None:
+    t = np.linspace(0.0, 10.0, 801)
+    wave = Series(t, 3.0 + 2.0 * np.sin(4.0 * t + 0.3), np.zeros(0))
+    found = {word: how.reduce(wave) for word, how in REDUCTIONS.items()}
+    assert_allclose(found["max"], 5.0, rtol=1e-6)
+    assert_allclose(found["min"], 1.0, rtol=1e-5)
+    assert_allclose(found["range"], 4.0, rtol=1e-5)
+    assert_allclose(found["peak"], 5.0, rtol=1e-6)
+    assert_allclose(found["mean"], 3.0 + (np.cos(0.3) - np.cos(40.3)) / 20.0, rtol=1e-5)
+    assert_allclose(found["period"], np.pi / 2.0, rtol=1e-3)
+    assert_allclose(found["rate"], (wave.x[-1] - wave.x[0]) / 10.0, rtol=1e-12)
+    step = Series(np.array([0.0, 1.0, 1.001, 2.0]), np.array([0.0, 1.0, 4.0, 3.9]), np.array([1.0]))
+    assert REDUCTIONS["max"].reduce(step) == 4.0
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ("body.xx", "There is no series 'body.xx'; nearest: body.x"),
+        ("nothing", "There are: coordinates body.x, body.y, body.phi; velocities body.vx"),
+        ("mx:body.x", "There is no reduction 'mx'; nearest: max"),
+        ("max:guide.torqe", "nearest: guide.torque"),
+        ("event:kik", "There is no effect with events 'kik'; nearest: kick"),
+        ("event:kick#0", "after # stands which event is meant"),
+        ("event:kick#900", "so there is no number 900"),
+        ("period:body.y", "crosses its mean upwards 0 times"),
+        ("", "The quantity is ''; give a series such as crank.phi"),
+    ],
+)
+def test_no_such_quantity_is_named(asked: str, message: str, folder: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        matters(sledge(), "kicked", asked=asked, t_end=1.0, folder=folder)
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("scene", "options", "message"),
+    [
+        ("empty", {"t_end": 1.0}, "no effect acts, and nothing in it has another fidelity"),
+        ("alone", {}, "t_end is missing"),
+        ("alone", {"t_end": -1.0}, "from 0 to -1 s must be finite and positive"),
+        ("alone", {"t_end": 1.0, "error": 2.0}, "error is 2; it is a share"),
+        ("alone", {"t_end": 1.0, "rtol": 1e-15}, "rtol is 1e-15"),
+        ("alone", {"t_end": 1.0, "analysis": "dance"}, "There is no analysis 'dance'"),
+        ("alone", {"t_end": 1.0, "parameters": {"zz": 1.0}}, "There is no parameter 'zz'"),
+        ("swong", {"t_end": 1.0}, "no scene 'swong'; did you mean 'swing'"),
+    ],
+)
+def test_wrong_input_is_refused(
+    scene: str, options: dict[str, object], message: str, folder: Path
+) -> None:
+    with pytest.raises(InputError) as caught:
+        matters(sledge(), scene, asked="body.x", folder=folder, **options)
+    assert message in str(caught.value)
+
+
+def test_a_full_scene_that_fails_says_how(folder: Path) -> None:
+    model = Model("burst")
+    ball = model.particle("ball", mass=1.0)
+    model.force("blow", on=ball, fx=ball.x**2)
+    model.force("still", on=ball, fy=1.0)
+    model.scene("grow", ["blow", "still"], start={ball.x: 1.0, ball.vx: 1.0})
+    with pytest.raises(LinkwrightError, match=r"burst/grow: Stopped at t = "):
+        matters(model, "grow", asked="ball.x", t_end=100.0, folder=folder)
+
+
+@pytest.mark.parametrize("columns", [80, 110, 140])
+def test_table_fits_a_terminal(
+    columns: int, swing: Matters, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from rich.console import Console
+
+    monkeypatch.setenv("COLUMNS", str(columns))
+    screen = Console(width=matters_table.width(), highlight=False, record=True)
+    with screen.capture() as capture:
+        screen.print(matters_table.table(swing))
+    lines = capture.get().splitlines()
+    assert max(map(len, lines)) <= columns
+    for row in swing.rows:
+        (line,) = (text for text in lines if text.strip("│ ").startswith(row.title))
+        assert line.rstrip().endswith("│")
+        assert str(row.verdict) in line
+
+
+def test_picture_and_answer_are_whole(swing: Matters, tmp_path: Path) -> None:
+    drawn = matters_picture.figure(swing)
+    left, right = drawn.axes
+    assert len(left.patches) == len(swing.rows)
+    assert len(right.patches) == len(swing.rows)
+    assert left.get_xscale() == "log"
+    path = matters_picture.save(swing, tmp_path / "swing.png")
+    assert path.stat().st_size > 10_000
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        swing.value = 0.0  # type: ignore[misc]
+    facts = json.loads(json.dumps(swing.facts(), allow_nan=False))
+    assert [row["name"] for row in facts["rows"]] == [row.name for row in swing.rows]
+    with pytest.raises(KeyError, match="there are: "):
+        swing["gale"]
+
+
+def test_command_line(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(folder)
+    command = ("matters", "slider_crank", "--scene", "compressor", "--no-fidelities",
+               "--rounds", "1", "--t-end", "0.5", "--quantity")  # fmt: skip
+    done = CliRunner().invoke(app, [*command, "max:crank.omega", "--error", "1e-3", "--json"])
+    assert done.exit_code == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert told["ok"] is True
+    assert told["proposal"]["left_out"] == ["gravity_right"]
+    assert told["proposal"]["relative"] <= 1e-3
+    done = CliRunner().invoke(app, [*command, "event:gas"])
+    assert done.exit_code == 0
+    assert "gravity_right changes event:gas by 0.2 %" in done.stdout
+    assert "slider_crank/compressor_without_gas" in done.stderr
+    for wrong, message in (("crank.fi", "nearest: crank.phi"), ("mox:crank.phi", "nearest: max")):
+        done = CliRunner().invoke(app, [*command, wrong, "--json"])
+        assert done.exit_code == 2
+        assert message in done.stderr
+        assert json.loads(done.stdout)["status"] == 2
+    done = CliRunner().invoke(app, [*command, "event:gas", "--out", str(tmp_path / "x.doc")])
+    assert done.exit_code == 2
+    assert "a picture ends in .png" in done.stderr
