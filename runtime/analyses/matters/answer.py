@@ -35,7 +35,8 @@ class Costs:
         Operations that evaluations and returns onto the constraints take together in the run;
         those of all kernels, once, where none are counted. Unlike times it is the same every time.
     seconds
-        Wall time of the run, the least of several rounds in which all scenes take turns.
+        Processor time of the run from its call to its result, assembly and outputs included: the
+        least of several rounds in which all scenes take turns.
     """
 
     accelerations: int

@@ -75,7 +75,7 @@ def matters(
     points
         Output instants of a timed run.
     rounds
-        Runs by which times are taken, of which the least counts; what two seconds allow unless
+        Runs by which times are taken, of which the least counts; what three seconds allow unless
         given.
     folder
         As in `load`. Scenes that nobody declared are compiled in its `.linkwright_cache`.
@@ -143,8 +143,7 @@ def matters(
     proposal, best = proposed(judge, rows, progress) if error is not None else (None, None)
     progress(f"{read.name}/{chosen.name}: taking times")
     run = [t for t in (full, *trials, best) if t is not None]
-    turns = take_turns([t.machine for t in run], plan, rounds)
-    seconds = iter(turns.seconds)
+    seconds = iter(take_turns([t.machine for t in run], plan, rounds))
     base = replace(full.costs, seconds=next(seconds))
     done = [
         row if found is None else _with_time(row, base, next(seconds))
@@ -157,7 +156,7 @@ def matters(
     return Matters(
         read.name, chosen.name, plan.analysis, wanted.text, value, full.reading.unit, size,
         full.doubt, base, tuple(sorted(done, key=_rank)), error, proposal,
-        (*_notes(changes, full, size, error), *_disturbed([run[k] for k in turns.disturbed])),
+        tuple(_notes(changes, full, size, error)),
     )  # fmt: skip
 
 
@@ -199,18 +198,6 @@ def _notes(
             f"{error:g} that is permitted: lower rtol, give more points, or end the run earlier."
         )
     return told
-
-
-def _disturbed(trials: list[Trial]) -> list[str]:
-    """That times of scenes are not to be relied on."""
-    if not trials:
-        return []
-    names = ", ".join(dict.fromkeys(trial.machine.scene for trial in trials))
-    told = (
-        f"Other work on this machine disturbed every run of {names}, so times may be much too "
-        "long; counts are not touched. Ask again when it is calm, or give more rounds."
-    )
-    return [told]
 
 
 def _stopped(full: Trial, found: Trial) -> str:
