@@ -275,6 +275,18 @@ def test_a_full_scene_that_fails_says_how(folder: Path) -> None:
         matters(model, "grow", asked="ball.x", t_end=100.0, folder=folder)
 
 
+def test_an_effect_without_which_the_run_fails_is_needed(folder: Path) -> None:
+    model = Model("tamed")
+    ball = model.particle("ball", mass=1.0)
+    model.force("blow", on=ball, fx=ball.x**2)
+    model.force("tame", on=ball, fx=-(ball.x**2) - ball.x)
+    model.scene("run", ["blow", "tame"], start={ball.x: 1.0, ball.vx: 1.0})
+    found = matters(model, "run", asked="ball.x", t_end=9.0, rounds=1, folder=folder)
+    assert_allclose(found.value, np.cos(9.0) + np.sin(9.0), rtol=1e-7)
+    assert found["tame"].verdict is Verdict.NEEDED
+    assert "tamed/run_without_tame: Stopped at t = " in found["tame"].reason
+
+
 @pytest.mark.parametrize("columns", [80, 110, 140])
 def test_table_fits_a_terminal(
     columns: int, swing: Matters, monkeypatch: pytest.MonkeyPatch
