@@ -123,12 +123,14 @@ def _called(function: Function, result: "Result") -> Reading:
 
 def _reduced(result: "Result", text: str, word: str, name: str) -> Reading:
     told = result.description
-    known = names(told)
-    if name not in {n for listed in known.values() for n in listed}:
-        if name in ENERGIES and told.has_masses:
-            raise InputError(told.offer("energy"))
-        raise InputError(f"{told.title}, {text}: {_no_series(name, known)}")
-    x, unit = result.series(name)
+    try:
+        x, unit = result.series(name)
+    except InputError as error:
+        known = names(told)
+        listed = {*ENERGIES, *(n for of_kind in known.values() for n in of_kind)}
+        if name in listed:  # it is there, and was not asked for
+            raise
+        raise InputError(f"{told.title}, {text}: {_no_series(name, known)}") from error
     how = REDUCTIONS[word]
     if len(x) < 2 and not how.still:
         raise InputError(f"{told.title}, {text}: one instant has no {how.meaning}; ask for {name}.")
