@@ -18,9 +18,10 @@ from runtime.analyses.meeting import passed
 from runtime.analyses.outputs import evaluate
 from runtime.analyses.redundant import sound, spared
 from runtime.analyses.surfaces import require_apart
-from runtime.integrate.problem import Correction, Options, Problem, System, Trajectory
+from runtime.integrate.problem import Correction, Options, Problem, System
 from runtime.integrate.run import integrate
 from runtime.integrate.tables import IMPLICIT
+from runtime.integrate.trajectory import Trajectory
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
 from runtime.results.events import Event
