@@ -43,8 +43,8 @@ def at(equations: Equations, lowered: Lowered, t: Floats, q: Floats, v: Floats) 
             told = {"t": float(t[k]), "q": q[k].tolist(), "v": v[k].tolist(), "p": p}
             for slot, g in _kernel(lowered, "switching", told).get("g", {}).items():
                 modes[k, slot] = g > 0.0
-    arrays = (np.ascontiguousarray(array, dtype=np.float64) for array in (t, q, v))
-    return States(*arrays, modes)
+    times, places, rates = (np.ascontiguousarray(array) for array in (t, q, v))
+    return States(times, places, rates, modes)
 
 
 def _assembled(
