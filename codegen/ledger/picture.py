@@ -100,7 +100,7 @@ def _coloured(ledger: Ledger) -> dict[str, str]:
 
 
 def _weight(part: Part) -> float:
-    return sum(part.operations.values()) + 10 * (part.nanoseconds or 0.0)
+    return sum(part.operations.values()) + 10 * abs(part.nanoseconds or 0.0)
 
 
 def _stack(axes: "Axes", colours: dict[str, str], rows: Rows) -> None:

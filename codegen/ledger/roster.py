@@ -40,7 +40,7 @@ class Roster:
 
     def __init__(self, model: Model, scene: Scene) -> None:
         self.model, self.scene = model, scene
-        self.how = dict(scene.fidelity)
+        self.how = dict(scene.asked.fidelity)
         named = [e for e in scene.asked.effects if e not in scene.asked.without]
         self.choices = {g: model.choice(g, self.how, named) for g in model.groups}
         self.joints = active_joints(model, scene)
