@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, cast
 import numpy as np
 import numpy.typing as npt
 
-from codegen.errors import AnalysisError
-from runtime.analyses.asked import refuse_structure
+from runtime.analyses.asked import carried, refuse_massless, refuse_structure
 from runtime.analyses.assemble import Assembly, assemble
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.kinematics import instants
@@ -134,10 +133,7 @@ def simulate(
     began = clock.perf_counter()
     told = machine.description
     if not told.has_masses:
-        raise AnalysisError(
-            f"{told.title}: a simulation needs masses, and this scene has a body without. Give "
-            f"every body a mass and an inertia, or ask for kinematics."
-        )
+        refuse_massless(machine)
     times = None if t_eval is None else instants(t_eval)
     p = machine.parameter_values(parameters)
     require_masses(machine, p)
@@ -173,7 +169,9 @@ def simulate(
         ),
         lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
     )
-    return _result(machine, trajectory, p, began)
+    found = _result(machine, trajectory, p, began)
+    found.message += carried(machine, begin.degrees_of_freedom)
+    return found
 
 
 def _system(machine: "Machine", method: str) -> System:
