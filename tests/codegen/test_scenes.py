@@ -276,6 +276,33 @@ def test_second_scene_reuses_what_was_derived(root: Path) -> None:
     assert derivations() == begun + first + second
 
 
+@pytest.mark.parametrize(
+    ("machine", "first", "others"),
+    [
+        ("slider_crank", "compressor",
+         ("compressor_massless_rod", "inverse_dynamics", "kinematics", "gas_equilibrium")),
+        ("quick_return", "shaper",
+         ("inverse_dynamics", "kinematics", "kinematics_composite", "gravity_equilibrium")),
+    ],
+)  # fmt: skip
+def test_other_scenes_derive_less_than_half_of_the_first(
+    root: Path, machine: str, first: str, others: tuple[str, ...]
+) -> None:
+    model = read_model(root / "models" / f"{machine}.py").model
+    for other in others:
+        for derived in (constraints._derive, effects._conservative, effects._pieces, switches.rate):
+            derived.cache_clear()
+        begun = derivations()
+        derive(model, sound_scenes(model, first)[0])
+        needed = derivations() - begun
+        derive(model, sound_scenes(model, other)[0])
+        assert derivations() - begun - needed <= needed / 2, other
+        again = derivations()
+        less = model.scene(first).without("motor")  # all that is in it stands there already
+        derive(model, sound_scenes(model, less)[0])
+        assert derivations() == again
+
+
 def test_build_takes_scenes_made_on_the_fly(tmp_path: Path) -> None:
     model = sledge()
     scene = model.scene("slide").without("rub")
