@@ -85,11 +85,14 @@ class Motion:
         if self.switches and held is None:
             found = evaluate(self.program, "switching", told, math)["g"]
             modes = [int(found[k] > 0.0) for k in range(len(self.switches))]
-        found = evaluate(self.program, "accelerations", {**told, "modes": modes}, math)["a"]
-        return np.concatenate([v, [found[k] for k in range(len(v))]])
+        told = {**told, "modes": modes}
+        solved = evaluate(self.program, "accelerations", told, math)
+        self.multipliers = np.array(list(solved.get("lam", {}).values()))
+        return np.concatenate([v, [solved["a"][k] for k in range(len(v))]])
 
-    def run(self, y: np.ndarray, h: float, held: Held) -> np.ndarray:
-        path = [y]
+    def run(self, y: np.ndarray, h: float, held: Held) -> tuple[np.ndarray, np.ndarray]:
+        """(steps, 2 n) states, then (steps, m) multipliers: all that a driven machine feels."""
+        path, multipliers = [y], []
         for k in range(STEPS if held is None else 2):
             t = k * h
             k1 = self.rates(t, y, held)
@@ -98,7 +101,8 @@ class Motion:
             k4 = self.rates(t + h, y + h * k3, held)
             y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
             path.append(y)
-        return np.array(path)
+            multipliers.append(self.multipliers)
+        return np.array(path), np.array(multipliers)
 
 
 def patterns(equations: Equations) -> Iterator[Held]:
@@ -136,8 +140,9 @@ def test_left_out_moves_as_a_coefficient_of_zero(
     h = TURN / max(1.0, float(np.abs(zero.rates(0.0, start, None)).max()) ** 0.5)
     effect = 0.0
     for held in patterns(whole):
-        one, other = zero.run(start, h, held), never.run(start, h, held)
-        size = np.abs(one).max(axis=0) + 1.0
-        assert (np.abs(one - other) / size).max() <= 1e-12
-        effect = max(effect, (np.abs(acting.run(start, h, held) - one) / size).max())
+        runs = (motion.run(start, h, held) for motion in (zero, never, acting))
+        for one, other, moved in zip(*runs, strict=True):
+            size = np.abs(one).max(initial=0.0) + 1.0
+            assert np.abs(one - other).max(initial=0.0) <= 1e-12 * size
+            effect = max(effect, np.abs(moved - one).max(initial=0.0) / size)
     assert effect > 1e-9, "the coefficient does nothing here, so the test would show nothing"
