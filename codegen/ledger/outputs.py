@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from codegen.declare.scene import Scene
 from codegen.model import Model
-from codegen.model.outputs import GROUPS
+from codegen.model.outputs import ALL, GROUPS
 
 
 @dataclass(frozen=True)
@@ -18,20 +18,16 @@ class OutputEntry:
 
 def outputs(model: Model, scene: Scene) -> tuple[OutputEntry, ...]:
     """The groups of outputs, and those of single elements that the scene names."""
-    if scene.analysis == "kinematics":
-        reason = "a kinematic scene has no masses and no forces"
-        return tuple(OutputEntry(word, False, reason) for word in GROUPS)
     found = []
     for word in GROUPS:
+        told = word in ALL if scene.outputs is None else word in scene.outputs
+        why = "named by the scene" if told else "the scene does not name it"
         if scene.outputs is None:
-            still = scene.analysis == "equilibrium" and word == "powers"
-            why = (
-                "a scene for equilibrium has no motion" if still else "everything is, unless named"
-            )
-            found.append(OutputEntry(word, not still, why))
-        else:
-            asked = word in scene.outputs
-            why = "named by the scene" if asked else "the scene does not name it"
-            found.append(OutputEntry(word, asked, why))
+            why = "reported where no output is named" if told else "it has to be named"
+        if scene.analysis == "kinematics" and word != "paths":
+            told, why = False, "a kinematic scene has no masses and no forces"
+        elif scene.analysis == "equilibrium" and word in ("powers", "works"):
+            told, why = False, "a scene for equilibrium has no motion"
+        found.append(OutputEntry(word, told, why))
     single = [word for word in scene.outputs or () if word not in GROUPS]
     return (*found, *(OutputEntry(word, True, "named by the scene") for word in single))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from codegen.declare.element import Constraint, Effect, friction_law
 from codegen.declare.scene import Scene
+from codegen.declare.tracked import TRACKED
 from codegen.derive.equations import active_joints
 from codegen.model import Model
 from codegen.model.couplers import FORMS
@@ -80,7 +81,7 @@ class Roster:
         scene = self.scene
         effect = self.model.effects[name]
         named = name in scene.effects
-        acts = named and scene.analysis != "kinematics"
+        acts = named and (scene.analysis != "kinematics" or effect.kind == TRACKED)
         if acts:
             kind = self.model.acting(scene)[name].kind
             word = f", as '{self.how[name]}'" if name in self.how else ""

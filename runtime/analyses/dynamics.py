@@ -15,6 +15,7 @@ from runtime.analyses.magnitudes import magnitudes
 from runtime.analyses.masses import require_masses
 from runtime.analyses.outputs import evaluate
 from runtime.analyses.surfaces import require_apart
+from runtime.analyses.work import laid, with_works
 from runtime.integrate.problem import Correction, Options, Problem, System, Trajectory
 from runtime.integrate.run import integrate
 from runtime.integrate.tables import IMPLICIT
@@ -143,33 +144,43 @@ def simulate(
     require_apart(machine, p, begin.t, begin.q, begin.v, float(sizes.min(initial=1.0)))
     if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
         refuse_structure(machine)
-    trajectory = integrate(
-        _system(machine, method),
-        Problem(
-            begin.t,
-            float(t_end),
-            np.ascontiguousarray(begin.q),
-            np.ascontiguousarray(begin.v),
-            p,
-            _mobility(equations, begin.q),
-            sizes,
-        ),
-        # An unknown method is refused there, together with all else that is wrong.
-        Options(
-            method=cast(Literal["dopri5", "dop853", "bdf", "radau5", "auto"], method),
-            rtol=rtol,
-            atol_q=atol,
-            atol_v=atol,
-            t_eval=times,
-            correction=correction,
-            time_scale=time_scale,
-            first_step=first_step,
-            h_max=max_step,
-            max_steps=max_steps,
-        ),
-        lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
+    system = _system(machine, method)
+    problem = Problem(
+        begin.t,
+        float(t_end),
+        np.ascontiguousarray(begin.q),
+        np.ascontiguousarray(begin.v),
+        p,
+        _mobility(equations, begin.q),
+        sizes,
     )
-    found = _result(machine, trajectory, p, began)
+    # An unknown method is refused by the integrator, together with all else that is wrong.
+    options = Options(
+        method=cast(Literal["dopri5", "dop853", "bdf", "radau5", "auto"], method),
+        rtol=rtol,
+        atol_q=atol,
+        atol_v=atol,
+        t_eval=times,
+        correction=correction,
+        time_scale=time_scale,
+        first_step=first_step,
+        h_max=max_step,
+        max_steps=max_steps,
+    )
+
+    def run(at: FloatArray | None) -> Trajectory:
+        return integrate(
+            system,
+            problem,
+            replace(options, t_eval=at),
+            lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
+        )
+
+    if told.working:
+        plan = laid(begin.t, run(None).t, times)
+        found = with_works(_result(machine, run(plan.instants), p, began), plan)
+    else:
+        found = _result(machine, run(times), p, began)
     found.message += carried(machine, begin.degrees_of_freedom)
     return found
 

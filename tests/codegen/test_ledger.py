@@ -40,6 +40,7 @@ def sledge() -> Model:
     model.friction("wear", pin, 0.2, radius=0.1, creep=1e-3)
     model.torque("motor", on=load, value=1.0)
     model.driver("crane", load.phi, 0)
+    model.track("nose", body.at(0.5, 0))
     model.scene("slide", ["soft", "rub"], start={body.x: 0.5, body.vx: 0.0})
     return model
 
@@ -87,7 +88,12 @@ def test_reasons_follow_the_scene() -> None:
     assert not any(entry.asked for entry in ledger.outputs)
     (ledger,) = explain(model, base.with_(outputs=["energy", "reaction(guide)"]))
     asked = {entry.name: entry.asked for entry in ledger.outputs}
+    assert asked.pop("paths") is asked.pop("works") is False
     assert asked == {"reactions": False, "energy": True, "powers": False, "reaction(guide)": True}
+    (ledger,) = explain(model, base.with_(outputs=["path(nose)", "work(soft)"]))
+    assert (the(ledger)["nose"].acts, the(ledger)["nose"].why) == (True, "needed by an output")
+    assert the(ledger)["soft"].operations["powers"] > 0
+    assert sum(the(ledger)["nose"].operations.values()) == ledger.totals["reactions"]
 
 
 def test_couplers_and_what_stands_for_them(root: Path) -> None:

@@ -12,6 +12,7 @@ from codegen.derive.counting import derivations
 from codegen.derive.equations import derive
 from codegen.driver import sound_scenes
 from codegen.errors import InputError
+from codegen.lower.kernels import lower
 from codegen.modelfile import read_model
 from tests.codegen.workbench import Interpreted
 
@@ -32,6 +33,8 @@ def sledge() -> Model:
         "wall", gap=1 - body.x, stiffness=1e4, damping=5.0, restitution=0.5, fidelity="penalty"
     )
     model.driver("crane", load.phi, 0)
+    model.track("nose", body.at(0.5, 0))
+    model.track("hook", load)
     model.scene("slide", ["spring", "rub"], start={body.x: 0.5, body.vx: 0.0})
     return model
 
@@ -199,6 +202,18 @@ Vary = Callable[[Model], object]
         (lambda m: m.scene("slide").with_(outputs=["reaction(spring)"]), "reports no force"),
         (lambda m: m.scene("slide").with_(outputs=["power(guide)"]), "'guide' does no work"),
         (lambda m: m.scene("slide").with_(outputs=7), "outputs=7 is no list"),
+        (lambda m: m.scene("slide").with_(outputs=["path(nse)"]),
+         "no tracked point 'nse'; did you mean 'nose'"),
+        (lambda m: m.scene("slide").with_(outputs=["path(body)"]), "no tracked point 'body'"),
+        (lambda m: m.scene("slide").with_(outputs=["power(nose)"]), "as there is no 'nose'"),
+        (lambda m: m.scene("slide").with_(outputs=["work(sprng)"]), "did you mean 'spring'"),
+        (lambda m: m.scene("slide").with_(outputs=["work(wall)"]),
+         "'work(wall)' needs effect 'wall', which the scene leaves out; take 'wall' in"),
+        (lambda m: m.scene("slide").with_(outputs=["work(guide)"]), "'guide' does no work"),
+        (lambda m: m.scene("slide").without("load").with_(outputs=["path(hook)"]),
+         "'path(hook)' needs body 'load', which the scene leaves out; take 'load' in"),
+        (lambda m: m.scene("slide").with_(analysis="equilibrium", outputs=["work(rub)"]),
+         "'work(rub)' needs a motion"),
         (lambda m: m.scene("slide").without("body", "load"), "no body takes part"),
         (lambda m: m.scene("slide").without("body"), "effect 'rub' needs body 'body'"),
     ],
@@ -234,6 +249,22 @@ def test_what_is_wrong_with_a_declaration_is_said(declare: Vary, told: str) -> N
     with pytest.raises(ModelError) as caught:
         sound_scenes(model, None)
     assert told in str(caught.value)
+
+
+def test_points_come_with_their_paths_and_go_with_their_bodies() -> None:
+    model = sledge()
+    slide = model.scene("slide")
+    assert "nose" not in slide.effects
+    assert slide.with_(outputs=["path(nose)"]).effects == ("spring", "rub", "nose")
+    both = slide.with_(outputs=["paths"])
+    assert both.effects == ("spring", "rub", "nose", "hook")
+    assert both.without("load").effects == ("spring", "rub", "nose")
+    moved = slide.without("spring", "rub").with_(analysis="kinematics", outputs=["path(nose)"])
+    equations = derive(model, sound_scenes(model, moved)[0])
+    assert [e.name for e in equations.effects] == ["nose"]
+    kernels = {k.name for k in lower(equations).program.kernels}
+    assert "reactions" in kernels
+    assert not kernels & {"mass", "applied_forces", "powers"}
 
 
 def test_all_problems_come_at_once() -> None:
