@@ -5,7 +5,6 @@ from collections.abc import Iterable
 from typing import Any
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect
 from codegen.declare.names import nearest
 from codegen.declare.reading import Reader
 from codegen.declare.tracked import TrackedPoint, tracked
@@ -20,7 +19,7 @@ ONE = re.compile(r"(reaction|power|path|work)\((\w+)\)\Z")
 class Outputs(Declarations):
     """Reads the outputs that a scene asks for."""
 
-    def track(self, name: str, point: Point | Body) -> Effect:
+    def track(self, name: str, point: Point | Body) -> TrackedPoint:
         """A point whose path a scene may ask for, by ``outputs=["path(NAME)"]`` or ``"paths"``.
 
         Parameters
@@ -28,7 +27,9 @@ class Outputs(Declarations):
         point
             A point of a body; a body means its centre of mass.
         """
-        return self._effect(TrackedPoint(name, self._point(name, point)))
+        element = TrackedPoint(name, self._point(name, point))
+        self._effect(element)
+        return element
 
     def _brought(self, wanted: tuple[str, ...] | None, bodies: Iterable[str]) -> tuple[str, ...]:
         """Points whose paths are asked for: all on the bodies that take part, or those named."""
