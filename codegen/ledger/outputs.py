@@ -23,7 +23,7 @@ def outputs(model: Model, scene: Scene) -> tuple[OutputEntry, ...]:
         told = word in ALL if scene.outputs is None else word in scene.outputs
         why = "named by the scene" if told else "the scene does not name it"
         if scene.outputs is None:
-            why = "reported where no output is named" if told else "it has to be named"
+            why = "reported where no output is named" if told else "not reported unless named"
         if scene.analysis == "kinematics" and word != "paths":
             told, why = False, "a kinematic scene has no masses and no forces"
         elif scene.analysis == "equilibrium" and word in ("powers", "works"):

@@ -81,9 +81,12 @@ def notes(ledger: Ledger) -> Iterator[str]:
     """What a table has no room for, a line each."""
     told = [entry.name for entry in ledger.outputs if entry.asked]
     yield f"outputs: {', '.join(told) or 'the motion alone'}"
+    silent: dict[str, list[str]] = {}
     for entry in ledger.outputs:
         if not entry.asked:
-            yield f"no {entry.name}: {entry.why}"
+            silent.setdefault(entry.why, []).append(entry.name)
+    for why, names in silent.items():
+        yield f"without {', '.join(names)}: {why}"
     if ledger.nanoseconds is not None:
         parts = sum(part.nanoseconds or 0.0 for part in ledger.parts)
         off = 100 * (parts / ledger.nanoseconds - 1) if ledger.nanoseconds else 0.0
