@@ -51,8 +51,8 @@ def dataset(result: "Result") -> "xr.Dataset":
             place = joints.index(row.element), components.index(row.component)
             reaction[:, place[0], place[1]] = result.reaction(row.element, row.component)
         unit_of = {row.component: row.unit for row in forces}
-        powers = [row.name for row in told.powers if row.kind != "work"]
-        power = np.array([result.power(name) for name in powers]).reshape(len(powers), -1).T
+        sources = [index for index, row in enumerate(told.powers) if row.kind != "work"]
+        powers = [told.powers[index].name for index in sources]
         coords |= {
             "joint": np.array(joints, dtype=np.str_),
             "component": np.array(components, dtype=np.str_),
@@ -74,7 +74,7 @@ def dataset(result: "Result") -> "xr.Dataset":
                 reaction,
                 {"units": "N, N m", "long_name": "first body on second, in joint axes"},
             ),
-            "power": (("time", "source"), power, {"units": "W"}),
+            "power": (("time", "source"), samples.power[:, sources], {"units": "W"}),
         }
     if result.works:
         coords["worker"] = np.array(list(result.works), dtype=np.str_)
