@@ -89,10 +89,11 @@ def notes(ledger: Ledger) -> Iterator[str]:
         yield f"without {', '.join(names)}: {why}"
     if ledger.nanoseconds is not None:
         parts = sum(part.nanoseconds or 0.0 for part in ledger.parts)
-        off = 100 * (parts / ledger.nanoseconds - 1) if ledger.nanoseconds else 0.0
+        off = parts - ledger.nanoseconds
+        part = 100 * off / ledger.nanoseconds if ledger.nanoseconds > 0.0 else 0.0
         yield (
             f"an evaluation of accelerations, timed by itself: {ledger.nanoseconds:.1f} ns; its "
-            f"parts add up to {parts:.1f} ns ({off:+.1f} %)"
+            f"parts add up to {parts:.1f} ns ({off:+.1f} ns, {part:+.1f} %)"
         )
     if ledger.run is not None:
         took = ledger.run

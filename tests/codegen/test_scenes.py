@@ -7,14 +7,10 @@ import pytest
 
 from codegen import Model, ModelError, build
 from codegen.declare.scene import Scene
-from codegen.derive import constraints, effects, switches
-from codegen.derive.counting import derivations
 from codegen.derive.equations import derive
 from codegen.driver import sound_scenes
 from codegen.errors import InputError
-from codegen.lower.kernels import lower
 from codegen.modelfile import read_model
-from tests.codegen.workbench import Interpreted
 
 
 def sledge() -> Model:
@@ -251,22 +247,6 @@ def test_what_is_wrong_with_a_declaration_is_said(declare: Vary, told: str) -> N
     assert told in str(caught.value)
 
 
-def test_points_come_with_their_paths_and_go_with_their_bodies() -> None:
-    model = sledge()
-    slide = model.scene("slide")
-    assert "nose" not in slide.effects
-    assert slide.with_(outputs=["path(nose)"]).effects == ("spring", "rub", "nose")
-    both = slide.with_(outputs=["paths"])
-    assert both.effects == ("spring", "rub", "nose", "hook")
-    assert both.without("load").effects == ("spring", "rub", "nose")
-    moved = slide.without("spring", "rub").with_(analysis="kinematics", outputs=["path(nose)"])
-    equations = derive(model, sound_scenes(model, moved)[0])
-    assert [e.name for e in equations.effects] == ["nose"]
-    kernels = {k.name for k in lower(equations).program.kernels}
-    assert "reactions" in kernels
-    assert not kernels & {"mass", "applied_forces", "powers"}
-
-
 def test_all_problems_come_at_once() -> None:
     model = sledge()
     scene = model.scene("slide").without("sprng").with_("wal", outputs=["enrgy"])
@@ -291,47 +271,6 @@ def test_both_choices_of_a_group_cannot_act() -> None:
     lone.alternatives("drive", {"weak": ["one"], "strong": ["other"]})
     assert lone.scene("named", ["other"]).effects == ("other",)
     assert lone.scene("asked", fidelity={"drive": "strong"}).effects == ("other",)
-
-
-def test_second_scene_reuses_what_was_derived(root: Path) -> None:
-    model = read_model(root / "models" / "film_follower.py").model
-    for derived in (constraints._derive, effects._conservative, effects._pieces, switches.rate):
-        derived.cache_clear()  # what other tests have derived
-    begun = derivations()
-    Interpreted(model, "motor")
-    first = derivations() - begun
-    Interpreted(model, "constant_torque")
-    second = derivations() - begun - first
-    assert second <= first / 2
-    Interpreted(model, "motor")
-    assert derivations() == begun + first + second
-
-
-@pytest.mark.parametrize(
-    ("machine", "first", "others"),
-    [
-        ("slider_crank", "compressor",
-         ("compressor_massless_rod", "inverse_dynamics", "kinematics", "gas_equilibrium")),
-        ("quick_return", "shaper",
-         ("inverse_dynamics", "kinematics", "kinematics_composite", "gravity_equilibrium")),
-    ],
-)  # fmt: skip
-def test_other_scenes_derive_less_than_half_of_the_first(
-    root: Path, machine: str, first: str, others: tuple[str, ...]
-) -> None:
-    model = read_model(root / "models" / f"{machine}.py").model
-    for other in others:
-        for derived in (constraints._derive, effects._conservative, effects._pieces, switches.rate):
-            derived.cache_clear()
-        begun = derivations()
-        derive(model, sound_scenes(model, first)[0])
-        needed = derivations() - begun
-        derive(model, sound_scenes(model, other)[0])
-        assert derivations() - begun - needed <= needed / 2, other
-        again = derivations()
-        less = model.scene(first).without("motor")  # all that is in it stands there already
-        derive(model, sound_scenes(model, less)[0])
-        assert derivations() == again
 
 
 def test_build_takes_scenes_made_on_the_fly(tmp_path: Path) -> None:
