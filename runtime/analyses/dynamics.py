@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, cast
 import numpy as np
 import numpy.typing as npt
 
-from codegen.errors import AnalysisError
-from runtime.analyses.asked import refuse_structure
+from runtime.analyses.asked import carried, refuse_massless, refuse_structure
 from runtime.analyses.assemble import Assembly, assemble
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.kinematics import instants
@@ -18,6 +17,7 @@ from runtime.analyses.meeting import passed
 from runtime.analyses.outputs import evaluate
 from runtime.analyses.redundant import sound, spared
 from runtime.analyses.surfaces import require_apart
+from runtime.analyses.work import laid, with_works
 from runtime.integrate.problem import Correction, Options, Problem, System
 from runtime.integrate.run import integrate
 from runtime.integrate.tables import IMPLICIT
@@ -101,10 +101,7 @@ def simulate(
     began = clock.perf_counter()
     told = machine.description
     if not told.has_masses:
-        raise AnalysisError(
-            f"{told.title}: a simulation needs masses, and this scene has a body without. Give "
-            f"every body a mass and an inertia, or ask for kinematics."
-        )
+        refuse_massless(machine)
     times = None if t_eval is None else instants(t_eval)
     p = machine.parameter_values(parameters)
     require_masses(machine, p)
@@ -117,35 +114,48 @@ def simulate(
     require_apart(machine, p, begin.t, begin.q, begin.v, float(sizes.min(initial=1.0)))
     if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
         refuse_structure(machine)
-    trajectory = integrate(
-        _system(machine, method),
-        Problem(
-            begin.t,
-            float(t_end),
-            np.ascontiguousarray(begin.q),
-            np.ascontiguousarray(begin.v),
-            p,
-            _mobility(equations, begin.q),
-            sizes,
-        ),
-        # An unknown method is refused there, together with all else that is wrong.
-        Options(
-            method=cast(Literal["dopri5", "dop853", "bdf", "radau5", "auto"], method),
-            rtol=rtol,
-            atol_q=atol,
-            atol_v=atol,
-            t_eval=times,
-            correction=correction,
-            time_scale=time_scale,
-            first_step=first_step,
-            h_max=max_step,
-            max_steps=max_steps,
-        ),
-        lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
+    system = _system(machine, method)
+    problem = Problem(
+        begin.t,
+        float(t_end),
+        np.ascontiguousarray(begin.q),
+        np.ascontiguousarray(begin.v),
+        p,
+        _mobility(equations, begin.q),
+        sizes,
     )
-    found = _result(machine, trajectory, p, began, begin)
+    # An unknown method is refused by the integrator, together with all else that is wrong.
+    options = Options(
+        method=cast(Literal["dopri5", "dop853", "bdf", "radau5", "auto"], method),
+        rtol=rtol,
+        atol_q=atol,
+        atol_v=atol,
+        t_eval=times,
+        correction=correction,
+        time_scale=time_scale,
+        first_step=first_step,
+        h_max=max_step,
+        max_steps=max_steps,
+    )
+
+    def run(at: FloatArray | None) -> Trajectory:
+        return integrate(
+            system,
+            problem,
+            replace(options, t_eval=at),
+            lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
+        )
+
+    if told.working:
+        plan = laid(begin.t, run(None).t, times)
+        trajectory = run(plan.instants)
+        found = with_works(_result(machine, trajectory, p, began, begin), plan)
+    else:
+        trajectory = run(times)
+        found = _result(machine, trajectory, p, began, begin)
     mobility = _mobility(equations, begin.q)
     found.singular = tuple(passed(equations, begin.t, begin.q, mobility, trajectory.crossings))
+    found.message += carried(machine, begin.degrees_of_freedom)
     return found
 
 
