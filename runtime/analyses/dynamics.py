@@ -15,7 +15,7 @@ from runtime.analyses.magnitudes import magnitudes
 from runtime.analyses.masses import require_masses
 from runtime.analyses.meeting import passed
 from runtime.analyses.outputs import evaluate
-from runtime.analyses.redundant import sound, spared
+from runtime.analyses.redundant import projecting, sound, spared
 from runtime.analyses.surfaces import require_apart
 from runtime.analyses.work import laid, with_works
 from runtime.integrate.problem import Correction, Options, Problem, System
@@ -108,7 +108,7 @@ def simulate(
     begin = start if start is not None else assemble(machine, guess, parameters, t_start)
     machine = sound(machine, begin)
     if begin.redundant:
-        correction = _projecting(machine, begin, method, correction)
+        correction = projecting(machine, begin, method, correction)
     equations = Equations(machine, p)
     sizes = magnitudes(equations, begin.t, begin.q)
     require_apart(machine, p, begin.t, begin.q, begin.v, float(sizes.min(initial=1.0)))
@@ -157,28 +157,6 @@ def simulate(
     found.singular = tuple(passed(equations, begin.t, begin.q, mobility, trajectory.crossings))
     found.message += carried(machine, begin.degrees_of_freedom)
     return found
-
-
-def _projecting(
-    machine: "Machine", begin: Assembly, method: str, correction: Correction
-) -> Correction:
-    """The way back onto redundant constraints; refuses methods that need independent ones.
-
-    Off the constraints a redundant row seems to be independent, and a choice of independent
-    coordinates would go by it.
-    """
-    names = ", ".join(row.name for row in begin.redundant)
-    if method in IMPLICIT:
-        raise AnalysisError(
-            f"{machine.description.title}: method {method!r} needs independent constraints, and "
-            f"{names} follow from others. Take dop853 or dopri5, or remove them."
-        )
-    if correction not in {"step", "projection"}:
-        raise AnalysisError(
-            f"{machine.description.title}: with redundant constraints ({names}) states return by "
-            f'projection; correction={correction!r} needs independent ones. Leave it at "step".'
-        )
-    return "projection"
 
 
 def _system(machine: "Machine", method: str) -> System:
