@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.analyses.asked import carried, refuse_massless, refuse_structure
-from runtime.analyses.assemble import Assembly, assemble
+from runtime.analyses.assemble import assemble
+from runtime.analyses.assembly import Assembly
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.kinematics import instants
 from runtime.analyses.magnitudes import magnitudes

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from runtime.analyses import meeting
-from runtime.analyses.assemble import Assembly
+from runtime.analyses.assembly import Assembly
 from runtime.analyses.branches import Branch, ambiguous, branches
 from runtime.analyses.course import Course, Walk
 from runtime.analyses.equations import Equations, FloatArray

@@ -14,7 +14,7 @@ from runtime.integrate.tables import IMPLICIT
 from runtime.kernels import SIGNATURES, Kernels
 
 if TYPE_CHECKING:
-    from runtime.analyses.assemble import Assembly
+    from runtime.analyses.assembly import Assembly
     from runtime.machine import Machine
 
 _OPTIONS = {name: value for name, value in OPTIONS.items() if name != "cache"}
