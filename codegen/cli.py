@@ -142,6 +142,8 @@ def _print_build(done: Any, check: bool) -> None:
             output.print(f"  operations    {listed(s.tangents.operations)}")
             seconds |= {f"{k} derivatives": x for k, x in s.tangents.seconds.items()}
         output.print(f"  seconds       {', '.join(f'{k} {x:.2f}' for k, x in seconds.items())}")
+        for note in s.notes:
+            output.print(f"  note          {escaped(note)}")
 
 
 @app.command()

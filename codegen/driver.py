@@ -26,7 +26,7 @@ from codegen.derive.equations import Equations, derive
 from codegen.differentiating import derivatives, refuse_massless, wanted
 from codegen.emit.module import Origin, module_text
 from codegen.errors import ModelError, SceneError
-from codegen.examine import examine
+from codegen.examine import Findings, examine
 from codegen.fingerprint import fingerprint
 from codegen.lower.kernels import Lowered, lower
 from codegen.lower.ledger import operations
@@ -63,6 +63,8 @@ class SceneReport:
         Stage → wall time.
     tangents
         The file of its exact derivatives, if it has one.
+    notes
+        What a modeller should know: constraints that are redundant near the start values.
     """
 
     model: str
@@ -80,6 +82,7 @@ class SceneReport:
     operations: dict[str, int]
     seconds: dict[str, float]
     tangents: TangentsReport | None = None
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -151,7 +154,7 @@ def build(
         massive = {e.scene.name: bool(e.masses) for e, *_ in prepared}
         refuse_massless(declared.name, massive, named=scene is not None)
     files: list[File] = []
-    for equations, lowered, clock in prepared:
+    for equations, lowered, _, clock in prepared:
         path = folder / file_name(file.stem, equations, settings or {})
         with clock("emit"):
             text = module_text(lowered, origin(file, equations, path, settings or {}))
@@ -167,23 +170,23 @@ def build(
         for f, seconds in zip(every, compile_modules([f.path for f in every]), strict=True):
             f.clock.seconds["compile"] = seconds
     reports = (
-        report(equations, lowered, written)
-        for (equations, lowered, _), written in zip(prepared, files, strict=True)
+        report(equations, lowered, findings, written)
+        for (equations, lowered, findings, _), written in zip(prepared, files, strict=True)
     )
     return BuildReport(tuple(reports), tuple(f.path for f in every if check and f.changed))
 
 
-def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowered]:
+def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowered, Findings]:
     """Derive, lower and examine one scene."""
     with clock("derive"):
         equations = derive(model, scene)
     with clock("lower"):
         lowered = lower(equations)
     with clock("examine"):
-        problems = examine(equations, lowered)
-    if problems:
-        raise ModelError(problems)
-    return equations, lowered
+        findings = examine(equations, lowered)
+    if findings.problems:
+        raise ModelError(findings.problems)
+    return equations, lowered, findings
 
 
 def sound_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None) -> list[Scene]:
@@ -249,7 +252,7 @@ def _relative(source: Path, base: Path) -> str:
     return (source.relative_to(base) if source.is_relative_to(base) else source).as_posix()
 
 
-def report(equations: Equations, lowered: Lowered, file: File) -> SceneReport:
+def report(equations: Equations, lowered: Lowered, findings: Findings, file: File) -> SceneReport:
     """Gather what a person wants to know about a build."""
     n = len(equations.coordinates)
     m = sum(len(c.statement.rows) for c in equations.constraints)
@@ -263,13 +266,14 @@ def report(equations: Equations, lowered: Lowered, file: File) -> SceneReport:
         equations.bodies,
         n,
         m,
-        n - m,
+        n - findings.independent,
         tuple(e.name for e in equations.effects),
         tuple(name for name, _ in equations.left_out),
         lowered.strategy,
         {k.name: operations(program, k) for k in program.kernels},
         file.clock.seconds,
         _tangents_report(file.tangents) if file.tangents else None,
+        findings.notes,
     )
 
 

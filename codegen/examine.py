@@ -8,6 +8,7 @@ joint is the one named.
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -21,12 +22,32 @@ TOLERANCE = 1e-8
 PROBES = 3
 
 
-def examine(equations: Equations, lowered: Lowered) -> list[str]:
-    """Sentences about constraints that are too many; empty when all can be independent."""
-    rows = [(c.name, c.kind, row) for c in equations.constraints for row in c.statement.rows]
+class Findings(NamedTuple):
+    """What is to be said about a scene's constraints.
+
+    Attributes
+    ----------
+    problems
+        Drivers that have nothing left to drive.
+    notes
+        Joints that repeat each other: a run bears with them, while their parameters let them agree.
+    independent
+        Number of constraints that do not follow from others.
+    """
+
+    problems: tuple[str, ...]
+    notes: tuple[str, ...]
+    independent: int
+
+
+def examine(equations: Equations, lowered: Lowered) -> Findings:
+    """Look for constraints that are too many near the start values."""
+    rows = [
+        (c.name, c.kind, c.driver, row) for c in equations.constraints for row in c.statement.rows
+    ]
     n = len(equations.coordinates)
     if not rows:
-        return []
+        return Findings((), (), 0)
     guess = np.zeros(n)
     for k, q in enumerate(equations.coordinates):
         owner, _, letter = q.name.rpartition("_")
@@ -36,19 +57,27 @@ def examine(equations: Equations, lowered: Lowered) -> list[str]:
         (_dependent_rows(_jacobian_near(equations, lowered, guess, k)) for k in range(PROBES)),
         key=len,
     )
-    if not dependent:
-        return []
-    redundant = ", ".join(
-        f"{name}.{row} ({kind})" for name, kind, row in (rows[i] for i in dependent)
-    )
-    elements = sorted({rows[i][0] for i in dependent})
     independent = len(rows) - len(dependent)
-    sentence = (
+    if not dependent:
+        return Findings((), (), independent)
+    found = [rows[i] for i in dependent]
+    redundant = ", ".join(f"{name}.{row} ({kind})" for name, kind, _, row in found)
+    head = (
         f"scene '{equations.scene.name}': {len(rows)} constraints on {n} coordinates, of which "
-        f"only {independent} are independent; redundant: {redundant}. Remove or relax "
-        f"{' or '.join(repr(e) for e in elements)}: no motion is left for them to prevent."
+        f"only {independent} are independent; redundant: {redundant}."
     )
-    return [sentence]
+    drivers = sorted({name for name, _kind, driver, _row in found if driver})
+    if drivers:
+        blamed = " or ".join(repr(name) for name in drivers)
+        problem = f"{head} Remove or relax {blamed}: no motion is left for them to prevent."
+        return Findings((problem,), (), independent)
+    elements = " or ".join(repr(name) for name in sorted({row[0] for row in found}))
+    note = (
+        f"{head} The scene runs as long as its parameters let them agree, at some cost, and "
+        f"reactions of joints that share a load are not unique. Remove or relax {elements} to "
+        f"avoid both."
+    )
+    return Findings((), (note,), independent)
 
 
 def _jacobian_near(equations: Equations, lowered: Lowered, guess: Array, probe: int) -> Array:

@@ -62,6 +62,8 @@ class Machine:
         self.kernels = kernels
         self.path = path
         self._origin = origin
+        self._independent = tuple(range(len(description.constraints)))
+        self._bearing: dict[tuple[int, ...], Machine] = {}
 
     @cached_property
     def tangents(self) -> "Tangents":
@@ -87,6 +89,23 @@ class Machine:
                 "so its derivatives cannot be built. Load it by runtime.load."
             )
         return load_tangents(self._origin)
+
+    def bearing(self, independent: tuple[int, ...]) -> "Machine":
+        """The machine with kernels that bear redundant constraints.
+
+        Parameters
+        ----------
+        independent
+            Indices of constraints that suffice.
+        """
+        from runtime.analyses.redundant import bearing_kernels
+
+        if independent not in self._bearing:
+            kernels = bearing_kernels(self.kernels, self.description, len(independent))
+            made = Machine(self.description, kernels, self.path, self._origin)
+            made._independent = independent
+            self._bearing[independent] = made
+        return self._bearing[independent]
 
     @cached_property
     def kernel_table(self) -> npt.NDArray[np.int64]:
@@ -124,7 +143,13 @@ class Machine:
             switched_reactions=kernels.switched_reactions,
             reaction_rows=len(told.reactions),
             limits=told.friction_limits,
+            independent=self._independent,
         )
+
+    @property
+    def independent(self) -> tuple[int, ...]:
+        """Indices of constraints of which none follows from others; all but after `bearing`."""
+        return self._independent
 
     @property
     def model(self) -> str:

@@ -19,6 +19,7 @@ from typing import Literal
 
 from codegen.lower.graph import Graph
 from codegen.lower.program import Check
+from codegen.lower.substitution import Loop, Pair, Single, Substitution
 
 DIVISION = 8
 """What a division counts in the choice of an order, in products."""
@@ -29,30 +30,6 @@ LEAST_PIVOT = 0.1
 Strategy = Literal["substitute", "mixed", "schur", "square"]
 """Pairs while there are any; whatever is cheapest now; accelerations, then multipliers; what
 constraints alone determine, `codegen.lower.square`."""
-
-
-@dataclass(frozen=True)
-class Single:
-    """An eliminated unknown: x = inverse · right - Σ scaled · x_j."""
-
-    unknown: int
-    inverse: int
-    scaled: dict[int, int]
-    right: tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class Pair:
-    """A coordinate k and a constraint c that gives it: b x_k + Σ b across · x_j = b right_c."""
-
-    k: int
-    c: int
-    a: int
-    over_b: int
-    along: dict[int, int]
-    across: dict[int, int]
-    right_k: tuple[int, ...]
-    right_c: tuple[int, ...]
 
 
 @dataclass
@@ -83,6 +60,7 @@ class Elimination:
     references: dict[int, int] = field(default_factory=dict)
     located: list[tuple[int, int, bool]] = field(default_factory=list)
     checks: list[Check] = field(default_factory=list, init=False)
+    substitution: Substitution = field(init=False)
 
     def __post_init__(self) -> None:
         self._neighbours: dict[int, set[int]] = {i: set() for i in range(len(self.right[0]))}
@@ -92,7 +70,9 @@ class Elimination:
 
     def solve(self, strategy: Strategy) -> list[list[int]]:
         """Values of the unknowns, one list a right side."""
+        stated = dict(self.entries), [list(right) for right in self.right]
         steps: list[Single | Pair] = []
+        loop: Loop | None = None
         known: list[dict[int, int]] = [{} for _ in self.right]
         sizes = {c: self._row_size(c) for _, c, watched in self.located if watched}
         for k, c, watched in self.located:
@@ -101,11 +81,13 @@ class Elimination:
             steps.append(self._pair(k, c))
         while self._neighbours:
             if last := self._last_loop():
-                known = self._close_loop(*last)
+                loop = self._close_loop(*last)
+                known = [loop.solve(self.graph, right) for right in self.right]
                 break
             step = self._cheapest(strategy)
             steps.append(self._pair(*step) if len(step) == 2 else self._single(*step))
-        return [self._back_substitute(steps, n, x) for n, x in enumerate(known)]
+        self.substitution = Substitution(self.graph, *stated, steps, loop)
+        return [self.substitution.back(n, x) for n, x in enumerate(known)]
 
     # -- order -------------------------------------------------------------------------------
 
@@ -224,7 +206,7 @@ class Elimination:
         coupled = c in self._neighbours[i] and c in self._neighbours[j]
         return (i, j, c) if coupled and self._at(c, c) == self.graph.zero else None
 
-    def _close_loop(self, i: int, j: int, c: int) -> list[dict[int, int]]:
+    def _close_loop(self, i: int, j: int, c: int) -> Loop:
         """Solve [[a, b, u], [b, d, v], [u, v, 0]] by its adjugate: one division instead of three.
 
         The determinant is minus the positive definite form a v² - 2 b u v + d u².
@@ -239,31 +221,4 @@ class Elimination:
         if c in self.references:
             self.checks.append(Check(form, mul(area, self.references[c]), c))
         inverse = graph.div(graph.one, form)
-        solutions = []
-        for right in self.right:
-            across = sub(mul(v, right[i]), mul(u, right[j]))
-            x_i = graph.add(mul(minor_i, right[c]), mul(v, across))
-            x_j = sub(mul(minor_j, right[c]), mul(u, across))
-            force = graph.add(mul(minor_i, right[i]), mul(minor_j, right[j]))
-            force = sub(force, mul(area, right[c]))
-            solutions.append({i: mul(inverse, x_i), j: mul(inverse, x_j), c: mul(inverse, force)})
-        return solutions
-
-    def _back_substitute(
-        self, steps: list[Single | Pair], column: int, x: dict[int, int]
-    ) -> list[int]:
-        graph = self.graph
-        for step in reversed(steps):
-            if isinstance(step, Single):
-                first = graph.mul(step.inverse, step.right[column])
-                x[step.unknown] = self._less(first, step.scaled, x)
-            else:
-                x[step.k] = self._less(step.right_c[column], step.across, x)
-                force = graph.sub(step.right_k[column], graph.mul(step.a, x[step.k]))
-                x[step.c] = graph.mul(step.over_b, self._less(force, step.along, x))
-        return [x[i] for i in range(len(x))]
-
-    def _less(self, start: int, row: dict[int, int], x: dict[int, int]) -> int:
-        for j, factor in row.items():
-            start = self.graph.sub(start, self.graph.mul(factor, x[j]))
-        return start
+        return Loop(i, j, c, u, v, minor_i, minor_j, area, inverse)

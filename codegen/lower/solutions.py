@@ -2,6 +2,7 @@
 
 from itertools import combinations_with_replacement
 
+from codegen.declare.symbols import Parameter
 from codegen.lower.factorization import Elimination, Strategy
 from codegen.lower.friction import with_friction
 from codegen.lower.hoist import with_constants
@@ -9,6 +10,10 @@ from codegen.lower.ledger import cost
 from codegen.lower.program import STATE, Check, Kernel, Output, store
 from codegen.lower.scene_graph import SceneGraph
 from codegen.lower.square import Square
+
+FAR = 1e5
+"""Ratio of the largest to the smallest mass, or moment of inertia, from which on solutions are
+refined: an elimination that divides by the wrong ones loses as many digits as the ratio has."""
 
 
 def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Strategy]:
@@ -31,10 +36,28 @@ def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Str
         program = with_constants(scene.graph, (kernel,), len(scene.equations.parameters))
         trials.append((cost(program, program.kernels[-1]), kernel, strategy))
     _, kernel, strategy = min(trials, key=lambda trial: trial[0])
+    if _spread(scene) >= FAR:
+        kernel = _dynamics(scene, strategy, rows, refine=True)
     return kernel, strategy
 
 
-def _dynamics(scene: SceneGraph, strategy: Strategy, rows: tuple[int, ...] | None = None) -> Kernel:
+def _spread(scene: SceneGraph) -> float:
+    """Largest ratio of two masses, or of two moments of inertia, as declared."""
+    declared = {Parameter(p.name, real=True): p.value for p in scene.equations.parameters}
+    sizes: dict[str, list[float]] = {}
+    for q, mass in zip(scene.equations.coordinates, scene.equations.masses, strict=False):
+        size = float(mass.subs(declared))
+        if size > 0.0:
+            sizes.setdefault(q.unit, []).append(size)
+    return max((max(found) / min(found) for found in sizes.values()), default=1.0)
+
+
+def _dynamics(
+    scene: SceneGraph,
+    strategy: Strategy,
+    rows: tuple[int, ...] | None = None,
+    refine: bool = False,
+) -> Kernel:
     n, graph = scene.n, scene.graph
     entries = {(k, k): mass for k, mass in enumerate(scene.masses) if mass != graph.zero}
     references: dict[int, int] = {}
@@ -56,7 +79,10 @@ def _dynamics(scene: SceneGraph, strategy: Strategy, rows: tuple[int, ...] | Non
             references,
             located,
         )
-        solution, rubbing = with_friction(scene, system.solve(strategy))
+        columns = system.solve(strategy)
+        if refine:
+            columns = [system.substitution.refined(k, x) for k, x in enumerate(columns)]
+        solution, rubbing = with_friction(scene, columns)
     outputs = store("a", solution[:n], [q.rate.name for q in scene.equations.coordinates])
     names = scene.row_names()
     told = range(scene.m) if rows is None else rows

@@ -15,7 +15,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from models.hard.cases import CASES, GROUPS, find
 from models.hard.suite.case import Case
-from models.hard.suite.cell import WAYS, Cell, Verdict, Way
+from models.hard.suite.cell import WAYS, Cell, Verdict, Way, suits
 from models.hard.suite.page import markdown
 from models.hard.suite.worker import LIMIT, Worker
 
@@ -81,7 +81,13 @@ def tolerances(case: Case, quick: bool) -> tuple[float, ...]:
 
 def run_all(cases: list[Case], ways: list[Way], quick: bool, limit: float) -> Iterator[Cell]:
     """Every cell, in the order of the page, with a bar."""
-    asked = [(c, way, rtol) for c in cases for way in ways for rtol in tolerances(c, quick)]
+    asked = [
+        (c, way, rtol)
+        for c in cases
+        for way in ways
+        if suits(c, way)
+        for rtol in tolerances(c, quick)
+    ]
     worker = Worker(find, limit)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
     with Progress(*columns, TimeElapsedColumn(), console=console, transient=True) as bar:

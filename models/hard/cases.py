@@ -1,15 +1,15 @@
 """The cases, in the order of the page. A group of them is a module of `suite`.
 
-Further groups, of singular positions, redundant constraints, friction and contact, are added to
-`CASES` in the same way: a module with a tuple of `Case`.
+A further group is added to `GROUPS`: a module with a tuple of `Case`.
 """
 
-from models.hard.suite import edges, long_runs, loops, springs, surfaces, switches
+from models.hard.suite import edges, long_runs, loops, singular, springs, surfaces, switches
 from models.hard.suite.case import Case
 
 GROUPS: dict[str, tuple[Case, ...]] = {
     "Long runs": long_runs.CASES,
     "Loops and masses": loops.CASES,
+    "Singular and redundant": singular.CASES,
     "Springs": springs.CASES,
     "Switching": switches.CASES,
     "Surfaces": surfaces.CASES,

@@ -19,14 +19,18 @@ Scenes
 ------
 fall
     The motion from the upright position.
+driven
+    The first crank turned at constant speed. With an excess, either way, the second loop cannot
+    pass: where its crank's pin comes as near to A2 as the bars' lengths differ, it locks up.
 """
 
 from math import pi
 
-from codegen import Model
+from codegen import Model, t
 
 model = Model("five_bar", gravity=(0, -9.81))
 excess = model.parameter("excess", 0.0, unit="m")
+drive_speed = model.parameter("drive_speed", 2 * pi, unit="rad/s")
 last = 1 + excess
 
 cranks = [model.body(f"crank_{k}", mass=1.0, inertia=1 / 12) for k in range(3)]
@@ -38,6 +42,7 @@ for k, coupler in enumerate(couplers, 1):
     length = last if k == 2 else 1.0
     model.revolute(f"B{k - 1}", cranks[k - 1].at(0.5, 0), coupler.at(-0.5, 0))
     model.revolute(f"C{k}", cranks[k].at(length / 2, 0), coupler.at(0.5, 0))
+model.driver("crank_drive", cranks[0].phi, pi / 2 - drive_speed * t)
 
 guess = {}
 for k, crank in enumerate(cranks):
@@ -47,3 +52,4 @@ for k, coupler in enumerate(couplers, 1):
 held = {cranks[0].phi: pi / 2, cranks[0].omega: -1.0}
 free = {name: value for name, value in guess.items() if name not in held}
 model.scene("fall", ["gravity"], start=held, guess=free)
+model.scene("driven", ["gravity"], ["crank_drive"], guess=guess)

@@ -15,7 +15,14 @@ from codegen.errors import AssemblyError, RedundancyError
 from runtime.analyses.closing import CLOSED, Closing, Task, close
 from runtime.analyses.door import number
 from runtime.analyses.equations import Equations, FloatArray
-from runtime.analyses.redundancy import Dependency, Findings, inspect, structural
+from runtime.analyses.redundancy import (
+    Dependency,
+    Findings,
+    inspect,
+    overdetermined,
+    structural,
+    undetermined,
+)
 from runtime.description import Coordinate, Table, unknown
 
 if TYPE_CHECKING:
@@ -42,6 +49,19 @@ class Moved(NamedTuple):
         return self.reached - self.asked
 
 
+class Redundant(NamedTuple):
+    """A constraint that follows from others: its name and joint, and the joints of those."""
+
+    name: str
+    element: str
+    follows_from: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """The finding as a sentence."""
+        origin = f"follows from {', '.join(self.follows_from)}" if self.follows_from else "is empty"
+        return f"Constraint {self.name} is redundant and consistent: it {origin}."
+
+
 @dataclass(frozen=True)
 class Assembly:
     """An assembled state at time t.
@@ -56,6 +76,12 @@ class Assembly:
         Coordinates and velocities that had to leave their start values.
     singular
         Constraints that are dependent at this position only, as at a dead centre.
+    redundant
+        Constraints that follow from others wherever the machine stands; the machine runs with them.
+    not_unique
+        Joints and drivers whose reactions the equations of motion leave open because of them.
+    independent
+        Indices of the other constraints, shape (rank,).
     """
 
     t: float
@@ -66,6 +92,9 @@ class Assembly:
     moved: tuple[Moved, ...]
     degrees_of_freedom: int
     singular: tuple[str, ...] = ()
+    redundant: tuple[Redundant, ...] = ()
+    not_unique: tuple[str, ...] = ()
+    independent: tuple[int, ...] = ()
     coordinates: Table[Coordinate] = field(default=Table(), repr=False)
 
     def __getitem__(self, name: str) -> float:
@@ -90,6 +119,9 @@ class Assembly:
         ]
         if self.singular:
             lines.append(f"  Singular position: {', '.join(self.singular)} have no hold here.")
+        lines += [f"  {row}" for row in self.redundant]
+        if self.not_unique:
+            lines.append(f"  Not unique: the reactions of {', '.join(self.not_unique)}.")
         return "\n".join(lines)
 
 
@@ -176,8 +208,8 @@ def assemble(
     closing = close(task, start.q)
     if not closing.closed:
         raise _why_open(machine, task, start, closing, units)
-    findings = inspect(task, closing.q, drivers)
-    if findings.lasting:
+    findings = inspect(task, closing.q, drivers, start.v)
+    if any(drivers[row] for row, _ in findings.lasting):
         raise _redundancy(machine, findings.lasting, drivers, findings.rank, "consistent")
     v, velocity_gaps = _velocities(machine, task, start, closing.q)
     return _report(machine, task, start, closing, v, velocity_gaps, findings, units)
@@ -242,7 +274,7 @@ def _why_open(
     """The error that tells why the joints do not close."""
     told = machine.description
     drivers = told.driver_rows
-    doubled = structural(task, closing.q, drivers)
+    doubled = structural(task, closing.q, drivers) or overdetermined(task, closing.q, drivers)
     if doubled:
         found = len(task.rows) - int(drivers.sum()) - len(doubled)
         return _redundancy(machine, doubled, drivers, found, "contradictory", closing.phi)
@@ -346,7 +378,16 @@ def _report(
             for name, asked, reached, unit in pairs
             if abs(reached - asked) > small * max(1.0, abs(reached))
         ]
-    names = machine.constraints.names
+    table = machine.constraints
+    names = table.names
+    redundant = tuple(
+        Redundant(
+            names[row], table[row].element, tuple(sorted({table[k].element for k in sources}))
+        )
+        for row, sources in findings.lasting
+    )
+    lost = {found.row for found in findings.lasting}
+    shares = undetermined(task, closing.q) if redundant else ()
 
     def by_element(values: FloatArray) -> dict[str, float]:
         largest: dict[str, float] = {}
@@ -363,5 +404,8 @@ def _report(
         moved=tuple(moved),
         degrees_of_freedom=len(machine.coordinates) - findings.rank,
         singular=tuple(names[found.row] for found in findings.here_only),
+        redundant=redundant,
+        not_unique=tuple(dict.fromkeys(table[row].element for row in shares)),
+        independent=tuple(row for row in range(len(names)) if row not in lost),
         coordinates=machine.coordinates,
     )

@@ -101,6 +101,12 @@ def refine(task: Task, q: FloatArray) -> FloatArray:
     return at(found)
 
 
+def nearest(task: Task, q: FloatArray) -> FloatArray:
+    """About the nearest position to q in which the joints close, all weighing the same."""
+    even = task._replace(weight=np.ones_like(q))
+    return _minimise(even, q, q, float(_PENALTIES[-1]))
+
+
 def _minimise(task: Task, origin: FloatArray, q: FloatArray, penalty: float) -> FloatArray:
     """Levenberg-Marquardt on the penalised sum of squares."""
     root = np.sqrt(penalty)

@@ -13,7 +13,9 @@ from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.kinematics import instants
 from runtime.analyses.magnitudes import magnitudes
 from runtime.analyses.masses import require_masses
+from runtime.analyses.meeting import passed
 from runtime.analyses.outputs import evaluate
+from runtime.analyses.redundant import projecting, sound, spared
 from runtime.analyses.surfaces import require_apart
 from runtime.analyses.work import laid, with_works
 from runtime.integrate.problem import Correction, Options, Problem, System, Trajectory
@@ -21,47 +23,11 @@ from runtime.integrate.run import integrate
 from runtime.integrate.tables import IMPLICIT
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
+from runtime.results.events import Event
 from runtime.results.result import Result
 
 if TYPE_CHECKING:
     from runtime.machine import Machine, Values
-
-
-WORDS = {1: "began", -1: "ceased", 0: "holds", 2: "impact"}
-
-
-class Event(NamedTuple):
-    """A switching condition changed, or a contact was struck.
-
-    Attributes
-    ----------
-    name
-        `effect: condition`.
-    time
-        In s; where bouncing ends, the instant at which its last flight would.
-    direction
-        1: the condition began to hold, or a contact opened; -1: it ceased; 0: from now on the
-        motion stays on its boundary: it slides there, friction sticks, or a contact is closed;
-        2: an impact, after which the contact is open.
-    q, v
-        State, shape (n,); after an impact, the velocities that it leaves.
-    """
-
-    name: str
-    time: float
-    direction: int
-    q: FloatArray
-    v: FloatArray
-
-    @property
-    def what(self) -> str:
-        """The direction in a word: began, ceased, holds or impact."""
-        return WORDS[self.direction]
-
-    @property
-    def state(self) -> FloatArray:
-        """q and v in one array, shape (2 n,)."""
-        return np.concatenate([self.q, self.v])
 
 
 class Partition(NamedTuple):
@@ -139,6 +105,9 @@ def simulate(
     p = machine.parameter_values(parameters)
     require_masses(machine, p)
     begin = start if start is not None else assemble(machine, guess, parameters, t_start)
+    machine = sound(machine, begin)
+    if begin.redundant:
+        correction = projecting(machine, begin, method, correction)
     equations = Equations(machine, p)
     sizes = magnitudes(equations, begin.t, begin.q)
     require_apart(machine, p, begin.t, begin.q, begin.v, float(sizes.min(initial=1.0)))
@@ -176,11 +145,13 @@ def simulate(
             lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
         )
 
-    if told.working:
-        plan = laid(begin.t, run(None).t, times)
-        found = with_works(_result(machine, run(plan.instants), p, began), plan)
-    else:
-        found = _result(machine, run(times), p, began)
+    plan = laid(begin.t, run(None).t, times) if told.working else None
+    trajectory = run(plan.instants if plan else times)
+    found = _result(machine, trajectory, p, began, begin)
+    if plan:
+        found = with_works(found, plan)
+    crossings = trajectory.crossings
+    found.singular = tuple(passed(equations, begin.t, begin.q, problem.scale, crossings))
     found.message += carried(machine, begin.degrees_of_freedom)
     return found
 
@@ -203,7 +174,9 @@ def _mobility(equations: Equations, q: FloatArray) -> FloatArray:
     return 1.0 / np.sqrt(np.where(heavy, inertia, 0.01 * inertia[heavy].min()))
 
 
-def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) -> Result:
+def _result(
+    machine: "Machine", run: Trajectory, p: FloatArray, began: float, begin: Assembly
+) -> Result:
     """Outputs at the samples; a run that stopped early gets its last state as one more."""
     t, q, v, modes = run.t, run.q, run.v, run.modes
     if run.outcome is not Outcome.OK and (len(t) == 0 or run.final_t > t[-1]):
@@ -257,10 +230,11 @@ def _result(machine: "Machine", run: Trajectory, p: FloatArray, began: float) ->
         p,
         analysis="simulation",
         outcome=run.outcome,
-        message=_message(machine, run),
+        message=_message(machine, run) + spared(begin),
         stats=stats,
         events=events,
         partitions=partitions,
+        not_unique=begin.not_unique,
     )
 
 
@@ -273,10 +247,33 @@ def _changes(run: Trajectory) -> str:
     return f" Methods: {', '.join(shown)}{f', and {rest} more changes' if rest else ''}."
 
 
+def _crossed(machine: "Machine", run: Trajectory) -> str:
+    """Which singular positions were passed, and what it cost, where there were any."""
+    if not run.crossings:
+        return ""
+    first = run.crossings[0]
+    worst = max(run.crossings, key=lambda crossing: crossing.error)
+    count = len(run.crossings)
+    told = (
+        f" Passed {count} singular position{'s' if count > 1 else ''} on the branch on which the "
+        f"velocity is continuous, the first at t = {first.t:.6g} s, where "
+        f"{machine.constraints.names[first.row]} lost its hold."
+    )
+    if worst.error > 1.0:
+        told += (
+            f" Rounding there exceeds rtol: the step at t = {worst.t:.6g} s may err by "
+            f"{worst.error:.1g} times the tolerance."
+        )
+    return told
+
+
 def _message(machine: "Machine", run: Trajectory) -> str:
     """How the run ended, with its time and the element concerned."""
     if run.outcome is Outcome.OK:
-        return f"Reached t = {run.final_t:g} s in {run.statistics.steps} steps.{_changes(run)}"
+        return (
+            f"Reached t = {run.final_t:g} s in {run.statistics.steps} steps."
+            f"{_changes(run)}{_crossed(machine, run)}"
+        )
     told = machine.description
     where = ""
     if run.index >= 0:

@@ -28,6 +28,7 @@ class Equations:
         self.kernels = machine.kernels
         self.table = machine.kernel_table
         self.p = p
+        self.independent = np.array(machine.independent, dtype=np.int64)
         self.n = len(machine.coordinates)
         self.m = len(machine.constraints)
 

@@ -1,7 +1,7 @@
 """Equilibrium: where the machine rests, whether it would stay there, and what its joints carry."""
 
 import time as clock
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.masses import require_masses
 from runtime.analyses.outputs import evaluate
 from runtime.analyses.reduced import Rest
+from runtime.analyses.redundant import sound, spared
 from runtime.analyses.stability import Judgement, Stability, judge
 from runtime.analyses.surfaces import require_no_rigid, require_no_sticking
 from runtime.outcomes import Outcome
@@ -55,6 +56,7 @@ class Equilibrium(Result):
         outcome: Outcome,
         message: str,
         stats: Mapping[str, float],
+        not_unique: Sequence[str] = (),
     ) -> None:
         super().__init__(
             machine,
@@ -64,6 +66,7 @@ class Equilibrium(Result):
             outcome=outcome,
             message=message,
             stats=stats,
+            not_unique=not_unique,
         )
         self.stability = judged.stability
         self.stiffness = judged.stiffness
@@ -127,6 +130,7 @@ def equilibrium(
             f"{told.title}: 0 degrees of freedom are left{drivers}, so there is nothing to "
             f"balance. Leave the drivers out of the scene, or ask for inverse dynamics."
         )
+    machine = sound(machine, start)
     equations = Equations(machine, p)
     _require_finite(equations, float(t), start.q)
     rest = Rest(equations, float(t), equations.scale(equations.size(t, start.q)))
@@ -171,8 +175,9 @@ def equilibrium(
         judged=judged,
         gradient=found.unbalanced,
         outcome=Outcome.OK if found.balanced else Outcome.UNBALANCED,
-        message=_message(machine, found, judged, ran),
+        message=_message(machine, found, judged, ran) + spared(start),
         stats=stats,
+        not_unique=start.not_unique,
     )
 
 

@@ -54,13 +54,19 @@ class Rest:
         self.evaluations = 0
 
     def partition(self, q: FloatArray) -> Partition:
-        """Choose independent coordinates at q by full pivoting."""
+        """Choose independent coordinates at q by full pivoting.
+
+        Redundant constraints have no say: off the others they seem to be independent of them.
+        """
         equations = self.equations
-        dense = equations.jacobian(self.t, q)
-        rows = np.zeros(equations.m, dtype=np.int64)
+        suffice = equations.independent
+        dense = equations.jacobian(self.t, q)[suffice]
+        rows = np.zeros(len(suffice), dtype=np.int64)
         columns = np.zeros(equations.n, dtype=np.int64)
         rank = int(eliminate(dense, self.scale, rows, columns))
-        return Partition(np.sort(columns[:rank]), np.sort(columns[rank:]), np.sort(rows[:rank]))
+        return Partition(
+            np.sort(columns[:rank]), np.sort(columns[rank:]), np.sort(suffice[rows[:rank]])
+        )
 
     def close(self, q: FloatArray, part: Partition) -> FloatArray | None:
         """Newton's method for the dependent coordinates; None where it does not converge."""

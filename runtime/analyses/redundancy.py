@@ -9,10 +9,12 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.analyses.closing import CLOSED, Task, refine
+from runtime.analyses.closing import CLOSED, Task, nearest, refine
 from runtime.analyses.equations import FloatArray
 
 RANK_TOLERANCE = 1e-6  # below this a direction is lost; an assembled dead centre is good to 1e-8
+_SIZES = (0.02, -0.05, 0.1, 0.02, -0.05, 0.1, -0.2)  # scaled lengths of the ways that are tried
+_APART = 1e-3  # scaled distance at which what is lost at a position only is no longer lost
 
 
 class Dependency(NamedTuple):
@@ -68,23 +70,28 @@ class Findings(NamedTuple):
     rank: int
 
 
-def inspect(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]) -> Findings:
+def inspect(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_], v: FloatArray) -> Findings:
     """Look for dependent constraints at an assembled position.
 
     A dependency that disappears when the machine is moved a little along its own motion belongs
-    to the position (a dead centre); one that stays is a redundancy.
+    to the position (a dead centre); one that stays is a redundancy. The velocities `v` asked for
+    are one motion, if the joints allow them; others are tried too.
     """
     order = [int(row) for row in np.argsort(drivers, kind="stable")]
     here = dependent_rows(_scaled(task, q), order)
     if not here:
         return Findings([], [], len(order))
     lasting = here
-    for moved in _neighbours(task, q, drivers):
-        there = {found.row for found in dependent_rows(_scaled(task, moved), order)}
+    for moved in _neighbours(task, q, drivers, v):
+        there = dependent_rows(_scaled(task, moved), order)
         if len(there) < len(lasting):
-            lasting = [found for found in lasting if found.row in there][: len(there)]
-    here_only = [found for found in here if found not in lasting]
-    return Findings(lasting, here_only, len(order) - len(lasting))
+            lasting = there
+    if len(lasting) == len(here):
+        return Findings(here, [], len(order) - len(here))
+    # Which row of a dependency comes last may differ here: those that follow elsewhere go first.
+    lost = {found.row for found in lasting}
+    rows = [row for row in order if row not in lost]
+    return Findings(lasting, dependent_rows(_scaled(task, q), rows), len(rows))
 
 
 def structural(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]) -> list[Dependency]:
@@ -107,7 +114,30 @@ def _scaled(task: Task, q: FloatArray) -> FloatArray:
     return matrix
 
 
-def _neighbours(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]) -> list[FloatArray]:
+def overdetermined(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]) -> list[Dependency]:
+    """Dependencies among more joints than coordinates, where they come nearest to closing.
+
+    What is left of constraints that contradict each other is a combination that no motion changes.
+    """
+    if int((~drivers).sum()) <= len(q):
+        return []
+    order = [int(row) for row in np.flatnonzero(~drivers)]
+    return dependent_rows(_scaled(task, q), order)
+
+
+def undetermined(task: Task, q: FloatArray) -> list[int]:
+    """Constraints whose multipliers the equations of motion leave open: rows in dependencies."""
+    matrix = _scaled(task, q)
+    matrix = matrix / np.maximum(np.linalg.norm(matrix, axis=1), 1e-300)[:, None]
+    left, values, _ = np.linalg.svd(matrix)
+    rank = int(np.sum(values > RANK_TOLERANCE))
+    shares = np.abs(left[:, rank:]).max(axis=1, initial=0.0)
+    return [int(row) for row in np.flatnonzero(shares > RANK_TOLERANCE)]
+
+
+def _neighbours(
+    task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_], v: FloatArray
+) -> list[FloatArray]:
     """Assembled positions a little way off, along the motion that the joints leave."""
     joints = task._replace(rows=~drivers, free=np.ones(len(q), dtype=np.bool_))
     matrix = joints.slopes(q)
@@ -119,12 +149,17 @@ def _neighbours(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]) -> li
         motions = np.eye(len(q))
     found = []
     random = np.random.default_rng(3)
-    for size in (0.02, -0.05, 0.1):
+    asked = motions.T @ (motions @ (v / task.scale))
+    tried = [asked, asked] if np.linalg.norm(asked) > 0.0 else []
+    tried += [random.normal(size=len(motions)) @ motions for _ in _SIZES[2:]]
+    for direction, size in zip(tried, _SIZES, strict=False):
         if not len(motions):
             break
-        direction = random.normal(size=len(motions)) @ motions
-        moved = refine(joints, q + size * direction / np.linalg.norm(direction) * task.scale)
-        apart = float(np.abs((moved - q) / task.scale).max())
-        if np.abs(joints.gaps(moved)).max(initial=0.0) <= CLOSED and apart > 1e-4:
-            found.append(moved)
+        begin = q + size * direction / np.linalg.norm(direction) * task.scale
+        # Newton's method may fall back into q where motions cross; the nearest point does not.
+        for moved in (refine(joints, begin), refine(joints, nearest(joints, begin))):
+            apart = float(np.abs((moved - q) / task.scale).max())
+            if np.abs(joints.gaps(moved)).max(initial=0.0) <= CLOSED and apart > _APART:
+                found.append(moved)
+                break
     return found

@@ -4,6 +4,10 @@ Each step predicts q from position, velocity and acceleration and corrects it by
 A step is halved where the prediction is poor, so that the machine stays on its branch however far
 apart the instants lie, and where Newton's method fails, so that a lock-up is approached to the
 last position at which the machine still assembles.
+
+Now and then the pivots of Phi_q are looked at (`looking`): a step can be so long that it lands on
+another assembly of the machine. That takes the walk back to where it was last known to be right,
+and is reported.
 """
 
 from typing import Any
@@ -11,17 +15,34 @@ from typing import Any
 import numpy as np
 from numba import types
 
+from runtime.analyses.looking import (
+    BARRIER,
+    LEAST,
+    LOOK_MARK,
+    LOOK_Q,
+    LOOK_T,
+    LOOK_V,
+    MARGIN,
+    MARK,
+    NEWTON,
+    REJECTED,
+    STEP,
+    STEPS,
+    TRAVEL,
+    T,
+    look,
+    suspicious,
+)
 from runtime.compiled import ADDRESSES, compiled
-from runtime.kernels import FETCH, MATRIX, MODES, SCALAR, TYPES, VECTOR
+from runtime.kernels import FETCH, MATRIX, MODE_ROWS, MODES, SCALAR, TYPES, VECTOR
 
-DONE, STUCK = 0, 1
-# Places in the record that a walk leaves behind.
-T, STEP, STEPS, REJECTED, NEWTON, MARK, RECORD = 0, 1, 2, 3, 4, 5, 6
+DONE, STUCK, SUSPECT, ARRIVED = 0, 1, 2, 3
 
 _PREDICTED = 0.05  # largest scaled error of a prediction that is trusted to name the branch
 _TRAVEL = 0.5  # largest scaled motion of one step
 correction_of = FETCH["correction"]
 accelerations_of = FETCH["accelerations"]
+jacobian_of = FETCH["jacobian"]
 
 
 @compiled(
@@ -95,6 +116,11 @@ def settle(
         MATRIX,
         VECTOR,
         MATRIX,
+        MODE_ROWS,
+        VECTOR,
+        MATRIX,
+        MATRIX,
+        MODE_ROWS,
     ),
 )
 def walk(
@@ -112,17 +138,32 @@ def walk(
     v_out: Any,
     record: Any,
     work: Any,
+    sparse: Any,
+    values: Any,
+    dense: Any,
+    pivots: Any,
+    orders: Any,
 ) -> int:
     """Advance the state (q, v, a, at record[T]) through `times` and store it at each.
 
-    record[MARK] counts the instants done. Returns DONE, or STUCK with the state at the last
-    position reached.
+    record[MARK] counts the instants done. `sparse` (2, nnz) holds rows and columns of Phi_q;
+    `values` (nnz,), `dense` (m, n), `pivots` (3, m) and `orders` (2, m) are work arrays that, like
+    the record, stay as they are between calls.
+
+    Returns DONE; STUCK with the state at the last position reached; SUSPECT with the state where
+    the pivots were last good, where they were not at record[END]; ARRIVED at the barrier.
     """
     correction = correction_of(kernels)
     accelerations = accelerations_of(kernels)
+    jacobian = jacobian_of(kernels)
     n = len(q)
     q_new, v_new, dq, dv, info = work[0], work[1], work[2], work[3], work[4]
+    order, spare = orders[0], orders[1]
     done = int(record[MARK])
+    if record[LEAST] < 0.0:
+        look(
+            jacobian, record[T], q, v, p, scale, sparse, values, dense, pivots, order, record, work
+        )
     while done < len(times):
         target = times[done]
         t = record[T]
@@ -133,10 +174,15 @@ def walk(
             done += 1
             record[MARK] = done
             continue
+        if t == record[BARRIER]:
+            return ARRIVED
         speed = 0.0
         for i in range(n):
             speed = max(speed, abs(v[i]) / scale[i])
         sign = 1.0 if target > t else -1.0
+        barred = (target - record[BARRIER]) * sign > 0.0 and (record[BARRIER] - t) * sign > 0.0
+        if barred:
+            target = record[BARRIER]
         step = min(record[STEP], _TRAVEL / max(speed, 1e-300))
         last = step >= abs(target - t)
         new = target if last else t + sign * step
@@ -160,11 +206,29 @@ def walk(
             if abs(h) <= 1e-15 * max(abs(t), abs(target)):
                 return STUCK
             continue
+        travel = 0.0
         for i in range(n):
+            travel = max(travel, abs(q_new[i] - q[i]) / scale[i])
             q[i] = q_new[i]
             v[i] = v_new[i]
         record[T] = new
         record[STEPS] += 1.0
+        record[TRAVEL] += travel
         if info[0] < 0.2 * _PREDICTED:
             record[STEP] = max(record[STEP], 2.0 * abs(h))
+        ends = last and (barred or done + 1 == len(times))
+        if record[TRAVEL] < MARGIN * record[LEAST] and not ends:
+            continue
+        if suspicious(
+            jacobian, new, q, p, scale, sparse, values, dense, pivots, order, spare, record, work
+        ):
+            for i in range(n):
+                q[i] = work[LOOK_Q, i]
+                v[i] = work[LOOK_V, i]
+            record[T] = record[LOOK_T]
+            record[MARK] = record[LOOK_MARK]
+            accelerations(record[T], q, v, p, modes, a, lam)
+            record[TRAVEL] = np.inf
+            return SUSPECT
+        look(jacobian, new, q, v, p, scale, sparse, values, dense, pivots, order, record, work)
     return DONE

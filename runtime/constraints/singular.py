@@ -32,6 +32,8 @@ _CONVERGED = 1e-12
 _KNOWN = 0.02  # Jacobians that differ by no more than this share their singular vectors
 _PASSES = 3
 _SAME = 0.05  # of the way there: a motion that comes as near to a known position passes it
+_ROUNDED = 1e-13  # a gap of unit rows that is none
+_CLEARLY = 1e-3  # of a gap: a gap that is another's
 _DIFFERENCE = 6e-6  # eps ** (1/3), the relative size of a central difference
 
 
@@ -207,16 +209,16 @@ class Positions:
         if not 0.0 < speed < np.inf:
             return None
         search = _Search(self, motion, speed)
-        found = None
-        for _ in range(_PASSES):
-            found = search.around(s)
-            if found is None:
-                return None
-            before, s = s, search.nearest(found.z, s)
-            # With one freedom the position is one point, wherever the search for it began.
-            if found.freedom <= 1 or abs(s - before) * speed < 1e-6:
+        best = None
+        # Where more is weak than the motion loses, it misses the position in which all of it would
+        # be lost, and may meet one close by in which less is.
+        for weak in range(search.weak(s), 0, -1):
+            found = search.met(s, weak)
+            if found is not None and (best is None or found.gap < _CLEARLY * best.gap):
+                best = found
+            if best is not None and best.gap <= _ROUNDED:
                 break
-        return search.described(found, s) if found is not None else None
+        return best
 
     def again(self, motion: Motion, known: Singularity) -> Singularity | None:
         """A known singular position as a later look at the motion sees it."""
@@ -305,15 +307,23 @@ class _Search:
             s -= float(away @ rate) / float(rate @ rate)
         return s
 
-    def around(self, s: float) -> _Root | None:
-        """The singular position nearest to where the motion is after the time s."""
-        z = self.at(s)
-        frame = self.positions.frame(self.matrix(z))
-        for weak in range(frame.weak, 0, -1):
-            found = self._root(z, frame, weak)
-            if found is not None:
-                return found
-        return None
+    def weak(self, s: float) -> int:
+        """How many constraints might be lost about where the motion is after the time s."""
+        return self.positions.frame(self.matrix(self.at(s))).weak
+
+    def met(self, s: float, weak: int) -> Singularity | None:
+        """The position about there in which `weak` constraints are lost; None where none is."""
+        found = None
+        for _ in range(_PASSES):
+            z = self.at(s)
+            found = self._root(z, self.positions.frame(self.matrix(z)), weak)
+            if found is None:
+                return None
+            before, s = s, self.nearest(found.z, s)
+            # With one freedom the position is one point, wherever the search for it began.
+            if found.freedom <= 1 or abs(s - before) * self.speed < 1e-6:
+                break
+        return self.described(found, s) if found is not None else None
 
     def _root(self, z: FloatArray, frame: _Frame, weak: int) -> _Root | None:
         """Gauss-Newton for a position where `weak` constraints are lost; None where it fails."""

@@ -9,7 +9,8 @@ pivot that changes sign in between announces a singular position.
 import numpy as np
 
 from runtime.compiled import compiled, inner
-from runtime.integrate.signatures import VANISHING, Integers, Kernel, Matrix, Vector
+from runtime.constraints.elimination import REDUNDANT, fill, reduce
+from runtime.integrate.signatures import VANISHING, Integers, Vector
 from runtime.integrate.slots import (
     CONSTRAINT_COUNT,
     DENSE_JACOBIAN,
@@ -19,76 +20,25 @@ from runtime.integrate.slots import (
     NONZEROS,
     PIVOT_COLUMNS,
     PIVOTS,
+    RANK,
     jacobian_of,
 )
 from runtime.integrate.views import floats_at, integers_at, matrix_at, view
 from runtime.integrate.workspace import PARTITION, ROWS, SAMPLE, SIZE, Y0, K, Run
 
 BEHIND, AHEAD = 0.1, 2.5  # of a step: how far back and ahead is looked
-_FORESIGHT = 0.1  # of the coordinates' sizes: what is nearer matters to the finest tolerances
 _REACH = 0.5  # of the coordinates' sizes: how far a motion is continued
 _MARGIN = 0.5  # of the time in which a pivot could vanish: when to look again
 _TRUST = 0.5  # of the time over which nothing announced itself: when to look again
 _NEAR = 1e-5  # a pivot that counts as small in any case
 _EPS = 2.2e-16
-_REDUNDANT = 1e-8  # a row whose pivot is below this at both places says what others say
-
-
-@inner
-def _fill(
-    jacobian: Kernel,
-    t: float,
-    q: Vector,
-    p: Vector,
-    scale: Vector,
-    rows: Integers,
-    columns: Integers,
-    values: Vector,
-    dense: Matrix,
-) -> None:
-    jacobian(t, q, p, values)
-    dense[:, :] = 0.0
-    for k in range(rows.size):
-        dense[rows[k], columns[k]] += values[k] * scale[columns[k]]
-    m, n = dense.shape
-    for i in range(m):
-        total = 0.0
-        for j in range(n):
-            total += dense[i, j] ** 2
-        if total > 0.0:
-            inverse = 1.0 / np.sqrt(total)
-            for j in range(n):
-                dense[i, j] *= inverse
-
-
-@inner
-def _reduce(dense: Matrix, order: Integers, pivots: Vector, search: int) -> None:
-    """Reduce row by row; `order` holds the column of each row's pivot, found where asked for."""
-    m, n = dense.shape
-    for i in range(m):
-        if search != 0:
-            order[i] = 0
-            for j in range(1, n):
-                if abs(dense[i, j]) > abs(dense[i, order[i]]):
-                    order[i] = j
-        column = order[i]
-        pivot = dense[i, column]
-        pivots[i] = pivot
-        if abs(pivot) <= _REDUNDANT:
-            continue
-        for k in range(i + 1, m):
-            if dense[k, column] != 0.0:
-                ratio = dense[k, column] / pivot
-                for j in range(n):
-                    if dense[i, j] != 0.0:
-                        dense[k, j] -= ratio * dense[i, j]
 
 
 @inner
 def _smallest(pivots: Vector) -> float:
     least = 1.0
     for i in range(pivots.size):
-        if _REDUNDANT < abs(pivots[i]) < least:
+        if REDUNDANT < abs(pivots[i]) < least:
             least = abs(pivots[i])
     return least
 
@@ -128,7 +78,7 @@ def vanishing(
     for j in range(n):
         haste = max(haste, abs(view(w, K * 2 * n + n, n)[j]) / size[j])
         speed = max(speed, abs(v[j]) / size[j], abs(view(w, state * 2 * n + n, n)[j]) / size[j])
-    span, back, ahead = h, 0.0, max(AHEAD * h, _FORESIGHT / max(speed, 1e-300))
+    span, back, ahead = h, 0.0, max(AHEAD * h, r.foresight / max(speed, 1e-300))
     if state == Y0:
         # Rounding fails steps that are shorter and shorter within this distance, on either side.
         noisy = np.cbrt(_EPS / r.rtol) / max(speed, 1e-300)
@@ -136,15 +86,17 @@ def vanishing(
         span = min(h, _REACH / max(speed, 1e-300))
     for j in range(n):
         moved[j] = q[j] + span * v[j] if state == Y0 else end[j]
-    _fill(jacobian, t, q, p, scale, rows, columns, values, dense)
-    _reduce(dense, order, now, 1)
-    _fill(jacobian, t + span, moved, p, scale, rows, columns, values, dense)
-    _reduce(dense, order, later, 0)
+    fill(jacobian, t, q, p, scale, rows, columns, values, dense)
+    reduce(dense, order, now, 1)
+    fill(jacobian, t + span, moved, p, scale, rows, columns, values, dense)
+    reduce(dense, order, later, 0)
     nearest = np.inf
     for i in range(m):
         change = later[i] - now[i]
-        if max(abs(now[i]), abs(later[i])) <= _REDUNDANT or change == 0.0:
+        if max(abs(now[i]), abs(later[i])) <= REDUNDANT or change == 0.0:
             continue
+        if abs(now[i]) <= REDUNDANT and machine[RANK] < m:
+            continue  # it follows from others wherever these hold
         s = -now[i] * span / change
         if back <= s <= ahead and abs(s) < abs(nearest):
             nearest = s
@@ -156,11 +108,11 @@ def vanishing(
         # With an order of pivots of its own, is this position as poor as it seems?
         for j in range(n):
             moved[j] = q[j] + nearest / span * (moved[j] - q[j])
-        _fill(jacobian, t + nearest, moved, p, scale, rows, columns, values, dense)
-        _reduce(dense, order, later, 1)
+        fill(jacobian, t + nearest, moved, p, scale, rows, columns, values, dense)
+        reduce(dense, order, later, 1)
         least = 1.0
         for i in range(m):
-            if abs(now[i]) > _REDUNDANT:
+            if abs(now[i]) > REDUNDANT:
                 least = min(least, abs(later[i]))
         if least > 0.5 * _smallest(now) and least > _NEAR:
             return np.inf

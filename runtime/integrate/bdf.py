@@ -16,9 +16,10 @@ import numpy as np
 from runtime.compiled import compiled, inner
 from runtime.constraints.correction import FAILED
 from runtime.integrate.bdf_history import (
+    AHEAD,
     ALPHA,
     DENSE_ROWS,
-    FORESEEN,
+    DIFFERENCE,
     GROW,
     HIGHEST,
     NOW,
@@ -31,17 +32,21 @@ from runtime.integrate.bdf_history import (
 from runtime.integrate.bdf_newton import LAST, MOST_ITERATIONS, estimate, newton
 from runtime.integrate.memory import (
     C_FACTORED,
+    COUNTS,
     CURRENT,
     DAMPING,
     ENOUGH,
     EQUAL,
+    FREEDOMS,
     H_BASE,
     HIGHER,
     ITERATIONS,
+    LOW,
     LOWER,
     NEXT_ORDER,
     RATE,
     REJECTED,
+    SETTLED,
     STEP_ERROR,
     STEP_ORDER,
     STIFFNESS,
@@ -75,6 +80,7 @@ ERROR_ORDER = 1
 STAGE_CALLS = 0  # counted where they happen
 DENSE_CALLS = 0
 BETA = 0.0
+FORESIGHT = 0.5  # as far as a few steps of the explicit method that leads across reach
 SHRINK = 0.2
 
 
@@ -114,10 +120,13 @@ def stages(
     unknowns(machine, w, run, notes)
     look_back(memory, notes, h, w, run)
     c = h / ALPHA[notes[STEP_ORDER]]
+    part = share(r.rtol)
     for _ in range(2):
         foresee(memory, notes, w)
         y1 = view(w, Y1 * length, length)
-        memory[ENOUGH] = tolerate(memory, notes, w, share(r.rtol) * r.rtol, r.rtol, NEWTON, y1)
+        memory[ENOUGH] = tolerate(
+            memory, notes, w, part * r.rtol, r.rtol, NEWTON, HIGHEST + 2, c, y1
+        )
         fresh = notes[CURRENT] != 1
         if fresh:
             z = view(w, STAGE * length, length)
@@ -137,12 +146,12 @@ def stages(
         if taken != FAILED:
             k = notes[STEP_ORDER]
             t1 = t + h
-            memory[STEP_ERROR] = estimate(machine, t1, c, 0, memory, notes, w, p)
+            memory[STEP_ERROR] = estimate(machine, t1, c, 0, part, memory, notes, w, p)
             if notes[EQUAL] >= k:
                 if k > 1:
-                    memory[LOWER] = estimate(machine, t1, c, -1, memory, notes, w, p)
+                    memory[LOWER] = estimate(machine, t1, c, -1, part, memory, notes, w, p)
                 if k < HIGHEST:
-                    memory[HIGHER] = estimate(machine, t1, c, 1, memory, notes, w, p)
+                    memory[HIGHER] = estimate(machine, t1, c, 1, part, memory, notes, w, p)
             return taken
         notes[CURRENT] = 0
         if fresh:
@@ -209,11 +218,20 @@ def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
     memory, notes = floats(machine, n), counts(machine, n)
     k = notes[STEP_ORDER]
     y1 = view(w, Y1 * length, length)
-    foreseen = line(memory, FORESEEN, n)
+    start, ahead, low = line(memory, NOW, n), line(memory, AHEAD, n), line(memory, LOW, n)
     newest, higher = line(memory, PAST + k + 1, n), line(memory, PAST + k + 2, n)
     last = line(memory, NOW + k + 1, n)
     for i in range(length):
-        newest[i] = y1[i] - foreseen[i]
+        newest[i] = (y1[i] - start[i]) - ahead[i]
+        low[i] = 0.0
+    difference = line(memory, DIFFERENCE, n)
+    for i in range(2 * notes[FREEDOMS]):
+        j = notes[COUNTS + i // 2] + i % 2 * n
+        change = ahead[j] + difference[j]
+        if y1[j] == start[j] + change:  # as the step left it
+            low[j] = change - (y1[j] - start[j])
+            newest[j] = difference[j]
+    for i in range(length):
         higher[i] = newest[i] - last[i]
     for j in range(k, -1, -1):
         past, now, above = (
@@ -225,6 +243,7 @@ def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
             past[i] = now[i] + above[i] if j > 0 else y1[i]
     memory[H_BASE] = h
     notes[EQUAL] += 1
+    notes[SETTLED] += 1
     notes[REJECTED] = r.rejected
     if r.fixed != 0 and k < HIGHEST and notes[EQUAL] > k:
         notes[NEXT_ORDER] = k + 1

@@ -14,6 +14,7 @@ from runtime.integrate.memory import (
     CHANGE,
     EQUAL,
     H_BASE,
+    LOW,
     NEXT_ORDER,
     REJECTED,
     STEP_ORDER,
@@ -34,8 +35,9 @@ ERROR_CONSTANT = np.append(KAPPA * GAMMA + 1.0 / np.arange(1, HIGHEST + 2), 1.0)
 DENSE_ROWS = 6
 GROW = 10.0  # largest ratio of the lengths of two steps
 
-# Rows of MEMORY: backward differences of the past, the same at this step's length, and a step's.
-PAST, NOW, FORESEEN, PSI = 0, 8, 16, 17
+# Rows of MEMORY: backward differences of the past, the same at this step's length, and a step's:
+# what is foreseen of the change, psi, and the difference k + 1 of the unknowns at its end.
+PAST, NOW, AHEAD, PSI, DIFFERENCE = 0, 8, 16, 17, 18
 
 _FAILURES = 3  # rejections in a row after which higher differences say nothing
 
@@ -96,7 +98,9 @@ def begin(memory: Vector, notes: Integers, h: float, order: int, w: Vector, run:
         for i in range(length):
             past[i] = 0.0
     value, slope = line(memory, PAST, n), line(memory, PAST + 1, n)
+    low = line(memory, LOW, n)
     for i in range(length):
+        low[i] = 0.0
         value[i] = y0[i]
         slope[i] = h * k0[i]
     if order > 1:
@@ -107,7 +111,8 @@ def begin(memory: Vector, notes: Integers, h: float, order: int, w: Vector, run:
     memory[H_BASE] = h
     notes[STEP_ORDER] = order
     notes[NEXT_ORDER] = order
-    notes[EQUAL] = 0
+    # What is made up is smooth: the next step may be another one at once.
+    notes[EQUAL] = order if order > 1 else 0
     run[0].exponent = 1.0 / (order + 1)
 
 
@@ -147,23 +152,25 @@ def look_back(memory: Vector, notes: Integers, h: float, w: Vector, run: Run) ->
 
 @inner
 def foresee(memory: Vector, notes: Integers, w: Vector) -> None:
-    """Extrapolate the past to the end of the step: FORESEEN, also as Y1, and PSI."""
+    """Extrapolate the past to the end of the step: what it adds, AHEAD; the state, Y1; and PSI."""
     length = w.size // ROWS
     n = length // 2
     k = notes[STEP_ORDER]
     y1 = view(w, Y1 * length, length)
-    foreseen, psi = line(memory, FORESEEN, n), line(memory, PSI, n)
+    ahead, psi = line(memory, AHEAD, n), line(memory, PSI, n)
+    low, start = line(memory, LOW, n), line(memory, NOW, n)
     for i in range(length):
-        foreseen[i] = 0.0
+        ahead[i] = 0.0
         psi[i] = 0.0
-    for j in range(k, -1, -1):
+    for j in range(k, 0, -1):
         now = line(memory, NOW + j, n)
         share = GAMMA[j] / ALPHA[k]
         for i in range(length):
-            foreseen[i] += now[i]
+            ahead[i] += now[i]
             psi[i] += share * now[i]
     for i in range(length):
-        y1[i] = foreseen[i]
+        ahead[i] += low[i]
+        y1[i] = start[i] + ahead[i]
 
 
 @compiled(DENSE)
@@ -181,13 +188,13 @@ def dense(
     n = length // 2
     memory, notes = floats(machine, n), counts(machine, n)
     y1 = view(w, Y1 * length, length)
-    foreseen = line(memory, FORESEEN, n)
+    start, ahead = line(memory, NOW, n), line(memory, AHEAD, n)
     for row in range(DENSE_ROWS):
         f = view(w, (F + row) * length, length)
         for i in range(length):
             f[i] = 0.0
     for i in range(length):
-        summed = y1[i] - foreseen[i]
+        summed = (y1[i] - start[i]) - ahead[i]
         for j in range(notes[STEP_ORDER], -1, -1):
             summed += line(memory, NOW + j, n)[i]
             value = summed if j > 0 else y1[i]

@@ -5,8 +5,9 @@ import numpy as np
 from runtime.compiled import inner
 from runtime.constraints.correction import FAILED
 from runtime.integrate.bdf_history import (
+    AHEAD,
+    DIFFERENCE,
     ERROR_CONSTANT,
-    FORESEEN,
     NOW,
     PSI,
 )
@@ -16,7 +17,11 @@ from runtime.integrate.memory import (
     CURRENT,
     ENOUGH,
     FREEDOMS,
+    IN,
     ITERATIONS,
+    LINES,
+    NUMBERS,
+    OUT,
     RATE,
     SLOPE,
     STEP_ORDER,
@@ -24,15 +29,65 @@ from runtime.integrate.memory import (
     line,
     matrix,
 )
-from runtime.integrate.newton import SLOW, filtered
-from runtime.integrate.reduction import arrive
+from runtime.integrate.newton import SLOW, filtered, uneven
+from runtime.integrate.reduction import along, arrive, carry
 from runtime.integrate.signatures import Integers, Vector
 from runtime.integrate.views import view
 from runtime.integrate.workspace import ROWS, Y1, K, Run
 
 LAST = 1  # row, after K, of the derivative at the end of the step
 MOST_ITERATIONS = 4
-CORRECTIONS, RESIDUAL = 18, 19  # rows of MEMORY
+RESIDUAL = 19  # row of MEMORY
+_SEEN = 0.01  # of the tolerance: what rounding a position may change in a velocity
+
+
+@inner
+def unrounded(
+    machine: Integers,
+    t: float,
+    c: float,
+    memory: Vector,
+    notes: Integers,
+    w: Vector,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+) -> bool:
+    """Write into row SLOPE what accelerations change by from Y1 to what rounding cut off from it.
+
+    Where that is nothing that Newton's method would see, False and nothing is written. At an angle
+    of a million turns the last digit is a force that no step gets smooth; so it is where a force is
+    stiff.
+    """
+    length = w.size // ROWS
+    n = length // 2
+    f = notes[FREEDOMS]
+    y1 = view(w, Y1 * length, length)
+    start, ahead, difference = (
+        line(memory, NOW, n),
+        line(memory, AHEAD, n),
+        line(memory, DIFFERENCE, n),
+    )
+    allowed, by_u = line(memory, TOLERANCE, n), matrix(memory, 0, n)
+    rest, out = line(memory, IN, n), line(memory, OUT, n)
+    for j in range(length):
+        rest[j] = 0.0
+    for i in range(2 * f):
+        j = notes[COUNTS + i // 2] + i % 2 * n
+        rest[j] = (ahead[j] + difference[j]) - (y1[j] - start[j])
+    seen = False
+    for i in range(f):
+        change = 0.0
+        for k in range(f):
+            change += abs(by_u[i * f + k] * rest[notes[COUNTS + k]])
+        seen = seen or c * change > _SEEN * allowed[n + notes[COUNTS + i]]
+    if seen:
+        dq, dv = view(rest, 0, n), view(rest, n, n)
+        carry(machine, t, Y1, dq, dv, view(out, 0, n), view(out, n, n), w, p)
+        # The complex matrix is none of this method's, and lends room.
+        free = view(memory, NUMBERS + length * LINES + 3 * n * n, 4 * n * n)
+        along(machine, t, Y1, dq, dv, view(line(memory, SLOPE, n), 0, n), free, w, p, modes, lam)
+    return seen
 
 
 @inner
@@ -58,14 +113,15 @@ def newton(
     f = notes[FREEDOMS]
     y1 = view(w, Y1 * length, length)
     a = view(w, (K + LAST) * length + n, n)
-    foreseen, psi = line(memory, FORESEEN, n), line(memory, PSI, n)
-    corrections, delta = line(memory, CORRECTIONS, n), line(memory, RESIDUAL, n)
-    allowed = line(memory, TOLERANCE, n)
+    start, ahead, psi = line(memory, NOW, n), line(memory, AHEAD, n), line(memory, PSI, n)
+    difference, delta = line(memory, DIFFERENCE, n), line(memory, RESIDUAL, n)
+    da, allowed = view(line(memory, SLOPE, n), 0, n), line(memory, TOLERANCE, n)
     enough = memory[ENOUGH]
     for i in range(f):
         j = notes[COUNTS + i]
-        corrections[i] = 0.0
-        y1[j] = foreseen[j] + c * foreseen[n + j] - psi[j]
+        difference[n + j] = 0.0
+        difference[j] = c * y1[n + j] - psi[j]
+        y1[j] = start[j] + (ahead[j] + difference[j])
     taken = 0
     before = 0.0
     for iteration in range(MOST_ITERATIONS):
@@ -75,16 +131,20 @@ def newton(
         taken += result
         r.rhs += 1
         r.iterations += 1
+        if unrounded(machine, t, c, memory, notes, w, p, modes, lam):
+            for i in range(n):
+                a[i] += da[i]
         for i in range(f):
             j = notes[COUNTS + i]
-            delta[i] = c * a[j] - psi[n + j] - corrections[i]
+            delta[i] = c * a[j] - psi[n + j] - difference[n + j]
         solve(matrix(memory, 2, n), f, view(notes, COUNTS + n, n), delta)
         total = 0.0
         for i in range(f):
             j = notes[COUNTS + i]
-            corrections[i] += delta[i]
-            y1[n + j] = foreseen[n + j] + corrections[i]
-            y1[j] = foreseen[j] + c * y1[n + j] - psi[j]
+            difference[n + j] += delta[i]
+            y1[n + j] = start[n + j] + (ahead[n + j] + difference[n + j])
+            difference[j] = c * y1[n + j] - psi[j]
+            y1[j] = start[j] + (ahead[j] + difference[j])
             total += (delta[i] / allowed[n + j]) ** 2 + (c * delta[i] / allowed[j]) ** 2
         size = np.sqrt(total / max(1, 2 * f))
         notes[ITERATIONS] = iteration + 1
@@ -114,6 +174,7 @@ def estimate(
     t: float,
     c: float,
     other: int,
+    share: float,
     memory: Vector,
     notes: Integers,
     w: Vector,
@@ -121,23 +182,32 @@ def estimate(
 ) -> float:
     """Size of the filtered difference of order k + 1 + `other` at the new state.
 
-    At an order k it is Y1 - FORESEEN = ∇ᵏ⁺¹, one lower it is that plus ∇ᵏ of the past, one higher
-    that less ∇ᵏ⁺¹ of the past.
+    At an order k it is ∇ᵏ⁺¹, what the step adds to what was foreseen, one lower it is that plus ∇ᵏ
+    of the past, one higher that less ∇ᵏ⁺¹ of the past.
 
     Where stiff forces hold a position, the formula's velocity is a difference quotient of it and
-    off by one power of h more than the differences of velocities say; the filter knows.
+    off by one power of h more than the differences of velocities say; the filter knows. The
+    dependent coordinates' own differences are the error of the dense output, which is not carried
+    on: it is held to what was asked, over which the tolerance of a step is `share`.
     """
     n = w.size // (2 * ROWS)
     length = 2 * n
     k = notes[STEP_ORDER]
     y1 = view(w, Y1 * length, length)
-    foreseen = line(memory, FORESEEN, n)
+    start, ahead, difference = (
+        line(memory, NOW, n),
+        line(memory, AHEAD, n),
+        line(memory, DIFFERENCE, n),
+    )
     past = line(memory, NOW + (k if other < 0 else k + 1), n)
     sign = 0.0 if other == 0 else (1.0 if other < 0 else -1.0)
     rates = line(memory, SLOPE, n)
     for i in range(notes[FREEDOMS]):
         j = notes[COUNTS + i]
-        rates[n + i] = y1[j] - foreseen[j] + sign * past[j]
-        rates[i] = y1[n + j] - foreseen[n + j] + sign * past[n + j]
-    constant = ERROR_CONSTANT[k + other]
-    return float(constant * filtered(machine, t, Y1, c, memory, notes, w, p))
+        rates[n + i] = difference[j] + sign * past[j]
+        rates[i] = difference[n + j] + sign * past[n + j]
+    found = filtered(machine, t, Y1, c, memory, notes, w, p)
+    raw, allowed = line(memory, OUT, n), line(memory, TOLERANCE, n)
+    for i in range(n):
+        raw[i] = share * ((y1[i] - start[i]) - ahead[i] + sign * past[i])
+    return float(ERROR_CONSTANT[k + other] * max(found, uneven(raw, notes, w, allowed)))

@@ -13,6 +13,7 @@ from runtime.integrate.workspace import PARTITION, ROWS
 if TYPE_CHECKING:
     from runtime.integrate.run import _Run
 
+_FORESIGHT = 0.1  # of the coordinates' sizes: what is nearer matters to the finest tolerances
 _MOST_PATIENCE = 1024  # times the first, before a method is changed
 
 
@@ -22,6 +23,7 @@ def fill_method(r: Any, parts: ModuleType) -> None:
     r["stage_calls"], r["dense_calls"] = parts.STAGE_CALLS, parts.DENSE_CALLS
     r["dense_rows"] = parts.DENSE_ROWS
     r["exponent"], r["beta"] = 1.0 / (parts.ERROR_ORDER + 1), parts.BETA
+    r["foresight"] = getattr(parts, "FORESIGHT", _FORESIGHT)
     r["safety"], r["shrink"], r["grow"] = 0.9, parts.SHRINK, parts.GROW
 
 
@@ -30,13 +32,18 @@ def change_method(run: "_Run") -> None:
 
     Each change doubles the number of steps that have to speak for the next one.
     """
-    r, table = run.r, run.wiring.table
+    r = run.r
     free = run.w.reshape(ROWS, 2, run.n)[PARTITION, 0] == 0.0
     freedoms = int(np.count_nonzero(free)) if run.m else run.n
     name = successor(run.methods[-1][1], freedoms, run.options.rtol)
     run.methods.append((float(r["t"]), name))
     r["patience"] = min(2 * r["patience"], _MOST_PATIENCE)
-    parts = method(name)
+    adopt(run, name)
+
+
+def adopt(run: "_Run", name: str) -> None:
+    """Take the next steps with the method `name`, for which nothing is to be remembered."""
+    r, table, parts = run.r, run.wiring.table, method(name)
     fill_method(r, parts)
     run.crossings.follow(parts)
     functions = function_table(name)

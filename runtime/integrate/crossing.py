@@ -20,6 +20,9 @@ import numpy.typing as npt
 
 from runtime.constraints.singular import Motion, Positions, Singularity, hermite, taylor
 from runtime.integrate import driver
+from runtime.integrate.attempt import TOO_LARGE
+from runtime.integrate.changing import adopt
+from runtime.integrate.control import first_step
 from runtime.integrate.problem import Crossing, Problem, System
 from runtime.integrate.signatures import Vector, no_right_side
 from runtime.integrate.workspace import (
@@ -41,10 +44,15 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 _EPS = 2.2e-16
 _ROUNDING = 64.0  # units of rounding within which a constraint counts as satisfied
-_ALLOWANCE = 30.0  # the error of a step across may be this many times what is expected
+_RESIDUE = 1e-15  # of a position: what Newton's iterations leave of a constraint
+_ALLOWANCE = 100.0  # the part of rounding in an error may be this many times what is expected
 _ASTRAY = 1e-6  # of a velocity: what a start may be off the branch that it follows
 _SLACK = 1e3  # where rounding rules, the estimate of it may be wrong by as much as this
 _TRIES = 4
+_LEADING = "dop853"  # across, for methods that do not reach
+_ITERATING = ("bdf", "radau5")
+_POOR = 10.0  # error over tolerance from which on another method leads across
+_LEARNING = 0.2  # of the way there: the first step of a method that is lent
 _ROOM = 0.1  # of a step: the distance from a node below which errors of stages tell
 _WEIGHT = 0.1  # of one stage in the result of a step
 _TAYLOR = 5e-3  # eps ** (1/7): of the time scale, where rounding balances a cubic's error
@@ -80,7 +88,9 @@ class Crossings:
             np.asarray(system.jacobian_columns),
             problem.p,
             self.scale,
-            np.arange(system.constraint_count),
+            np.arange(system.constraint_count)
+            if system.independent is None
+            else np.asarray(system.independent, dtype=np.int64),
             system.constraint_count,
         )
         if system.constraints is no_right_side:
@@ -89,7 +99,7 @@ class Crossings:
         self.note = ""
         self.found: Singularity | None = None
         self.leap = Leap(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        self.tries = 0
+        self.tries, self.kept = 0, 0.0
 
     # -- what the loop asks -------------------------------------------------------------------
 
@@ -102,6 +112,8 @@ class Crossings:
     def look(self) -> int:
         """Answer the loop: go on as planned, or the code of an outcome."""
         r = self.r
+        if r["plan"] == FREE and r["lent"] and r["t"] >= r["lent_until"]:
+            return self._given_back()
         if r["plan"] == APPROACHING:
             return self.cross()
         if r["plan"] == CROSSING:
@@ -129,6 +141,12 @@ class Crossings:
         self.r["plan"] = CROSSING
         return self._continued(self._motion(), found)
 
+    def leave(self) -> int:
+        """Lay the first step out of a singular position in which the run starts."""
+        assert self.found is not None
+        self._lend(self.found, 0.0)
+        return self.cross()
+
     # -- steps of a plan ----------------------------------------------------------------------
 
     def _plan(self, s: float) -> int:
@@ -146,10 +164,12 @@ class Crossings:
             return driver.GOING
         if found.gap > self._rounding(motion.q):
             return self._missed(found)
-        self.found = found
         ahead = found.t - motion.t
         if ahead < 0.0 and self._noise(found) * usual < -(ahead**3):
             r["quiet"] = motion.t + usual  # it lies behind, and far enough
+            return driver.GOING
+        self.found = found
+        if self._lend(found, ahead):
             return driver.GOING
         return driver.GOING if self._approached(found, ahead) else self.cross()
 
@@ -192,6 +212,7 @@ class Crossings:
             error = float(r["error"])
             self.passed.append(Crossing(found.t, row, found.lost, found.direction, error))
             r["plan"], r["quiet"] = LEAVING, r["t"] + r["leap"]
+            r["lent_until"] = r["quiet"]
             r["permitted"] = 1.0
             self.tries = 0
             r["h"] = self._usual()
@@ -199,7 +220,8 @@ class Crossings:
         self.tries += 1
         error = float(r["error"])
         leap = self.leap
-        if leap.rounding + leap.start > leap.method and error < _SLACK * r["permitted"]:
+        rounded = r["reason"] == TOO_LARGE and leap.rounding + leap.start > leap.method
+        if rounded and error < _SLACK * r["permitted"]:
             r["permitted"] = 1.01 * error  # rounding again: another step would fare no better
             return driver.GOING
         if self.tries > _TRIES:
@@ -218,7 +240,8 @@ class Crossings:
         """
         r = self.r
         width = float(np.sqrt(found.gap / (found.rate * found.speed)))
-        if self._noise(found) > width**2:
+        ahead = found.t - float(r["t"])
+        if ahead < width and self._noise(found) > width**2:
             r["index"] = int(found.rows.argmax())
             self.note = (
                 f"At t = {found.t:.9g} s the machine misses a position in which its motions cross "
@@ -226,14 +249,55 @@ class Crossings:
             )
             return int(Outcome.SINGULAR)
         r["plan"], r["turn"], r["leap"] = MISSING, found.t, 0.5 * width
-        r["quiet"] = found.t + max(abs(found.t - r["t"]), 10.0 * width)
+        # From further away than the bend is wide, what is missed may turn out to be met.
+        r["quiet"] = r["t"] + 0.5 * ahead
+        if ahead < width:
+            r["quiet"] = max(found.t + 3.0 * width, r["t"] - 0.5 * ahead)
+        return driver.GOING
+
+    # -- methods ------------------------------------------------------------------------------
+
+    def _lend(self, found: Singularity, ahead: float) -> bool:
+        """Let the explicit method of highest order step for one that does not reach across.
+
+        None that is implicit does: at the distance τ the derivative of the accelerations by the
+        velocities is 2/τ, of opposite signs on both sides, and no Newton iteration goes through
+        that. One of low order does not where its steps are so short that rounding rules.
+
+        Returns whether there is way left on which to learn how long steps may be.
+        """
+        run, r = self.run, self.r
+        name = run.methods[-1][1]
+        if name in {_LEADING, "auto"} or r["lent"]:
+            return False
+        if name not in _ITERATING and self._best(found, self._usual()).total < _POOR:
+            return False
+        self.kept = float(r["h"])
+        r["lent"], r["automatic"] = 1, 0
+        r["lent_until"] = found.t + max(ahead, self.kept)
+        adopt(run, _LEADING)
+        p, modes, lam = run.fixed_arrays[3], run.fixed_arrays[4], run.fixed_arrays[6]
+        first = first_step(
+            run.wiring.table, r["t"], r["h_max"], r["rtol"], r["order"], run.w, p, modes, lam
+        )
+        way = _LEARNING * ahead
+        r["usual"] = r["h"] = min(first, way) if way > 0.0 else max(first, self.kept)
+        r["look_at"] = r["t"]
+        return way > 0.0
+
+    def _given_back(self) -> int:
+        """Go on with the method that was asked for."""
+        run, r = self.run, self.r
+        r["lent"], r["automatic"] = 0, int(run.options.method == "auto")
+        r["h"] = self.kept
+        adopt(run, run.methods[-1][1])
         return driver.GOING
 
     # -- lengths ------------------------------------------------------------------------------
 
     def _noise(self, found: Singularity) -> float:
         """Error over tolerance, times g³ h², of a step h that keeps the distance g h."""
-        rounding = _EPS * self._size(found.q)
+        rounding = _RESIDUE * self._size(found.q)
         return 2.0 * _WEIGHT * rounding / (found.rate * found.speed * float(self.r["rtol"]))
 
     def _leap(self, found: Singularity, h: float, lead: float, g: float, usual: float) -> Leap:

@@ -379,6 +379,8 @@ def advance(
             if r.plan == LEAVING:
                 repartition_of(machine)(machine, t1, Y0, w, run, p)
             r.plan = FREE
+        if r.lent != 0 and r.plan == FREE and t1 >= r.lent_until:
+            return LOOK
         if soon != 0:
             return LOOK
         if due != 0 and r.t < r.t_end:

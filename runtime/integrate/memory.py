@@ -11,15 +11,16 @@ RATE = 1  # of Newton's convergence: what is still missing over the last change
 STEP_ERROR = 2  # of the last trial step, over the tolerance
 H_BASE = 3  # distance of a multistep method's history; length of a one-step method's last step
 ERROR_BASE = 4  # error of that step
-STIFFNESS = 8  # spectral radius of the derivatives, 1/s
-LOWER, HIGHER = 6, 7  # the error that a multistep method would have made at other orders
 ENOUGH = 5  # how far Newton's method is taken, over the tolerance of the step
-CHANGE = 9  # first of 72 numbers in which a change of the step's length is worked out
-DAMPING = 81  # -cos of the angle of those eigenvalues: 1 without vibration, 0 without damping
+LOWER, HIGHER = 6, 7  # the error that a multistep method would have made at other orders
+STIFFNESS = 8  # spectral radius of the derivatives, 1/s
+DAMPING = 9  # -cos of the angle of those eigenvalues: 1 without vibration, 0 without damping
+CHANGE = 10  # first of 72 numbers in which a change of the step's length is worked out
 NUMBERS = 82
 # Rows: the first 20 are a method's; then directions for the derivatives, then the tolerance.
 IN, OUT, SLOPE, TOLERANCE = 20, 21, 22, 23
-LINES = 24
+LOW = 24  # what rounding cut off the state at the start of the step
+LINES = 25
 
 # NOTES: counts, then the unknowns (n), pivots (n), pivots of the complex matrix (2 n).
 FREEDOMS = 0  # f
@@ -30,9 +31,10 @@ NEXT_ORDER = 4
 REJECTED = 5  # rejected steps up to the last accepted one
 ITERATIONS = 6  # of the last step
 CALM = 7  # steps in a row that an explicit method could have taken
+STIFF = 8  # steps of an explicit method that were limited by stability
 PARTITIONED = 9  # 1: dependent coordinates are recovered at every iterate
-STIFF = 8  # looks in a row that found an explicit method's steps limited by stability
-COUNTS = 10
+SETTLED = 10  # steps since the unknowns were other ones
+COUNTS = 11
 
 
 def memory(n: int) -> tuple[int, int]:

@@ -30,10 +30,12 @@ from runtime.integrate.workspace import (
     PREFERRED,
     RATE_NOW,
     ROWS,
+    STRUCK,
     TRIAL,
 )
 
 TOUCHING = 1e-9  # of the machine's lengths: a gap at the start is assembled no closer
+_TOLD = 1e-12  # of the largest velocity: an impact at the start that is none
 _MOST = 10  # functions whose modes are tried in all combinations
 _MOST_THREE = 6  # of those that may also be held
 
@@ -205,8 +207,14 @@ def begin(
             band[k] = 2.0 * abs(g[k]) + 1e-14 * largest[k] + 1e-300
     rates = view(sw, RATE_NOW * s, s)
     switching_rates_of(machine)(t, q, v, view(w, DELTA * 2 * n + n, n), p, rates)
+    speed = 0.0
+    for j in range(n):
+        speed = max(speed, abs(v[j]))
     for k in range(s):
+        sw[STRUCK * s + k] = 0.0
         if rigid[k] >= 0 and band[k] > 0.0 and rates[k] < 0.0:
+            # A velocity of the size of rounding is corrected and not worth a word.
+            sw[STRUCK * s + k] = 1.0 if rates[k] < -_TOLD * speed else 0.0
             impact_of(machine)(machine, k, t, state, w, sw, p, modes, lam)
             switching_rates_of(machine)(t, q, v, view(w, DELTA * 2 * n + n, n), p, rates)
     hold(machine, modes)

@@ -4,17 +4,31 @@ import numpy as np
 
 from runtime.compiled import inner
 from runtime.integrate.linear import factor, solve
-from runtime.integrate.memory import COUNTS, FREEDOMS, IN, OUT, SLOPE, TOLERANCE, line, matrix
+from runtime.integrate.memory import (
+    COUNTS,
+    FREEDOMS,
+    IN,
+    OUT,
+    PARTITIONED,
+    SETTLED,
+    SLOPE,
+    TOLERANCE,
+    line,
+    matrix,
+)
 from runtime.integrate.reduction import carry
 from runtime.integrate.signatures import Integers, Vector
 from runtime.integrate.views import view
-from runtime.integrate.workspace import ATOL, ROWS, SIZE, Y0
+from runtime.integrate.workspace import ATOL, PARTITION, ROWS, SIZE, Y0
 
 SLOW = 0.05  # convergence at which derivatives are taken anew for the next step
 _LOOSEST = 0.03  # of the tolerance of a step: how far Newton's method is taken at least
 _EPS = 2.2e-16
-_LEAST = 8.0 * _EPS  # rounding in a step, relative to the largest coordinate or velocity
-_RECOVERED = 4.0 * _EPS  # in dependent ones, times the square of the ratio of speeds
+_ROUNDED = 64.0 * _EPS  # rounding in a difference of high order, relative to a step's change
+_STIFF = 16.0 * _EPS  # in such a difference of velocities, where stiff forces hold a position
+_SOLVED = 4.0 * _EPS  # in Newton's residual
+_LEAST = 8.0 * _EPS  # in the past of what was dependent, relative to the largest coordinate
+_RECOVERED = 4.0 * _EPS  # and this times the square of the ratio of speeds
 _FASTEST = 10.0  # the largest ratio of speeds of dependent to independent coordinates reckoned with
 
 
@@ -55,13 +69,16 @@ def tolerate(
     relative: float,
     asked: float,
     newton: float,
+    remembered: int,
+    c: float,
     ahead: Vector,
 ) -> float:
     """Fill row TOLERANCE: what the error of the step may be, from its ends Y0 and `ahead`.
 
-    Not less than rounding. That of the independent coordinates is magnified by the recovery of the
-    dependent ones, and again by that of their velocities; it is not carried on into the next
-    steps. Returns how far Newton's method is to be taken, over this tolerance.
+    Not less than rounding. States are carried on with what rounding cuts off them (row LOW), so
+    that it is that of their change over the step. Only in coordinates that were dependent until
+    lately the past is as rough as their recovery left it. Returns how far Newton's method is to be
+    taken, over this tolerance.
 
     Parameters
     ----------
@@ -71,6 +88,11 @@ def tolerate(
         Relative tolerance asked for, of which the absolute ones in row ATOL are the companions.
     newton
         How far Newton's method is taken, over the tolerance asked.
+    remembered
+        Steps for which the method remembers the past.
+    c
+        Of the matrix I - c G_u̇ - c² G_u. Where it is stiff, the last digit of a position is a force
+        that the next velocity has to undo.
     """
     length = w.size // ROWS
     n = length // 2
@@ -78,24 +100,36 @@ def tolerate(
     atol = view(w, ATOL * length, length)
     size = view(w, SIZE * length, length)
     allowed = line(memory, TOLERANCE, n)
-    held, carried = 0.0, 0.0
+    held, carried, moved = 0.0, 0.0, 0.0
     for j in range(n, length):
         carried = max(carried, abs(y0[j]) / size[j])
     for i in range(notes[FREEDOMS]):
-        j = n + notes[COUNTS + i]
-        held = max(held, abs(y0[j]) / size[j])
+        j = notes[COUNTS + i]
+        held = max(held, abs(y0[n + j]) / size[n + j])
+        moved = max(moved, abs(ahead[j] - y0[j]) / size[j])
+        moved = max(moved, abs(ahead[n + j] - y0[n + j]) / size[n + j])
     ratio = min(_FASTEST, carried / max(held, 1e-300))
+    rough = _LEAST + _RECOVERED * ratio * ratio if notes[SETTLED] < remembered else 0.0
     for half in range(2):
         largest = 0.0
         for j in range(half * n, half * n + n):
             largest = max(largest, abs(y0[j]) / size[j])
         for j in range(half * n, half * n + n):
             value = relative * (atol[j] / asked + max(abs(y0[j]), abs(ahead[j])))
-            allowed[j] = value + (_LEAST + _RECOVERED * ratio * ratio) * largest * size[j]
-        for i in range(notes[FREEDOMS]):
-            j = half * n + notes[COUNTS + i]
-            allowed[j] -= _RECOVERED * ratio * ratio * largest * size[j]
-    return float(max(2.0 * _EPS / (relative + _LEAST), min(_LOOSEST, newton * asked / relative)))
+            allowed[j] = value + (_ROUNDED * moved + rough * largest) * size[j]
+    f = notes[FREEDOMS]
+    by_u = matrix(memory, 0, n)
+    for i in range(f):
+        force, stiff = 0.0, 0.0
+        j = notes[COUNTS + i]
+        for k in range(f):
+            other = notes[COUNTS + k]
+            entry = abs(by_u[i * f + k])
+            force += entry * abs(y0[other])
+            stiff += c * c * entry * size[other] / size[j]
+        allowed[n + j] += _STIFF * c * force * stiff / (1.0 + stiff) ** 2
+    at_rounding = _SOLVED * moved / (relative + _ROUNDED * moved)
+    return float(max(at_rounding, min(_LOOSEST, newton * asked / relative)))
 
 
 @inner
@@ -144,3 +178,23 @@ def filtered(
     dq, dv = view(change, 0, n), view(change, n, n)
     carry(machine, t, state, dq, dv, view(out, 0, n), view(out, n, n), w, p)
     return float(measured(change, line(memory, TOLERANCE, n)))
+
+
+@inner
+def uneven(raw: Vector, notes: Integers, w: Vector, allowed: Vector) -> float:
+    """Size of an error `raw` of all coordinates, over the tolerance, of the dependent ones alone.
+
+    At the ends of steps these follow from the constraints and have no error of their own. But they
+    are foreseen, and interpolated between. Where drivers move them the independent ones say nothing
+    of how, and Newton's method for them might come to another way to assemble the machine.
+    Velocities are left out: where a stiff force holds a position they are not smooth.
+    """
+    if notes[PARTITIONED] == 0:
+        return 0.0
+    length = w.size // ROWS
+    n = length // 2
+    total = 0.0
+    for j in range(n):
+        if w[PARTITION * length + j] != 0.0:
+            total += (raw[j] / allowed[j]) ** 2
+    return float(np.sqrt(total / length))

@@ -45,6 +45,8 @@ class System:
         Where the values that `jacobian` writes belong.
     coordinates, constraint_count, switches
         n, m and s.
+    independent
+        Constraints of which none follows from others everywhere; None: all.
     holds, restitution
         Fill the bounds of the shares, and the coefficients of restitution, from the parameters.
     rigid, sticking
@@ -82,6 +84,12 @@ class System:
     switched_reactions: Kernel = no_switched_reactions
     reaction_rows: int = 0
     limits: tuple[tuple[int, int, int], ...] = ()
+    independent: tuple[int, ...] | None = None
+
+    @property
+    def rank(self) -> int:
+        """Number of independent constraints."""
+        return self.constraint_count if self.independent is None else len(self.independent)
 
 
 @dataclass(frozen=True)

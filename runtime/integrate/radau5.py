@@ -16,25 +16,27 @@ from runtime.constraints.correction import FAILED
 from runtime.integrate.dense import hermite_rows
 from runtime.integrate.memory import (
     C_FACTORED,
-    COUNTS,
     CURRENT,
     ENOUGH,
     EQUAL,
     ERROR_BASE,
-    FREEDOMS,
     H_BASE,
-    IN,
     ITERATIONS,
+    LOW,
     RATE,
-    SLOPE,
     STEP_ERROR,
     counts,
     floats,
     line,
     memory,
 )
-from runtime.integrate.newton import factor_complex, factor_real, filtered, tolerate
-from runtime.integrate.radau5_coefficients import C_COMPLEX, C_IMAGINARY, C_REAL, E1, E2, E3
+from runtime.integrate.newton import factor_complex, factor_real, tolerate
+from runtime.integrate.radau5_coefficients import (
+    C_COMPLEX,
+    C_IMAGINARY,
+    C_REAL,
+)
+from runtime.integrate.radau5_error import LAST, estimate
 from runtime.integrate.radau5_stages import (
     MOST_ITERATIONS,
     NEWTON,
@@ -42,23 +44,24 @@ from runtime.integrate.radau5_stages import (
     STATES,
     curve,
     foresee,
+    keep_low,
     newton,
 )
-from runtime.integrate.reduction import arrive, differentiate, unknowns
+from runtime.integrate.reduction import differentiate, unknowns
 from runtime.integrate.signatures import DENSE, ERROR, HOOK, PROPOSE, STAGES, Integers, Vector
 from runtime.integrate.stiffness import calm, stiffness
 from runtime.integrate.views import view
-from runtime.integrate.workspace import ROWS, STAGE, Y0, Y1, F, K, Run
+from runtime.integrate.workspace import ROWS, Y0, Y1, F, K, Run
 
-__all__ = ["accepted", "dense", "error", "memory", "propose", "restart", "stages"]
+__all__ = ["LAST", "accepted", "dense", "error", "memory", "propose", "restart", "stages"]
 
 ORDER = 4  # power of the step in the error estimate
 ERROR_ORDER = 3
 STAGE_CALLS = 0  # counted where they happen
-LAST = 1
 DENSE_ROWS = 6
 DENSE_CALLS = 0
 BETA = 0.0
+FORESIGHT = 0.5  # as far as a few steps of the explicit method that leads across reach
 SHRINK, GROW = 0.2, 8.0
 
 _SAME = 1.2  # a step that could grow by less stays as it is, and with it the matrices
@@ -70,68 +73,6 @@ _ROUNDING = 2.2e-16
 def share(rtol: float) -> float:
     """What the estimate is held to, over the tolerance asked: errors of a run go with h⁵."""
     return float(0.1 * rtol**-0.2)
-
-
-@inner
-def embedded(
-    machine: Integers,
-    t: float,
-    h: float,
-    k0: Vector,
-    memory: Vector,
-    notes: Integers,
-    w: Vector,
-    p: Vector,
-) -> float:
-    """Size of the filtered error c (k0 + Σ e z / h), which is left in row IN of MEMORY."""
-    length = w.size // ROWS
-    n = length // 2
-    y0 = view(w, Y0 * length, length)
-    s1 = view(w, (K + STATES) * length, length)
-    s2 = view(w, (K + STATES + 1) * length, length)
-    s3 = view(w, (K + STATES + 2) * length, length)
-    rates = line(memory, SLOPE, n)
-    c = h * C_REAL
-    for i in range(notes[FREEDOMS]):
-        for half in range(2):
-            j = half * n + notes[COUNTS + i]
-            z = E1 * (s1[j] - y0[j]) + E2 * (s2[j] - y0[j]) + E3 * (s3[j] - y0[j])
-            rates[(1 - half) * n + i] = c * k0[j] + C_REAL * z
-    return float(filtered(machine, t, Y0, c, memory, notes, w, p))
-
-
-@inner
-def estimate(
-    machine: Integers,
-    t: float,
-    h: float,
-    memory: Vector,
-    notes: Integers,
-    w: Vector,
-    run: Run,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> float:
-    """Error over the tolerance; where it is too large at a first step or again, filtered twice."""
-    r = run[0]
-    length = w.size // ROWS
-    n = length // 2
-    found = embedded(machine, t, h, view(w, K * length, length), memory, notes, w, p)
-    if found >= 1.0 and (r.rejected_before != 0 or notes[EQUAL] == 0):
-        y0 = view(w, Y0 * length, length)
-        z = view(w, STAGE * length, length)
-        slope = view(w, (K + LAST) * length, length)
-        change = line(memory, IN, n)
-        for i in range(length):
-            z[i] = y0[i] + change[i]
-        if arrive(machine, t, STAGE, K + LAST, w, p, modes, lam) == FAILED:
-            return found
-        r.rhs += 1
-        for i in range(n):
-            slope[i] = z[n + i]
-        found = embedded(machine, t, h, slope, memory, notes, w, p)
-    return found
 
 
 @compiled(STAGES)
@@ -154,7 +95,9 @@ def stages(
     for _ in range(2):
         foresee(memory, notes, h, w)
         last = view(w, (K + STATES + 2) * length, length)
-        memory[ENOUGH] = tolerate(memory, notes, w, share(r.rtol) * r.rtol, r.rtol, NEWTON, last)
+        memory[ENOUGH] = tolerate(
+            memory, notes, w, share(r.rtol) * r.rtol, r.rtol, NEWTON, 0, h * C_REAL, last
+        )
         fresh = notes[CURRENT] != 1
         if fresh:
             differentiate(machine, t, Y0, w, run, p, modes, lam)
@@ -215,6 +158,7 @@ def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
     length = w.size // ROWS
     n = length // 2
     memory, notes = floats(machine, n), counts(machine, n)
+    keep_low(h, memory, notes, w)
     change = line(memory, POLYNOMIAL, n)
     for i in range(length):
         change[i] = w[Y1 * length + i] - w[Y0 * length + i]
@@ -228,7 +172,11 @@ def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
 @compiled(HOOK)
 def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
     """Forget the past: the motion goes on under other equations."""
-    notes = counts(machine, w.size // (2 * ROWS))
+    length = w.size // ROWS
+    notes = counts(machine, length // 2)
+    low = line(floats(machine, length // 2), LOW, length // 2)
+    for j in range(length):
+        low[j] = 0.0
     notes[EQUAL] = 0
     notes[CURRENT] = 0
     return 0

@@ -14,6 +14,7 @@ from runtime.integrate.memory import (
     FREEDOMS,
     H_BASE,
     ITERATIONS,
+    LOW,
     RATE,
     TOLERANCE,
     line,
@@ -112,6 +113,7 @@ def place(h: float, stage: int, memory: Vector, notes: Integers, w: Vector) -> N
     n = length // 2
     y0 = view(w, Y0 * length, length)
     z = view(w, (K + STATES + stage) * length, length)
+    low = line(memory, LOW, n)
     one, two, three = (
         line(memory, VELOCITIES, n),
         line(memory, VELOCITIES + 1, n),
@@ -120,14 +122,43 @@ def place(h: float, stage: int, memory: Vector, notes: Integers, w: Vector) -> N
     for i in range(notes[FREEDOMS]):
         j = notes[COUNTS + i]
         if stage == 0:
-            z[n + j] = y0[n + j] + one[i]
-            z[j] = y0[j] + h * (C1 * y0[n + j] + A11 * one[i] + A12 * two[i] + A13 * three[i])
+            z[n + j] = y0[n + j] + (low[n + j] + one[i])
+            change = C1 * y0[n + j] + A11 * one[i] + A12 * two[i] + A13 * three[i]
         elif stage == 1:
-            z[n + j] = y0[n + j] + two[i]
-            z[j] = y0[j] + h * (C2 * y0[n + j] + A21 * one[i] + A22 * two[i] + A23 * three[i])
+            z[n + j] = y0[n + j] + (low[n + j] + two[i])
+            change = C2 * y0[n + j] + A21 * one[i] + A22 * two[i] + A23 * three[i]
         else:
-            z[n + j] = y0[n + j] + three[i]
-            z[j] = y0[j] + h * (y0[n + j] + A31 * one[i] + A32 * two[i] + A33 * three[i])
+            z[n + j] = y0[n + j] + (low[n + j] + three[i])
+            change = y0[n + j] + A31 * one[i] + A32 * two[i] + A33 * three[i]
+        z[j] = y0[j] + (low[j] + h * change)
+
+
+@inner
+def keep_low(h: float, memory: Vector, notes: Integers, w: Vector) -> None:
+    """Keep what rounding cut off the unknowns at Y1, where they are as the last stage left them."""
+    length = w.size // ROWS
+    n = length // 2
+    y0 = view(w, Y0 * length, length)
+    y1 = view(w, Y1 * length, length)
+    low, kept = line(memory, LOW, n), line(memory, SIDES, n)
+    one, two, three = (
+        line(memory, VELOCITIES, n),
+        line(memory, VELOCITIES + 1, n),
+        line(memory, VELOCITIES + 2, n),
+    )
+    for j in range(length):
+        kept[j] = 0.0
+    for i in range(notes[FREEDOMS]):
+        j = notes[COUNTS + i]
+        change = low[n + j] + three[i]
+        if y1[n + j] == y0[n + j] + change:
+            kept[n + j] = change - (y1[n + j] - y0[n + j])
+        change = y0[n + j] + A31 * one[i] + A32 * two[i] + A33 * three[i]
+        change = low[j] + h * change
+        if y1[j] == y0[j] + change:
+            kept[j] = change - (y1[j] - y0[j])
+    for j in range(length):
+        low[j] = kept[j]
 
 
 @inner

@@ -22,6 +22,7 @@ from runtime.integrate.memory import (
     NUMBERS,
     OUT,
     PARTITIONED,
+    SETTLED,
     SLOPE,
     counts,
     floats,
@@ -62,10 +63,12 @@ def unknowns(machine: Integers, w: Vector, run: Run, notes: Integers) -> int:
             if notes[COUNTS + f] != j:
                 notes[COUNTS + f] = j
                 notes[CURRENT] = 0
+                notes[SETTLED] = 0
             f += 1
     if notes[FREEDOMS] != f:
         notes[FREEDOMS] = f
         notes[CURRENT] = 0
+        notes[SETTLED] = 0
     return f
 
 

@@ -14,6 +14,7 @@ from runtime.integrate.bent import TIME_SCALE
 from runtime.integrate.changing import change_method, fill_method
 from runtime.integrate.check import check
 from runtime.integrate.crossing import Crossings
+from runtime.integrate.held import HELD_MODE
 from runtime.integrate.problem import (
     Events,
     Options,
@@ -31,6 +32,7 @@ from runtime.integrate.signatures import (
 from runtime.integrate.slots import Slot
 from runtime.integrate.start import start
 from runtime.integrate.tables import method, wire
+from runtime.integrate.transition import HELD, IMPACT
 from runtime.integrate.workspace import (
     ATOL,
     PARTITION,
@@ -38,6 +40,7 @@ from runtime.integrate.workspace import (
     ROWS,
     RUN,
     SIZE,
+    STRUCK,
     SWITCH_ROWS,
     Y0,
 )
@@ -226,9 +229,20 @@ class _Run:
         if code in {Outcome.SINGULAR, Outcome.NEWTON_FAILED} and self.crossings.begin():
             code = start(self.wiring.table, *self.fixed_arrays, *self.out)
             if code == Outcome.OK:
-                code = self.crossings.cross()
+                code = self.crossings.leave()
         self._flush()
+        self._log_first_impacts()
         return code
+
+    def _log_first_impacts(self) -> None:
+        """The contacts that were struck in the very first instant are events as well."""
+        struck = np.flatnonzero(self.sw.reshape(SWITCH_ROWS, self.s)[STRUCK])
+        for row, k in enumerate(struck):
+            self.event_t[row] = self.r["t"]
+            self.event_kind[row] = k, HELD if self.modes[k] == HELD_MODE else IMPACT
+            self.event_y[row] = self.state.ravel()
+        self.happened.take(len(struck), self.event_t, self.event_kind, self.event_y)
+        self.r["events"] += len(struck)
 
     def execute(self, progress: Progress | None) -> Trajectory:
         """Run to the end or to whatever stops the run before."""

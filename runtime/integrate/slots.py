@@ -99,6 +99,7 @@ class Slot(IntEnum):
     # Numbers.
     COORDINATES = auto()
     CONSTRAINT_COUNT = auto()
+    RANK = auto()
     SWITCHES = auto()
     NONZEROS = auto()
     LOG_ROWS = auto()
@@ -185,6 +186,7 @@ vanishing_of = at(Vanishing, Slot.VANISHING)
 # Compiled code needs plain numbers.
 COORDINATES = int(Slot.COORDINATES)
 CONSTRAINT_COUNT = int(Slot.CONSTRAINT_COUNT)
+RANK = int(Slot.RANK)
 SWITCHES = int(Slot.SWITCHES)
 NONZEROS = int(Slot.NONZEROS)
 LOG_ROWS = int(Slot.LOG_ROWS)

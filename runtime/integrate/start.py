@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from runtime.compiled import ADDRESSES, compiled
+from runtime.compiled import ADDRESSES, compiled, inner
 from runtime.constraints.correction import FAILED, WEAK
 from runtime.integrate.bent import STEP
 from runtime.integrate.consistency import CONSISTENT
@@ -21,6 +21,7 @@ from runtime.integrate.signatures import (
     vector,
 )
 from runtime.integrate.slots import (
+    RANK,
     RIGID,
     ROW_ORDER,
     SETTINGS,
@@ -29,6 +30,7 @@ from runtime.integrate.slots import (
     first_step_of,
     repartition_of,
     restart_of,
+    switching_rates_of,
 )
 from runtime.integrate.surfaces import measure
 from runtime.integrate.transition import LOOK_AHEAD
@@ -42,8 +44,11 @@ from runtime.integrate.workspace import (
     PARTITION,
     RESERVE,
     ROWS,
+    SAMPLE,
+    SCAN,
     SIZE,
     SWITCH_ROWS,
+    TRIAL,
     Y0,
     K,
     Run,
@@ -56,6 +61,37 @@ _INCONSISTENT = int(Outcome.INCONSISTENT)
 _SINGULAR = int(Outcome.SINGULAR)
 _NEWTON_FAILED = int(Outcome.NEWTON_FAILED)
 _NOT_FINITE = int(Outcome.NOT_FINITE)
+
+_ROUGH = 0.1  # of a function's spread: |g| at which its rounding is some units in the last place
+
+
+@inner
+def spread(machine: Integers, t: float, w: Vector, sw: Vector, p: Vector) -> None:
+    """Write into row TRIAL how far functions go when all is changed by its size: Σ |∂g| size.
+
+    dg/dt is linear in velocities and accelerations; taken one at a time, each of its size, they
+    give the derivatives.
+    """
+    length = w.size // ROWS
+    n = length // 2
+    s = sw.size // SWITCH_ROWS
+    rates = switching_rates_of(machine)
+    q = view(w, Y0 * length, n)
+    v, a = view(w, SAMPLE * length, n), view(w, SAMPLE * length + n, n)
+    now, rest = view(sw, SCAN * s, s), view(sw, (SCAN + 1) * s, s)
+    found = view(sw, TRIAL * s, s)
+    for j in range(length):
+        w[SAMPLE * length + j] = 0.0
+    rates(t, q, v, a, p, rest)
+    for k in range(s):
+        found[k] = 0.0
+    for j in range(length):
+        w[SAMPLE * length + j] = w[SIZE * length + j]
+        rates(t, q, v, a, p, now)
+        w[SAMPLE * length + j] = 0.0
+        for k in range(s):
+            change = abs(now[k] - rest[k])
+            found[k] += change if np.isfinite(change) else 0.0
 
 
 @compiled(
@@ -103,7 +139,7 @@ def start(
     if m > 0 and r.plan == FREE:
         repartition_of(machine)(machine, t, Y0, w, run, p)
         r.repartitions = 0
-        if r.rank < m:
+        if r.rank < machine[RANK]:
             r.index = integers_at(machine, ROW_ORDER, m)[r.rank]
             return _SINGULAR
         result = correct_of(machine)(machine, t, Y0, PARTITION, w, p)
@@ -129,9 +165,12 @@ def start(
         h = first_step(machine, t, longest, r.rtol, r.order, w, p, modes, lam)
         floats_at(machine, SETTINGS, 2)[STEP] = h
         rigid = integers_at(machine, RIGID, s)
+        spread(machine, t, w, sw, p)
         for k in range(s):
-            # The rounding of a gap is that of the lengths in it, however small itself.
-            if rigid[k] >= 0:
+            # The rounding of a function is that of what it is made of, however small itself.
+            if rigid[k] < 0:
+                sw[LARGEST * s + k] = _ROUGH * sw[TRIAL * s + k]
+            else:
                 sw[IMPACT_AT * s + k] = t
                 sw[LARGEST * s + k] = w[SIZE * length]
                 for j in range(n):

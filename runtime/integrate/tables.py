@@ -141,7 +141,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     }
     for slot, array in arrays.items():
         table[slot] = array.ctypes.data
-    table[Slot.COORDINATES], table[Slot.CONSTRAINT_COUNT] = n, m
+    table[Slot.COORDINATES], table[Slot.CONSTRAINT_COUNT], table[Slot.RANK] = n, m, system.rank
     table[Slot.SWITCHES], table[Slot.NONZEROS] = system.switches, nonzeros
     system.holds(p, arrays[Slot.LOW], arrays[Slot.HIGH])
     system.restitution(p, arrays[Slot.RESTITUTION])

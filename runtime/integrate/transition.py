@@ -217,6 +217,10 @@ def transition(
                 sw[PREFERRED * s + k] = 1 + GIVEN
         if near:
             sw[BAND * s + k] = 2.0 * abs(g[k]) + 1e-14 * largest + 1e-300
+            if k == letting_go and rigid[k] >= 0:
+                # It parts with the third power of time: at first by less than a step's error, which
+                # is no impact.
+                sw[BAND * s + k] = max(sw[BAND * s + k], r.rtol * largest)
     ahead = min(LOOK_AHEAD * h, 0.1 * r.flight)
     r.blamed = settle_of(machine)(
         machine, crossing, t, ahead, Y1, G1, w, sw, p, modes, scratch, lam

@@ -80,6 +80,8 @@ _FLOATS = [
     "look_at",  # instant at which the constraints are looked at again
     "quiet",  # instant until which a singular position is not looked for
     "usual",  # length of the last accepted step of free choice
+    "foresight",  # change of the coordinates, in their sizes, over which one is looked for
+    "lent_until",  # instant from which a method that was lent is not needed
 ]
 _INTEGERS = [
     "last",  # row, after K, of the derivative at the end of a step
@@ -120,6 +122,7 @@ _INTEGERS = [
     "standing",  # events in a row without time between them
     "blamed",  # switching function for which no mode is consistent, or -1
     "index",  # function or constraint that an outcome concerns
+    "lent",  # 1: another method steps near a singular position than elsewhere
     "plan",  # what is planned about a singular position, one of the below
 ]
 FREE, APPROACHING, CROSSING, LEAVING, MISSING = 0, 1, 2, 3, 4

@@ -15,6 +15,7 @@ from codegen.errors import InputError
 from runtime.description import Description, unknown
 from runtime.outcomes import Outcome
 from runtime.results.samples import Samples
+from runtime.results.singular import SingularPosition
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,6 +43,11 @@ class Result:
         What happened between the instants.
     partitions
         The independent coordinates of a simulation: the first choice, then every change.
+    not_unique
+        Joints and drivers whose reactions redundant constraints leave open; those of least norm are
+        given.
+    singular
+        The singular positions that the run met, in order.
     parameters
         Parameter values by name.
     """
@@ -58,7 +64,8 @@ class Result:
         stats: Mapping[str, float],
         events: Sequence[Any] = (),
         partitions: Sequence[Any] = (),
-        works: Mapping[str, FloatArray] | None = None,
+        not_unique: Sequence[str] = (),
+        singular: Sequence[SingularPosition] = (),
     ) -> None:
         self.description: Description = machine.description
         self.samples = samples
@@ -68,7 +75,9 @@ class Result:
         self.stats = dict(stats)
         self.events = tuple(events)
         self.partitions = tuple(partitions)
-        self.works = dict(works or {})
+        self.works: dict[str, FloatArray] = {}
+        self.not_unique = tuple(not_unique)
+        self.singular = tuple(singular)
         self.parameters = {
             row.name: float(value) for row, value in zip(machine.parameters, p, strict=False)
         }
@@ -238,6 +247,8 @@ class Result:
             "message": self.message,
             "parameters": json.dumps(self.parameters),
             "stats": json.dumps(self.stats),
+            "not_unique": ", ".join(self.not_unique),
+            "singular": json.dumps([row.facts() for row in self.singular]),
             "linkwright": __version__,
             "generator": told.generator,
             "numpy": np.__version__,

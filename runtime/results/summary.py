@@ -30,6 +30,7 @@ def summary(result: "Result", saved: Path | None) -> dict[str, Any]:
         "parameters": result.parameters,
         "stats": {name: plain(value) for name, value in result.stats.items()},
         "events": [{"t": e.time, "name": e.name, "what": e.what} for e in result.events],
+        "singular": [row.facts() for row in getattr(result, "singular", ())],
         "saved": None if saved is None else str(saved),
     }
     stability = getattr(result, "stability", None)

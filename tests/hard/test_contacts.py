@@ -132,3 +132,20 @@ def test_follower_comes_to_contact_again_after_many_impacts(method: str) -> None
         assert place.min() > -1e-12
         assert np.abs(place[held(run, "face")]).max() < 1e-12
     np.testing.assert_allclose(found[1e-8], found[1e-12], atol=1e-7)
+
+
+@pytest.mark.parametrize(("e", "what"), [(0.5, "impact"), (0.0, "holds")])
+def test_an_impact_in_the_very_first_instant_is_an_event(e: float, what: str) -> None:
+    run = load("hard/bouncing_ball", "dropped").simulate(
+        0.1, rtol=1e-9, parameters={"restitution": e}, guess={"ball.y": 0.1, "ball.vy": -2.0}
+    )
+    first = run.events[0]
+    assert (first.time, first.what) == (0.0, what)
+    assert first.v[1] == pytest.approx(2.0 * e, abs=1e-15)
+    assert run.v("ball.y")[0] == pytest.approx(2.0 * e, abs=1e-15)
+
+
+def test_a_ball_that_lies_there_is_not_struck() -> None:
+    run = load("hard/bouncing_ball", "dropped").simulate(1.0, guess={"ball.y": 0.1})
+    assert run.events == ()
+    assert held(run, "plate").all()

@@ -12,7 +12,7 @@ import typer
 from models.hard.__main__ import main, tolerances
 from models.hard.cases import CASES, GROUPS, find
 from models.hard.suite.case import Array, Case, Reference
-from models.hard.suite.cell import COMPARED, WAYS, Cell, Verdict, Way, run
+from models.hard.suite.cell import COMPARED, WAYS, Cell, Verdict, Way, run, suits
 from models.hard.suite.page import markdown
 from models.hard.suite.worker import Worker
 from runtime import Result
@@ -81,6 +81,17 @@ def test_what_cannot_be_told_is_not_called_correct() -> None:
     assert cell_of(replace(ONE, reference=lambda: far)).verdict is Verdict.BEYOND
 
 
+def test_a_refusal_says_why_and_is_fine_where_it_is_expected() -> None:
+    case = find("parallel_linkage")
+    cell = run(case, Way("bdf", "step"), 1e-6)
+    assert cell.verdict is Verdict.EXPECTED
+    assert (cell.outcome, cell.note, cell.steps) == ("REFUSED", "", 0)
+    assert "B3.y follow from others" in cell.message
+    other = run(replace(case, ends=("OK",)), Way("bdf", "step"), 1e-6)
+    assert other.verdict is Verdict.STOPPED
+    assert other.note == other.message
+
+
 def endless(name: str) -> Case:
     """A case whose measuring never ends in time."""
 
@@ -135,6 +146,12 @@ def test_names_are_unique_and_every_way_has_its_place() -> None:
     assert len({case.name for case in CASES}) == len(CASES)
     assert len(set(WAYS)) == len(WAYS)
     assert tolerances(find("andrews"), quick=True) == (1e-9,)
+
+
+def test_what_is_too_long_to_compile_is_run_by_explicit_methods_alone() -> None:
+    assert [way.method for way in WAYS if suits(find("n_four_bar_40"), way)].count("bdf") == 0
+    assert suits(find("n_four_bar_40"), Way("dopri5", "step"))
+    assert all(suits(find("n_four_bar_5"), way) for way in WAYS)
 
 
 def test_an_unknown_name_is_refused(tmp_path: Path) -> None:

@@ -139,15 +139,11 @@ def test_the_models_have_their_joints() -> None:
 
 
 def test_a_swing_too_far_locks_at_the_dead_centre() -> None:
-    """The run ends at the last position whose pivots are above 1e-9 of their diagonals.
-
-    A pivot is the square of a singular value: this one falls below 3e-4 rad of the coupler ahead of
-    the dead centre, where φ = -3 + 4.8 δθ² is within 1e-6 rad of its extreme.
-    """
+    """The run ends in the dead centre itself: where φ has its extreme, and at that instant."""
     run = study().locked
     assert run.outcome is Outcome.LOCKED
-    assert 0 < run.q("pinion.phi")[-1] - DEAD[1] < 1e-6
-    assert np.arcsin(-DEAD[1] / 3.5) + pi == pytest.approx(SPEED * run.t[-1], abs=1e-6)
+    assert abs(run.q("pinion.phi")[-1] - DEAD[1]) < 1e-12
+    assert np.arcsin(-DEAD[1] / 3.5) + pi == pytest.approx(SPEED * run.t[-1], abs=1e-9)
     assert {"pinion_drive", "mesh"} <= set(run.message.replace(",", "").split())
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
+    from codegen import Model
     from runtime import Machine, Result
 
 Array = npt.NDArray[np.float64]
@@ -78,7 +79,7 @@ class Case:
     hard, see
         What makes it hard, and what to look for in its rows: a sentence or two.
     model, scene
-        The declaration's name, `hard/andrews`, and its scene.
+        The declaration's name, `hard/andrews`, and its scene; with `declare` the family's.
     t_end
         End of the run, s.
     quantity
@@ -94,10 +95,16 @@ class Case:
     tolerances
         The values of rtol.
     ends
-        Outcomes in which a run may end; the first is the one that is wished for.
+        Outcomes in which a run may end; the first is the one that is wished for. REFUSED: the
+        question does not fit the machine, and is refused with a reason.
     work
         A run → the work of all that has no potential, from the start to each instant, J; None
         where it is not known in closed form.
+    declare
+        Declares the machine, where it is one of a family that has no file of its own.
+    long
+        Whether its code is so long that it is not compiled for the tests, nor for methods that
+        need its derivatives too.
     parameters, guess, options
         Handed on to `Machine.simulate`.
     """
@@ -116,13 +123,15 @@ class Case:
     tolerances: tuple[float, ...] = TOLERANCES
     ends: tuple[str, ...] = ("OK",)
     work: "Callable[[Result], Array | float] | None" = None
+    declare: "Callable[[], Model] | None" = None
+    long: bool = False
     parameters: Mapping[str, float] = field(default_factory=dict)
     guess: Mapping[str, float] = field(default_factory=dict)
     options: Mapping[str, Any] = field(default_factory=dict)
 
     def machine(self) -> "Machine":
         """The machine, built if need be."""
-        return machine(self.model, self.scene)
+        return machine(self.model, self.scene, self.declare)
 
     def instants(self) -> Array:
         """Instants of output, s."""
@@ -130,11 +139,13 @@ class Case:
 
 
 @cache
-def machine(model: str, scene: str) -> "Machine":
-    """A machine of the library or of this package."""
+def machine(model: str, scene: str, declare: "Callable[[], Model] | None" = None) -> "Machine":
+    """A machine of the library or of this package; what is declared here is built in `results`."""
     from runtime import load
 
-    return load(model, scene, folder=ROOT)
+    if declare is None:
+        return load(model, scene, folder=ROOT)
+    return load(declare(), scene, folder=ROOT / "results" / "machines")
 
 
 def coordinates(*names: str) -> "Callable[[Result], Array]":

@@ -1,17 +1,22 @@
 """One cell: a case run with one method, one correction and one tolerance, and judged."""
 
 import time
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from functools import cache
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from models.hard.suite.case import KEPT, WORTH, Array, Case, machine
+from codegen.errors import AnalysisError
+from models.hard.suite.case import KEPT, WORTH, Array, Case
 from runtime import Outcome, Result
 from runtime.integrate.check import CORRECTIONS
-from runtime.integrate.tables import METHODS
+from runtime.integrate.tables import IMPLICIT, METHODS
+
+if TYPE_CHECKING:
+    from runtime import Machine
 
 RESIDUAL = 1e-10
 """The largest |Φ| that a run may show at any output, m or rad, where it returns to Φ = 0."""
@@ -35,6 +40,10 @@ WAYS = (
     *(Way(COMPARED, correction) for correction in CORRECTIONS[1:]),
 )
 """Every method with the usual correction, and one of them with the others."""
+
+
+REFUSED = "REFUSED"
+"""The outcome of a run that an error refused before its first step, with a reason."""
 
 
 class Verdict(StrEnum):
@@ -95,21 +104,42 @@ class Cell:
     @classmethod
     def hanging(cls, case: str, way: Way, rtol: float, seconds: float) -> "Cell":
         """What is told of a run that was given up after so many seconds."""
+        return cls._without(case, way, rtol, Verdict.HANGS, f"no answer after {seconds:g} s")
+
+    @classmethod
+    def refusing(cls, case: Case, way: Way, rtol: float, why: str) -> "Cell":
+        """What is told of a run that was refused, by an error that says why."""
+        expected = REFUSED in case.ends
+        verdict = Verdict.EXPECTED if expected else Verdict.STOPPED
+        note = "" if expected else why
+        return cls._without(case.name, way, rtol, verdict, note, REFUSED, why)
+
+    @classmethod
+    def _without(
+        cls,
+        case: str,
+        way: Way,
+        rtol: float,
+        verdict: Verdict,
+        note: str,
+        outcome: str = "",
+        message: str = "",
+    ) -> "Cell":
+        """A cell without numbers."""
         nothing = dict.fromkeys(("error", "bound", "until", "residual", "drift"), np.nan)
         counts = dict.fromkeys(("steps", "rejected", "repartitions", "events"), 0)
-        note = f"no answer after {seconds:g} s"
         return cls(
             case=case,
             method=way.method,
             correction=way.correction,
             rtol=rtol,
-            verdict=Verdict.HANGS,
+            verdict=verdict,
             **nothing,
             **counts,
             cpu=np.nan,
-            outcome="",
+            outcome=outcome,
             reached=np.nan,
-            message="",
+            message=message,
             note=note,
         )
 
@@ -121,37 +151,44 @@ class Cell:
         }
 
 
+def suits(case: Case, way: Way) -> bool:
+    """Whether a case is run that way: code that is too long is not compiled with derivatives."""
+    return not (case.long and way.method in IMPLICIT)
+
+
 def run(case: Case, way: Way, rtol: float) -> Cell:
     """Run a case once, from an assembled start, and judge it."""
     ready(case, way)
     loaded = case.machine()
     start = loaded.assemble(guess=dict(case.guess), parameters=dict(case.parameters))
     began = time.process_time()
-    result = loaded.simulate(
-        case.t_end,
-        case.instants(),
-        method=way.method,
-        correction=way.correction,
-        rtol=rtol,
-        parameters=dict(case.parameters),
-        start=start,
-        progress=False,
-        **case.options,
-    )
+    try:
+        result = loaded.simulate(
+            case.t_end,
+            case.instants(),
+            method=way.method,
+            correction=way.correction,
+            rtol=rtol,
+            parameters=dict(case.parameters),
+            start=start,
+            progress=False,
+            **case.options,
+        )
+    except AnalysisError as error:
+        return Cell.refusing(case, way, rtol, str(error))
     return judge(case, way, rtol, result, time.process_time() - began)
 
 
 def ready(case: Case, way: Way) -> None:
     """Build, load and compile whatever a first run of the case does, and ask for its reference."""
     case.reference()
-    _first_run(case.model, case.scene, way)
+    _first_run(case.machine(), way)
 
 
 @cache
-def _first_run(model: str, scene: str, way: Way) -> None:
-    machine(model, scene).simulate(
-        1e-9, method=way.method, correction=way.correction, progress=False
-    )
+def _first_run(loaded: "Machine", way: Way) -> None:
+    with suppress(AnalysisError):  # the run itself tells
+        loaded.simulate(1e-9, method=way.method, correction=way.correction, progress=False)
 
 
 def judge(case: Case, way: Way, rtol: float, result: Result, cpu: float) -> Cell:
