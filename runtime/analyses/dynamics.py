@@ -147,15 +147,13 @@ def simulate(
             lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
         )
 
-    if told.working:
-        plan = laid(begin.t, run(None).t, times)
-        trajectory = run(plan.instants)
-        found = with_works(_result(machine, trajectory, p, began, begin), plan)
-    else:
-        trajectory = run(times)
-        found = _result(machine, trajectory, p, began, begin)
-    mobility = _mobility(equations, begin.q)
-    found.singular = tuple(passed(equations, begin.t, begin.q, mobility, trajectory.crossings))
+    plan = laid(begin.t, run(None).t, times) if told.working else None
+    trajectory = run(plan.instants if plan else times)
+    found = _result(machine, trajectory, p, began, begin)
+    if plan:
+        found = with_works(found, plan)
+    crossings = trajectory.crossings
+    found.singular = tuple(passed(equations, begin.t, begin.q, problem.scale, crossings))
     found.message += carried(machine, begin.degrees_of_freedom)
     return found
 

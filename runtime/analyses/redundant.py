@@ -45,6 +45,11 @@ def projecting(
 
     Off the constraints a redundant row seems to be independent, and a choice of independent
     coordinates would go by it.
+
+    Raises
+    ------
+    AnalysisError
+        With the constraints that are redundant.
     """
     names = ", ".join(row.name for row in begin.redundant)
     if method in IMPLICIT:

@@ -66,7 +66,6 @@ class Result:
         partitions: Sequence[Any] = (),
         not_unique: Sequence[str] = (),
         singular: Sequence[SingularPosition] = (),
-        works: Mapping[str, FloatArray] | None = None,
     ) -> None:
         self.description: Description = machine.description
         self.samples = samples
@@ -76,9 +75,9 @@ class Result:
         self.stats = dict(stats)
         self.events = tuple(events)
         self.partitions = tuple(partitions)
+        self.works: dict[str, FloatArray] = {}
         self.not_unique = tuple(not_unique)
         self.singular = tuple(singular)
-        self.works = dict(works or {})
         self.parameters = {
             row.name: float(value) for row, value in zip(machine.parameters, p, strict=False)
         }
