@@ -76,7 +76,10 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
     joints = active_joints(model, scene)
     found = []
     if not scene.bodies:
-        found.append(f"{where}: no body takes part; leave one in.")
+        found.append(
+            f"{where}: no body takes part, so there is no coordinate to compute; leave one of "
+            f"{', '.join(model.bodies)} in."
+        )
     if scene.analysis != "kinematics":
         for name in scene.bodies:
             body = model.bodies[name]

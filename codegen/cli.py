@@ -148,29 +148,54 @@ def _print_build(done: Any, check: bool) -> None:
 
 @app.command()
 @answers_errors
-def explain(model: ModelArgument, scene: SceneOption = None, as_json: JsonOption = False) -> None:
-    """What is compiled into a scene, what is left out, and what each part costs."""
-    from codegen.explain import explain as run
+def explain(
+    model: ModelArgument,
+    scene: SceneOption = None,
+    compare: Annotated[
+        tuple[str, str] | None, typer.Option(help="Two scenes side by side.", metavar="A B")
+    ] = None,
+    measure: Annotated[
+        bool | None,
+        typer.Option(
+            help="Compile the parts of accelerations and time them, some seconds a scene; "
+            "done unless all scenes are asked for."
+        ),
+    ] = None,
+    run: Annotated[
+        float | None,
+        typer.Option(help="Also run the scene for so many seconds, and share out what it took."),
+    ] = None,
+    kernels: Annotated[
+        bool, typer.Option("--kernels", help="Also the operations of every kernel, a wide table.")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="A picture, .png or .svg, or a page, .html.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """What is compiled into a scene, what is left out and why, and what each part costs."""
+    from codegen.explain import explain as ledgers_of
+    from codegen.ledger.command import one_question, save, show
+    from codegen.ledger.comparison import compare as side_by_side
 
-    with errors.status("deriving", spinner="dots"):
-        ledgers = run(model, scene)
-    if as_json:
-        typer.echo(json.dumps({"scenes": [asdict(ledger) for ledger in ledgers]}))
-        return
-    for ledger in ledgers:
-        table = Table(title=f"{ledger.model}, scene {ledger.scene}: operations")
-        table.add_column("part")
-        table.add_column("kind")
-        for kernel in ledger.kernels:
-            table.add_column(kernel, justify="right")
-        for part in ledger.parts:
-            counts = (str(part.operations.get(k, "")) for k in ledger.kernels)
-            table.add_row(part.name, part.kind, *counts)
-        table.add_section()
-        table.add_row("total", "", *(str(ledger.totals[k]) for k in ledger.kernels))
-        Console(width=PAPER, highlight=False).print(table)
-        for name, kind in ledger.left_out:
-            output.print(f"  left out: {name} ({kind}): the scene does not name it")
+    one_question(scene, compare)
+    timed = (scene or compare) is not None if measure is None else measure
+    with errors.status("reading", spinner="dots") as status:
+        found = tuple(
+            ledger
+            for name in compare or (scene,)
+            for ledger in ledgers_of(
+                model,
+                name,
+                measure=timed,
+                t_end=run,
+                progress=lambda message: status.update(escaped(message)),
+            )
+        )
+        beside = side_by_side(*found) if compare else None
+    show(found, beside, kernels=kernels, as_json=as_json)
+    if out is not None:
+        errors.print(f"saved {escaped(str(save(found, out)))}")
 
 
 @app.command()

@@ -15,13 +15,13 @@ def output_problems(model: Model, scene: Scene) -> Iterator[str]:
     where = f"scene '{scene.name}'"
     joints = active_joints(model, scene)
     for word in scene.outputs or ():
-        if scene.analysis == "kinematics":
+        if scene.analysis == "kinematics" and not word.startswith("path"):
             yield (
                 f"{where}: the output '{word}' needs masses and forces, which a kinematic scene "
                 "leaves out; declare it with analysis='dynamics', or leave the output out."
             )
             continue
-        if scene.analysis == "equilibrium" and word.startswith("power"):
+        if scene.analysis == "equilibrium" and word.startswith(("power", "work")):
             yield (
                 f"{where}: the output '{word}' needs a motion, which a scene for equilibrium "
                 "leaves out; declare it with analysis='dynamics', or leave the output out."
@@ -33,6 +33,9 @@ def output_problems(model: Model, scene: Scene) -> Iterator[str]:
         if name in (*joints, *scene.drivers, *scene.effects):
             yield from _nothing_there(model, scene, where, what, name)
             continue
+        if what == "path":
+            yield from _no_body(model, scene, where, name)
+            continue
         kind = model.kind(name)
         wanted = f"{kind}s" if kind in ("effect", "driver") else "bodies and joints"
         yield (
@@ -41,13 +44,24 @@ def output_problems(model: Model, scene: Scene) -> Iterator[str]:
         )
 
 
+def _no_body(model: Model, scene: Scene, where: str, name: str) -> Iterator[str]:
+    """A point whose body takes no part, or that the scene leaves out itself."""
+    (body,) = model.effects[name].bodies
+    gone = name if body.name in scene.bodies else body.name
+    kind = "point" if gone == name else model.kind(gone)
+    yield (
+        f"{where}: the output 'path({name})' needs {kind} '{gone}', which the scene leaves out; "
+        f"take '{gone}' in, or leave the output out."
+    )
+
+
 def _nothing_there(model: Model, scene: Scene, where: str, what: str, name: str) -> Iterator[str]:
     """Reactions and powers that an element which acts does not have."""
     output = f"{what}({name})"
     if name not in scene.effects:
         element = model.joints.get(name) or model.drivers[name]
         moving = name in scene.drivers or any(nu != 0 for nu in constraint_terms(element)[1].nu)
-        if what == "power" and not moving:
+        if what in ("power", "work") and not moving:
             yield (
                 f"{where}: there is no output '{output}', as {element.kind} '{name}' does no work; "
                 "leave it out."
@@ -55,6 +69,8 @@ def _nothing_there(model: Model, scene: Scene, where: str, what: str, name: str)
         return
     effect = model.acting(scene)[name]
     terms = effect_terms(effect, tuple(model.bodies[b] for b in scene.bodies))
+    if what == "work" and not (terms.forces or terms.friction or terms.gradient):
+        yield f"{where}: there is no output '{output}', as '{name}' exerts nothing; leave it out."
     if what == "power" and not (terms.forces or terms.friction):
         yield (
             f"{where}: there is no output '{output}', as all that {effect.kind} '{name}' does has "

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from codegen.declare.scene import Scene
+from codegen.declare.tracked import TRACKED
 from codegen.driver import sound_scenes
 from codegen.model import Model
 from codegen.model.couplers import FORMS
@@ -60,6 +61,7 @@ def variants(model: Model, scene: Scene, *, fidelities: bool = True) -> tuple[Va
     """
     found: list[Variant] = []
     acting = {} if scene.analysis == "kinematics" else model.acting(scene)
+    acting = {name: effect for name, effect in acting.items() if effect.kind != TRACKED}
     found += [Variant(name, effect.kind, NONE, True) for name, effect in acting.items()]
     if not fidelities:
         return tuple(found)

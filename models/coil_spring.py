@@ -24,18 +24,22 @@ impact_damped
     The same with a damper in the contact. Figure 8.4.9.
 """
 
-from codegen import Model
+from sympy import Expr
+
+from codegen import Body, Model
 
 FREE_LENGTH = 0.2
 
 
-def machine(count: int = 6) -> Model:
+def machine(count: int = 6, other: int | None = None) -> Model:
     """A spring of `count` masses and the striker, in the three scenes of the section.
 
-    The book's has six; `load(machine(50), "surge")` runs a finer one, whose generated files have
-    names of their own.
+    The book's has six; `load(machine(50), "surge")` runs a longer one, whose generated files have
+    names of their own. With `other` the same spring may also be taken as so many masses: the
+    fidelity ``"lumps"``, in the scene `surge_{other}` and in any other that asks for it.
     """
-    model = Model("coil_spring" if count == 6 else f"coil_spring_{count}")
+    name = "coil_spring" if count == 6 else f"coil_spring_{count}"
+    model = Model(name if other is None else f"{name}_or_{other}")
     k = model.parameter("k", 50.0, unit="N/m", sign="positive")
     m = model.parameter("m", 2.5, unit="kg")
     contact_stiffness = model.parameter("contact_stiffness", 1e6, unit="N/m", sign="positive")
@@ -61,7 +65,30 @@ def machine(count: int = 6) -> Model:
                 start={**at_rest, last.vx: -0.1})  # fmt: skip
     model.scene("impact", [*springs, "contact"], start=arriving)
     model.scene("impact_damped", [*springs, "damped_contact"], start=arriving)
+    if other is not None:
+        _in_other_lumps(model, masses, other, k, m)
     return model
+
+
+def _in_other_lumps(model: Model, masses: list[Body], count: int, k: Expr, m: Expr) -> None:
+    """The same spring in `count` lumps: its mass, stiffness and length are those of the whole."""
+    whole, part = len(masses), f"of_{count}"
+    lumps = [model.body(f"lump_{i}_{part}", mass=m * whole / count, inertia=1.0)
+             for i in range(1, count + 1)]  # fmt: skip
+    length = FREE_LENGTH * whole / count
+    guides = [model.translational(f"guide_{b.name}", model.ground, b, axis=(1, 0)) for b in lumps]
+    springs = [
+        model.spring(f"spring_{i}_{part}", left, right, k * count / whole, length)
+        for i, (left, right) in enumerate(zip([model.ground, *lumps], lumps, strict=False), 1)
+    ]
+    coarse = [f"spring_{i}" for i in range(1, whole + 1)]
+    coarse += [f"guide_{body.name}" for body in masses] + ["contact", "damped_contact"]
+    model.alternatives(
+        "lumps", {str(whole): [*masses, *coarse], str(count): [*lumps, *guides, *springs]}
+    )
+    start = {body.x: i * length for i, body in enumerate(lumps, 1)}
+    start[lumps[-1].vx] = -0.1 * count / whole  # the same blow to a lighter lump
+    model.scene(f"surge_{count}", extends="surge", fidelity={"lumps": str(count)}, start=start)
 
 
 model = machine(6)

@@ -130,7 +130,10 @@ class ReactionRow(NamedTuple):
 
 
 class PowerSource(NamedTuple):
-    """An effect or a driver whose power on the machine is reported."""
+    """An effect or a driver whose power on the machine is reported.
+
+    Of kind ``"work"`` it is called ``work(NAME)``, and its power is there to be integrated.
+    """
 
     name: str
     kind: str
@@ -196,7 +199,8 @@ class Description(NamedTuple):
 
     def offer(self, output: str) -> str:
         """Sentence on an output that the scene does not ask for, and how to have it."""
-        asked = ", ".join(map(repr, (*(self.outputs or ()), output)))
+        before = ("reactions", "energy", "powers") if self.outputs is None else self.outputs
+        asked = ", ".join(map(repr, (*before, output)))
         return (
             f"{self.title} does not compute {output}, which its outputs do not name; declare the "
             f"scene with outputs=[{asked}], or load scene.with_(outputs=[{asked}])."
@@ -207,6 +211,17 @@ class Description(NamedTuple):
         if self.outputs is None or f"{output}s" in self.outputs or output in self.outputs:
             return False
         return not any(f"{output}({element})" in self.outputs for element in elements)
+
+    @property
+    def tracked(self) -> tuple[str, ...]:
+        """Points whose paths are reported."""
+        return tuple(row.name for row in self.effects if row.kind == "tracked point")
+
+    @property
+    def working(self) -> dict[str, int]:
+        """Effect or driver → the row of the power of which its work is the integral."""
+        rows = enumerate(self.powers)
+        return {row.name[len("work(") : -1]: k for k, row in rows if row.kind == "work"}
 
     @property
     def driver_rows(self) -> npt.NDArray[np.bool_]:

@@ -1,6 +1,5 @@
 """What a user holds: a loaded mechanism, its tables, and the analyses."""
 
-import math
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
@@ -11,7 +10,7 @@ import numpy.typing as npt
 
 from codegen.errors import AnalysisError, ParameterError
 from runtime.analyses.asked import require_energy, require_motion
-from runtime.analyses.door import check, number
+from runtime.analyses.door import check
 from runtime.analyses.surfaces import require_sound
 from runtime.description import (
     Constraint,
@@ -20,13 +19,13 @@ from runtime.description import (
     Effect,
     Parameter,
     Table,
-    unknown,
 )
 from runtime.kernels import Kernels
+from runtime.parameters import resolved
 from runtime.progress import bar
 
 if TYPE_CHECKING:
-    from runtime.analyses.assemble import Assembly
+    from runtime.analyses.assembly import Assembly
     from runtime.analyses.equilibrium import Equilibrium
     from runtime.integrate.problem import Correction, System
     from runtime.results.result import Result
@@ -198,37 +197,7 @@ class Machine:
             New values by name, in the declared units; the others keep their defaults.
         """
         check(self, parameters=overrides)
-        table = self.parameters
-        values = np.zeros(len(table) + len(self.description.constants))
-        values[: len(table)] = [row.default for row in table]
-        problems = []
-        for name, given in (overrides or {}).items():
-            if name in self.description.unused:
-                problems.append(
-                    f"{self.description.title}: nothing that takes part depends on parameter "
-                    f"{name}. Leave it out of the parameters, or take what needs it into the scene "
-                    f"(left out: {', '.join(self.description.left_out.names) or 'nothing'})."
-                )
-                continue
-            if name not in table.names:
-                problems.append(
-                    f"{self.description.title}: {unknown('parameter', name, table.names)}"
-                )
-                continue
-            row = table[name]
-            value = number(given)
-            if value is None or not math.isfinite(value):
-                problems.append(f"Parameter {name} is {given!r}; it must be a finite number.")
-            elif row.sign == "positive" and value <= 0.0:
-                problems.append(
-                    f"Parameter {name} is {value:g} {row.unit}; it must be greater than zero."
-                )
-            elif row.sign == "nonnegative" and value < 0.0:
-                problems.append(
-                    f"Parameter {name} is {value:g} {row.unit}; it must not be negative."
-                )
-            else:
-                values[table.index(name)] = value
+        values, problems = resolved(self.description, overrides or {})
         if problems:
             raise ParameterError(problems)
         self.kernels.constants(values)

@@ -9,6 +9,7 @@ from codegen.declare.element import Constraint, Element, Statement
 from codegen.declare.parameter import ParameterDeclaration
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter
+from codegen.declare.tracked import TRACKED
 from codegen.derive.constraints import ConstraintTerms, constraint_terms
 from codegen.derive.effects import EffectTerms, effect_terms
 from codegen.derive.switches import (
@@ -72,6 +73,11 @@ class Equations:
     unused: tuple[str, ...] = ()
 
 
+def tracked_points(equations: Equations) -> tuple[str, ...]:
+    """Names of the points that take part: they do where their paths are asked for."""
+    return tuple(e.name for e in equations.effects if e.kind == TRACKED)
+
+
 def active_joints(model: Model, scene: Scene) -> dict[str, Constraint]:
     """Joints whose bodies all take part; links that stand for a body, where this body does not.
 
@@ -100,7 +106,8 @@ def derive(model: Model, scene: Scene) -> Equations:
     dynamic = scene.analysis != "kinematics"
     effects = tuple(
         EffectEquations(name, effect.kind, effect_terms(effect, bodies))
-        for name, effect in (model.acting(scene) if dynamic else {}).items()
+        for name, effect in model.acting(scene).items()
+        if dynamic or effect.kind == TRACKED
     )
     named = tuple((e.name, e.terms) for e in effects)
     found = switches(named)

@@ -69,8 +69,10 @@ def lower(equations: Equations) -> Lowered:
         kernels.append(correction(scene))
     powers: list[tuple[str, str, int]] = []
     if equations.masses:
-        powers = [row for row in _powers(scene) if wanted.power(row[0])]
+        powers = [row for row in _powers(scene) if wanted.power(row[0])] + _works(scene, wanted)
         kernels += _dynamic_kernels(scene, wanted, powers)
+    elif _reported(scene, wanted):
+        kernels.append(_reactions(scene, wanted))
     if equations.switches:
         kernels += _switching_kernels(scene, resting)
         kernels += hold_kernels(scene, wanted)
@@ -81,8 +83,6 @@ def lower(equations: Equations) -> Lowered:
 
 def _reported(scene: SceneGraph, wanted: Wanted) -> tuple[int, ...]:
     """Which of the scene's reactions are asked for, in order."""
-    if not scene.equations.masses:
-        return ()
     return tuple(k for k, (name, *_) in enumerate(scene.reactions) if wanted.reaction(name))
 
 
@@ -91,13 +91,6 @@ def _dynamic_kernels(
 ) -> list[Kernel]:
     coordinates = [q.name for q in scene.equations.coordinates]
     graph = scene.graph
-    told = _reported(scene, wanted)
-    switched = switched_reactions(scene)
-    reactions = tuple(
-        Output("out", row, scene.reactions[k][3], reaction_note(scene, k))
-        for row, k in enumerate(told)
-        if k not in switched
-    )
     resting = not wanted.moves
     kernels = [
         Kernel(
@@ -150,16 +143,24 @@ def _dynamic_kernels(
                 store("out", [w for *_, w in powers], [source for source, *_ in powers]),
             )
         )
-    if told or wanted.outputs is None:
-        kernels.append(
-            Kernel(
-                "reactions",
-                "Joint forces on the second body, in the joint's axes, and what drivers exert.",
-                (*STATE, "lam", "out"),
-                reactions,
-            )
-        )
+    if _reported(scene, wanted) or wanted.outputs is None:
+        kernels.append(_reactions(scene, wanted))
     return kernels
+
+
+def _reactions(scene: SceneGraph, wanted: Wanted) -> Kernel:
+    switched = switched_reactions(scene)
+    outputs = tuple(
+        Output("out", row, scene.reactions[k][3], reaction_note(scene, k))
+        for row, k in enumerate(_reported(scene, wanted))
+        if k not in switched
+    )
+    return Kernel(
+        "reactions",
+        "Joint forces on the second body, in the joint's axes, and what drivers exert.",
+        (*STATE, "lam", "out"),
+        outputs,
+    )
 
 
 def _switching_kernels(scene: SceneGraph, resting: bool) -> list[Kernel]:
@@ -203,6 +204,14 @@ def _powers(scene: SceneGraph) -> list[tuple[str, str, int]]:
             terms = [scene.graph.mul(scene.nu[k], scene.lam[k]) for k in rows]
             found.append((element.name, "driver", scene.graph.neg(scene.graph.total(terms))))
     return found
+
+
+def _works(scene: SceneGraph, wanted: Wanted) -> list[tuple[str, str, int]]:
+    """The powers whose integrals are asked for, of effects with all that they exert."""
+    whole = [(name, value) for name, _, value in _powers(scene) if name not in scene.working]
+    pairs = [*scene.working.items(), *whole]
+    return [(f"work({name})", "work", value) for name, value in pairs if wanted.work(name)
+            and value != scene.graph.zero]  # fmt: skip
 
 
 def _named(scene: SceneGraph, array: str, values: list[int]) -> tuple[Output, ...]:

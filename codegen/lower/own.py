@@ -8,6 +8,7 @@ equations without its terms. An operation shared with another part is nobody's o
 goes on without the effect counts as the one term less that it is.
 """
 
+from collections.abc import Collection
 from dataclasses import replace
 
 from codegen.derive.equations import Equations
@@ -16,18 +17,23 @@ from codegen.lower.kernels import lower
 from codegen.lower.ledger import operations
 
 
-def less(equations: Equations, effect: str) -> Equations:
-    """The equations without the terms of one effect; nothing is derived again."""
-    effects = tuple(e for e in equations.effects if e.name != effect)
-    named = tuple((e.name, e.terms) for e in effects)
+def acting(equations: Equations, effects: Collection[str]) -> Equations:
+    """The equations with some of their effects alone; nothing is derived again."""
+    chosen = tuple(e for e in equations.effects if e.name in effects)
+    named = tuple((e.name, e.terms) for e in chosen)
     found = switches(named)
     return replace(
         equations,
-        effects=effects,
+        effects=chosen,
         switches=found,
         sides=held_sides(named, found),
         contacts=rigid_contacts(named, found),
     )
+
+
+def less(equations: Equations, effect: str) -> Equations:
+    """The equations without the terms of one effect."""
+    return acting(equations, [e.name for e in equations.effects if e.name != effect])
 
 
 def own_operations(equations: Equations, effect: str) -> dict[str, int]:

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import sympy
 
-from codegen.declare.symbols import Acceleration, Parameter, t
+from codegen.declare.symbols import Acceleration, Coordinate, Parameter, t
 from codegen.derive.effects import FrictionTerms
 from codegen.derive.equations import Equations
 from codegen.lower.graph import Graph
@@ -50,6 +50,9 @@ class SceneGraph:
         V, ∂V/∂q, and Q with the forces of the potential.
     powers
         (effect, power) of the effects without a potential.
+    working
+        Effect → power of all that it exerts, what has a potential included, where its work is
+        asked for.
     frictions
         The forces that follow from reactions.
     """
@@ -172,7 +175,9 @@ class SceneGraph:
         self.gradient = [graph.zero] * self.n
         self.forces = [graph.zero] * self.n
         self.powers: list[tuple[str, int]] = []
+        self.working: dict[str, int] = {}
         self.frictions: list[Friction] = []
+        asked = {*(equations.scene.outputs or ())}
         idle = {contact.effect for contact in equations.contacts if not contact.moving}
         for effect in equations.effects:
             with graph.serving(effect.name):
@@ -189,6 +194,8 @@ class SceneGraph:
                     power = graph.add(power, graph.mul(value, self.v[k]))
                 if effect.terms.forces and effect.name not in idle:
                     self.powers.append((effect.name, power))
+                if asked & {"works", f"work({effect.name})"}:
+                    self.working[effect.name] = self._working(effect.terms.gradient, power)
                 for part, unit, value in effect.terms.reported:
                     self.reactions.append((effect.name, part, unit, self.translate(value)))
                 if effect.terms.friction:
@@ -196,6 +203,13 @@ class SceneGraph:
         with graph.serving("masses"):
             self.masses = [self.translate(m) for m in equations.masses]
         self.applied = [graph.sub(f, g) for f, g in zip(self.forces, self.gradient, strict=True)]
+
+    def _working(self, gradient: tuple[tuple[Coordinate, sympy.Expr], ...], power: int) -> int:
+        """Power of the forces, less what goes into the potential."""
+        graph = self.graph
+        columns = {q: k for k, q in enumerate(self.equations.coordinates)}
+        stored = [graph.mul(self.translate(slope), self.v[columns[q]]) for q, slope in gradient]
+        return graph.sub(power, graph.total(stored))
 
     def _friction(self, name: str, terms: FrictionTerms) -> None:
         """The force itself, from the multipliers as inputs, its power, and what solves for it."""
@@ -216,7 +230,9 @@ class SceneGraph:
         if terms.limit is not None:
             limit = graph.mul(self.translate(terms.limit), pressing)
             self.reactions.append((name, "limit", terms.unit, limit))
-        self.powers.append((name, graph.mul(force, self.translate(terms.slip))))
+        power = graph.mul(force, self.translate(terms.slip))
+        self.powers.append((name, power))
+        self.working[name] = power
 
     def _load(self, joint: str, entry: tuple[tuple[str, sympy.Expr], ...]) -> dict[int, int]:
         """Row → factor of a sum of components of a joint's reaction."""

@@ -1,6 +1,6 @@
 """What of a scene is asked for: which kernels it has, and which of their rows."""
 
-from codegen.derive.equations import Equations
+from codegen.derive.equations import Equations, tracked_points
 from codegen.lower.graph import Graph
 from codegen.lower.program import Op
 from codegen.lower.scene_graph import SceneGraph
@@ -20,6 +20,8 @@ class Wanted:
         self.moves = equations.scene.analysis == "dynamics"
         # A run holds a friction with a static coefficient against its limit in each position.
         self._needed = {e.name for e in equations.effects if _limited(e.terms.friction)}
+        self._needed |= set(tracked_points(equations))
+        self._massive = bool(equations.masses)
 
     def energy(self) -> bool:
         """Whether kinetic and potential energy are."""
@@ -27,11 +29,15 @@ class Wanted:
 
     def reaction(self, element: str) -> bool:
         """Whether the forces that an element transmits are."""
-        return element in self._needed or self._one("reaction", element)
+        return element in self._needed or (self._massive and self._one("reaction", element))
 
     def power(self, source: str) -> bool:
         """Whether the power of an effect or driver is."""
         return self.moves and self._one("power", source)
+
+    def work(self, source: str) -> bool:
+        """Whether the work of an effect or driver is, which has to be named."""
+        return self.moves and self.outputs is not None and self._one("work", source)
 
     def _one(self, what: str, element: str) -> bool:
         if self.outputs is None:
@@ -49,10 +55,10 @@ def recovered(scene: SceneGraph, wanted: Wanted) -> tuple[int, ...]:
     if wanted.outputs is None:
         return tuple(rows)
     values = [value for name, *_, value in scene.reactions if wanted.reaction(name)]
-    values += [value for name, value in scene.powers if wanted.power(name)]
+    values += [value for name, value in scene.powers if wanted.power(name) or wanted.work(name)]
     found = _multipliers(scene.graph, values)
     for row, name in enumerate(scene.owners):
-        if scene.nu[row] != scene.graph.zero and wanted.power(name):
+        if scene.nu[row] != scene.graph.zero and (wanted.power(name) or wanted.work(name)):
             found.add(row)
     return tuple(row for row in rows if row in found)
 

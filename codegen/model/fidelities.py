@@ -134,6 +134,19 @@ class Fidelities(Couplers):
         lacking = choices[word]
         return f"'{name}' as '{word}' {lacking}" if isinstance(lacking, str) else None
 
+    def choice(self, group: str, how: Mapping[str, str], effects: Iterable[str]) -> str:
+        """Which of its alternatives a scene takes; effects that are named decide as its word does.
+
+        Parameters
+        ----------
+        how, effects
+            The scene's fidelities, and the effects that it names.
+        """
+        choices = self.groups[group]
+        acting = set(effects)
+        named = [word for word, names in choices.items() if acting.intersection(names)]
+        return how.get(group) or (named[0] if len(named) == 1 else next(iter(choices)))
+
     def _chosen(
         self, read: Reader, where: str, how: dict[str, str], effects: tuple[str, ...]
     ) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -141,10 +154,7 @@ class Fidelities(Couplers):
         brought: list[str] = []
         gone: list[str] = []
         for group, choices in self.groups.items():
-            default = next(iter(choices))
-            named = [c for c, names in choices.items() if any(n in effects for n in names)]
-            # Effects that are named decide as well as the word of their choice does.
-            choice = how.get(group) or (named[0] if len(named) == 1 else default)
+            choice = self.choice(group, how, effects)
             mine = choices[choice]
             others = [n for names in choices.values() for n in names if n not in mine]
             if clash := [n for n in others if n in effects]:

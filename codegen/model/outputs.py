@@ -4,16 +4,41 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
+from codegen.declare.body import Body, Point
 from codegen.declare.names import nearest
 from codegen.declare.reading import Reader
+from codegen.declare.tracked import TrackedPoint, tracked
 from codegen.model.base import Declarations
 
-GROUPS = ("reactions", "energy", "powers")
-ONE = re.compile(r"(reaction|power)\((\w+)\)\Z")
+ALL = ("reactions", "energy", "powers")
+"""What a scene reports that names no output."""
+GROUPS = (*ALL, "paths", "works")
+ONE = re.compile(r"(reaction|power|path|work)\((\w+)\)\Z")
 
 
 class Outputs(Declarations):
     """Reads the outputs that a scene asks for."""
+
+    def track(self, name: str, point: Point | Body) -> TrackedPoint:
+        """A point whose path a scene may ask for, by ``outputs=["path(NAME)"]`` or ``"paths"``.
+
+        Parameters
+        ----------
+        point
+            A point of a body; a body means its centre of mass.
+        """
+        element = TrackedPoint(name, self._point(name, point))
+        self._effect(element)
+        return element
+
+    def _brought(self, wanted: tuple[str, ...] | None, bodies: Iterable[str]) -> tuple[str, ...]:
+        """Points whose paths are asked for: all on the bodies that take part, or those named."""
+        points = tracked(self.effects.values())
+        words, present = wanted or (), set(bodies)
+        reachable = [n for n in points if {b.name for b in self.effects[n].bodies} <= present]
+        if "paths" in words:
+            return tuple(reachable)
+        return tuple(name for name in reachable if f"path({name})" in words)
 
     def _read_outputs(self, read: Reader, where: str, wanted: Any) -> tuple[str, ...] | None:
         """The words in a fixed order, each once; None for all that there is."""
@@ -37,10 +62,17 @@ class Outputs(Declarations):
         if word in GROUPS:
             return None
         match = ONE.match(word) if isinstance(word, str) else None
-        acting = [*self.joints, *self.drivers, *self.effects]
+        points = tracked(self.effects.values())
+        acting = [n for n in (*self.joints, *self.drivers, *self.effects) if n not in points]
         if match is None:
-            words = [*GROUPS, *(f"reaction({n})" for n in acting), *(f"power({n})" for n in acting)]
+            kinds = ("reaction", "power", "work")
+            words = [*GROUPS, *(f"{what}({n})" for what in kinds for n in acting)]
+            words += [f"path({n})" for n in points]
             return f"no output {word!r}; {nearest(str(word), words)}"
-        if match[2] not in acting:
-            return f"no output '{word}', as there is no '{match[2]}'; {nearest(match[2], acting)}"
+        what, name = match.groups()
+        if what == "path" and name not in points:
+            hint = nearest(name, points) if points else "declare it with model.track(...)."
+            return f"no output '{word}', as there is no tracked point '{name}'; {hint}"
+        if what != "path" and name not in acting:
+            return f"no output '{word}', as there is no '{name}'; {nearest(name, acting)}"
         return None

@@ -84,7 +84,8 @@ class Scenes(Fidelities, Outputs):
         outputs
             What is computed beside the motion: ``"reactions"``, ``"energy"``, ``"powers"``, or
             those of one element, ``"reaction(A)"``, ``"power(gas)"``; all unless given, which
-            ``"all"`` says in an extension.
+            ``"all"`` says in an extension. And what has to be named: ``"paths"`` of tracked points,
+            ``"path(tip)"``; ``"works"``, ``"work(gas)"``, integrated along a simulation.
         """
         base = self.scenes.get(name)
         said = (effects, drivers, extends, without, couplers, fidelity, start, guess, parameters)
@@ -180,7 +181,9 @@ class Scenes(Fidelities, Outputs):
         gone = (*asked.without, *others)
         absent = (*gone, *self._left_out(read, where, gone, how))
         idle = {e for e, word in how.items() if word == NONE}
-        acting = {*wanted, *brought} - idle - {*asked.without}
+        present = [b for b in self.bodies if b not in absent]
+        acting = {*wanted, *brought, *self._brought(asked.outputs, present)}
+        acting -= idle | {*asked.without}
         read.problems += [
             f"{where}: '{e}' has a fidelity but does not act; name it among the effects."
             for e in how
@@ -189,7 +192,7 @@ class Scenes(Fidelities, Outputs):
         driving = ({*asked.drivers} | {*brought}) - {*asked.without}
         return Scene(
             name=name,
-            bodies=tuple(b for b in self.bodies if b not in absent),
+            bodies=tuple(present),
             effects=tuple(e for e in self.effects if e in acting),
             drivers=tuple(d for d in self.drivers if d in driving),
             opened=tuple(n for n in dict.fromkeys(absent) if n in self.joints),

@@ -1,6 +1,6 @@
 """Questions that a scene was compiled without the means to answer."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from codegen.errors import AnalysisError
 
@@ -53,3 +53,37 @@ def refuse_structure(machine: "Machine") -> None:
             f"all {len(told.coordinates)} coordinates and no driver moves them. Leave a joint out, "
             f"take a driver in, or ask for inverse_dynamics, which gives the reactions at rest."
         )
+
+
+def refuse_massless(machine: "Machine") -> NoReturn:
+    """Refuse a simulation where no mass moves.
+
+    Raises
+    ------
+    AnalysisError
+        With what to ask for instead.
+    """
+    told = machine.description
+    if told.analysis == "kinematics":
+        raise AnalysisError(
+            f"{told.title}: a simulation needs masses and forces, which a scene with "
+            f"analysis='kinematics' leaves out, so there is nothing to integrate. Ask for "
+            f"kinematics, or load scene.with_(analysis='dynamics')."
+        )
+    raise AnalysisError(
+        f"{told.title}: a simulation needs masses, and this scene has a body without. Give "
+        f"every body a mass and an inertia, or ask for kinematics."
+    )
+
+
+def carried(machine: "Machine", freedom: int) -> str:
+    """What a simulation says where drivers leave nothing to integrate; else nothing."""
+    told = machine.description
+    if freedom or not told.drivers:
+        return ""
+    return (
+        f" Nothing was left to integrate: with drivers {', '.join(told.drivers)} the "
+        f"{len(told.constraints)} constraints determine all {len(told.coordinates)} coordinates. "
+        f"inverse_dynamics gives the same motion and forces at any instants without steps, "
+        f"kinematics the motion alone."
+    )

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.analyses.assemble import Assembly
+from runtime.analyses.assembly import Assembly
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.looking import (
     BARRIER,

@@ -116,7 +116,7 @@ def _values(name: str, example: str) -> Callable[["Machine", Any], str]:
 
 
 def _start(machine: "Machine", value: Any) -> str:
-    from runtime.analyses.assemble import Assembly
+    from runtime.analyses.assembly import Assembly
 
     if value is None:
         return ""

@@ -7,20 +7,22 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, cast
 import numpy as np
 import numpy.typing as npt
 
-from codegen.errors import AnalysisError
-from runtime.analyses.asked import refuse_structure
-from runtime.analyses.assemble import Assembly, assemble
+from runtime.analyses.asked import carried, refuse_massless, refuse_structure
+from runtime.analyses.assemble import assemble
+from runtime.analyses.assembly import Assembly
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.kinematics import instants
 from runtime.analyses.magnitudes import magnitudes
 from runtime.analyses.masses import require_masses
 from runtime.analyses.meeting import passed
 from runtime.analyses.outputs import evaluate
-from runtime.analyses.redundant import sound, spared
+from runtime.analyses.redundant import projecting, sound, spared
 from runtime.analyses.surfaces import require_apart
-from runtime.integrate.problem import Correction, Options, Problem, System, Trajectory
+from runtime.analyses.work import laid, with_works
+from runtime.integrate.problem import Correction, Options, Problem, System
 from runtime.integrate.run import integrate
 from runtime.integrate.tables import IMPLICIT
+from runtime.integrate.trajectory import Trajectory
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
 from runtime.results.events import Event
@@ -100,74 +102,60 @@ def simulate(
     began = clock.perf_counter()
     told = machine.description
     if not told.has_masses:
-        raise AnalysisError(
-            f"{told.title}: a simulation needs masses, and this scene has a body without. Give "
-            f"every body a mass and an inertia, or ask for kinematics."
-        )
+        refuse_massless(machine)
     times = None if t_eval is None else instants(t_eval)
     p = machine.parameter_values(parameters)
     require_masses(machine, p)
     begin = start if start is not None else assemble(machine, guess, parameters, t_start)
     machine = sound(machine, begin)
     if begin.redundant:
-        correction = _projecting(machine, begin, method, correction)
+        correction = projecting(machine, begin, method, correction)
     equations = Equations(machine, p)
     sizes = magnitudes(equations, begin.t, begin.q)
     require_apart(machine, p, begin.t, begin.q, begin.v, float(sizes.min(initial=1.0)))
     if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
         refuse_structure(machine)
-    trajectory = integrate(
-        _system(machine, method),
-        Problem(
-            begin.t,
-            float(t_end),
-            np.ascontiguousarray(begin.q),
-            np.ascontiguousarray(begin.v),
-            p,
-            _mobility(equations, begin.q),
-            sizes,
-        ),
-        # An unknown method is refused there, together with all else that is wrong.
-        Options(
-            method=cast(Literal["dopri5", "dop853", "bdf", "radau5", "auto"], method),
-            rtol=rtol,
-            atol_q=atol,
-            atol_v=atol,
-            t_eval=times,
-            correction=correction,
-            time_scale=time_scale,
-            first_step=first_step,
-            h_max=max_step,
-            max_steps=max_steps,
-        ),
-        lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
+    system = _system(machine, method)
+    problem = Problem(
+        begin.t,
+        float(t_end),
+        np.ascontiguousarray(begin.q),
+        np.ascontiguousarray(begin.v),
+        p,
+        _mobility(equations, begin.q),
+        sizes,
     )
+    # An unknown method is refused by the integrator, together with all else that is wrong.
+    options = Options(
+        method=cast(Literal["dopri5", "dop853", "bdf", "radau5", "auto"], method),
+        rtol=rtol,
+        atol_q=atol,
+        atol_v=atol,
+        t_eval=times,
+        correction=correction,
+        time_scale=time_scale,
+        first_step=first_step,
+        h_max=max_step,
+        max_steps=max_steps,
+    )
+
+    def run(at: FloatArray | None) -> Trajectory:
+        return integrate(
+            system,
+            problem,
+            replace(options, t_eval=at),
+            lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
+        )
+
+    plan = laid(begin.t, run(None).t, times) if told.working else None
+    trajectory = run(plan.instants if plan else times)
     found = _result(machine, trajectory, p, began, begin)
-    mobility = _mobility(equations, begin.q)
-    found.singular = tuple(passed(equations, begin.t, begin.q, mobility, trajectory.crossings))
+    if plan:
+        found = with_works(found, plan)
+    crossings = trajectory.crossings
+    found.singular = tuple(passed(equations, begin.t, begin.q, problem.scale, crossings))
+    found.message += carried(machine, begin.degrees_of_freedom)
     return found
-
-
-def _projecting(
-    machine: "Machine", begin: Assembly, method: str, correction: Correction
-) -> Correction:
-    """The way back onto redundant constraints; refuses methods that need independent ones.
-
-    Off the constraints a redundant row seems to be independent, and a choice of independent
-    coordinates would go by it.
-    """
-    names = ", ".join(row.name for row in begin.redundant)
-    if method in IMPLICIT:
-        raise AnalysisError(
-            f"{machine.description.title}: method {method!r} needs independent constraints, and "
-            f"{names} follow from others. Take dop853 or dopri5, or remove them."
-        )
-    if correction not in {"step", "projection"}:
-        raise AnalysisError(
-            f"{machine.description.title}: with redundant constraints ({names}) states return by "
-            f'projection; correction={correction!r} needs independent ones. Leave it at "step".'
-        )
-    return "projection"
 
 
 def _system(machine: "Machine", method: str) -> System:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from runtime.analyses import meeting
-from runtime.analyses.assemble import Assembly
+from runtime.analyses.assembly import Assembly
 from runtime.analyses.branches import Branch, ambiguous, branches
 from runtime.analyses.course import Course, Walk
 from runtime.analyses.equations import Equations, FloatArray
@@ -21,7 +21,9 @@ from runtime.analyses.looking import BARRIER, END, MARK, NEWTON, REJECTED, STEP,
 from runtime.analyses.passing import DISTANCE, Zone, zone
 from runtime.analyses.tracing import Curve, Point
 from runtime.analyses.walking import ARRIVED, DONE, SUSPECT
-from runtime.constraints.singular import Positions, Singularity, taylor
+from runtime.constraints.motion import taylor
+from runtime.constraints.scaled import ScaledConstraints
+from runtime.constraints.singular import Positions, Singularity
 from runtime.outcomes import Outcome
 from runtime.progress import Progress
 from runtime.results.singular import Kind, SingularPosition
@@ -49,7 +51,7 @@ class Follower:
         told, m = equations.description, equations.m
         self.equations, self.course = equations, Course(equations, times, start)
         self.scale = self.course.scale
-        self.positions = Positions(
+        self.constraints = ScaledConstraints(
             equations.kernels.constraints,
             equations.kernels.jacobian,
             equations.kernels.velocity_rhs,
@@ -60,6 +62,7 @@ class Follower:
             np.asarray(start.independent, dtype=np.int64),
             m,
         )
+        self.positions = Positions(self.constraints)
         self.awaited: Singularity | None = None
         self.singular: list[SingularPosition] = []
         self.notes = ""
@@ -210,7 +213,7 @@ class Follower:
         """Follow the curve of positions by its length, until beyond `end` all is well again."""
         course, equations, ahead = self.course, self.equations, self.course.ahead
         rate = self.pace
-        curve = Curve(self.positions, course.t, course.q, rate)
+        curve = Curve(self.constraints, course.t, course.q, rate)
         along = ahead * np.append(course.v / self.scale, rate)
         begin = curve.point(curve.z(course.t, course.q), along)
         if begin is None:

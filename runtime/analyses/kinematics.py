@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError
-from runtime.analyses.assemble import Assembly, assemble, start_values
+from runtime.analyses.assemble import assemble, start_values
+from runtime.analyses.assembly import Assembly
 from runtime.analyses.door import shown
 from runtime.analyses.equations import FloatArray
 from runtime.analyses.following import follow

@@ -13,7 +13,7 @@ import numpy as np
 from codegen.errors import AnalysisError
 from runtime.analyses.branches import SOLVED, Branch, Lost, lost
 from runtime.analyses.equations import Equations, FloatArray
-from runtime.integrate.problem import Crossing
+from runtime.integrate.trajectory import Crossing
 from runtime.results.singular import Kind, SingularPosition
 
 _TAKING = 0.05  # of the largest share in what is lost: constraints that are named

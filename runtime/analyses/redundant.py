@@ -9,10 +9,12 @@ from codegen.errors import AnalysisError
 from runtime.compiled import OPTIONS
 from runtime.constraints.rank import least, motion
 from runtime.description import Description
+from runtime.integrate.problem import Correction
+from runtime.integrate.tables import IMPLICIT
 from runtime.kernels import SIGNATURES, Kernels
 
 if TYPE_CHECKING:
-    from runtime.analyses.assemble import Assembly
+    from runtime.analyses.assembly import Assembly
     from runtime.machine import Machine
 
 _OPTIONS = {name: value for name, value in OPTIONS.items() if name != "cache"}
@@ -34,6 +36,33 @@ def sound(machine: "Machine", start: "Assembly") -> "Machine":
             f"({', '.join(row.name for row in start.redundant)}). Remove one or the other."
         )
     return machine.bearing(start.independent)
+
+
+def projecting(
+    machine: "Machine", begin: "Assembly", method: str, correction: Correction
+) -> Correction:
+    """The way back onto redundant constraints; refuses methods that need independent ones.
+
+    Off the constraints a redundant row seems to be independent, and a choice of independent
+    coordinates would go by it.
+
+    Raises
+    ------
+    AnalysisError
+        With the constraints that are redundant.
+    """
+    names = ", ".join(row.name for row in begin.redundant)
+    if method in IMPLICIT:
+        raise AnalysisError(
+            f"{machine.description.title}: method {method!r} needs independent constraints, and "
+            f"{names} follow from others. Take dop853 or dopri5, or remove them."
+        )
+    if correction not in {"step", "projection"}:
+        raise AnalysisError(
+            f"{machine.description.title}: with redundant constraints ({names}) states return by "
+            f'projection; correction={correction!r} needs independent ones. Leave it at "step".'
+        )
+    return "projection"
 
 
 def spared(start: "Assembly") -> str:

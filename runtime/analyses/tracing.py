@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from runtime.analyses.equations import FloatArray
-from runtime.constraints.singular import Positions
+from runtime.constraints.scaled import ScaledConstraints
 
 _LARGEST, _SMALLEST = 0.2, 1e-11  # length of a step
 _STRAIGHT, _BENT = 0.995, 0.95  # cosine of two tangents: a step that may grow, one too long
@@ -50,30 +50,32 @@ class Trace(NamedTuple):
 class Curve:
     """The curve of positions near a state."""
 
-    def __init__(self, positions: Positions, t: float, q: FloatArray, rate: float) -> None:
-        self.positions, self.rate = positions, rate
-        matrix = positions.dense(positions.entries(t, q, 1.0 / rate))
+    def __init__(
+        self, constraints: ScaledConstraints, t: float, q: FloatArray, rate: float
+    ) -> None:
+        self.constraints, self.rate = constraints, rate
+        matrix = constraints.dense(constraints.entries(t, q, 1.0 / rate))
         lengths = np.linalg.norm(matrix[:, :-1], axis=1)
         self.lengths = np.where(lengths > 0.0, lengths, 1.0)
 
     def z(self, t: float, q: FloatArray) -> FloatArray:
         """Place of a position."""
-        return np.append(q / self.positions.scale, t * self.rate)
+        return np.append(q / self.constraints.scale, t * self.rate)
 
     def position(self, z: FloatArray) -> tuple[float, FloatArray]:
         """t in s and q, shape (n,)."""
-        return float(z[-1]) / self.rate, z[:-1] * self.positions.scale
+        return float(z[-1]) / self.rate, z[:-1] * self.constraints.scale
 
     def velocity(self, point: Point) -> FloatArray:
         """dq/dt, shape (n,)."""
-        v: FloatArray = point.tangent[:-1] / point.tangent[-1] * self.rate * self.positions.scale
+        v: FloatArray = point.tangent[:-1] / point.tangent[-1] * self.rate * self.constraints.scale
         return v
 
     def matrix(self, z: FloatArray) -> FloatArray:
         """[Phi_q, Phi_t] by z, rows of unit length at the start, shape (m, n + 1)."""
         t, q = self.position(z)
-        entries = self.positions.entries(t, q, 1.0 / self.rate)
-        return self.positions.dense(entries) / self.lengths[:, None]
+        entries = self.constraints.entries(t, q, 1.0 / self.rate)
+        return self.constraints.dense(entries) / self.lengths[:, None]
 
     def narrowness(self, point: Point) -> float:
         """The smallest singular value of Phi_q."""
@@ -95,7 +97,7 @@ class Curve:
         before = np.inf
         for _ in range(_ITERATIONS):
             t, q = self.position(z)
-            right = np.append(-self.positions.gaps(t, q) / self.lengths, 0.0)
+            right = np.append(-self.constraints.gaps(t, q) / self.lengths, 0.0)
             square = np.vstack([self.matrix(z), start.tangent])
             if not (np.isfinite(square).all() and np.isfinite(right).all()):
                 return None

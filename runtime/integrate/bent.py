@@ -6,6 +6,8 @@ with α = β = 1/τ). Accelerations depend on the right side of Φ_q q̈ = γ by
 corrections of `correction` in the metric of the masses on theirs, so no kernel is needed for it.
 """
 
+import numpy as np
+
 from runtime.compiled import compiled
 from runtime.integrate.field import field
 from runtime.integrate.held import CANCELLED, shares, units
@@ -80,8 +82,18 @@ def bent(
         pull = floats_at(machine, WEIGHTS, 3 * n)
         dq, dv = view(pull, n, n), view(pull, 2 * n, n)
         correction_of(machine)(t, q, v, p, view(pull, 0, n), dq, dv)
+        # What a state cannot hold of itself is not pulled at: τ⁻² of it would be a force.
+        largest, fastest = 0.0, 0.0
         for j in range(n):
-            a[j] += 2.0 * dv[j] / tau + dq[j] / (tau * tau)
+            unit = np.sqrt(pull[j])
+            largest = max(largest, abs(q[j]) / unit)
+            fastest = max(fastest, abs(v[j]) / unit)
+        for j in range(n):
+            unit = CANCELLED * np.sqrt(pull[j])
+            if abs(dq[j]) > unit * largest:
+                a[j] += dq[j] / (tau * tau)
+            if abs(dv[j]) > unit * fastest:
+                a[j] += 2.0 * dv[j] / tau
     return weak
 
 

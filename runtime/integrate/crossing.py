@@ -11,20 +11,22 @@ against rounding, and its error may be the larger of the two. Near the position,
 the constraints by projection: there no choice of independent coordinates is a good one.
 """
 
-from itertools import pairwise
 from types import ModuleType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
-from runtime.constraints.singular import Motion, Positions, Singularity, hermite, taylor
+from runtime.constraints.motion import Motion, hermite, taylor
+from runtime.constraints.scaled import ScaledConstraints
+from runtime.constraints.singular import Positions, Singularity
 from runtime.integrate import driver
 from runtime.integrate.attempt import TOO_LARGE
-from runtime.integrate.changing import adopt
-from runtime.integrate.control import first_step
-from runtime.integrate.problem import Crossing, Problem, System
+from runtime.integrate.continuity import Continuity
+from runtime.integrate.leaps import Leap, Leaps
+from runtime.integrate.lending import Lending
+from runtime.integrate.problem import Problem, System
 from runtime.integrate.signatures import Vector, no_right_side
+from runtime.integrate.trajectory import Crossing
 from runtime.integrate.workspace import (
     APPROACHING,
     CROSSING,
@@ -41,46 +43,19 @@ from runtime.outcomes import Outcome
 if TYPE_CHECKING:
     from runtime.integrate.run import _Run
 
-FloatArray = npt.NDArray[np.float64]
-_EPS = 2.2e-16
-_ROUNDING = 64.0  # units of rounding within which a constraint counts as satisfied
-_RESIDUE = 1e-15  # of a position: what Newton's iterations leave of a constraint
 _ALLOWANCE = 100.0  # the part of rounding in an error may be this many times what is expected
 _ASTRAY = 1e-6  # of a velocity: what a start may be off the branch that it follows
 _SLACK = 1e3  # where rounding rules, the estimate of it may be wrong by as much as this
 _TRIES = 4
-_LEADING = "dop853"  # across, for methods that do not reach
-_ITERATING = ("bdf", "radau5")
-_POOR = 10.0  # error over tolerance from which on another method leads across
-_LEARNING = 0.2  # of the way there: the first step of a method that is lent
-_ROOM = 0.1  # of a step: the distance from a node below which errors of stages tell
-_WEIGHT = 0.1  # of one stage in the result of a step
-_TAYLOR = 5e-3  # eps ** (1/7): of the time scale, where rounding balances a cubic's error
-
-
-class Leap(NamedTuple):
-    """A step across: its length, its beginning before the singular instant, s, and errors.
-
-    `method` and `rounding` are expected errors over the tolerance; `start` is the part of the
-    latter that is due to the derivative at the beginning; `total` is what to choose by.
-    """
-
-    h: float
-    lead: float
-    method: float
-    rounding: float
-    start: float
-    total: float
 
 
 class Crossings:
     """Singular positions of one run: looked for when the loop asks, planned, and remembered."""
 
     def __init__(self, system: System, problem: Problem, run: "_Run", parts: ModuleType) -> None:
-        self.run, self.r, self.system = run, run.r, system
-        self.follow(parts)
+        self.run, self.r = run, run.r
         self.scale = np.asarray(problem.scale, dtype=np.float64)
-        self.positions = Positions(
+        constraints = ScaledConstraints(
             system.constraints,
             system.jacobian,
             system.velocity_rhs,
@@ -93,27 +68,30 @@ class Crossings:
             else np.asarray(system.independent, dtype=np.int64),
             system.constraint_count,
         )
+        self.positions = Positions(constraints)
+        self.leaps = Leaps(self.scale, float(self.r["rtol"]), parts)
+        self.lending = Lending(run, self.leaps)
+        self.continuity = Continuity(system, run.fixed_arrays[3], run.modes, self.scale)
         if system.constraints is no_right_side:
             self.r["quiet"] = np.inf  # nothing tells a position that is passed from one missed
         self.passed: list[Crossing] = []
         self.note = ""
         self.found: Singularity | None = None
         self.leap = Leap(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        self.tries, self.kept = 0, 0.0
+        self.tries = 0
 
     # -- what the loop asks -------------------------------------------------------------------
 
     def follow(self, parts: ModuleType) -> None:
         """Plan for the steps of the method that is a module `parts`."""
-        self.order = parts.ERROR_ORDER + 1
-        nodes = sorted(getattr(parts, "NODES", (0.0, 1.0)))
-        self.gaps = [(a, b) for a, b in pairwise(nodes) if b > a]
+        self.leaps.follow(parts)
 
     def look(self) -> int:
         """Answer the loop: go on as planned, or the code of an outcome."""
         r = self.r
         if r["plan"] == FREE and r["lent"] and r["t"] >= r["lent_until"]:
-            return self._given_back()
+            self.lending.end()
+            return driver.GOING
         if r["plan"] == APPROACHING:
             return self.cross()
         if r["plan"] == CROSSING:
@@ -128,7 +106,7 @@ class Crossings:
         q, v = run.state
         motion = taylor(float(self.r["t"]), q, v, np.zeros_like(v))
         found = self.positions.near(motion, 0.0)
-        if found is None or found.gap > self._rounding(q) or not found.rate > 0.0:
+        if found is None or found.gap > self.leaps.rounding(q) or not found.rate > 0.0:
             return False
         if found.astray > max(_ASTRAY, float(self.r["rtol"])):
             self.note = (
@@ -144,7 +122,7 @@ class Crossings:
     def leave(self) -> int:
         """Lay the first step out of a singular position in which the run starts."""
         assert self.found is not None
-        self._lend(self.found, 0.0)
+        self.lending.lend(self.found, 0.0, self._usual())
         return self.cross()
 
     # -- steps of a plan ----------------------------------------------------------------------
@@ -162,21 +140,21 @@ class Crossings:
             # The step that was tried may be taken; the look at the next one is another.
             r["quiet"] = motion.t + max(0.5 * abs(s), 0.5 * usual, 1.001 * r["tried"])
             return driver.GOING
-        if found.gap > self._rounding(motion.q):
+        if found.gap > self.leaps.rounding(motion.q):
             return self._missed(found)
         ahead = found.t - motion.t
-        if ahead < 0.0 and self._noise(found) * usual < -(ahead**3):
+        if ahead < 0.0 and self.leaps.noise(found) * usual < -(ahead**3):
             r["quiet"] = motion.t + usual  # it lies behind, and far enough
             return driver.GOING
         self.found = found
-        if self._lend(found, ahead):
+        if self.lending.lend(found, ahead, usual):
             return driver.GOING
         return driver.GOING if self._approached(found, ahead) else self.cross()
 
     def _approached(self, found: Singularity, ahead: float) -> bool:
         """Whether to come nearer first, to where the best step across begins."""
         r, usual = self.r, self._usual()
-        best = self._best(found, usual)
+        best = self.leaps.best(found, usual)
         if best.lead > ahead - 1e-3 * usual:
             return False
         r["plan"], r["turn"], r["h"] = APPROACHING, found.t - best.lead, usual
@@ -188,18 +166,22 @@ class Crossings:
         usual = self._usual()
         assert found is not None
         again = self.positions.again(motion, found)
-        if again is None or again.gap > self._rounding(motion.q):
+        if again is None or again.gap > self.leaps.rounding(motion.q):
             r["plan"] = FREE
             return self._plan(found.t - motion.t) if self.tries < _TRIES else driver.GOING
         self.found = found = again
-        leap = self._from_here(found, found.t - motion.t, usual)
-        noisy = self._noise(found) * leap.h > abs(leap.lead) ** 3
-        if noisy and abs(leap.lead) < self._reach(found) and not self._continued(motion, found):
+        leap = self.leaps.from_here(found, found.t - motion.t, usual)
+        noisy = self.leaps.noise(found) * leap.h > abs(leap.lead) ** 3
+        if (
+            noisy
+            and abs(leap.lead) < self.leaps.reach(found)
+            and not self._continued(motion, found)
+        ):
             return int(Outcome.SINGULAR)
         self.leap = leap
         r["plan"], r["leap"] = CROSSING, leap.h
         r["permitted"] = 2.0 * leap.method + _ALLOWANCE * (leap.rounding + leap.start)
-        blind = np.sqrt(self._noise(found))
+        blind = np.sqrt(self.leaps.noise(found))
         r["blind_from"], r["blind_to"] = found.t - blind, found.t + blind
         return driver.GOING
 
@@ -241,7 +223,7 @@ class Crossings:
         r = self.r
         width = float(np.sqrt(found.gap / (found.rate * found.speed)))
         ahead = found.t - float(r["t"])
-        if ahead < width and self._noise(found) > width**2:
+        if ahead < width and self.leaps.noise(found) > width**2:
             r["index"] = int(found.rows.argmax())
             self.note = (
                 f"At t = {found.t:.9g} s the machine misses a position in which its motions cross "
@@ -255,156 +237,19 @@ class Crossings:
             r["quiet"] = max(found.t + 3.0 * width, r["t"] - 0.5 * ahead)
         return driver.GOING
 
-    # -- methods ------------------------------------------------------------------------------
-
-    def _lend(self, found: Singularity, ahead: float) -> bool:
-        """Let the explicit method of highest order step for one that does not reach across.
-
-        None that is implicit does: at the distance τ the derivative of the accelerations by the
-        velocities is 2/τ, of opposite signs on both sides, and no Newton iteration goes through
-        that. One of low order does not where its steps are so short that rounding rules.
-
-        Returns whether there is way left on which to learn how long steps may be.
-        """
-        run, r = self.run, self.r
-        name = run.methods[-1][1]
-        if name in {_LEADING, "auto"} or r["lent"]:
-            return False
-        if name not in _ITERATING and self._best(found, self._usual()).total < _POOR:
-            return False
-        self.kept = float(r["h"])
-        r["lent"], r["automatic"] = 1, 0
-        r["lent_until"] = found.t + max(ahead, self.kept)
-        adopt(run, _LEADING)
-        p, modes, lam = run.fixed_arrays[3], run.fixed_arrays[4], run.fixed_arrays[6]
-        first = first_step(
-            run.wiring.table, r["t"], r["h_max"], r["rtol"], r["order"], run.w, p, modes, lam
-        )
-        way = _LEARNING * ahead
-        r["usual"] = r["h"] = min(first, way) if way > 0.0 else max(first, self.kept)
-        r["look_at"] = r["t"]
-        return way > 0.0
-
-    def _given_back(self) -> int:
-        """Go on with the method that was asked for."""
-        run, r = self.run, self.r
-        r["lent"], r["automatic"] = 0, int(run.options.method == "auto")
-        r["h"] = self.kept
-        adopt(run, run.methods[-1][1])
-        return driver.GOING
-
-    # -- lengths ------------------------------------------------------------------------------
-
-    def _noise(self, found: Singularity) -> float:
-        """Error over tolerance, times g³ h², of a step h that keeps the distance g h."""
-        rounding = _RESIDUE * self._size(found.q)
-        return 2.0 * _WEIGHT * rounding / (found.rate * found.speed * float(self.r["rtol"]))
-
-    def _leap(self, found: Singularity, h: float, lead: float, g: float, usual: float) -> Leap:
-        """A step that keeps the distance g h between its nodes and the singular instant.
-
-        Its error is that of the method, of rounding, and of stages: they lie off the constraints
-        by their own errors, which the accelerations at that distance multiply by about 1/g; and
-        the instant is known only so well.
-        """
-        method = max(h / usual, 1.0) ** self.order
-        rounding = self._noise(found) / (g**3 * h**2)
-        start = self._noise(found) * h / max(abs(lead), 1e-100) ** 3
-        if abs(lead) < self._reach(found):
-            start = min(start, 1.0)  # it will be found by continuity
-        unsure = found.miss / (found.speed * g * h)
-        total = method * (1.0 + (_ROOM / g) ** 2) + rounding + start + unsure**2
-        return Leap(h, lead, method, rounding, start, total)
-
-    def _reach(self, found: Singularity) -> float:
-        """Time from a singular instant within which accelerations can be found by continuity."""
-        return _TAYLOR / max(found.rate, found.speed)
-
-    def _balanced(self, found: Singularity, g: float, usual: float) -> float:
-        """Length of the step that errs least, not shorter than the usual one."""
-        here = self._noise(found) / (g**3 * usual**2)
-        return float(usual * max(1.0, (2.0 * here / self.order) ** (1.0 / (self.order + 2))))
-
-    def _best(self, found: Singularity, usual: float) -> Leap:
-        """The step across that errs least, wherever it begins."""
-        leaps = []
-        for a, b in self.gaps:
-            g = 0.5 * (b - a)
-            h = self._balanced(found, g, usual)
-            leaps.append(self._leap(found, h, 0.5 * (a + b) * h, g, usual))
-        return min(leaps, key=lambda leap: leap.total)
-
-    def _from_here(self, found: Singularity, ahead: float, usual: float) -> Leap:
-        """The step across that errs least among those that begin now."""
-        leaps = []
-        for a, b in self.gaps if ahead > 1e-9 * usual else ():
-            h = ahead / (0.5 * (a + b))
-            leaps.append(self._leap(found, h, ahead, 0.5 * (b - a), usual))
-        # Just behind its beginning, or before it: then only the second node must be far away.
-        second = self.gaps[0][1]
-        h = self._balanced(found, second, usual)
-        if ahead < 0.5 * second * h or not leaps:
-            g = max(second - ahead / h, 0.5 * second)
-            leaps.append(self._leap(found, h, ahead, g, usual))
-        return min(leaps, key=lambda leap: leap.total)
-
     def _continued(self, motion: Motion, found: Singularity) -> bool:
-        """Write the derivative at the start of the step, by continuity; false where there is none.
-
-        The accelerations at four instants, before and behind the singular one, at states on the
-        constraints that the motion passes; a cubic through them gives its own, and better states.
-        """
-        run, system, n = self.run, self.system, self.run.n
-        p, modes = run.fixed_arrays[3], run.modes
-        delta = self._reach(found)
-        places = found.t - motion.t + delta * np.array([-2.0, -1.0, 1.0, 2.0])
-        powers = np.vander(places, 4, increasing=True)
-        series: FloatArray = np.zeros((4, n))
-        lam = np.zeros(run.m)
-        for _ in range(4):
-            found_a = np.zeros((4, n))
-            for place, a in zip(places, found_a, strict=True):
-                factors = place ** np.arange(1, 5)
-                v = motion.v + (factors / np.arange(1, 5)) @ series
-                q = (
-                    motion.q
-                    + place * motion.v
-                    + (factors * place / (np.arange(1, 5) * np.arange(2, 6))) @ series
-                )
-                t = motion.t + place
-                if not self._projected(t, q, v):
-                    return False
-                system.accelerations(t, q, v, p, modes, a, lam)
-            series = np.asarray(np.linalg.solve(powers, found_a), dtype=np.float64)
-        if not np.isfinite(series).all():
+        """Write the derivative at the step's start, by continuity; false where there is none."""
+        a = self.continuity.accelerations(motion, found.t, self.leaps.reach(found))
+        if a is None:
             return False
-        run.w.reshape(ROWS, 2, n)[K, 1] = series[0]
+        self.run.w.reshape(ROWS, 2, self.run.n)[K, 1] = a
         return True
 
-    def _projected(self, t: float, q: Vector, v: Vector) -> bool:
-        """Bring q and v onto the constraints, least in the metric of the masses."""
-        dq, dv, moved = np.zeros_like(q), np.zeros_like(v), np.inf
-        for _ in range(8):
-            self.system.correction(t, q, v, self.run.fixed_arrays[3], self.scale**2, dq, dv)
-            q += dq
-            v += dv
-            if not np.isfinite(dq + dv).all():
-                return False
-            moved = float(np.abs(dq / self.scale).max())
-            if moved < 1e-13:
-                break
-        return moved < 1e-10  # near a singular position rounding keeps it from less
+    # -- what is known -----------------------------------------------------------------------
 
     def _usual(self) -> float:
         """Length of a step here; after a step across that failed, less."""
         return float(max(self.r["usual"], self.r["h"])) * 0.5**self.tries
-
-    def _rounding(self, q: Vector) -> float:
-        """What a constraint misses by rounding alone."""
-        return _ROUNDING * _EPS * self._size(q)
-
-    def _size(self, q: Vector) -> float:
-        return float(np.abs(q / self.scale).max(initial=1.0))
 
     def _motion(self) -> Motion:
         """How the machine moves from where the run stands; over a step just tried, where it was."""

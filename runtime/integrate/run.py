@@ -1,10 +1,8 @@
 """Integrate the equations of motion: the Python face of the compiled loop."""
 
-import signal
-import threading
 import time
 from collections.abc import Callable
-from types import FrameType, ModuleType
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -14,24 +12,16 @@ from runtime.integrate.bent import TIME_SCALE
 from runtime.integrate.changing import change_method, fill_method
 from runtime.integrate.check import check
 from runtime.integrate.crossing import Crossings
+from runtime.integrate.gathered import Gathered
 from runtime.integrate.held import HELD_MODE
-from runtime.integrate.problem import (
-    Events,
-    Options,
-    Partitions,
-    Problem,
-    Samples,
-    Statistics,
-    System,
-    Trajectory,
-)
-from runtime.integrate.signatures import (
-    Integers,
-    Vector,
-)
+from runtime.integrate.interrupts import Interrupts
+from runtime.integrate.problem import Options, Problem, System
+from runtime.integrate.repartition import GROWTH_LIMIT
+from runtime.integrate.signatures import Integers, Vector
 from runtime.integrate.slots import Slot
 from runtime.integrate.start import start
 from runtime.integrate.tables import method, wire
+from runtime.integrate.trajectory import Statistics, Trajectory
 from runtime.integrate.transition import HELD, IMPACT
 from runtime.integrate.workspace import (
     ATOL,
@@ -52,7 +42,6 @@ Progress = Callable[[float, int], None]
 _FIRST_CHUNK = 512
 _LONGEST_CHUNK = 16384
 _CHUNK_SECONDS = 0.05
-_EVENT_ROWS = 64
 _SHOWN = (Slot.WORKSPACE, Slot.SURFACES, Slot.PARAMETERS, Slot.MODES, Slot.MULTIPLIERS)
 _FOLLOWED = 2.0  # of Baumgarte's time: within longer steps what pulls back swings
 _CORRECTING = {
@@ -120,7 +109,6 @@ class _Run:
         parts = method(options.method)
         self.n, self.m, self.s = n, m, s
         self.options = options
-        self.fixed_size = options.t_eval is not None
         self.t_eval = np.ascontiguousarray(
             np.zeros(0) if options.t_eval is None else options.t_eval, dtype=np.float64
         )
@@ -152,13 +140,9 @@ class _Run:
         if stabilized and options.fixed_step is None:
             self.r["h_max"] = min(float(self.r["h_max"]), _FOLLOWED * pull)
         table[Slot.EACH_STAGE] = 1 if options.correction == "stage" and m > 0 else 0
-        self.log_t, self.log_sets = arrays[Slot.LOG_TIMES], arrays[Slot.LOG_SETS]
         arrays[Slot.WEIGHTS][:n] = problem.scale**2
-        self.event_t = np.zeros(_EVENT_ROWS + 2 * s)
-        self.event_kind = np.zeros((self.event_t.size, 2), np.int64)
-        self.event_y = np.zeros((self.event_t.size, 2 * n))
-        self.samples, self.happened, self.sets = Samples(), Samples(), Samples()
-        self._allot(self.t_eval.size if self.fixed_size else 1)
+        instants = None if options.t_eval is None else self.t_eval.size
+        self.gathered = Gathered(n, s, arrays[Slot.LOG_TIMES], arrays[Slot.LOG_SETS], instants)
         self.fixed_arrays: tuple[Any, ...] = (
             self.w,
             self.sw,
@@ -176,9 +160,7 @@ class _Run:
         self.crossings = Crossings(system, problem, self, parts)
         self.event_arrays: tuple[Any, ...] = (
             np.full(driver.RECENT, -np.inf),
-            self.event_t,
-            self.event_kind,
-            self.event_y,
+            *self.gathered.events_out,
         )
 
     def _fill_record(self, problem: Problem, options: Options, parts: ModuleType) -> None:
@@ -196,71 +178,52 @@ class _Run:
         fill_method(r, parts)
         r["automatic"], r["patience"] = int(options.method == "auto"), 1
         r["error_old"] = 1e-4
-        r["every_step"] = 0 if self.fixed_size else 1
-        r["growth_limit"] = r["ratio_limit"] = attempt.GROWTH_LIMIT
+        r["every_step"] = 1 if options.t_eval is None else 0
+        r["growth_limit"] = r["ratio_limit"] = GROWTH_LIMIT
         r["event_span"] = np.inf
         r["index"] = -1
         r["permitted"] = 1.0
         r["quiet"] = -np.inf
         r["blind_from"] = r["blind_to"] = -np.inf
 
-    def _allot(self, size: int) -> None:
-        """Make room for `size` samples."""
-        self.out: tuple[Any, ...] = (
-            np.zeros(size),
-            np.zeros((size, 2 * self.n)),
-            np.zeros((size, self.s), np.int64),
-        )
-
-    def _flush(self) -> None:
-        """Take over what the last chunk wrote; samples at given instants stay where they are."""
-        r = self.r
-        if not self.fixed_size:
-            self.samples.take(r["samples"], *self.out)
-            r["samples"] = 0
-        self.happened.take(r["logged_events"], self.event_t, self.event_kind, self.event_y)
-        r["logged_events"] = 0
-        self.sets.take(r["logged_repartitions"], self.log_t, self.log_sets)
-        r["logged_repartitions"] = 0
-
     def start(self) -> int:
         """Prepare the first step; returns the code of an outcome."""
-        code: int = start(self.wiring.table, *self.fixed_arrays, *self.out)
+        code: int = start(self.wiring.table, *self.fixed_arrays, *self.gathered.out)
         if code in {Outcome.SINGULAR, Outcome.NEWTON_FAILED} and self.crossings.begin():
-            code = start(self.wiring.table, *self.fixed_arrays, *self.out)
+            code = start(self.wiring.table, *self.fixed_arrays, *self.gathered.out)
             if code == Outcome.OK:
                 code = self.crossings.leave()
-        self._flush()
+        self.gathered.flush(self.r)
         self._log_first_impacts()
         return code
 
     def _log_first_impacts(self) -> None:
         """The contacts that were struck in the very first instant are events as well."""
         struck = np.flatnonzero(self.sw.reshape(SWITCH_ROWS, self.s)[STRUCK])
-        for row, k in enumerate(struck):
-            self.event_t[row] = self.r["t"]
-            self.event_kind[row] = k, HELD if self.modes[k] == HELD_MODE else IMPACT
-            self.event_y[row] = self.state.ravel()
-        self.happened.take(len(struck), self.event_t, self.event_kind, self.event_y)
+        kinds = [HELD if self.modes[k] == HELD_MODE else IMPACT for k in struck]
+        self.gathered.strike(self.r["t"], struck, kinds, self.state.ravel())
         self.r["events"] += len(struck)
 
     def execute(self, progress: Progress | None) -> Trajectory:
         """Run to the end or to whatever stops the run before."""
         began = time.perf_counter()
-        with _Interrupts() as interrupts:
+        with Interrupts() as interrupts:
             code = self.start()
             if code == Outcome.OK:
                 code = driver.GOING
             chunk = self.options.chunk or _FIRST_CHUNK
             while code == driver.GOING:
-                if not self.fixed_size and self.out[0].size != chunk:
-                    self._allot(chunk)
+                self.gathered.make_room(chunk)
                 before = time.perf_counter()
                 code = driver.advance(
-                    chunk, self.wiring.table, *self.fixed_arrays, *self.out, *self.event_arrays
+                    chunk,
+                    self.wiring.table,
+                    *self.fixed_arrays,
+                    *self.gathered.out,
+                    *self.event_arrays,
                 )
                 took = time.perf_counter() - before
-                self._flush()
+                self.gathered.flush(self.r)
                 if code == driver.CHANGE:
                     change_method(self)
                     code = driver.GOING
@@ -279,13 +242,7 @@ class _Run:
 
     def _result(self, outcome: Outcome, seconds: float) -> Trajectory:
         r, n = self.r, self.n
-        t, y, sample_modes = (
-            (array[: r["samples"]] for array in self.out)
-            if self.fixed_size
-            else self.samples.joined(*self.out)
-        )
-        event_t, kind, event_y = self.happened.joined(self.event_t, self.event_kind, self.event_y)
-        set_t, sets = self.sets.joined(self.log_t, self.log_sets)
+        t, y, modes = self.gathered.samples(r)
         counts = {
             name: int(r[name])
             for name in Statistics.__dataclass_fields__
@@ -295,7 +252,7 @@ class _Run:
             t=t,
             q=y[:, :n],
             v=y[:, n:],
-            modes=sample_modes,
+            modes=modes,
             outcome=outcome,
             index=int(r["index"]),
             final_t=float(r["t"]),
@@ -303,27 +260,9 @@ class _Run:
             final_v=self.state[1].copy(),
             final_modes=self.modes,
             statistics=Statistics(**counts, largest_dq=float(r["largest_dq"]), seconds=seconds),
-            events=Events(event_t, kind[:, 0], kind[:, 1], event_y[:, :n], event_y[:, n:]),
-            partitions=Partitions(set_t, sets.astype(bool)),
+            events=self.gathered.events(),
+            partitions=self.gathered.partitions(),
             methods=tuple((t, "dop853" if name == "auto" else name) for t, name in self.methods),
             crossings=tuple(self.crossings.passed),
             note=self.crossings.note,
         )
-
-
-class _Interrupts:
-    """Notes the keyboard's interrupt while it is entered, so that no chunk is lost by it."""
-
-    def __enter__(self) -> "_Interrupts":
-        self.seen = False
-        self.active = threading.current_thread() is threading.main_thread()
-        if self.active:
-            self.previous: Any = signal.signal(signal.SIGINT, self._note)
-        return self
-
-    def _note(self, number: int, frame: FrameType | None) -> None:
-        self.seen = True
-
-    def __exit__(self, *error: object) -> None:
-        if self.active:
-            signal.signal(signal.SIGINT, self.previous)

@@ -19,6 +19,7 @@ from runtime.integrate import (
     mixing,
     modes,
     outputs,
+    repartition,
     surfaces,
     transition,
     watch,
@@ -56,7 +57,7 @@ def _loop() -> Integers:
         (
             correct,
             attempt.attempt,
-            attempt.repartition,
+            repartition.repartition,
             events.locate,
             events.sampled,
             modes.settle,

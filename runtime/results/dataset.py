@@ -43,13 +43,16 @@ def dataset(result: "Result") -> "xr.Dataset":
         "unit": ("coordinate", [row.unit for row in told.coordinates]),
     }
     if told.has_masses:
-        joints = list(dict.fromkeys(row.element for row in told.reactions))
-        components = list(dict.fromkeys(row.component for row in told.reactions))
+        forces = [row for row in told.reactions if row.element not in told.tracked]
+        joints = list(dict.fromkeys(row.element for row in forces))
+        components = list(dict.fromkeys(row.component for row in forces))
         reaction = np.full((len(samples.t), len(joints), len(components)), np.nan)
-        for index, row in enumerate(told.reactions):
+        for row in forces:
             place = joints.index(row.element), components.index(row.component)
-            reaction[:, place[0], place[1]] = samples.reaction[:, index]
-        unit_of = {row.component: row.unit for row in told.reactions}
+            reaction[:, place[0], place[1]] = result.reaction(row.element, row.component)
+        unit_of = {row.component: row.unit for row in forces}
+        sources = [index for index, row in enumerate(told.powers) if row.kind != "work"]
+        powers = [told.powers[index].name for index in sources]
         coords |= {
             "joint": np.array(joints, dtype=np.str_),
             "component": np.array(components, dtype=np.str_),
@@ -58,7 +61,7 @@ def dataset(result: "Result") -> "xr.Dataset":
                 np.array([unit_of[name] for name in components], dtype=np.str_),
             ),
             "part": ["kinetic", "potential", "total"],
-            "source": np.array(told.powers.names, dtype=np.str_),
+            "source": np.array(powers, dtype=np.str_),
         }
         energy = np.column_stack([samples.energy, samples.energy.sum(axis=1)])
         if told.unasked("energy"):
@@ -71,8 +74,16 @@ def dataset(result: "Result") -> "xr.Dataset":
                 reaction,
                 {"units": "N, N m", "long_name": "first body on second, in joint axes"},
             ),
-            "power": (("time", "source"), samples.power, {"units": "W"}),
+            "power": (("time", "source"), samples.power[:, sources], {"units": "W"}),
         }
+    if result.works:
+        coords["worker"] = np.array(list(result.works), dtype=np.str_)
+        work = np.column_stack(list(result.works.values()))
+        variables["work"] = (("time", "worker"), work, {"units": "J"})
+    if told.tracked:
+        coords |= {"point": np.array(told.tracked, dtype=np.str_), "axis": ["x", "y"]}
+        paths = np.stack([result.path(name) for name in told.tracked], axis=1)
+        variables["path"] = (("time", "point", "axis"), paths, {"units": "m"})
     if told.switches:
         coords |= {
             "switch": np.array([row.title for row in told.switches], dtype=np.str_),

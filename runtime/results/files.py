@@ -80,7 +80,10 @@ def columns(result: "Result") -> dict[str, FloatArray]:
     for index, reaction in enumerate(told.reactions):
         table[f"{reaction.name} [{reaction.unit}]"] = samples.reaction[:, index]
     for index, source in enumerate(told.powers):
-        table[f"power({source.name}) [W]"] = samples.power[:, index]
+        if source.kind != "work":
+            table[f"power({source.name}) [W]"] = samples.power[:, index]
+    for name in result.works:
+        table[f"work({name}) [J]"] = result.work(name)
     if told.has_masses:
         table["kinetic energy [J]"] = samples.energy[:, 0]
         table["potential energy [J]"] = samples.energy[:, 1]

@@ -75,6 +75,7 @@ class Result:
         self.stats = dict(stats)
         self.events = tuple(events)
         self.partitions = tuple(partitions)
+        self.works: dict[str, FloatArray] = {}
         self.not_unique = tuple(not_unique)
         self.singular = tuple(singular)
         self.parameters = {
@@ -148,9 +149,39 @@ class Result:
         sources = (*self.description.effects.names, *self.description.drivers)
         if source in sources and self.description.unasked("power", source):
             raise InputError(self.description.offer(f"power({source})"))
-        if source not in rows.names:
-            raise InputError(f"{self.description.title}: {unknown('power of', source, rows.names)}")
+        names = [row.name for row in rows if row.kind != "work"]
+        if source not in names:
+            raise InputError(f"{self.description.title}: {unknown('power of', source, names)}")
         return self.samples.power[:, rows.index(source)]
+
+    def work(self, source: str) -> FloatArray:
+        """Work of an effect or driver on the machine since the start in J, shape (k,).
+
+        Of all that it exerts, what has a potential included; impacts do none of it. See
+        `runtime.analyses.work`.
+        """
+        if source in self.works:
+            return self.works[source]
+        told = self.description
+        if source in told.working:
+            raise InputError(
+                f"{told.title}: work({source}) is integrated along the steps of a simulation, and "
+                f"this is a result of {self.analysis}; ask for simulate, or for power({source})."
+            )
+        sources = (*told.effects.names, *told.drivers)
+        if source in sources and source not in told.tracked:
+            raise InputError(told.offer(f"work({source})"))
+        raise InputError(f"{told.title}: {unknown('work of', source, told.working or sources)}")
+
+    def path(self, point: str) -> FloatArray:
+        """Global coordinates of a tracked point in m, shape (k, 2)."""
+        told = self.description
+        if point in told.tracked:
+            rows = [told.reactions.index(f"{point}.{axis}") for axis in "xy"]
+            return self.samples.reaction[:, rows]
+        if point in told.left_out.names and told.left_out[point].kind == "tracked point":
+            raise InputError(told.offer(f"path({point})"))
+        raise InputError(f"{told.title}: {unknown('path of', point, told.tracked)}")
 
     def energy(self, part: str = "total") -> FloatArray:
         """Kinetic, potential or total energy in J, shape (k,)."""
@@ -173,8 +204,8 @@ class Result:
     def series(self, name: str) -> tuple[FloatArray, str]:
         """A column by any of its names, and its unit.
 
-        A coordinate, a velocity, `a(coordinate)`, `joint.component`, an energy, or the power of a
-        source.
+        A coordinate, a velocity, `a(coordinate)`, `joint.component`, `point.x`, an energy, the
+        power of a source, or `work(source)`.
         """
         told = self.description
         for row in told.coordinates:
@@ -189,6 +220,8 @@ class Result:
             return self.reaction(reaction.element, reaction.component), reaction.unit
         if name in ENERGIES and told.has_masses:
             return self.energy(name), "J"
+        if name.startswith("work(") and name[5:-1] in self.works:
+            return self.work(name[5:-1]), "J"
         if name in told.powers.names:
             return self.power(name), "W"
         names = [text for row in told.coordinates for text in row[:2]]

@@ -7,13 +7,10 @@ import pytest
 
 from codegen import Model, ModelError, build
 from codegen.declare.scene import Scene
-from codegen.derive import constraints, effects, switches
-from codegen.derive.counting import derivations
 from codegen.derive.equations import derive
 from codegen.driver import sound_scenes
 from codegen.errors import InputError
 from codegen.modelfile import read_model
-from tests.codegen.workbench import Interpreted
 
 
 def sledge() -> Model:
@@ -32,6 +29,8 @@ def sledge() -> Model:
         "wall", gap=1 - body.x, stiffness=1e4, damping=5.0, restitution=0.5, fidelity="penalty"
     )
     model.driver("crane", load.phi, 0)
+    model.track("nose", body.at(0.5, 0))
+    model.track("hook", load)
     model.scene("slide", ["spring", "rub"], start={body.x: 0.5, body.vx: 0.0})
     return model
 
@@ -199,6 +198,18 @@ Vary = Callable[[Model], object]
         (lambda m: m.scene("slide").with_(outputs=["reaction(spring)"]), "reports no force"),
         (lambda m: m.scene("slide").with_(outputs=["power(guide)"]), "'guide' does no work"),
         (lambda m: m.scene("slide").with_(outputs=7), "outputs=7 is no list"),
+        (lambda m: m.scene("slide").with_(outputs=["path(nse)"]),
+         "no tracked point 'nse'; did you mean 'nose'"),
+        (lambda m: m.scene("slide").with_(outputs=["path(body)"]), "no tracked point 'body'"),
+        (lambda m: m.scene("slide").with_(outputs=["power(nose)"]), "as there is no 'nose'"),
+        (lambda m: m.scene("slide").with_(outputs=["work(sprng)"]), "did you mean 'spring'"),
+        (lambda m: m.scene("slide").with_(outputs=["work(wall)"]),
+         "'work(wall)' needs effect 'wall', which the scene leaves out; take 'wall' in"),
+        (lambda m: m.scene("slide").with_(outputs=["work(guide)"]), "'guide' does no work"),
+        (lambda m: m.scene("slide").without("load").with_(outputs=["path(hook)"]),
+         "'path(hook)' needs body 'load', which the scene leaves out; take 'load' in"),
+        (lambda m: m.scene("slide").with_(analysis="equilibrium", outputs=["work(rub)"]),
+         "'work(rub)' needs a motion"),
         (lambda m: m.scene("slide").without("body", "load"), "no body takes part"),
         (lambda m: m.scene("slide").without("body"), "effect 'rub' needs body 'body'"),
     ],
@@ -260,20 +271,6 @@ def test_both_choices_of_a_group_cannot_act() -> None:
     lone.alternatives("drive", {"weak": ["one"], "strong": ["other"]})
     assert lone.scene("named", ["other"]).effects == ("other",)
     assert lone.scene("asked", fidelity={"drive": "strong"}).effects == ("other",)
-
-
-def test_second_scene_reuses_what_was_derived(root: Path) -> None:
-    model = read_model(root / "models" / "film_follower.py").model
-    for derived in (constraints._derive, effects._conservative, effects._pieces, switches.rate):
-        derived.cache_clear()  # what other tests have derived
-    begun = derivations()
-    Interpreted(model, "motor")
-    first = derivations() - begun
-    Interpreted(model, "constant_torque")
-    second = derivations() - begun - first
-    assert second <= first / 2
-    Interpreted(model, "motor")
-    assert derivations() == begun + first + second
 
 
 def test_build_takes_scenes_made_on_the_fly(tmp_path: Path) -> None:

@@ -193,3 +193,9 @@ def test_implicit_methods_reach_the_tightest_tolerance(name: str, method: str) -
     cell = run(case, Way(method, "step"), min(case.tolerances))
     assert cell.verdict == Verdict.CORRECT, f"{cell.verdict}: {cell.note}"
     assert cell.rejected < 0.1 * cell.steps
+
+
+def test_a_very_short_run_is_not_pulled_about_by_rounding() -> None:
+    """The time of Baumgarte's acceleration is a part of the run: 1e-12 s here."""
+    result = find("crank_fast").machine().simulate(1e-9, correction="baumgarte", max_steps=1000)
+    assert result.outcome is Outcome.OK, result.message

@@ -191,3 +191,23 @@ def test_every_row_of_the_study_is_exact_and_says_why_the_book_differs() -> None
         assert abs(row.ours - row.exact) < 2e-8 * max(1.0, abs(row.exact)), row
         if row.book is not None and abs(row.exact - row.book) > 1e-3:
             assert row.reason, row
+
+
+# -- in other lumps ------------------------------------------------------------------------------
+
+
+def test_number_of_masses_is_a_fidelity_of_the_scene(tmp_path: Path) -> None:
+    """Six masses unless the scene says twelve: the same spring, and the waves of either chain."""
+    model = machine(6, 12)
+    coarse = struck(load(model, "surge", folder=tmp_path), 6, 4.0)
+    exact = 0.2 * np.arange(1, 7)[:, None] + modal(coarse.t, 6, 200.0, 2.5)
+    assert np.abs(positions(coarse, 6) - exact).max() < 1e-9
+    fine = struck(load(model, "surge_12", folder=tmp_path), 12, 4.0)
+    found = np.array([fine.q(f"lump_{i}_of_12.x") for i in range(1, 13)])
+    # The modes are those of a last mass that starts with -0.1 m/s; here it is twice as fast.
+    exact = 0.1 * np.arange(1, 13)[:, None] + 2 * modal(fine.t, 12, 400.0, 1.25)
+    assert np.abs(found - exact).max() < 1e-9
+    assert not {"mass_1", "contact"} & {*fine.description.bodies, *fine.description.effects.names}
+    asked = model.scene("surge").with_(fidelity={"lumps": "12"})
+    assert len(asked.bodies) == 12
+    assert "mass_1.x" not in dict(asked.start)

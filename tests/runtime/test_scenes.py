@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from codegen import Model
-from codegen.errors import AnalysisError, InputError, ParameterError
+from codegen import Model, t
+from codegen.errors import AnalysisError, InputError, ModelError, ParameterError
 from runtime import Machine, Result, load
 
 INSTANTS = np.linspace(0.0, 1.0, 21)
@@ -161,3 +161,22 @@ def test_scene_with_nothing_left_to_integrate(folder: Path) -> None:
     machine = load(model, model.scene("clamped").without("rub"), folder=folder)
     with pytest.raises(AnalysisError, match="nothing is left to integrate: 3 constraints hold"):
         machine.simulate(1.0)
+
+
+def test_driven_machine_says_that_nothing_was_integrated(folder: Path) -> None:
+    model = swing()
+    bob = model.bodies["bob"]
+    model.driver("hand", bob.phi, 0.2 * t)
+    model.scene("led", ["gravity"], ["hand"], start={bob.omega: 0.2})
+    machine = load(model, "led", folder=folder)
+    told = machine.simulate(1.0).message
+    assert "3 constraints determine all 3 coordinates. inverse_dynamics" in told
+    moving = load(model, model.scene("led").with_(analysis="kinematics"), folder=folder)
+    with pytest.raises(AnalysisError, match="nothing to integrate"):
+        moving.simulate(1.0)
+
+
+def test_scene_without_a_coordinate(folder: Path) -> None:
+    model = swing()
+    with pytest.raises(ModelError, match="no coordinate to compute; leave one of bob in"):
+        load(model, model.scene("all").without("bob"), folder=folder)

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from runtime.integrate.problem import Options, Problem, System, Trajectory
+from runtime.integrate.problem import Options, Problem, System
 from runtime.integrate.run import integrate
 from runtime.integrate.signatures import (
     ACCELERATIONS,
@@ -12,6 +12,7 @@ from runtime.integrate.signatures import (
     SWITCHING,
     SWITCHING_RATES,
 )
+from runtime.integrate.trajectory import Trajectory
 
 
 def kernel(signature):

@@ -109,8 +109,10 @@ def test_a_change_of_partition_costs_neither_order_nor_restart():
     notes, before, orders = run.wiring.arrays[Slot.NOTES], 0, []
     code = driver.GOING if run.start() == Outcome.OK else None
     while code == driver.GOING:
-        code = driver.advance(1, run.wiring.table, *run.fixed_arrays, *run.out, *run.event_arrays)
-        run._flush()
+        code = driver.advance(
+            1, run.wiring.table, *run.fixed_arrays, *run.gathered.out, *run.event_arrays
+        )
+        run.gathered.flush(run.r)
         if run.r["repartitions"] > before:
             before = int(run.r["repartitions"])
             orders.append(int(notes[STEP_ORDER]))

@@ -9,7 +9,17 @@ import numpy as np
 import pytest
 
 from codegen.errors import InputError
-from runtime.integrate import attempt, dop853, dopri5, driver, events, modes, outputs, start
+from runtime.integrate import (
+    attempt,
+    dop853,
+    dopri5,
+    driver,
+    events,
+    modes,
+    outputs,
+    repartition,
+    start,
+)
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
 from runtime.outcomes import Outcome
@@ -53,7 +63,7 @@ def test_more_events_than_one_buffer_holds():
 
 def test_second_model_compiles_nothing():
     functions = (
-        driver.advance, start.start, attempt.attempt, attempt.repartition, events.locate,
+        driver.advance, start.start, attempt.attempt, repartition.repartition, events.locate,
         modes.settle, modes.begin, outputs.emit, dopri5.stages, dop853.stages,
     )  # fmt: skip
     integrate(PENDULUM, pendulum_problem(np.pi, 0.0, 0.1), Options())

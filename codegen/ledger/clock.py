@@ -1,0 +1,105 @@
+"""Times of kernels, taken in turns inside one compiled loop.
+
+What others do on the machine only ever adds to a time, so the least of many rounds is kept, and
+every kernel has its turn in each round, so that all share the machine's moods. The loop itself,
+with a kernel that does nothing, takes its turn too, and is the zero from which times count; as
+numba takes about 0.1 ms to hand a function over, every turn has the same number of calls.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import cache
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit, types
+
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
+F8, VECTOR, ROWS = types.float64, types.float64[::1], types.float64[:, ::1]
+MODES, MODE_ROWS = types.int64[::1], types.int64[:, ::1]
+SIGNATURE = types.int64(F8, VECTOR, VECTOR, VECTOR, MODES, VECTOR, VECTOR)
+OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy"}
+
+TURN = 5e-4
+"""Seconds that the slowest kernel has in a round."""
+ROUNDS = 500
+
+
+class States(NamedTuple):
+    """Instants at which kernels are called: (k,), (k, n), (k, n), (k, s)."""
+
+    t: Floats
+    q: Floats
+    v: Floats
+    modes: Integers
+
+
+class Timed(NamedTuple):
+    """A kernel `accelerations`, its parameters with the constants, and how long λ must be."""
+
+    kernel: Any
+    p: Floats
+    slots: int
+
+
+def _loop(
+    kernel: Any, count: int, t: Any, q: Any, v: Any, modes: Any, p: Any, a: Any, lam: Any
+) -> float:
+    total, row = 0.0, 0
+    q_now, v_now, modes_now = q[0].copy(), v[0].copy(), modes[0].copy()
+    for _ in range(count):
+        for k in range(q_now.size):
+            q_now[k], v_now[k] = q[row, k], v[row, k]
+        for k in range(modes_now.size):
+            modes_now[k] = modes[row, k]
+        kernel(t[row], q_now, v_now, p, modes_now, a, lam)
+        total += a[0]
+        row = row + 1 if row + 1 < len(q) else 0
+    return total
+
+
+def _nothing(t: float, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
+    a[0] = q[0]
+    return 0
+
+
+@cache
+def _compiled() -> tuple[Any, Any]:
+    function = types.FunctionType(SIGNATURE)
+    loop = F8(function, types.int64, VECTOR, ROWS, ROWS, MODE_ROWS, VECTOR, VECTOR, VECTOR)
+    return njit(loop, **OPTIONS)(_loop), njit(SIGNATURE, **OPTIONS)(_nothing)
+
+
+def times(kernels: Sequence[Timed], states: States, rounds: int = ROUNDS) -> list[float]:
+    """Nanoseconds a call of each kernel, the loop's own taken off."""
+    loop, nothing = _compiled()
+    runs: list[Callable[[int], float]] = []
+    for kernel, p, slots in (Timed(nothing, np.zeros(1), 1), *kernels):
+        room = np.zeros(states.q.shape[1]), np.zeros(slots)
+        runs.append(
+            lambda count, f=kernel, p=p, room=room: loop(f, count, *states, p, *room)  # type: ignore[misc]
+        )
+    count = _calls(runs)
+    best = [np.inf] * len(runs)
+    for _ in range(rounds):
+        for k, run in enumerate(runs):
+            best[k] = min(best[k], _seconds(run, count))
+    return [1e9 * (least - best[0]) / count for least in best[1:]]
+
+
+def _calls(runs: Sequence[Callable[[int], float]]) -> int:
+    """How many calls of the slowest kernel fill a turn."""
+    slowest = 0.0
+    for run in runs:
+        few, many = (min(_seconds(run, count) for _ in range(5)) for count in (100, 1100))
+        slowest = max(slowest, (many - few) / 1000)
+    return min(max(int(TURN / max(slowest, 1e-9)), 100), 100_000)
+
+
+def _seconds(run: Callable[[int], float], count: int) -> float:
+    started = perf_counter()
+    run(count)
+    return perf_counter() - started

@@ -1,0 +1,53 @@
+"""What one scene of a machine has derived, the others take over."""
+
+from pathlib import Path
+
+import pytest
+
+from codegen.derive import constraints, effects, switches
+from codegen.derive.counting import derivations
+from codegen.derive.equations import derive
+from codegen.driver import sound_scenes
+from codegen.modelfile import read_model
+from tests.codegen.workbench import Interpreted
+
+
+def test_second_scene_reuses_what_was_derived(root: Path) -> None:
+    model = read_model(root / "models" / "film_follower.py").model
+    for derived in (constraints._derive, effects._conservative, effects._pieces, switches.rate):
+        derived.cache_clear()  # what other tests have derived
+    begun = derivations()
+    Interpreted(model, "motor")
+    first = derivations() - begun
+    Interpreted(model, "constant_torque")
+    second = derivations() - begun - first
+    assert second <= first / 2
+    Interpreted(model, "motor")
+    assert derivations() == begun + first + second
+
+
+@pytest.mark.parametrize(
+    ("machine", "first", "others"),
+    [
+        ("slider_crank", "compressor",
+         ("compressor_massless_rod", "inverse_dynamics", "kinematics", "gas_equilibrium")),
+        ("quick_return", "shaper",
+         ("inverse_dynamics", "kinematics", "kinematics_composite", "gravity_equilibrium")),
+    ],
+)  # fmt: skip
+def test_other_scenes_derive_less_than_half_of_the_first(
+    root: Path, machine: str, first: str, others: tuple[str, ...]
+) -> None:
+    model = read_model(root / "models" / f"{machine}.py").model
+    for other in others:
+        for derived in (constraints._derive, effects._conservative, effects._pieces, switches.rate):
+            derived.cache_clear()
+        begun = derivations()
+        derive(model, sound_scenes(model, first)[0])
+        needed = derivations() - begun
+        derive(model, sound_scenes(model, other)[0])
+        assert derivations() - begun - needed <= needed / 2, other
+        again = derivations()
+        less = model.scene(first).without("motor")  # all that is in it stands there already
+        derive(model, sound_scenes(model, less)[0])
+        assert derivations() == again

@@ -1,0 +1,33 @@
+"""Tracked points: they take part where their paths are asked for, and exert nothing."""
+
+import pytest
+
+from codegen import Model, ModelError
+from codegen.derive.equations import derive
+from codegen.driver import sound_scenes
+from codegen.lower.kernels import lower
+from tests.codegen.test_scenes import sledge
+
+
+def test_points_come_with_their_paths_and_go_with_their_bodies() -> None:
+    model = sledge()
+    slide = model.scene("slide")
+    assert "nose" not in slide.effects
+    assert slide.with_(outputs=["path(nose)"]).effects == ("spring", "rub", "nose")
+    both = slide.with_(outputs=["paths"])
+    assert both.effects == ("spring", "rub", "nose", "hook")
+    assert both.without("load").effects == ("spring", "rub", "nose")
+    moved = slide.without("spring", "rub").with_(analysis="kinematics", outputs=["path(nose)"])
+    equations = derive(model, sound_scenes(model, moved)[0])
+    assert [e.name for e in equations.effects] == ["nose"]
+    kernels = {k.name for k in lower(equations).program.kernels}
+    assert "reactions" in kernels
+    assert not kernels & {"mass", "applied_forces", "powers"}
+
+
+def test_point_of_the_ground_is_refused() -> None:
+    model = Model("still")
+    model.body("body", mass=1.0, inertia=1.0)
+    model.track("peg", model.ground.at(1, 0))
+    with pytest.raises(ModelError, match="'peg' is a point of the ground; give one of a body"):
+        sound_scenes(model, None)
