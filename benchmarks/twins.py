@@ -107,7 +107,7 @@ def generate(model: Model | str, scene: str, kernels: Sequence[str], folder: Pat
     """The kernels asked for, and no others, so that nothing is compiled that is not measured."""
     file = read_model(model)
     chosen = sound_scenes(file.model, scene)[0]
-    equations, lowered = translate(file.model, chosen, Clock({}, lambda message: None, ""))
+    equations, lowered, _ = translate(file.model, chosen, Clock({}, lambda message: None, ""))
     program = lowered.program
     wanted = tuple(k for k in program.kernels if k.name in ("constants", *kernels))
     path = folder / f"{file.model.name}__{scene}__measured.py"
