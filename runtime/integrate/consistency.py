@@ -1,5 +1,7 @@
 """Whether modes agree with the motion that follows from them, in a short look ahead."""
 
+import numpy as np
+
 from runtime.compiled import inner
 from runtime.integrate.field import field
 from runtime.integrate.held import HELD_MODE
@@ -148,6 +150,8 @@ def contradicted(
         k = int(members[i])
         if candidate[k] == HELD_MODE or int(preferred[k]) == candidate[k] + GIVEN:
             continue
+        if signs[i] == 0 and not np.isfinite(ahead[k]):
+            return k
         # A contact that others keep closed may touch without a force of its own; friction at rest
         # may exert any force within its bounds, also those at their ends.
         touches = (rigid[k] >= 0 or sticks[k] != 0) and signs[i] == 0
