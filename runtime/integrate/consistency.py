@@ -1,5 +1,7 @@
 """Whether modes agree with the motion that follows from them, in a short look ahead."""
 
+import numpy as np
+
 from runtime.compiled import inner
 from runtime.integrate.field import field
 from runtime.integrate.held import HELD_MODE
@@ -17,6 +19,7 @@ from runtime.integrate.slots import (
     RIGID_COUNT,
     SHARE,
     STABILIZED,
+    STICKS,
     WORK,
     limited_of,
     switching_of,
@@ -37,7 +40,7 @@ CONSISTENT = -1
 GIVEN = 4  # is added to a preferred mode that is known to be right, and needs no look-ahead
 _SIGNIFICANT = 1e-14  # change of g over its maximum that is no rounding
 _FIRST = 1e-7  # first look-ahead over the last
-_SHARE = 1e-9  # by which a share may miss its bounds at an event
+SHARE_SLACK = 1e-9  # by which a share may miss its bounds at an event
 
 
 @inner
@@ -86,9 +89,9 @@ def loose(machine: Integers, t: float, q: Vector, v: Vector, p: Vector, lam: Vec
     held = view(integers_at(machine, PLAIN, 2 * s), s, s)
     for c in range(count):
         k = int(held[c])
-        inside = low[k] - _SHARE <= share[k] <= high[k] + _SHARE
+        inside = low[k] - SHARE_SLACK <= share[k] <= high[k] + SHARE_SLACK
         if integers_at(machine, LIMITS, 2 * s)[2 * k] >= 0:
-            inside = limited_of(machine)(machine, t, q, v, p, lam, k) >= -_SHARE
+            inside = limited_of(machine)(machine, t, q, v, p, lam, k) >= -SHARE_SLACK
         if not inside or not matrix[c * count + c] < 0.0:
             return k
     return CONSISTENT
@@ -119,7 +122,7 @@ def contradicted(
     ahead = view(sw, TRIAL * s, s)
     largest = view(sw, LARGEST * s, s)
     preferred = view(sw, PREFERRED * s, s)
-    rigid = integers_at(machine, RIGID, s)
+    rigid, sticks = integers_at(machine, RIGID, s), integers_at(machine, STICKS, s)
     q = view(w, state * 2 * n, n)
     v = view(w, state * 2 * n + n, n)
     hold(machine, candidate)
@@ -147,8 +150,11 @@ def contradicted(
         k = int(members[i])
         if candidate[k] == HELD_MODE or int(preferred[k]) == candidate[k] + GIVEN:
             continue
-        # A contact that others keep closed may touch without a force of its own.
-        touches = rigid[k] >= 0 and signs[i] == 0
+        if signs[i] == 0 and not np.isfinite(ahead[k]):
+            return k
+        # A contact that others keep closed may touch without a force of its own; friction at rest
+        # may exert any force within its bounds, also those at their ends.
+        touches = (rigid[k] >= 0 or sticks[k] != 0) and signs[i] == 0
         if not touches and (signs[i] > 0) != (candidate[k] != 0):
             return k
     return CONSISTENT

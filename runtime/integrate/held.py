@@ -15,10 +15,13 @@ effects add up, so that the accelerations of one changed mode each are enough.
 import numpy as np
 
 from runtime.compiled import inner
+from runtime.integrate.dependent import SINGULAR, least, solve
 from runtime.integrate.signatures import Integers, Vector
 from runtime.integrate.slots import (
     CONSTRAINT_COUNT,
     COORDINATES,
+    HIGH,
+    LOW,
     PLAIN,
     RIGID,
     RIGID_COUNT,
@@ -31,7 +34,6 @@ from runtime.integrate.slots import (
 )
 from runtime.integrate.views import floats_at, integers_at, view
 
-_SINGULAR = 1e-11  # pivot of a row whose largest entry is one, below which it is rounding
 CANCELLED = 64.0 * 2.3e-16
 """Of the largest of some terms: a sum below it is their rounding."""
 
@@ -42,50 +44,6 @@ HELD_MODE = 2
 def work_size(n: int, m: int, s: int, r: int) -> int:
     """Floats of WORK for n coordinates, m constraints, s switches and r contacts."""
     return (s + 2) * (n + m) + 2 * s * s + 4 * s + r
-
-
-@inner
-def solve(matrix: Vector, right: Vector, count: int) -> int:
-    """Solve a small dense system in place, `matrix` by rows; 0, or 1 where it is singular.
-
-    Rows are first divided by their largest entries, so that a pivot tells by its size alone
-    whether one of several holds does what the others do already.
-    """
-    for i in range(count):
-        largest = 0.0
-        for j in range(count):
-            largest = max(largest, abs(matrix[i * count + j]))
-        if not largest > 0.0:
-            return 1
-        for j in range(count):
-            matrix[i * count + j] /= largest
-        right[i] /= largest
-    for step in range(count):
-        at = step
-        for i in range(step + 1, count):
-            if abs(matrix[i * count + step]) > abs(matrix[at * count + step]):
-                at = i
-        pivot = matrix[at * count + step]
-        if not abs(pivot) > _SINGULAR:
-            return 1
-        if at != step:
-            for j in range(count):
-                matrix[step * count + j], matrix[at * count + j] = (
-                    matrix[at * count + j],
-                    matrix[step * count + j],
-                )
-            right[step], right[at] = right[at], right[step]
-        for i in range(step + 1, count):
-            factor = matrix[i * count + step] / pivot
-            for j in range(step, count):
-                matrix[i * count + j] -= factor * matrix[step * count + j]
-            right[i] -= factor * right[step]
-    for i in range(count - 1, -1, -1):
-        total = right[i]
-        for j in range(i + 1, count):
-            total -= matrix[i * count + j] * right[j]
-        right[i] = total / matrix[i * count + i]
-    return 0
 
 
 @inner
@@ -176,6 +134,7 @@ def shares(machine: Integers, count: int) -> None:
     n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
     size = n + m
     held = view(integers_at(machine, PLAIN, 2 * s), s, s)
+    rigid = integers_at(machine, RIGID, s)
     share = floats_at(machine, SHARE, s)
     work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
     matrix = view(work, (s + 1) * size, s * s)
@@ -187,7 +146,21 @@ def shares(machine: Integers, count: int) -> None:
     for i in range(count * count):
         copy[i] = matrix[i]
     if solve(copy, right, count) != 0:
+        low, high = floats_at(machine, LOW, s), floats_at(machine, HIGH, s)
+        middle = view(work, (s + 1) * size + s * s + 2 * s, s)
+        reach = view(work, (s + 1) * size + s * s + s, s)
+        for c in range(count):
+            k = held[c]
+            # A contact without a force has its upper bound as its share, and no lower one.
+            middle[c] = high[k] if rigid[k] >= 0 else 0.5 * (low[k] + high[k])
+            reach[c] = 1.0 if rigid[k] >= 0 else 0.5 * (high[k] - low[k])
         for i in range(count):
-            right[i] = np.nan
+            right[i] = -base[i]
+            for c in range(count):
+                copy[i * count + c] = matrix[i * count + c]
+                right[i] -= matrix[i * count + c] * middle[c]
+        found = least(machine, copy, right, count, reach, SINGULAR)
+        for i in range(count):
+            right[i] = right[i] + middle[i] if found == 0 else np.nan
     for c in range(count):
         share[held[c]] = right[c]

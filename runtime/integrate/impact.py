@@ -3,7 +3,8 @@
 import numpy as np
 
 from runtime.compiled import compiled, inner
-from runtime.integrate.held import CANCELLED, HELD_MODE, shares, solve, units
+from runtime.integrate.dependent import least, solve
+from runtime.integrate.held import CANCELLED, HELD_MODE, shares, units
 from runtime.integrate.signatures import IMPACT, RETURN_HELD, Integers, Vector
 from runtime.integrate.slots import (
     CONSTRAINT_COUNT,
@@ -204,6 +205,7 @@ def return_held(
     rates = view(work, (s + 1) * size + s * s + 2 * s, s)
     right = view(work, (s + 1) * size + s * s + 3 * s, s)
     values = view(work, (s + 1) * size + s * s, s)
+    reach = view(work, (s + 1) * size + s * s + s, s)
     copy = view(work, (s + 1) * size + s * s + 4 * s + r, s * s)
     units(machine, t, q, v, p, modes)
     for level in range(2):
@@ -212,18 +214,25 @@ def return_held(
             continue
         switching_of(machine)(t, q, v, p, values)
         switching_rates_of(machine)(t, q, v, view(work, 0, n), p, rates)
-        for i in range(count):
-            k = held[i]
-            closed = rigid[k] >= 0
-            right[i] = rates[k] if level == 1 and closed else values[k]
-            if level == 0 and not closed:
-                right[i] = 0.0
-            for j in range(count):
-                copy[i * count + j] = matrix[i * count + j]
+        for attempt in range(2):
+            for i in range(count):
+                k = held[i]
+                closed = rigid[k] >= 0
+                right[i] = rates[k] if level == 1 and closed else values[k]
                 if level == 0 and not closed:
-                    copy[i * count + j] = 1.0 if i == j else 0.0
-        if solve(copy, right, count) != 0:
-            return 1
+                    right[i] = 0.0
+                for j in range(count):
+                    copy[i * count + j] = matrix[i * count + j]
+                    if level == 0 and not closed:
+                        copy[i * count + j] = 1.0 if i == j else 0.0
+            if attempt == 0 and solve(copy, right, count) == 0:
+                break
+            if attempt == 1:
+                for c in range(count):
+                    reach[c] = 1.0
+                # What surfaces that depend on each other ask for differs by rounding.
+                if least(machine, copy, right, count, reach, np.inf) != 0:
+                    return 1
         for j in range(n):
             total, largest = 0.0, 0.0
             for c in range(count):

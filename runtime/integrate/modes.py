@@ -9,7 +9,8 @@ both fields must push onto the surface.
 """
 
 from runtime.compiled import compiled, inner
-from runtime.integrate.consistency import CONSISTENT, GIVEN, carry, contradicted, hold
+from runtime.integrate.combinations import MOST, MOST_THREE, exhaustively, in_turn
+from runtime.integrate.consistency import CONSISTENT, GIVEN, carry, hold
 from runtime.integrate.field import field
 from runtime.integrate.held import HELD_MODE
 from runtime.integrate.impact import ON_SURFACE
@@ -36,23 +37,6 @@ from runtime.integrate.workspace import (
 
 TOUCHING = 1e-9  # of the machine's lengths: a gap at the start is assembled no closer
 _TOLD = 1e-12  # of the largest velocity: an impact at the start that is none
-_MOST = 10  # functions whose modes are tried in all combinations
-_MOST_THREE = 6  # of those that may also be held
-
-
-@inner
-def alternative(rigid: int, preferred: int, choice: int) -> int:
-    """The mode that stands for `choice`, 0 being the preferred one; -1 where there is none.
-
-    A rigid contact is open (1) or held; others are 0, 1 or held, and are held last.
-    """
-    if choice == 0:
-        return preferred
-    if rigid >= 0:
-        return (HELD_MODE if preferred == 1 else 1) if choice == 1 else -1
-    if preferred == HELD_MODE:
-        return choice - 1
-    return 1 - preferred if choice == 1 else HELD_MODE
 
 
 @compiled(SETTLE)
@@ -73,7 +57,8 @@ def settle(
     """Give consistent modes to the functions on their surface, those with BAND > 0.
 
     Row PREFERRED has the modes that are tried first, then those with one change, two, and so on;
-    among equals those in which `first` changes, and those that hold less.
+    among equals those in which `first` changes, and those that hold less. Many functions are first
+    settled one after the other.
 
     Parameters
     ----------
@@ -96,11 +81,7 @@ def settle(
     n = w.size // (2 * ROWS)
     s = modes.size
     band = view(sw, BAND * s, s)
-    preferred = view(sw, PREFERRED * s, s)
-    candidate = view(scratch, 0, s)
     members = view(scratch, s, s)
-    signs = view(scratch, 2 * s, s)
-    rigid = integers_at(machine, RIGID, s)
     q, v = view(w, state * 2 * n, n), view(w, state * 2 * n + n, n)
     switching_of(machine)(t, q, v, p, view(sw, NOW * s, s))
     count = 0
@@ -109,41 +90,13 @@ def settle(
         if band[k] > 0.0:
             members[count] = k
             count += 1
-    tried = min(count, _MOST)
-    choices = 3 if tried <= _MOST_THREE else 2
-    combinations = 1
-    for _ in range(tried):
-        combinations *= choices
-    blamed = CONSISTENT
-    for changes in range(tried + 1):
-        for holds in range(changes + 1):
-            for number in range(combinations):
-                changed, late, rest, known = 0, 0, number, True
-                for k in range(s):
-                    candidate[k] = modes[k]
-                for i in range(tried):
-                    choice = rest % choices
-                    rest //= choices
-                    changed += 1 if choice > 0 else 0
-                    late += 1 if choice == 2 else 0
-                    k = members[i]
-                    mode = alternative(rigid[k], int(preferred[k]) % GIVEN, choice)
-                    known = known and mode >= 0
-                    candidate[k] = mode
-                if changed != changes or late != holds or not known:
-                    continue
-                wrong = contradicted(
-                    machine, t, d, state, w, sw, p, candidate, lam, members, count, signs
-                )
-                if wrong == CONSISTENT:
-                    for k in range(s):
-                        modes[k] = candidate[k]
-                    hold(machine, modes)
-                    return CONSISTENT
-                if blamed == CONSISTENT:
-                    blamed = wrong
-    hold(machine, modes)
-    return blamed
+    if count > MOST_THREE:
+        blamed = in_turn(machine, t, d, state, w, sw, p, modes, lam, members, count, scratch)
+        if blamed == CONSISTENT:
+            return CONSISTENT
+    return exhaustively(
+        machine, t, d, state, w, sw, p, modes, lam, members, min(count, MOST), count, scratch
+    )
 
 
 @inner

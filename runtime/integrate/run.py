@@ -11,6 +11,7 @@ from runtime.integrate import attempt, driver
 from runtime.integrate.bent import TIME_SCALE
 from runtime.integrate.changing import change_method, fill_method
 from runtime.integrate.check import check
+from runtime.integrate.combinations import MOST
 from runtime.integrate.crossing import Crossings
 from runtime.integrate.gathered import Gathered
 from runtime.integrate.held import HELD_MODE
@@ -25,6 +26,7 @@ from runtime.integrate.trajectory import Statistics, Trajectory
 from runtime.integrate.transition import HELD, IMPACT
 from runtime.integrate.workspace import (
     ATOL,
+    BAND,
     PARTITION,
     PROJECTION,
     ROWS,
@@ -264,5 +266,15 @@ class _Run:
             partitions=self.gathered.partitions(),
             methods=tuple((t, "dop853" if name == "auto" else name) for t, name in self.methods),
             crossings=tuple(self.crossings.passed),
-            note=self.crossings.note,
+            note=self.crossings.note or self._given_up(outcome),
+        )
+
+    def _given_up(self, outcome: Outcome) -> str:
+        """What to know where more functions were on their surface than can all be tried."""
+        count = int(np.count_nonzero(self.sw.reshape(SWITCH_ROWS, self.s)[BAND] > 0.0))
+        if outcome is not Outcome.INCONSISTENT or count <= MOST:
+            return ""
+        return (
+            f"{count} conditions are on their surface at once; of their combinations only those of "
+            f"{MOST} were all tried, and the search was given up: there may be a state that agrees."
         )

@@ -3,7 +3,8 @@
 import numpy as np
 
 from runtime.compiled import compiled, inner
-from runtime.integrate.consistency import CONSISTENT, GIVEN, hold
+from runtime.integrate.consistency import CONSISTENT, GIVEN, SHARE_SLACK, hold
+from runtime.integrate.dependent import same
 from runtime.integrate.field import field
 from runtime.integrate.held import HELD_MODE
 from runtime.integrate.impact import ON_SURFACE
@@ -28,7 +29,7 @@ from runtime.integrate.slots import (
     switching_of,
     switching_rates_of,
 )
-from runtime.integrate.surfaces import UNBOUNDED, measure
+from runtime.integrate.surfaces import UNBOUNDED, margin, measure
 from runtime.integrate.views import floats_at, integers_at, view
 from runtime.integrate.workspace import (
     BAND,
@@ -137,6 +138,34 @@ def jumped(
             modes[k] = 1 if g[k] > 0.0 else 0
 
 
+@inner
+def together(
+    machine: Integers,
+    t: float,
+    letting_go: int,
+    q: Vector,
+    v: Vector,
+    sw: Vector,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+) -> None:
+    """Let go, with `letting_go`, frictions of the same freedom that have reached bounds with it.
+
+    One after the other, each would take up again what the other has just let go. The field must
+    just have been evaluated.
+    """
+    s = modes.size
+    rigid, share = integers_at(machine, RIGID, s), floats_at(machine, SHARE, s)
+    low, high = floats_at(machine, LOW, s), floats_at(machine, HIGH, s)
+    for k in range(s):
+        if k == letting_go or modes[k] != HELD_MODE or rigid[k] >= 0 or rigid[letting_go] >= 0:
+            continue
+        if same(machine, k, letting_go) and margin(machine, t, q, v, p, lam, s, k) <= SHARE_SLACK:
+            side = 1 if share[k] > 0.5 * (low[k] + high[k]) else 0
+            sw[PREFERRED * s + k] = side + GIVEN
+
+
 @compiled(TRANSITION)
 def transition(
     machine: Integers,
@@ -193,6 +222,8 @@ def transition(
         jumped(machine, t, crossing, w, sw, p, modes)
         hold(machine, modes)
     prefer(machine, letting_go, side, sw, modes)
+    if letting_go >= 0:
+        together(machine, t, letting_go, q, v, sw, p, modes, lam)
     rates = view(sw, RATE_NOW * s, s)
     switching_rates_of(machine)(t, q, v, view(w, DELTA * length, n), p, rates)
     if hit:
