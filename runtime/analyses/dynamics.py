@@ -32,9 +32,6 @@ if TYPE_CHECKING:
     from runtime.machine import Machine, Values
 
 
-_AT_START = (Outcome.SINGULAR, Outcome.NEWTON_FAILED)
-
-
 class Partition(NamedTuple):
     """The independent coordinates were chosen anew.
 
@@ -289,7 +286,7 @@ def _message(machine: "Machine", run: Trajectory) -> str:
             row = told.constraints[run.index]
             where = f", {'driver' if row.element in told.drivers else 'joint'} {row.name}"
     note = f" {run.note}" if run.note else ""
-    if run.outcome in _AT_START and run.statistics.steps == 0:
+    if run.outcome in {Outcome.SINGULAR, Outcome.NEWTON_FAILED} and run.statistics.steps == 0:
         held = ", ".join(row.name for row in told.start if row.role == "fixed")
         return (
             f"Stopped at t = {run.final_t:.9g} s{where}. The run starts in a singular position or "

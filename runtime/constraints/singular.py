@@ -56,8 +56,8 @@ class Singularity(NamedTuple):
         Length of the velocity, 1/s.
     miss
         Distance of the motion from the position.
-    timed
-        Whether drivers leave no freedom, so that the position has its instant from them.
+    due
+        The instant that drivers give the position; not a number where they leave freedom.
     """
 
     t: float
@@ -71,7 +71,7 @@ class Singularity(NamedTuple):
     astray: float
     speed: float
     miss: float
-    timed: bool
+    due: float
 
 
 class Positions:
@@ -112,8 +112,6 @@ class Positions:
         miss = float(np.linalg.norm((search.at(s) - z)[:-1]))
         if miss > _SAME * max(abs(s) * speed, 1e-3):
             return self.near(motion, s)
-        if known.timed:
-            s = known.t - motion.t
         growth = speed / known.speed
         return known._replace(t=motion.t + s, speed=speed, rate=known.rate * growth, miss=miss)
 
@@ -140,11 +138,10 @@ def _described(search: Search, root: Root, s: float) -> Singularity | None:
     count = len(rates)
     if constraints.independent.size < constraints.m:
         count, direction = _of_all(search, root, direction)
-    timed = root.freedom == 0
     rows = np.zeros(constraints.m)
     rows[constraints.independent] = np.abs(root.left).max(axis=1)
     return Singularity(
-        t=float(root.z[-1]) / search.speed if timed else search.motion.t + s,
+        t=search.motion.t + s,
         q=root.z[:-1] * constraints.scale,
         rows=rows,
         lost=count,
@@ -155,7 +152,7 @@ def _described(search: Search, root: Root, s: float) -> Singularity | None:
         astray=float(np.linalg.norm(veer)) / search.speed,
         speed=search.speed,
         miss=miss,
-        timed=timed,
+        due=float(root.z[-1]) / search.speed if root.freedom == 0 else np.nan,
     )
 
 

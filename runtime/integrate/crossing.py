@@ -259,7 +259,9 @@ class Crossings:
         """When the step across passed the position: from both its ends, not as it was foreseen."""
         t, q, v, a = self.before
         after = self._state()
-        if found.timed or not (np.isfinite(a).all() and np.isfinite(after[3]).all()):
+        if np.isfinite(found.due):
+            return found.due
+        if not (np.isfinite(a).all() and np.isfinite(after[3]).all()):
             return found.t
         motion = hermite(t, after[0] - t, (q, v, a), after[1:])
         return self.positions.instant(motion, found)
