@@ -21,6 +21,7 @@ _EPS = 2.2e-16
 _NEAR = _EPS ** (1.0 / 3.0)  # distance at which d and eps / d² are the same
 _TOLD = 4.0 * _EPS**0.5  # distance from which on a position says on which branch it is
 _ROUNDING = 64.0 * _EPS
+_ASTRAY = 1e-6  # of a velocity: what it may be off its branch, as at the start of a run
 _AGREED = 1e-9  # of the speed: what fixed velocities of a branch may differ from those asked for
 
 
@@ -74,6 +75,8 @@ def beside(
         found = positions.near(taylor(task.t, q, along, rest), 0.0)
         if found is None or found.gap > _ROUNDING:
             return None
+    elif found.astray > _ASTRAY:
+        return None  # neither position nor velocities say which branch is meant
     else:
         along = v
     branch = along + found.veer
