@@ -81,7 +81,8 @@ def simulate(
         extra: dict[str, Any] = {} if atol is None else {"atol": atol}
         return machine.simulate(
             t_end=t_end,
-            t_eval=_instants(t_start, t_end, points),
+            # A run of no length is the assembled state; every other one has a positive span.
+            t_eval=[t_end] if t_end == t_start else _instants(t_start, t_end, points),
             t_start=t_start,
             method=method,
             rtol=rtol,

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from codegen.errors import AssemblyError, RedundancyError
 from runtime.analyses.assembly import Assembly, Moved, Redundant
+from runtime.analyses.beside import beside
 from runtime.analyses.closing import CLOSED, Closing, Task, close
 from runtime.analyses.door import number
 from runtime.analyses.equations import Equations, FloatArray
@@ -121,6 +122,11 @@ def assemble(
     if any(drivers[row] for row, _ in findings.lasting):
         raise _redundancy(machine, findings.lasting, drivers, findings.rank, "consistent")
     v, velocity_gaps = _velocities(machine, task, start, closing.q)
+    near = None if findings.lasting else beside(task, closing.q, v, start.fixed_v)
+    if near is not None:
+        phi, v = equations.constraints(t, near.q), near.v
+        closing = Closing(near.q, phi, closing.gap)
+        velocity_gaps = equations.jacobian(t, near.q) @ v - equations.velocity_rhs(t, near.q)
     return _report(machine, task, start, closing, v, velocity_gaps, findings, units)
 
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from codegen.errors import AnalysisError
 from runtime.analyses.kinematics import kinematics
 from runtime.analyses.masses import require_masses
-from runtime.analyses.surfaces import require_no_rigid, require_slip
+from runtime.analyses.surfaces import require_slip
 from runtime.progress import Progress, silent
 from runtime.results.result import Result
 
@@ -37,7 +37,6 @@ def inverse_dynamics(
             f"{told.title}: inverse dynamics needs masses, and this scene has a body without. "
             f"Give every body a mass and an inertia, or ask for kinematics."
         )
-    require_no_rigid(machine, "inverse dynamics")
     p = machine.parameter_values(parameters)
     require_masses(machine, p)
     found = kinematics(

@@ -14,6 +14,7 @@ from runtime.analyses.equations import FloatArray
 from runtime.analyses.following import follow
 from runtime.analyses.outputs import evaluate
 from runtime.analyses.redundant import sound, spared
+from runtime.analyses.surfaces import require_no_rigid
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
 from runtime.results.events import CROSSED, LOCKED, Event
@@ -38,6 +39,8 @@ def kinematics(
 ) -> Result:
     """Positions, velocities and accelerations at the instants `t_eval`.
 
+    Drivers would push bodies through rigid contacts, so that scenes with these are refused.
+
     Where the machine locks up, the result reaches to the last instant before, followed by the
     position in which it locks, where velocities are not a number; the outcome says so. Positions in
     which motions cross are passed on the branch on which the velocity is continuous. Both are
@@ -54,6 +57,7 @@ def kinematics(
         to the first of `t_eval`, so that it stays on the branch on which it starts.
     """
     began = clock.perf_counter()
+    require_no_rigid(machine, analysis)
     times = instants(t_eval)
     start = assemble(machine, guess, parameters, t_start)
     require_driven(machine, start, analysis)

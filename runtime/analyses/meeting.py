@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from codegen.errors import AnalysisError
-from runtime.analyses.branches import SOLVED, Branch, Lost, lost
+from runtime.analyses.branches import LOST, SOLVED, Branch, lost
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.integrate.trajectory import Crossing
 from runtime.results.singular import Kind, SingularPosition
@@ -32,6 +32,9 @@ def met(
     """Describe the singular position (t, q); `rate` is the drivers' pace, 1/s."""
     told = equations.description
     at = lost(equations, t, q, scale, least=1)
+    count, null = at.k, at.null
+    if len(at.rows) < equations.m:
+        count, null = _of_all(equations, t, q, scale, count)
     part = np.abs(at.left).max(axis=1)
     taking = [
         told.constraints[int(at.rows[row])].element
@@ -44,8 +47,8 @@ def met(
         time=t,
         drivers=tuple(name for name in named if name in told.drivers),
         joints=tuple(name for name in named if name not in told.drivers),
-        lost=at.k,
-        null_directions=tuple(_named(equations, x) for x in _simple(at)),
+        lost=count,
+        null_directions=tuple(_named(equations, x) for x in _simple(null)),
         singular_value=float(at.values[-1]),
         drift=drift(equations, t, q, scale, rate),
         q=q.copy(),
@@ -211,9 +214,25 @@ def _named(equations: Equations, x: FloatArray) -> dict[str, float]:
     }
 
 
-def _simple(at: Lost) -> FloatArray:
+def _of_all(
+    equations: Equations, t: float, q: FloatArray, scale: FloatArray, most: int
+) -> tuple[int, FloatArray]:
+    """How much all rows together have lost, at most `most`, and their null directions, (n, k).
+
+    Rows that follow from others elsewhere may hold where those do not, and less is free to move.
+    """
+    matrix = equations.jacobian(t, q) * scale
+    lengths = np.linalg.norm(matrix, axis=1)
+    _, values, right = np.linalg.svd(matrix / np.where(lengths > 0.0, lengths, 1.0)[:, None])
+    rank = int((values[: len(equations.independent)] >= LOST).sum())
+    # A position that is counted as singular, however large its singular value, has lost one.
+    count = min(max(len(equations.independent) - rank, 1), most)
+    return count, right[len(q) - count :].T
+
+
+def _simple(null: FloatArray) -> FloatArray:
     """A basis of the null directions, each free of the others' largest coordinates, (k, n)."""
-    rows = at.null.T.copy()
+    rows = null.T.copy()
     for i in range(len(rows)):
         pick = i + int(np.abs(rows[i:]).max(axis=1).argmax())
         column = int(np.abs(rows[pick]).argmax())

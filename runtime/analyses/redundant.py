@@ -28,7 +28,8 @@ def sound(machine: "Machine", start: "Assembly") -> "Machine":
     """
     if not start.redundant:
         return machine
-    friction = [row.name for row in machine.effects if row.kind in {"friction", "dry friction"}]
+    # A dry friction has a normal force of its own, which needs no reaction.
+    friction = [row.name for row in machine.effects if row.kind == "friction"]
     if friction:
         raise AnalysisError(
             f"{machine.description.title}: friction in joints ({', '.join(friction)}) follows from "

@@ -67,6 +67,15 @@ class ScaledConstraints:
         matrix[self.places] = entries
         return matrix[:-1]
 
+    def all_rows(self, t: float, q: FloatArray) -> FloatArray:
+        """Φ_q of all constraints, columns scaled and rows made unit length, shape (m, n)."""
+        values = self.entries(t, q, 0.0)[: self.rows.size]
+        matrix = np.zeros((self.m, self.scale.size))
+        np.add.at(matrix, (self.rows, self.columns), values)
+        lengths = np.linalg.norm(matrix, axis=1)
+        unit: FloatArray = matrix / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+        return unit
+
     def gaps(self, t: float, q: FloatArray) -> FloatArray:
         """Φ, shape (m',)."""
         phi = np.zeros(self.m)

@@ -26,6 +26,7 @@ _CONVERGED = 1e-12
 _SAME = 0.05  # of the way there: a motion that comes as near to a known position passes it
 _ROUNDED = 1e-13  # a gap of unit rows that is none
 _CLEARLY = 1e-3  # of a gap: a gap that is another's
+_LOST = 1e-6  # of unit rows: singular values below this are lost, as at a start
 
 
 class Singularity(NamedTuple):
@@ -55,6 +56,8 @@ class Singularity(NamedTuple):
         Length of the velocity, 1/s.
     miss
         Distance of the motion from the position.
+    due
+        The instant that drivers give the position; not a number where they leave freedom.
     """
 
     t: float
@@ -68,6 +71,7 @@ class Singularity(NamedTuple):
     astray: float
     speed: float
     miss: float
+    due: float
 
 
 class Positions:
@@ -111,6 +115,12 @@ class Positions:
         growth = speed / known.speed
         return known._replace(t=motion.t + s, speed=speed, rate=known.rate * growth, miss=miss)
 
+    def instant(self, motion: Motion, known: Singularity) -> float:
+        """When this motion is nearest to a known singular position."""
+        search = Search(self.constraints, self.frames, motion, known.speed)
+        z = np.append(known.q / self.constraints.scale, known.t * known.speed)
+        return motion.t + search.nearest(z, known.t - motion.t)
+
 
 def _described(search: Search, root: Root, s: float) -> Singularity | None:
     """The root as users of it see it; None where the motion is nowhere near."""
@@ -125,13 +135,16 @@ def _described(search: Search, root: Root, s: float) -> Singularity | None:
     veer = (root.null @ (_on_branch(root.form, along) - along))[:-1]
     weakest = float(rates[-1])
     direction = (root.null @ right[len(rates) - 1])[:-1]
+    count = len(rates)
+    if constraints.independent.size < constraints.m:
+        count, direction = _of_all(search, root, direction)
     rows = np.zeros(constraints.m)
     rows[constraints.independent] = np.abs(root.left).max(axis=1)
     return Singularity(
         t=search.motion.t + s,
         q=root.z[:-1] * constraints.scale,
         rows=rows,
-        lost=len(rates),
+        lost=count,
         direction=direction / max(float(np.linalg.norm(direction)), 1e-300),
         gap=float(np.abs(root.left.T @ search.gaps(root.z)).max()),
         rate=weakest,
@@ -139,7 +152,29 @@ def _described(search: Search, root: Root, s: float) -> Singularity | None:
         astray=float(np.linalg.norm(veer)) / search.speed,
         speed=search.speed,
         miss=miss,
+        due=float(root.z[-1]) / search.speed if root.freedom == 0 else np.nan,
     )
+
+
+def _of_all(search: Search, root: Root, direction: FloatArray) -> tuple[int, FloatArray]:
+    """How many constraints are lost, and the direction, where others repeat what some say.
+
+    What is left out may hold where what was kept does not: rows that are independent elsewhere can
+    lose more here than all rows together.
+    """
+    constraints = search.constraints
+    matrix = constraints.all_rows(root.z[-1] / search.speed, root.z[:-1] * constraints.scale)
+    _, values, right = np.linalg.svd(matrix)
+    rank = int((values > _LOST).sum())
+    null = right[rank:]
+    allowed: FloatArray = null.T @ (null @ direction)
+    size = float(np.linalg.norm(allowed))
+    if size < _LOST:
+        # Nothing of it is left: of the others, that which is least the motion's.
+        along = null @ search.rate(0.0)[:-1]
+        others = np.linalg.svd(along[None, :])[2][1:] if len(null) > 1 else np.eye(len(null))
+        allowed, size = others[0] @ null, 1.0
+    return max(constraints.independent.size - rank, 0), allowed / size
 
 
 def _on_branch(form: FloatArray, along: FloatArray) -> FloatArray:

@@ -79,6 +79,8 @@ class Crossings:
         self.found: Singularity | None = None
         self.leap = Leap(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self.tries = 0
+        self.began = float(self.r["t"])
+        self.before = (self.began, *(np.zeros(self.scale.size),) * 3)
 
     # -- what the loop asks -------------------------------------------------------------------
 
@@ -178,7 +180,7 @@ class Crossings:
             and not self._continued(motion, found)
         ):
             return int(Outcome.SINGULAR)
-        self.leap = leap
+        self.leap, self.before = leap, self._state()
         r["plan"], r["leap"] = CROSSING, leap.h
         r["permitted"] = 2.0 * leap.method + _ALLOWANCE * (leap.rounding + leap.start)
         blind = np.sqrt(self.leaps.noise(found))
@@ -192,7 +194,10 @@ class Crossings:
         if r["t"] > found.t:
             row = int(found.rows.argmax())
             error = float(r["error"])
-            self.passed.append(Crossing(found.t, row, found.lost, found.direction, error))
+            t = self._instant(found)
+            # A position in which a run starts, or that lies before its start, is not passed in it.
+            if t > self.began + self.leaps.rounding(found.q) / found.speed:
+                self.passed.append(Crossing(t, row, found.lost, found.direction, error))
             r["plan"], r["quiet"] = LEAVING, r["t"] + r["leap"]
             r["lent_until"] = r["quiet"]
             r["permitted"] = 1.0
@@ -244,6 +249,22 @@ class Crossings:
             return False
         self.run.w.reshape(ROWS, 2, self.run.n)[K, 1] = a
         return True
+
+    def _state(self) -> tuple[float, Vector, Vector, Vector]:
+        """t, q, v and dv/dt from which the next step starts."""
+        rows = self.run.w.reshape(ROWS, 2, self.run.n)
+        return float(self.r["t"]), rows[Y0, 0].copy(), rows[Y0, 1].copy(), rows[K, 1].copy()
+
+    def _instant(self, found: Singularity) -> float:
+        """When the step across passed the position: from both its ends, not as it was foreseen."""
+        t, q, v, a = self.before
+        after = self._state()
+        if np.isfinite(found.due):
+            return found.due
+        if not (np.isfinite(a).all() and np.isfinite(after[3]).all()):
+            return found.t
+        motion = hermite(t, after[0] - t, (q, v, a), after[1:])
+        return self.positions.instant(motion, found)
 
     # -- what is known -----------------------------------------------------------------------
 

@@ -149,20 +149,23 @@ def begin(
     hold(machine, modes)
     field(machine, t, q, v, p, modes, view(w, DELTA * 2 * n + n, n), lam)
     carry(machine, t, d, state, w, sw, p)
-    for k in range(s):
-        # What is crossed within a millionth of the look-ahead is crossed now.
-        near = max(ON_SURFACE * largest[k], 1e-6 * abs(ahead[k] - g[k]))
-        if rigid[k] >= 0:
-            near = max(near, TOUCHING * largest[k])
-        largest[k] = max(largest[k], abs(g[k]))
-        band[k] = 0.0
-        if abs(g[k]) <= near:
-            band[k] = 2.0 * abs(g[k]) + 1e-14 * largest[k] + 1e-300
     rates = view(sw, RATE_NOW * s, s)
     switching_rates_of(machine)(t, q, v, view(w, DELTA * 2 * n + n, n), p, rates)
     speed = 0.0
     for j in range(n):
         speed = max(speed, abs(v[j]))
+    for k in range(s):
+        # What is crossed within a millionth of the look-ahead is crossed now.
+        near = max(ON_SURFACE * largest[k], 1e-6 * abs(ahead[k] - g[k]))
+        if rigid[k] >= 0:
+            # An open gap that closes or opens is followed, be it as narrow as assembling misses.
+            near = ON_SURFACE * largest[k]
+            if g[k] <= 0.0 or abs(rates[k]) <= _TOLD * speed:
+                near = TOUCHING * largest[k]
+        largest[k] = max(largest[k], abs(g[k]))
+        band[k] = 0.0
+        if abs(g[k]) <= near:
+            band[k] = 2.0 * abs(g[k]) + 1e-14 * largest[k] + 1e-300
     for k in range(s):
         sw[STRUCK * s + k] = 0.0
         if rigid[k] >= 0 and band[k] > 0.0 and rates[k] < 0.0:

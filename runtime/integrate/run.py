@@ -190,11 +190,15 @@ class _Run:
 
     def start(self) -> int:
         """Prepare the first step; returns the code of an outcome."""
+        given = self.state.copy()
         code: int = start(self.wiring.table, *self.fixed_arrays, *self.gathered.out)
-        if code in {Outcome.SINGULAR, Outcome.NEWTON_FAILED} and self.crossings.begin():
-            code = start(self.wiring.table, *self.fixed_arrays, *self.gathered.out)
-            if code == Outcome.OK:
-                code = self.crossings.leave()
+        if code in {Outcome.SINGULAR, Outcome.NEWTON_FAILED}:
+            # What did not converge has gone astray: the start values are those given.
+            self.state[:] = given
+            if self.crossings.begin():
+                code = start(self.wiring.table, *self.fixed_arrays, *self.gathered.out)
+                if code == Outcome.OK:
+                    code = self.crossings.leave()
         self.gathered.flush(self.r)
         self._log_first_impacts()
         return code
