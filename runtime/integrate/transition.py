@@ -7,7 +7,7 @@ from runtime.integrate.consistency import CONSISTENT, GIVEN, hold
 from runtime.integrate.field import field
 from runtime.integrate.held import HELD_MODE
 from runtime.integrate.impact import ON_SURFACE
-from runtime.integrate.modes import prefer
+from runtime.integrate.modes import go_on, prefer
 from runtime.integrate.signatures import (
     TRANSITION,
     IntegerMatrix,
@@ -193,6 +193,8 @@ def transition(
         jumped(machine, t, crossing, w, sw, p, modes)
         hold(machine, modes)
     prefer(machine, letting_go, side, sw, modes)
+    if not hit:
+        go_on(machine, crossing, t, q, v, w, sw, p, modes, lam)
     rates = view(sw, RATE_NOW * s, s)
     switching_rates_of(machine)(t, q, v, view(w, DELTA * length, n), p, rates)
     if hit:
@@ -228,6 +230,7 @@ def transition(
     logged = 0
     if hit:
         direction = HELD if modes[crossing] == HELD_MODE else IMPACT
+        last = last if r.blamed == CONSISTENT else 0.0  # no mode is right: nothing comes after
         log_event(t + last, crossing, direction, w, run, event_t, event_kind, event_y)
         logged = 1
     for k in range(s):
