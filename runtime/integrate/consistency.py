@@ -40,7 +40,7 @@ CONSISTENT = -1
 GIVEN = 4  # is added to a preferred mode that is known to be right, and needs no look-ahead
 _SIGNIFICANT = 1e-14  # change of g over its maximum that is no rounding
 _FIRST = 1e-7  # first look-ahead over the last
-SHARE_SLACK = 1e-9  # by which a share may miss its bounds at an event
+MISSED = 1e-9  # by which a share may miss its bounds at an event
 
 
 @inner
@@ -89,9 +89,9 @@ def loose(machine: Integers, t: float, q: Vector, v: Vector, p: Vector, lam: Vec
     held = view(integers_at(machine, PLAIN, 2 * s), s, s)
     for c in range(count):
         k = int(held[c])
-        inside = low[k] - SHARE_SLACK <= share[k] <= high[k] + SHARE_SLACK
+        inside = low[k] - MISSED <= share[k] <= high[k] + MISSED
         if integers_at(machine, LIMITS, 2 * s)[2 * k] >= 0:
-            inside = limited_of(machine)(machine, t, q, v, p, lam, k) >= -SHARE_SLACK
+            inside = limited_of(machine)(machine, t, q, v, p, lam, k) >= -MISSED
         if not inside or not matrix[c * count + c] < 0.0:
             return k
     return CONSISTENT

@@ -10,6 +10,7 @@ import numpy as np
 from runtime.compiled import ADDRESSES, compiled
 from runtime.integrate.attempt import DONE, NEWTON, NOT_FINITE, TOO_LARGE
 from runtime.integrate.consistency import CONSISTENT
+from runtime.integrate.events import INSTANT, last_due
 from runtime.integrate.signatures import (
     IntegerMatrix,
     Integers,
@@ -74,7 +75,6 @@ _NEWTON_FAILED = int(Outcome.NEWTON_FAILED)
 _SINGULAR = int(Outcome.SINGULAR)
 _NOT_FINITE = int(Outcome.NOT_FINITE)
 
-_ULP = 2.3e-16
 _FLIGHT = 0.6  # of the time between two impacts: a first step that meets none
 _RETAKES = 5
 WEAK_STATES = 3  # accepted states in a row with a weak pivot that make a singular run
@@ -257,7 +257,16 @@ def advance(
                     reach = h
                     h = x * h
                     dense_ready = 0
-        if crossing >= 0 and h <= 4.0 * _ULP * max(abs(t), r.h_min):
+            if crossing < 0 and t1 >= r.t_end:
+                crossing = last_due(t1, sw, modes)
+                if crossing >= 0:
+                    reach = h
+                    dense_ready = 0
+            if crossing >= 0 and t1 >= r.t_end:
+                # The last sample is that of what follows the event.
+                reach = r.t_end - INSTANT * abs(r.t_end) - t
+                h = min(h, reach)
+        if crossing >= 0 and h <= INSTANT * max(abs(t), r.h_min):
             # At this very instant: no step, only a change of modes.
             h = 0.0
             t1 = t

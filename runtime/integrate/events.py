@@ -9,6 +9,7 @@ crossings is not stepped over.
 from runtime.compiled import compiled, inner
 from runtime.integrate.arrays import mode_numbers, parameters, surfaces, workspace
 from runtime.integrate.dense import interpolate
+from runtime.integrate.held import HELD_MODE
 from runtime.integrate.signatures import LOCATE, SAMPLED, Integers, Vector
 from runtime.integrate.slots import SWITCHES, sampled_of
 from runtime.integrate.surfaces import functions
@@ -28,6 +29,7 @@ from runtime.integrate.workspace import (
     TRIAL,
 )
 
+INSTANT = 4.0 * 2.3e-16  # of the time: what the clock cannot tell
 NOWHERE = 2.0  # a fraction of the step that is none
 _MARGIN = 0.15  # of the variation of g over the step: closer to zero than this is looked at
 _NOISE = 1e-14  # of the largest |g|: a dip of this depth is none
@@ -151,6 +153,22 @@ def root(
                 g_high *= 0.5
             kept = -1
     return high
+
+
+@inner
+def last_due(t: float, sw: Vector, modes: Integers) -> int:
+    """A function that reaches zero at the step's end but for what the clock cannot tell, or -1.
+
+    For the end of a run, after which no step sees it.
+    """
+    s = modes.size
+    for k in range(s):
+        side = 1.0 if modes[k] != 0 else -1.0
+        change = side * sw[R1 * s + k] * INSTANT * abs(t)
+        off = modes[k] != HELD_MODE and sw[BAND * s + k] == 0.0
+        if off and change < 0.0 and side * sw[G1 * s + k] + change <= 0.0:
+            return k
+    return -1
 
 
 @compiled(LOCATE)

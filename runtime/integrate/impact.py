@@ -173,7 +173,8 @@ def impact(
         lowest = min(lowest, w[ATOL * length + j])
     unseen = max(_LOW_FLIGHT * lowest, _UNSEEN * largest_gap(sw, modes, first))
     if -0.5 * leaving * leaving / fall > unseen or share >= 1.0:
-        return float(flight)
+        # What still closes was let no jump by the constraints.
+        return float(flight) if flight > 0.0 else np.inf
     modes[first] = HELD_MODE
     return -float(max(flight, 1e-300) / (1.0 - share))
 

@@ -10,7 +10,7 @@ both fields must push onto the surface.
 
 from runtime.compiled import compiled, inner
 from runtime.integrate.combinations import MOST, MOST_THREE, exhaustively, in_turn
-from runtime.integrate.consistency import CONSISTENT, GIVEN, carry, hold
+from runtime.integrate.consistency import CONSISTENT, GIVEN, MISSED, carry, hold
 from runtime.integrate.field import field
 from runtime.integrate.held import HELD_MODE
 from runtime.integrate.impact import ON_SURFACE
@@ -22,6 +22,7 @@ from runtime.integrate.slots import (
     switching_of,
     switching_rates_of,
 )
+from runtime.integrate.surfaces import margin
 from runtime.integrate.views import integers_at, view
 from runtime.integrate.workspace import (
     BAND,
@@ -113,6 +114,49 @@ def prefer(machine: Integers, letting_go: int, side: int, sw: Vector, modes: Int
         sw[PREFERRED * s + k] = HELD_MODE if sticks[k] != 0 else modes[k]
     if letting_go >= 0:
         sw[PREFERRED * s + letting_go] = side + GIVEN
+
+
+@inner
+def go_on(
+    machine: Integers,
+    crossing: int,
+    t: float,
+    q: Vector,
+    v: Vector,
+    w: Vector,
+    sw: Vector,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+) -> None:
+    """Prefer to let slide, in row PREFERRED, what has left its surface at this very instant.
+
+    To hold it would take a share that just misses its bounds, as when it was let go. It must not be
+    caught by the event of another function: two that break loose together would hold each other up
+    for ever. Rows BAND are those of the event before.
+    """
+    n = v.size
+    s = modes.size
+    sticks = integers_at(machine, STICKS, s)
+    was = view(sw, TRIAL * s, s)
+    asked = 0
+    for k in range(s):
+        was[k] = modes[k]
+        if k == crossing:
+            modes[k] = int(sw[PREFERRED * s + k]) % GIVEN
+        elif sticks[k] != 0 and modes[k] != HELD_MODE and sw[BAND * s + k] > 0.0:
+            modes[k] = HELD_MODE
+            asked += 1
+    if asked > 0:
+        hold(machine, modes)
+        field(machine, t, q, v, p, modes, view(w, DELTA * 2 * n + n, n), lam)
+    for k in range(s):
+        released = k != crossing and modes[k] == HELD_MODE and was[k] != HELD_MODE
+        if released and margin(machine, t, q, v, p, lam, s, k) <= MISSED:
+            sw[PREFERRED * s + k] = was[k] + GIVEN
+    for k in range(s):
+        modes[k] = int(was[k])
+    hold(machine, modes)
 
 
 @compiled(SETTLE)

@@ -3,12 +3,12 @@
 import numpy as np
 
 from runtime.compiled import compiled, inner
-from runtime.integrate.consistency import CONSISTENT, GIVEN, SHARE_SLACK, hold
+from runtime.integrate.consistency import CONSISTENT, GIVEN, MISSED, hold
 from runtime.integrate.dependent import same
 from runtime.integrate.field import field
 from runtime.integrate.held import HELD_MODE
 from runtime.integrate.impact import ON_SURFACE
-from runtime.integrate.modes import prefer
+from runtime.integrate.modes import go_on, prefer
 from runtime.integrate.signatures import (
     TRANSITION,
     IntegerMatrix,
@@ -16,6 +16,7 @@ from runtime.integrate.signatures import (
     Matrix,
     Vector,
 )
+from runtime.integrate.slots import HELD as HELD_COUNT
 from runtime.integrate.slots import (
     HIGH,
     LOW,
@@ -25,6 +26,7 @@ from runtime.integrate.slots import (
     SHARE,
     SWITCHES,
     impact_of,
+    return_held_of,
     settle_of,
     switching_of,
     switching_rates_of,
@@ -161,7 +163,7 @@ def together(
     for k in range(s):
         if k == letting_go or modes[k] != HELD_MODE or rigid[k] >= 0 or rigid[letting_go] >= 0:
             continue
-        if same(machine, k, letting_go) and margin(machine, t, q, v, p, lam, s, k) <= SHARE_SLACK:
+        if same(machine, k, letting_go) and margin(machine, t, q, v, p, lam, s, k) <= MISSED:
             side = 1 if share[k] > 0.5 * (low[k] + high[k]) else 0
             sw[PREFERRED * s + k] = side + GIVEN
 
@@ -224,6 +226,8 @@ def transition(
     prefer(machine, letting_go, side, sw, modes)
     if letting_go >= 0:
         together(machine, t, letting_go, q, v, sw, p, modes, lam)
+    if not hit:
+        go_on(machine, crossing, t, q, v, w, sw, p, modes, lam)
     rates = view(sw, RATE_NOW * s, s)
     switching_rates_of(machine)(t, q, v, view(w, DELTA * length, n), p, rates)
     if hit:
@@ -259,6 +263,7 @@ def transition(
     logged = 0
     if hit:
         direction = HELD if modes[crossing] == HELD_MODE else IMPACT
+        last = last if r.blamed == CONSISTENT else 0.0  # no mode is right: nothing comes after
         log_event(t + last, crossing, direction, w, run, event_t, event_kind, event_y)
         logged = 1
     for k in range(s):
@@ -281,6 +286,9 @@ def transition(
             log_event(t, k, direction, w, run, event_t, event_kind, event_y)
             logged += 1
     if logged > 0 and r.blamed == CONSISTENT:
+        if machine[HELD_COUNT] != 0:
+            # From here on velocities along what is held are none, and steps begin with these.
+            return_held_of(machine)(machine, t, Y1, w, p, modes, lam)
         for j in range(n):
             slope[j] = v[j]
         field(machine, t, q, v, p, modes, a, lam)
