@@ -158,14 +158,15 @@ class Mechanism:
     def write(self, folder: Path) -> Path:
         """Write a stand-in model file and the generated module under `folder`; return the model."""
         model = folder / "models" / f"{self.model}.py"
-        _write(model, f'model = Model("{self.model}")\nmodel.scene("{self.scene}")\n')
+        write_whole(model, f'model = Model("{self.model}")\nmodel.scene("{self.scene}")\n')
         source = (f"models/{model.name}", hashlib.sha256(model.read_bytes()).hexdigest())
         module = folder / "generated" / f"{self.model}__{self.scene}.py"
-        _write(module, self.text(source))
+        write_whole(module, self.text(source))
         return model
 
 
-def _write(path: Path, text: str) -> None:
+def write_whole(path: Path, text: str) -> None:
+    """Write a file that others read meanwhile, if it is not there already."""
     path.parent.mkdir(parents=True, exist_ok=True)
     if not path.is_file() or path.read_text() != text:
         whole = path.with_suffix(f".{os.getpid()}")

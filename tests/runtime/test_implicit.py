@@ -16,6 +16,7 @@ from runtime.integrate.problem import Options
 from runtime.integrate.run import integrate
 from runtime.outcomes import Outcome
 from tests.runtime.integrate.systems import PENDULUM, pendulum_problem
+from tests.runtime.mechanisms import write_whole
 
 DECADES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 IMPLICIT = ("bdf", "radau5", "auto")
@@ -104,8 +105,7 @@ def test_steps_follow_what_a_driver_moves(workshop: Path, method: str, rtol: flo
     # A slow pendulum beside a linkage that is driven fast. Nothing of the linkage is integrated;
     # with steps as long as the pendulum alone would permit it ends assembled the other way.
     path = workshop / "models" / "idle.py"
-    path.parent.mkdir(exist_ok=True)
-    path.write_text(DRIVEN)
+    write_whole(path, DRIVEN)
     times = np.linspace(0.0, 2.0, 997)
     result = load(path, "idling", folder=workshop).simulate(
         2.0, times, method=method, rtol=rtol, progress=False
