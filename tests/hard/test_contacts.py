@@ -149,3 +149,12 @@ def test_a_ball_that_lies_there_is_not_struck() -> None:
     run = load("hard/bouncing_ball", "dropped").simulate(1.0, guess={"ball.y": 0.1})
     assert run.events == ()
     assert held(run, "plate").all()
+
+
+@pytest.mark.parametrize("rtol", [1e-12, 1e-13])
+def test_bdf_goes_on_from_where_the_bouncing_ended(rtol: float) -> None:
+    """What is held begins without the velocity of the last impact, which no surface permits."""
+    run = load("hard/bouncing_ball", "dropped").simulate(5.0, method="bdf", rtol=rtol)
+    assert run.outcome is Outcome.OK, run.message
+    assert run.t[-1] == 5.0
+    np.testing.assert_allclose(run.q("ball.y")[run.t > 1.36], 0.1, atol=1e-13)
