@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from runtime.compiled import inner
-from runtime.constraints.elimination import REDUNDANT, fill, reduce
+from runtime.constraints.elimination import REDUNDANT, fill, reduce, smallest
 
 # Places in the record that a walk leaves behind. BARRIER: an instant to stop at, or not a number.
 # TRAVEL: scaled motion since pivots were looked at; LEAST: the smallest then, negative where they
@@ -31,15 +31,6 @@ _GOOD = 0.05  # a pivot from which on a state is good to come back to
 
 
 @inner
-def _least(pivots: Any) -> float:
-    least = 1.0
-    for i in range(pivots.size):
-        if REDUNDANT < abs(pivots[i]) < least:
-            least = abs(pivots[i])
-    return least
-
-
-@inner
 def look(
     jacobian: Any, t: Any, q: Any, v: Any, p: Any, scale: Any, sparse: Any, values: Any,
     dense: Any, pivots: Any, order: Any, record: Any, work: Any,
@@ -48,7 +39,7 @@ def look(
     n = len(q)
     fill(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
     reduce(dense, order, pivots[0], 1)
-    record[LEAST] = _least(pivots[0])
+    record[LEAST] = smallest(pivots[0])
     record[TRAVEL] = 0.0
     record[LOOK_T] = t
     record[LOOK_MARK] = record[MARK]
@@ -91,7 +82,7 @@ def suspicious(
             moved[j] = before[j] + share * (q[j] - before[j])
         fill(jacobian, middle, moved, p, scale, sparse[0], sparse[1], values, dense)
         reduce(dense, spare, between, 1)
-        least = _least(between)
+        least = smallest(between)
         if least < poorest:
             poorest = least
             record[ZERO] = share
@@ -100,7 +91,7 @@ def suspicious(
             return False
         fill(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
         reduce(dense, spare, between, 1)
-        if poorest >= _POOR * min(record[LEAST], _least(between)):
+        if poorest >= _POOR * min(record[LEAST], smallest(between)):
             return False
     record[END] = t
     return True

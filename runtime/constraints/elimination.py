@@ -63,3 +63,13 @@ def reduce(dense: Matrix, order: Integers, pivots: Vector, search: int) -> None:
                 for j in range(n):
                     if dense[i, j] != 0.0:
                         dense[k, j] -= ratio * dense[i, j]
+
+
+@inner
+def smallest(pivots: Vector) -> float:
+    """The least size of a pivot, at most 1, of rows that are not redundant."""
+    least = 1.0
+    for i in range(pivots.size):
+        if REDUNDANT < abs(pivots[i]) < least:
+            least = abs(pivots[i])
+    return least

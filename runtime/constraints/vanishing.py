@@ -8,8 +8,8 @@ pivot that changes sign in between announces a singular position.
 
 import numpy as np
 
-from runtime.compiled import compiled, inner
-from runtime.constraints.elimination import REDUNDANT, fill, reduce
+from runtime.compiled import compiled
+from runtime.constraints.elimination import REDUNDANT, fill, reduce, smallest
 from runtime.integrate.signatures import VANISHING, Integers, Vector
 from runtime.integrate.slots import (
     CONSTRAINT_COUNT,
@@ -32,15 +32,6 @@ _MARGIN = 0.5  # of the time in which a pivot could vanish: when to look again
 _TRUST = 0.5  # of the time over which nothing announced itself: when to look again
 _NEAR = 1e-5  # a pivot that counts as small in any case
 _EPS = 2.2e-16
-
-
-@inner
-def _smallest(pivots: Vector) -> float:
-    least = 1.0
-    for i in range(pivots.size):
-        if REDUNDANT < abs(pivots[i]) < least:
-            least = abs(pivots[i])
-    return least
 
 
 @compiled(VANISHING)
@@ -100,7 +91,7 @@ def vanishing(
         s = -now[i] * span / change
         if back <= s <= ahead and abs(s) < abs(nearest):
             nearest = s
-    way = _MARGIN * _smallest(now)
+    way = _MARGIN * smallest(now)
     r.look_at = t + 2.0 * way / (speed + np.sqrt(speed * speed + 2.0 * haste * way) + 1e-300)
     if not nearest < np.inf:
         r.look_at = max(r.look_at, t + _TRUST * ahead)
@@ -114,6 +105,6 @@ def vanishing(
         for i in range(m):
             if abs(now[i]) > REDUNDANT:
                 least = min(least, abs(later[i]))
-        if least > 0.5 * _smallest(now) and least > _NEAR:
+        if least > 0.5 * smallest(now) and least > _NEAR:
             return np.inf
     return float(nearest)

@@ -14,22 +14,18 @@ from runtime.integrate.bdf_history import (
 from runtime.integrate.linear import solve
 from runtime.integrate.memory import (
     COUNTS,
-    CURRENT,
-    ENOUGH,
     FREEDOMS,
     IN,
-    ITERATIONS,
     LINES,
     NUMBERS,
     OUT,
-    RATE,
     SLOPE,
     STEP_ORDER,
     TOLERANCE,
     line,
     matrix,
 )
-from runtime.integrate.newton import SLOW, filtered, uneven
+from runtime.integrate.newton import DONE, GOING, converged, filtered, uneven
 from runtime.integrate.reduction import along, arrive, carry
 from runtime.integrate.signatures import Integers, Vector
 from runtime.integrate.views import view
@@ -116,7 +112,6 @@ def newton(
     start, ahead, psi = line(memory, NOW, n), line(memory, AHEAD, n), line(memory, PSI, n)
     difference, delta = line(memory, DIFFERENCE, n), line(memory, RESIDUAL, n)
     da, allowed = view(line(memory, SLOPE, n), 0, n), line(memory, TOLERANCE, n)
-    enough = memory[ENOUGH]
     for i in range(f):
         j = notes[COUNTS + i]
         difference[n + j] = 0.0
@@ -147,23 +142,10 @@ def newton(
             y1[j] = start[j] + (ahead[j] + difference[j])
             total += (delta[i] / allowed[n + j]) ** 2 + (c * delta[i] / allowed[j]) ** 2
         size = np.sqrt(total / max(1, 2 * f))
-        notes[ITERATIONS] = iteration + 1
-        if size == 0.0:
-            return taken
-        if iteration > 0:
-            ratio = size / before
-            if not ratio < 1.0:
-                return FAILED
-            memory[RATE] = ratio / (1.0 - ratio)
-            if ratio > SLOW:
-                notes[CURRENT] = 0
-            left = MOST_ITERATIONS - 1 - iteration
-            if ratio**left * memory[RATE] * size > enough:
-                return FAILED
-        if memory[RATE] * size <= enough:
-            return taken
-        if not np.isfinite(size):
-            return FAILED
+        left = MOST_ITERATIONS - 1 - iteration
+        reached = converged(memory, notes, iteration, left, size, before, 1.0)
+        if reached != GOING:
+            return taken if reached == DONE else FAILED
         before = size
     return FAILED
 

@@ -20,12 +20,8 @@ SINGULAR = 1e-11  # pivot of a row whose largest entry is one, below which it is
 
 
 @inner
-def solve(matrix: Vector, right: Vector, count: int) -> int:
-    """Solve a small dense system in place, `matrix` by rows; 0, or 1 where it is singular.
-
-    Rows are first divided by their largest entries, so that a pivot tells by its size alone
-    whether one of several holds does what the others do already.
-    """
+def balance(matrix: Vector, right: Vector, count: int) -> int:
+    """Divide each row and its right side by its largest entry; 1 where a row is empty, else 0."""
     for i in range(count):
         largest = 0.0
         for j in range(count):
@@ -35,6 +31,18 @@ def solve(matrix: Vector, right: Vector, count: int) -> int:
         for j in range(count):
             matrix[i * count + j] /= largest
         right[i] /= largest
+    return 0
+
+
+@inner
+def solve(matrix: Vector, right: Vector, count: int) -> int:
+    """Solve a small dense system in place, `matrix` by rows; 0, or 1 where it is singular.
+
+    Rows are first divided by their largest entries, so that a pivot tells by its size alone
+    whether one of several holds does what the others do already.
+    """
+    if balance(matrix, right, count) != 0:
+        return 1
     for step in range(count):
         at = step
         for i in range(step + 1, count):
@@ -93,15 +101,8 @@ def least(
     s = machine[SWITCHES]
     rigid = integers_at(machine, RIGID, s)
     held = view(integers_at(machine, PLAIN, 2 * s), s, s)
-    for i in range(count):
-        largest = 0.0
-        for j in range(count):
-            largest = max(largest, abs(matrix[i * count + j]))
-        if not largest > 0.0:
-            return 1
-        for j in range(count):
-            matrix[i * count + j] /= largest
-        right[i] /= largest
+    if balance(matrix, right, count) != 0:
+        return 1
     for c in range(count):
         norm = 0.0
         for i in range(count):

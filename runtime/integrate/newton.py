@@ -6,10 +6,14 @@ from runtime.compiled import inner
 from runtime.integrate.linear import factor, solve
 from runtime.integrate.memory import (
     COUNTS,
+    CURRENT,
+    ENOUGH,
     FREEDOMS,
     IN,
+    ITERATIONS,
     OUT,
     PARTITIONED,
+    RATE,
     SETTLED,
     SLOPE,
     TOLERANCE,
@@ -21,6 +25,7 @@ from runtime.integrate.signatures import Integers, Vector
 from runtime.integrate.views import view
 from runtime.integrate.workspace import ATOL, PARTITION, ROWS, SIZE, Y0
 
+DONE, GOING, DIVERGING = 0, 1, 2
 SLOW = 0.05  # convergence at which derivatives are taken anew for the next step
 _LOOSEST = 0.03  # of the tolerance of a step: how far Newton's method is taken at least
 _EPS = 2.2e-16
@@ -130,6 +135,45 @@ def tolerate(
         allowed[n + j] += _STIFF * c * force * stiff / (1.0 + stiff) ** 2
     at_rounding = _SOLVED * moved / (relative + _ROUNDED * moved)
     return float(max(at_rounding, min(_LOOSEST, newton * asked / relative)))
+
+
+@inner
+def converged(
+    memory: Vector,
+    notes: Integers,
+    iteration: int,
+    left: int,
+    size: float,
+    before: float,
+    slowest: float,
+) -> int:
+    """Whether Newton's iteration is `DONE`, `GOING` or `DIVERGING` after a change of this size.
+
+    Parameters
+    ----------
+    iteration, left
+        Iterations before this one, and those that may follow it.
+    size, before
+        Of this change and the one before, over the tolerance.
+    slowest
+        Ratio of the two from which on it is given up.
+    """
+    enough = memory[ENOUGH]
+    notes[ITERATIONS] = iteration + 1
+    if size == 0.0:
+        return DONE
+    if iteration > 0:
+        ratio = size / before
+        if not ratio < slowest:
+            return DIVERGING
+        memory[RATE] = ratio / (1.0 - ratio)
+        if ratio > SLOW:
+            notes[CURRENT] = 0
+        if ratio**left * memory[RATE] * size > enough:
+            return DIVERGING
+    if memory[RATE] * size <= enough:
+        return DONE
+    return GOING if np.isfinite(size) else DIVERGING
 
 
 @inner

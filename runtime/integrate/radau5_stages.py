@@ -8,19 +8,15 @@ from runtime.integrate.bdf_history import GROW
 from runtime.integrate.linear import solve
 from runtime.integrate.memory import (
     COUNTS,
-    CURRENT,
-    ENOUGH,
     EQUAL,
     FREEDOMS,
     H_BASE,
-    ITERATIONS,
     LOW,
-    RATE,
     TOLERANCE,
     line,
     matrix,
 )
-from runtime.integrate.newton import SLOW
+from runtime.integrate.newton import DONE, GOING, converged
 from runtime.integrate.radau5_coefficients import (
     A11,
     A12,
@@ -193,7 +189,6 @@ def newton(
     a2 = view(w, (K + SLOPES + 1) * length + n, n)
     a3 = view(w, (K + SLOPES + 2) * length + n, n)
     allowed = line(memory, TOLERANCE, n)
-    enough = memory[ENOUGH]
     for i in range(f):
         j = n + notes[COUNTS + i]
         one[i] = w[(K + STATES) * length + j] - y0[j]
@@ -247,22 +242,9 @@ def newton(
         for stage in range(3):
             place(h, stage, memory, notes, w)
         size = np.sqrt(total / max(1, 6 * f))
-        notes[ITERATIONS] = iteration + 1
-        if size == 0.0:
-            return taken
-        if iteration > 0:
-            ratio = size / before
-            if not ratio < 0.99:
-                return FAILED
-            memory[RATE] = ratio / (1.0 - ratio)
-            if ratio > SLOW:
-                notes[CURRENT] = 0
-            left = MOST_ITERATIONS - 1 - iteration
-            if ratio**left * memory[RATE] * size > enough:
-                return FAILED
-        if memory[RATE] * size <= enough:
-            return taken
-        if not np.isfinite(size):
-            return FAILED
+        left = MOST_ITERATIONS - 1 - iteration
+        reached = converged(memory, notes, iteration, left, size, before, 0.99)
+        if reached != GOING:
+            return taken if reached == DONE else FAILED
         before = size
     return FAILED
