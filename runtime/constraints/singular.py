@@ -137,7 +137,10 @@ def _described(search: Search, root: Root, s: float) -> Singularity | None:
     direction = (root.null @ right[len(rates) - 1])[:-1]
     count = len(rates)
     if constraints.independent.size < constraints.m:
-        count, direction = _of_all(search, root, direction)
+        found = _of_all(search, root, direction)
+        if found is None:
+            return None
+        count, direction = found
     rows = np.zeros(constraints.m)
     rows[constraints.independent] = np.abs(root.left).max(axis=1)
     return Singularity(
@@ -156,10 +159,10 @@ def _described(search: Search, root: Root, s: float) -> Singularity | None:
     )
 
 
-def _of_all(search: Search, root: Root, direction: FloatArray) -> tuple[int, FloatArray]:
+def _of_all(search: Search, root: Root, direction: FloatArray) -> tuple[int, FloatArray] | None:
     """How many constraints are lost, and the direction, where others repeat what some say.
 
-    What is left out may hold where what was kept does not: rows that are independent elsewhere can
+    None where all together determine every coordinate. What is left out may hold where what was kept does not: rows that are independent elsewhere can
     lose more here than all rows together.
     """
     constraints = search.constraints
@@ -167,6 +170,8 @@ def _of_all(search: Search, root: Root, direction: FloatArray) -> tuple[int, Flo
     _, values, right = np.linalg.svd(matrix)
     rank = int((values > _LOST).sum())
     null = right[rank:]
+    if not len(null):
+        return None
     allowed: FloatArray = null.T @ (null @ direction)
     size = float(np.linalg.norm(allowed))
     if size < _LOST:

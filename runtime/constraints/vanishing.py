@@ -8,7 +8,7 @@ pivot that changes sign in between announces a singular position.
 
 import numpy as np
 
-from runtime.compiled import compiled
+from runtime.compiled import compiled, inner
 from runtime.constraints.elimination import REDUNDANT, fill, reduce, smallest
 from runtime.integrate.signatures import VANISHING, Integers, Vector
 from runtime.integrate.slots import (
@@ -31,7 +31,23 @@ _REACH = 0.5  # of the coordinates' sizes: how far a motion is continued
 _MARGIN = 0.5  # of the time in which a pivot could vanish: when to look again
 _TRUST = 0.5  # of the time over which nothing announced itself: when to look again
 _NEAR = 1e-5  # a pivot that counts as small in any case
+_CANDIDATES = 4  # pivots that change sign, most of them by way of infinity
+_REFINED = 6  # steps by which a pivot that changes sign within a step is followed
 _EPS = 2.2e-16
+
+
+@inner
+def between(
+    x: float, span: float, q: Vector, v: Vector, end: Vector, rate: Vector, moved: Vector
+) -> None:
+    """The position a share x into a step, on the cubic through the states at both ends.
+
+    A chord would miss it by the square of the step.
+    """
+    for j in range(q.size):
+        chord = end[j] - q[j]
+        first, last = span * v[j] - chord, chord - span * rate[j]
+        moved[j] = q[j] + x * (chord + (1.0 - x) * ((1.0 - x) * first + x * last))
 
 
 @compiled(VANISHING)
@@ -44,8 +60,9 @@ def vanishing(
     too, which says that the step has failed, a little later on the motion as it begins, and a
     pivot that has just vanished is found too.
     `run.look_at` is set to the instant until which no pivot can vanish: a pivot changes by about
-    as much as the coordinates, in their typical sizes. Two sparse eliminations, three where one
-    announces something.
+    as much as the coordinates, in their typical sizes. Two sparse eliminations, some more where
+    something is announced: a pivot changes sign by way of infinity too, where an earlier one of the
+    same order vanishes.
     """
     r = run[0]
     n = w.size // (2 * ROWS)
@@ -63,8 +80,8 @@ def vanishing(
     size = view(w, SIZE * 2 * n, n)
     q = view(w, Y0 * 2 * n, n)
     v = view(w, Y0 * 2 * n + n, n)
-    end = view(w, state * 2 * n, n)
-    moved = view(w, SAMPLE * 2 * n, n)
+    end, rate = view(w, state * 2 * n, n), view(w, state * 2 * n + n, n)
+    moved, place = view(w, SAMPLE * 2 * n, n), view(w, SAMPLE * 2 * n + n, n)
     speed, haste = 0.0, 0.0
     for j in range(n):
         haste = max(haste, abs(view(w, K * 2 * n + n, n)[j]) / size[j])
@@ -77,34 +94,59 @@ def vanishing(
         span = min(h, _REACH / max(speed, 1e-300))
     for j in range(n):
         moved[j] = q[j] + span * v[j] if state == Y0 else end[j]
-    fill(jacobian, t, q, p, scale, rows, columns, values, dense)
-    reduce(dense, order, now, 1)
-    fill(jacobian, t + span, moved, p, scale, rows, columns, values, dense)
-    reduce(dense, order, later, 0)
-    nearest = np.inf
-    for i in range(m):
-        change = later[i] - now[i]
-        if max(abs(now[i]), abs(later[i])) <= REDUNDANT or change == 0.0:
-            continue
-        if abs(now[i]) <= REDUNDANT and machine[RANK] < m:
-            continue  # it follows from others wherever these hold
-        s = -now[i] * span / change
-        if back <= s <= ahead and abs(s) < abs(nearest):
-            nearest = s
-    way = _MARGIN * smallest(now)
-    r.look_at = t + 2.0 * way / (speed + np.sqrt(speed * speed + 2.0 * haste * way) + 1e-300)
-    if not nearest < np.inf:
-        r.look_at = max(r.look_at, t + _TRUST * ahead)
-    if nearest < np.inf:
+    beyond = -1.0
+    for candidate in range(_CANDIDATES):
+        fill(jacobian, t, q, p, scale, rows, columns, values, dense)
+        reduce(dense, order, now, 1)
+        fill(jacobian, t + span, moved, p, scale, rows, columns, values, dense)
+        reduce(dense, order, later, 0)
+        weakest = smallest(now)
+        nearest, which = np.inf, 0
+        for i in range(m):
+            change = later[i] - now[i]
+            if max(abs(now[i]), abs(later[i])) <= REDUNDANT or change == 0.0:
+                continue
+            if abs(now[i]) <= REDUNDANT and machine[RANK] < m:
+                continue  # it follows from others wherever these hold
+            s = -now[i] * span / change
+            if back <= s <= ahead and beyond < abs(s) < abs(nearest):
+                nearest, which = s, i
+        if candidate == 0:
+            way = _MARGIN * weakest
+            r.look_at = t + 2.0 * way / (
+                speed + np.sqrt(speed * speed + 2.0 * haste * way) + 1e-300
+            )
+        if not nearest < np.inf:
+            if candidate == 0:
+                r.look_at = max(r.look_at, t + _TRUST * ahead)
+            return np.inf
+        beyond = abs(nearest)
+        if state != Y0:
+            # Pivots are no straight lines: within the step, follow the one that changes sign.
+            low, high, x = 0.0, 1.0, nearest / span
+            at_low, at_high = now[which], later[which]
+            for _ in range(_REFINED):
+                between(x, span, q, v, end, rate, place)
+                fill(jacobian, t + x * span, place, p, scale, rows, columns, values, dense)
+                if not x < 1.0:
+                    break
+                reduce(dense, order, later, 0)
+                if (later[which] > 0.0) == (at_low > 0.0):
+                    low, at_low, at_high = x, later[which], 0.5 * at_high
+                else:
+                    high, at_high, at_low = x, later[which], 0.5 * at_low
+                x = low - at_low * (high - low) / (at_high - at_low)
+            nearest = x * span
+        else:
+            for j in range(n):
+                place[j] = q[j] + nearest / span * (moved[j] - q[j])
+            fill(jacobian, t + nearest, place, p, scale, rows, columns, values, dense)
         # With an order of pivots of its own, is this position as poor as it seems?
-        for j in range(n):
-            moved[j] = q[j] + nearest / span * (moved[j] - q[j])
-        fill(jacobian, t + nearest, moved, p, scale, rows, columns, values, dense)
         reduce(dense, order, later, 1)
         least = 1.0
         for i in range(m):
             if abs(now[i]) > REDUNDANT:
                 least = min(least, abs(later[i]))
-        if least > 0.5 * smallest(now) and least > _NEAR:
-            return np.inf
-    return float(nearest)
+        if not (least > 0.5 * weakest and least > _NEAR):
+            return float(nearest)
+    return np.inf

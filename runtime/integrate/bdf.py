@@ -79,7 +79,7 @@ ORDER = 2  # power of the step in the error of the first order, with which every
 ERROR_ORDER = 1
 STAGE_CALLS = 0  # counted where they happen
 DENSE_CALLS = 0
-BETA = 0.0
+BETA, SAFETY = 0.0, 0.9
 FORESIGHT = 0.5  # as far as a few steps of the explicit method that leads across reach
 SHRINK = 0.2
 

@@ -24,7 +24,7 @@ def fill_method(r: Any, parts: ModuleType) -> None:
     r["dense_rows"] = parts.DENSE_ROWS
     r["exponent"], r["beta"] = 1.0 / (parts.ERROR_ORDER + 1), parts.BETA
     r["foresight"] = getattr(parts, "FORESIGHT", _FORESIGHT)
-    r["safety"], r["shrink"], r["grow"] = 0.9, parts.SHRINK, parts.GROW
+    r["safety"], r["shrink"], r["grow"] = parts.SAFETY, parts.SHRINK, parts.GROW
 
 
 def change_method(run: "_Run") -> None:

@@ -31,7 +31,7 @@ STAGE_CALLS = 5  # calls of accelerations in `stages`
 LAST = 6  # row, after K, of the derivative at the end of the step
 DENSE_ROWS = 5
 DENSE_CALLS = 0
-BETA = 0.04  # proportional part of the step control
+BETA, SAFETY = 0.04, 0.9  # step control: proportional part, share of what the error permits
 SHRINK, GROW = 0.2, 10.0  # limits of the change of a step's length
 
 C2, C3, C4, C5 = 1 / 5, 3 / 10, 4 / 5, 8 / 9

@@ -60,7 +60,7 @@ ERROR_ORDER = 3
 STAGE_CALLS = 0  # counted where they happen
 DENSE_ROWS = 6
 DENSE_CALLS = 0
-BETA = 0.0
+BETA, SAFETY = 0.0, 0.9
 FORESIGHT = 0.5  # as far as a few steps of the explicit method that leads across reach
 SHRINK, GROW = 0.2, 8.0
 

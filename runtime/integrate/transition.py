@@ -56,6 +56,7 @@ BEGAN, CEASED, HELD, IMPACT = 1, -1, 0, 2
 """Directions of an event."""
 
 _FREE = 0.02  # by which the ratio of two flights in a row may differ from that of free ones
+_STILL = 1e-12  # of the rate at which a contact was struck: slower, it does not leave
 _CLOCK = 8.0 * 2.3e-16  # of the time: what an instant cannot tell
 
 
@@ -87,7 +88,7 @@ def log_event(
 def approaching(
     machine: Integers, t: float, w: Vector, sw: Vector, p: Vector, modes: Integers
 ) -> None:
-    """Mark in row STRUCK the open contacts that touch and are about to close."""
+    """Write in row STRUCK at what rate the open contacts that touch are closing; 0: they do not."""
     n = w.size // (2 * ROWS)
     s = modes.size
     rigid = integers_at(machine, RIGID, s)
@@ -97,7 +98,8 @@ def approaching(
     switching_rates_of(machine)(t, q, v, view(w, DELTA * 2 * n, n), p, rates)
     for k in range(s):
         touches = rigid[k] >= 0 and abs(g[k]) <= ON_SURFACE * sw[LARGEST * s + k]
-        sw[STRUCK * s + k] = 1.0 if touches and modes[k] == 1 and rates[k] < 0.0 else 0.0
+        closing = touches and modes[k] == 1 and rates[k] < 0.0
+        sw[STRUCK * s + k] = -rates[k] if closing else 0.0
 
 
 @inner
@@ -231,7 +233,9 @@ def transition(
     rates = view(sw, RATE_NOW * s, s)
     switching_rates_of(machine)(t, q, v, view(w, DELTA * length, n), p, rates)
     if hit:
-        leaves = modes[crossing] != HELD_MODE and rates[crossing] > 0.0
+        leaves = (
+            modes[crossing] != HELD_MODE and rates[crossing] > _STILL * sw[STRUCK * s + crossing]
+        )
         sw[PREFERRED * s + crossing] = modes[crossing] + GIVEN if leaves else HELD_MODE
     g = view(sw, NOW * s, s)
     switching_of(machine)(t, q, v, p, g)
@@ -248,7 +252,7 @@ def transition(
             near = abs(g[k]) <= ON_SURFACE * largest and (
                 hit or abs(rates[k]) * LOOK_AHEAD * h <= ON_SURFACE * largest
             )
-            if near and hit and rates[k] > 0.0:
+            if near and hit and rates[k] > _STILL * sw[STRUCK * s + k]:
                 sw[PREFERRED * s + k] = 1 + GIVEN
         if near:
             sw[BAND * s + k] = 2.0 * abs(g[k]) + 1e-14 * largest + 1e-300
