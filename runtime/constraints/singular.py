@@ -162,8 +162,8 @@ def _described(search: Search, root: Root, s: float) -> Singularity | None:
 def _of_all(search: Search, root: Root, direction: FloatArray) -> tuple[int, FloatArray] | None:
     """How many constraints are lost, and the direction, where others repeat what some say.
 
-    None where all together determine every coordinate. What is left out may hold where what was kept does not: rows that are independent elsewhere can
-    lose more here than all rows together.
+    None where all together determine every coordinate. What is left out may hold where what was
+    kept does not: rows that are independent elsewhere can lose more here than all rows together.
     """
     constraints = search.constraints
     matrix = constraints.all_rows(root.z[-1] / search.speed, root.z[:-1] * constraints.scale)
