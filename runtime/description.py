@@ -191,6 +191,7 @@ class Description(NamedTuple):
     recovered: tuple[int, ...] | None = None
     kernels: frozenset[str] = frozenset()
     rigid: Table[RigidContact] = Table()
+    sought: tuple[tuple[int, int], ...] = ()
 
     @property
     def title(self) -> str:
@@ -286,6 +287,10 @@ def describe(module: ModuleType) -> Description:
         recovered=getattr(module, "RECOVERED", None),
         kernels=frozenset(vars(module)),
         rigid=Table(RigidContact(*row) for row in getattr(module, "RIGID", ())),
+        sought=tuple(
+            (switch, len(module.PARAMETERS) + place)
+            for place, (_, switch) in enumerate(getattr(module, "SOUGHT", ()))
+        ),
     )
 
 
