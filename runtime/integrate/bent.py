@@ -72,8 +72,9 @@ def bent(
                 part = share[held[c]] * work[(c + 1) * size + j]
                 total += part
                 largest = max(largest, abs(part))
-            # What is left where they cancel would set a machine at rest creeping.
-            a[j] = total if abs(total) > CANCELLED * largest else 0.0
+            # What is left where they cancel would set a machine at rest creeping. What is no number
+            # stays none.
+            a[j] = 0.0 if abs(total) <= CANCELLED * largest else total
         for c in range(count):
             part = share[held[c]]
             unit = view(work, (c + 1) * size + n, m)

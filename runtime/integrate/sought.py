@@ -24,6 +24,7 @@ from runtime.integrate.slots import (
     SWITCHES,
     UNIT,
     WORK,
+    accelerations_of,
     reactions_of,
     switched_reactions_of,
 )
@@ -31,6 +32,9 @@ from runtime.integrate.views import floats_at, integers_at, view
 
 FREE_MODE = 3
 """Of a friction whose force is sought: it exerts none, and is not held."""
+
+GIVEN_MODE = 2
+"""Of such a friction, as the kernels take it: the force is what stands in p."""
 
 _COARSE = 8.0  # units in a force, above which their rounding would be seen: another unit is taken
 
@@ -70,6 +74,56 @@ def exert(machine: Integers, p: Vector, count: int) -> None:
     for c in range(count):
         if sought[held[c]] >= 0:
             p[sought[held[c]]] = -share[held[c]] * unit[held[c]]
+
+
+@inner
+def at_rest(machine: Integers, p: Vector, modes: Integers) -> None:
+    """Have the kernels exert nothing of all frictions whose force is sought, by `modes`."""
+    sought = integers_at(machine, SOUGHT, machine[SWITCHES])
+    for k in range(modes.size):
+        if sought[k] >= 0:
+            p[sought[k]] = 0.0
+            modes[k] = GIVEN_MODE
+
+
+@inner
+def finite(a: Vector) -> bool:
+    """Whether all of `a` are numbers."""
+    found = True
+    for j in range(a.size):
+        found = found and np.isfinite(a[j])
+    return bool(found)
+
+
+@inner
+def jams(
+    machine: Integers,
+    t: float,
+    q: Vector,
+    v: Vector,
+    p: Vector,
+    modes: Integers,
+    a: Vector,
+    lam: Vector,
+) -> int:
+    """A friction that slides, without which, and those before it, there are accelerations; or -1.
+
+    To be called where there are none under `modes`; `a` and `lam` are overwritten.
+    """
+    s = machine[SWITCHES]
+    sought = integers_at(machine, SOUGHT, s)
+    plain = integers_at(machine, PLAIN, 2 * s)
+    for k in range(s):
+        plain[k] = modes[k]
+    for k in range(s):
+        if sought[k] < 0 or modes[k] == GIVEN_MODE:
+            continue
+        p[sought[k]] = 0.0
+        plain[k] = GIVEN_MODE
+        accelerations_of(machine)(t, q, v, p, plain, a, lam)
+        if finite(a):
+            return k
+    return -1
 
 
 @inner
