@@ -191,6 +191,7 @@ class Description(NamedTuple):
     recovered: tuple[int, ...] | None = None
     kernels: frozenset[str] = frozenset()
     rigid: Table[RigidContact] = Table()
+    sought: tuple[int, ...] = ()
 
     @property
     def title(self) -> str:
@@ -233,12 +234,10 @@ class Description(NamedTuple):
         """(switch, row of its force, row of its limit) of the frictions that report a limit."""
         rows = {(row.element, row.component): i for i, row in enumerate(self.reactions)}
         return tuple(
-            (k, rows[switch.name, part], rows[switch.name, "limit"])
-            for k, switch in enumerate(self.switches)
+            (k, rows[row.name, part], rows[row.name, "limit"])
+            for k, row in enumerate(self.switches)
             for part in ("force", "torque")
-            if switch.kind == "friction"
-            and (switch.name, part) in rows
-            and (switch.name, "limit") in rows
+            if row.kind == "friction" and {(row.name, part), (row.name, "limit")} <= rows.keys()
         )
 
     @property
@@ -286,6 +285,7 @@ def describe(module: ModuleType) -> Description:
         recovered=getattr(module, "RECOVERED", None),
         kernels=frozenset(vars(module)),
         rigid=Table(RigidContact(*row) for row in getattr(module, "RIGID", ())),
+        sought=tuple(switch for _, switch in getattr(module, "SOUGHT", ())),
     )
 
 

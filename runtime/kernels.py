@@ -32,6 +32,8 @@ MODE_ROWS = types.int64[:, ::1]
 #   switched_reactions(t, q, v, p, modes, lam, out)  the rows of REACTIONS that modes decide;
 #                                        `reactions` fills the others of the same array. Between
 #                                        modes they mix as q̈ and λ do.
+# Of a switch in SOUGHT there is a mode 2: its friction exerts the force that stands in p behind the
+# parameters, at the place that it has in SOUGHT.
 SIGNATURES = {
     "constants": types.none(VECTOR),
     "constraints": types.none(SCALAR, VECTOR, VECTOR, VECTOR),

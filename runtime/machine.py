@@ -142,6 +142,7 @@ class Machine:
             switched_reactions=kernels.switched_reactions,
             reaction_rows=len(told.reactions),
             limits=told.friction_limits,
+            sought=tuple((k, len(told.parameters) + i) for i, k in enumerate(told.sought)),
             independent=self._independent,
         )
 

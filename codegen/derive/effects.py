@@ -43,7 +43,7 @@ class FrictionTerms:
     sticks
         Whether the force is that of a mode, and not of the slip.
     limit
-        strength · μ_s/μ, what N is multiplied by at rest; None without a static coefficient.
+        strength · μ_s/μ, what N is multiplied by at rest; None where it does not stick.
     """
 
     joint: str
@@ -124,8 +124,9 @@ def _friction(effect: Effect, holding: Sticking | Rigid | None) -> FrictionTerms
     slip = sympy.Add(*(slope * q.rate for q, slope in direction), sympy.diff(law.along, t))
     turned = side(effect.name) if law.creep is None else sympy.tanh(slip / law.creep)
     grip, limit = law.strength * turned, None
-    if isinstance(holding, Sticking) and holding.static is not None:
-        limit = law.strength * holding.static / holding.kinetic
+    if isinstance(holding, Sticking) and law.creep is None:
+        more = 1 if holding.static is None else holding.static / holding.kinetic
+        limit = law.strength * more
     return FrictionTerms(
         law.joint, slip, grip, direction, law.contacts, law.unit, law.creep is None, limit
     )

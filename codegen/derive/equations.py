@@ -18,6 +18,7 @@ from codegen.derive.switches import (
     Switch,
     held_sides,
     rigid_contacts,
+    sought,
     switches,
 )
 from codegen.model import Model
@@ -54,6 +55,8 @@ class Equations:
         centre of mass, zero for the coordinates that elements bring. Empty in kinematic scenes.
     sides
         What the modes make of the symbols in which frictions and contacts are written.
+    sought
+        (effect, switch) of the frictions in joints whose force at rest a run seeks by itself.
     parameters, unused
         Those that something which takes part depends on, and names of the others.
     """
@@ -68,6 +71,7 @@ class Equations:
     effects: tuple[EffectEquations, ...]
     switches: tuple[Switch, ...]
     sides: tuple[HeldSide, ...]
+    sought: tuple[tuple[str, int], ...]
     contacts: tuple[RigidContact, ...]
     left_out: tuple[tuple[str, str], ...]
     unused: tuple[str, ...] = ()
@@ -136,6 +140,7 @@ def derive(model: Model, scene: Scene) -> Equations:
         effects=effects,
         switches=found,
         sides=held_sides(named, found),
+        sought=sought(named, found) if scene.analysis == "dynamics" else (),
         contacts=rigid_contacts(named, found),
         left_out=tuple((e.name, e.kind) for e in everything if e.name not in taking_part),
         unused=tuple(name for name in model.parameters if name not in used),

@@ -131,6 +131,27 @@ def held_sides(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[Hel
     return tuple(found)
 
 
+def sought(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[tuple[str, int], ...]:
+    """(effect, switch) of the frictions in joints whose force at rest is sought by itself.
+
+    They are those that have their switch for themselves: where a condition or another friction
+    changes with the same slip, all of them are what lies between their two modes.
+    """
+    effects = tuple(effects)
+    others = [s for s in among if s.kind != "contact"]
+    switching = [s.switch for s in held_sides(effects, among)]
+    for _, terms in effects:
+        functions = (switching_function(c) for c in conditions(_expressions(terms)))
+        same = (_same(g, others) for g in functions)
+        switching += [among.index(others[k[0]]) for k in same if k is not None]
+    rubbing = {name for name, terms in effects if terms.friction and terms.friction.sticks}
+    return tuple(
+        (s.effect, k)
+        for k, s in enumerate(among)
+        if s.kind == "friction" and s.effect in rubbing and switching.count(k) == 1
+    )
+
+
 def rigid_contacts(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[RigidContact, ...]:
     """The rigid contacts, in the order of the effects."""
     numbers = {s.effect: k for k, s in enumerate(among) if s.kind == "contact"}

@@ -41,6 +41,9 @@ class Description:
         (effect, condition), and ``"friction"`` or ``"contact"`` where it is one.
     rigid
         (effect, number of its switch) of each rigid contact.
+    sought
+        (effect, number of its switch) of each friction whose force at rest a run seeks; these
+        forces stand in ``p`` behind the parameters.
     reactions
         (element, component, unit) of each entry of the kernel `reactions`.
     powers
@@ -67,6 +70,7 @@ class Description:
     drivers: tuple[str, ...]
     switches: tuple[tuple[str, ...], ...]
     rigid: tuple[tuple[str, int], ...]
+    sought: tuple[tuple[str, int], ...]
     reactions: tuple[tuple[str, str, str], ...]
     powers: tuple[tuple[str, str], ...]
     start: tuple[tuple[str, float, str], ...]
@@ -120,6 +124,7 @@ def describe(
             for s in equations.switches
         ),
         rigid=tuple((contact.effect, contact.switch) for contact in equations.contacts),
+        sought=equations.sought,
         reactions=tuple(scene.reactions[k][:3] for k in reported),
         powers=tuple((source, kind) for source, kind, _ in powers),
         start=tuple(start),

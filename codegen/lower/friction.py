@@ -9,6 +9,10 @@ The right side is convex, so Newton's steps from 0 rise to the smallest solution
 load keeps its sign, in a step more for each sign that changes. Several frictions take a step each
 in turn, a fixed number of times, so that the kernel stays one straight line.
 
+A friction that is held at rest has no such equation: what it exerts is given, and the run seeks
+the force that keeps it at rest. It does not matter then whether sliding would jam. In the place of
+-g_j S_j it has the given force times 1.
+
 The kernel watches what came out: a slope 1 - d/dS Σ|c + e S| that is not positive means that no
 friction holds what it brings about: the joint jams, and the answer is no number. A remainder means
 that the steps did not suffice, and is told with the joint's name.
@@ -38,30 +42,48 @@ def with_friction(
     base, *units = solutions
     if not scene.frictions:
         return base, ()
-    grips = [graph.neg(friction.grip) for friction in scene.frictions]
+    grips = [
+        graph.neg(f.grip)
+        if f.held is None or f.given is None
+        else graph.select(f.held, f.given, graph.neg(f.grip))
+        for f in scene.frictions
+    ]
     changes = [
         [graph.mul(grip, x) for x in unit[n:]] for grip, unit in zip(grips, units, strict=True)
     ]
     loads = [_loads(scene, friction, base[n:], changes) for friction in scene.frictions]
     sums = [graph.zero] * len(loads)
+    if len(loads) > 1:
+        sums = [_unless_held(scene, friction, graph.zero) for friction in scene.frictions]
     for _ in range(ALONE if len(loads) == 1 else SWEEPS):
         for i, contacts in enumerate(loads):
             rest, slope = _remainder(scene, contacts, sums, i)
             sums[i] = graph.sub(sums[i], graph.div(rest, slope))
+            if len(loads) > 1:
+                sums[i] = _unless_held(scene, scene.frictions[i], sums[i])
     checks: list[Check] = []
     for i, (friction, contacts) in enumerate(zip(scene.frictions, loads, strict=True)):
         row = min(row for load in friction.loads for entry in load for row in entry)
         rest, slope = _remainder(scene, contacts, sums, i)
         allowed = graph.mul(graph.constant(AGREED), graph.add(sums[i], graph.constant(TINY)))
-        checks.append(Check(slope, graph.one, row))
+        checks.append(Check(_unless_held(scene, friction, slope), graph.one, row))
         root = graph.power(slope, 0.5)  # nan where the joint jams: no number there means anything
-        sums[i] = graph.div(graph.mul(sums[i], graph.mul(root, root)), slope)
-        checks.append(Check(graph.sub(allowed, scene.size([rest])), graph.zero, row))
+        total = graph.div(graph.mul(sums[i], graph.mul(root, root)), slope)
+        sums[i] = _unless_held(scene, friction, total)
+        left = _unless_held(scene, friction, graph.sub(allowed, scene.size([rest])))
+        checks.append(Check(left, graph.zero, row))
     result = list(base)
     for total, grip, unit in zip(sums, grips, units, strict=True):
         force = graph.mul(grip, total)
         result = [graph.add(x, graph.mul(force, y)) for x, y in zip(result, unit, strict=True)]
     return result, tuple(checks)
+
+
+def _unless_held(scene: SceneGraph, friction: Friction, value: int) -> int:
+    """`value`, and 1 while the friction is held."""
+    if friction.held is None:
+        return value
+    return scene.graph.select(friction.held, scene.graph.one, value)
 
 
 def _loads(

@@ -109,6 +109,10 @@ class Graph:
         """Whether the condition of switching function `index` holds."""
         return self._add(Op.MODE, (), index)
 
+    def held(self, index: int) -> int:
+        """Whether switching function `index` is held, by a force that the caller gives."""
+        return self._add(Op.HELD, (self.mode(index),))
+
     def number(self, a: int) -> float | None:
         """The number that `a` is, or None if it is only known at run time."""
         value = self.values[a]

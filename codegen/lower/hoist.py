@@ -1,7 +1,7 @@
 """What parameters alone determine is moved out of the kernels, into one that runs once a run."""
 
 from codegen.lower.graph import Graph
-from codegen.lower.program import Kernel, Output, Program
+from codegen.lower.program import Input, Kernel, Output, Program
 
 WEAK_PIVOT = 1e-9
 """A pivot of S below this part of its diagonal is weak: two constraints agree to 3e-5 rad."""
@@ -10,12 +10,15 @@ WEAK_PIVOT = 1e-9
 def with_constants(graph: Graph, kernels: tuple[Kernel, ...], declared: int) -> Program:
     """The program with all that parameters alone determine moved into a kernel of its own.
 
-    These values stand in ``p`` behind the declared parameters and are computed once a run.
+    These values stand in ``p`` behind the declared parameters and are computed once a run. Before
+    them stand the forces of what is held, which a run sets as it goes.
     """
     bare = Program(tuple(graph.values), kernels, (), WEAK_PIVOT)
     hoisted: dict[int, None] = {}
+    given: set[int] = set()
     for kernel in kernels:
         numbers = bare.reachable(kernel)
+        given |= {number for number in numbers if _is_given(graph, number)}
         needed = {out.value for out in kernel.outputs}
         needed |= {v for check in kernel.checks for v in (check.pivot, check.reference)}
         for number in numbers:
@@ -24,11 +27,17 @@ def with_constants(graph: Graph, kernels: tuple[Kernel, ...], declared: int) -> 
         for number in sorted(needed):
             if graph.settled[number] and graph.values[number].args:
                 hoisted[number] = None
-    constants = tuple(hoisted)
+    forces = tuple(sorted(given, key=lambda number: graph.values[number].literal.slot))  # type: ignore[union-attr]
+    declared += len(forces)
     first = Kernel(
         "constants",
         "What follows from the parameters alone, into p behind them.",
         ("p",),
-        tuple(Output("p", declared + k, number) for k, number in enumerate(constants)),
+        tuple(Output("p", declared + k, number) for k, number in enumerate(hoisted)),
     )
-    return Program(tuple(graph.values), (first, *kernels), constants, WEAK_PIVOT)
+    return Program(tuple(graph.values), (first, *kernels), (*forces, *hoisted), WEAK_PIVOT)
+
+
+def _is_given(graph: Graph, number: int) -> bool:
+    literal = graph.values[number].literal
+    return isinstance(literal, Input) and literal.array == "held"

@@ -20,6 +20,7 @@ ARITHMETIC: dict[Op, Callable[..., Any]] = {
     Op.DIV: operator.truediv,
     Op.NEG: operator.neg,
     Op.NOT: operator.not_,
+    Op.HELD: lambda mode: mode == 2,
     Op.POW: operator.pow,
     Op.AND: lambda a, b: a and b,
     Op.OR: lambda a, b: a or b,
@@ -39,7 +40,8 @@ def evaluate(
     ----------
     arguments
         ``t`` a number, the other inputs sequences. ``p`` may hold the declared parameters only:
-        what follows from them is computed here.
+        what follows from them is computed here. ``held``, the forces of what is held, is needed
+        by modes of 2 alone.
     functions
         Where sin, cos … come from: `cmath`, `math` or an mpmath context.
     """
@@ -53,7 +55,7 @@ def evaluate(
         elif isinstance(value.literal, Input):
             known[number] = _slot(arguments, value.literal)
         elif value.op is Op.MODE:
-            known[number] = bool(arguments["modes"][value.literal])
+            known[number] = arguments["modes"][value.literal]
         else:
             operands = [known[a] for a in value.args]
             function = ARITHMETIC.get(value.op)
@@ -70,6 +72,8 @@ def evaluate(
 
 
 def _slot(arguments: Mapping[str, Any], slot: Input) -> Any:
+    if slot.array == "held" and slot.array not in arguments:
+        return 0.0
     values = arguments[slot.array]
     return values if slot.array == "t" else values[slot.slot]
 

@@ -39,6 +39,7 @@ class Op(Enum):
     TABLE = "table"
     LESS = "<"
     MODE = "mode"
+    HELD = "held"
     NOT = "not"
     AND = "and"
     OR = "or"
@@ -47,7 +48,7 @@ class Op(Enum):
 
 LEAVES = frozenset({Op.CONST, Op.INPUT, Op.MODE})
 COMMUTATIVE = frozenset({Op.ADD, Op.MUL, Op.AND, Op.OR})
-LOGICAL = frozenset({Op.MODE, Op.NOT, Op.AND, Op.OR, Op.LESS})
+LOGICAL = frozenset({Op.MODE, Op.HELD, Op.NOT, Op.AND, Op.OR, Op.LESS})
 FUNCTIONS = frozenset(
     {
         Op.SIN,
@@ -159,8 +160,8 @@ class Program:
     kernels
         In the order of the text.
     constants
-        Values that depend on parameters alone, in the order of their slots behind the
-        declared parameters in ``p``.
+        Values that stand in ``p`` behind the declared parameters, in the order of their slots:
+        forces that a run sets while it holds something, then what depends on parameters alone.
     weak_pivot
         The tolerance of the checks.
     """

@@ -22,11 +22,16 @@ class Friction(NamedTuple):
         Column → generalized force of a unit force.
     loads
         One a contact: a vector, each entry a sum over row → factor of the multiplier.
+    held, given
+        Whether it is at rest, and the force along `direction` that it then exerts; None where a
+        run does not seek this force.
     """
 
     grip: int
     direction: dict[int, int]
     loads: tuple[tuple[dict[int, int], ...], ...]
+    held: int | None = None
+    given: int | None = None
 
 
 class SceneGraph:
@@ -220,10 +225,13 @@ class SceneGraph:
         loads = tuple(
             tuple(self._load(terms.joint, entry) for entry in contact) for contact in terms.contacts
         )
-        self.frictions.append(Friction(grip, direction, loads))
+        held, given = self._sought(name)
+        self.frictions.append(Friction(grip, direction, loads, held, given))
         sizes = [self.size([self.along(entry, self.lam) for entry in load]) for load in loads]
         pressing = graph.total(sizes)
         force = graph.neg(graph.mul(grip, pressing))
+        if held is not None and given is not None:
+            force = graph.select(held, given, force)
         self.reactions.append((name, "force" if terms.unit == "N" else "torque", terms.unit, force))
         if terms.sticks:
             self.reactions.append((name, "normal", "N", pressing))
@@ -233,6 +241,13 @@ class SceneGraph:
         power = graph.mul(force, self.translate(terms.slip))
         self.powers.append((name, power))
         self.working[name] = power
+
+    def _sought(self, name: str) -> tuple[int, int] | tuple[None, None]:
+        """Whether the friction `name` is held, and the force that holds it, if a run seeks this."""
+        for place, (effect, switch) in enumerate(self.equations.sought):
+            if effect == name:
+                return self.graph.held(switch), self.graph.input("held", place, f"held_{name}")
+        return None, None
 
     def _load(self, joint: str, entry: tuple[tuple[str, sympy.Expr], ...]) -> dict[int, int]:
         """Row → factor of a sum of components of a joint's reaction."""

@@ -18,7 +18,7 @@ class Wanted:
     def __init__(self, equations: Equations) -> None:
         self.outputs = equations.scene.outputs
         self.moves = equations.scene.analysis == "dynamics"
-        # A run holds a friction with a static coefficient against its limit in each position.
+        # A run holds a friction in a joint that sticks against its limit in each position.
         self._needed = {e.name for e in equations.effects if _limited(e.terms.friction)}
         self._needed |= set(tracked_points(equations))
         self._massive = bool(equations.masses)

@@ -14,15 +14,19 @@ from runtime.integrate.slots import (
     CONSTRAINT_COUNT,
     COORDINATES,
     HELD,
+    HIGH,
+    LIMITS,
     PLAIN,
     REACTION,
     REACTION_ROWS,
     RIGID_COUNT,
     SHARE,
+    SOUGHT,
     SWITCHES,
     WORK,
     bent_of,
 )
+from runtime.integrate.sought import engage, release
 from runtime.integrate.tables import wire
 from runtime.integrate.views import floats_at, integers_at, view
 from runtime.kernels import FETCH, MATRIX, MODE_ROWS, MODES, VECTOR
@@ -77,7 +81,8 @@ def _mix_rows(
     size = n + m
     plain = integers_at(machine, PLAIN, 2 * s)
     held = view(plain, s, s)
-    share = floats_at(machine, SHARE, s)
+    share, high = floats_at(machine, SHARE, s), floats_at(machine, HIGH, s)
+    sought, limits = integers_at(machine, SOUGHT, s), integers_at(machine, LIMITS, 2 * s)
     work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
     mixed = floats_at(machine, REACTION, machine[REACTION_ROWS])
     own = np.zeros(m)
@@ -88,6 +93,8 @@ def _mix_rows(
         mix(machine, t, q[row], v[row], p, lam[row])
         for i in range(len(mixed)):
             reaction[row, i] = mixed[i]
+        for c in range(machine[HELD]):
+            release(machine, p, held[c])
         for i in range(m):
             own[i] = work[n + i]
         powers(t, q[row], v[row], p, plain, own, base)
@@ -96,11 +103,15 @@ def _mix_rows(
         for c in range(machine[HELD]):
             k = held[c]
             shares[row, k] = share[k]
+            if sought[k] >= 0:
+                # Between the forces that the friction would have, sliding with what presses now.
+                force, limit = mixed[limits[2 * k]], mixed[limits[2 * k + 1]]
+                shares[row, k] = 0.5 - 0.5 * high[k] * force / limit if limit > 0.0 else np.nan
             for i in range(m):
                 own[i] = work[n + i] + work[(c + 1) * size + n + i]
-            plain[k] = 1
+            engage(machine, p, k)
             powers(t, q[row], v[row], p, plain, own, other)
-            plain[k] = 0
+            release(machine, p, k)
             for i in range(len(base)):
                 power[row, i] += share[k] * (other[i] - base[i])
 

@@ -29,6 +29,7 @@ from runtime.integrate.slots import (
     correct_of,
     correction_of,
 )
+from runtime.integrate.sought import exert
 from runtime.integrate.views import floats_at, integers_at, view
 from runtime.integrate.workspace import PARTITION, ROWS
 
@@ -58,7 +59,8 @@ def bent(
         weak = int(accelerations_of(machine)(t, q, v, p, modes, a, lam))
     else:
         weak = units(machine, t, q, v, p, modes)
-        shares(machine, count)
+        shares(machine, t, q, v, p, count)
+        exert(machine, p, count)
         share = floats_at(machine, SHARE, s)
         held = view(integers_at(machine, PLAIN, 2 * s), s, s)
         work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
@@ -70,8 +72,9 @@ def bent(
                 part = share[held[c]] * work[(c + 1) * size + j]
                 total += part
                 largest = max(largest, abs(part))
-            # What is left where they cancel would set a machine at rest creeping.
-            a[j] = total if abs(total) > CANCELLED * largest else 0.0
+            # What is left where they cancel would set a machine at rest creeping. What is no number
+            # stays none.
+            a[j] = 0.0 if abs(total) <= CANCELLED * largest else total
         for c in range(count):
             part = share[held[c]]
             unit = view(work, (c + 1) * size + n, m)

@@ -148,10 +148,12 @@ def contradicted(
         distance *= 10.0
     for i in range(count):
         k = int(members[i])
-        if candidate[k] == HELD_MODE or int(preferred[k]) == candidate[k] + GIVEN:
+        if candidate[k] == HELD_MODE:
             continue
-        if signs[i] == 0 and not np.isfinite(ahead[k]):
+        if not np.isfinite(ahead[k]):
             return k
+        if int(preferred[k]) == candidate[k] + GIVEN:
+            continue
         # A contact that others keep closed may touch without a force of its own; friction at rest
         # may exert any force within its bounds, also those at their ends.
         touches = (rigid[k] >= 0 or sticks[k] != 0) and signs[i] == 0

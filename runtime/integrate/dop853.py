@@ -202,9 +202,10 @@ def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
         ratio3 = sum3 / tolerance
         fifth += ratio5 * ratio5
         third += ratio3 * ratio3
-    if fifth == 0.0 and third == 0.0:
+    both = fifth + 0.01 * third
+    if both == 0.0:  # also where what is left of a velocity at rest is too small to be squared
         return 0.0
-    return float(h * fifth / np.sqrt((fifth + 0.01 * third) * length))
+    return float(h * fifth / np.sqrt(both * length))
 
 
 @compiled(DENSE)

@@ -8,7 +8,8 @@ or a rigid contact is closed. With accelerations a⁰ and a¹ of modes 0 and 1 t
 
 the share α between bounds: 0 and 1; wider by the ratio of the coefficients where friction sticks.
 A rigid contact has a¹ without its force and a⁰ with a unit of it; g̈ = 0 decides, and the reaction
-is 1 - α units, from 0 to infinity. Several are held by as many shares at once: forces of different
+is 1 - α units, from 0 to infinity. Friction in a joint has a⁰ without its force and a¹ with a unit
+of it (`sought`). Several are held by as many shares at once: forces of different
 effects add up, so that the accelerations of one changed mode each are enough.
 """
 
@@ -26,11 +27,20 @@ from runtime.integrate.slots import (
     RIGID,
     RIGID_COUNT,
     SHARE,
+    SOUGHT,
     SWITCHES,
+    UNIT,
     WORK,
     accelerations_of,
     gap_accelerations_of,
     switching_rates_of,
+)
+from runtime.integrate.sought import (
+    FREE_MODE,
+    choose_units,
+    engage,
+    outgrown,
+    release,
 )
 from runtime.integrate.views import floats_at, integers_at, view
 
@@ -39,6 +49,8 @@ CANCELLED = 64.0 * 2.3e-16
 
 HELD_MODE = 2
 """A mode that is neither 0 nor 1: the motion stays on the surface."""
+
+_UNITS = 3  # attempts at a unit of the size of the force
 
 
 def work_size(n: int, m: int, s: int, r: int) -> int:
@@ -57,6 +69,7 @@ def units(
 ) -> int:
     """Fill WORK: fields with nothing held, then with one mode changed each, and what they do.
 
+    In the place of a mode that friction whose force is sought would change, a unit of this force.
     WORK holds, with c the number of modes that are held: accelerations and multipliers of the base
     (n + m); the change by each (c rows of n + m, room for s); the matrix of d(dg/dt) or d(g̈), by
     rows (s × s); the same of the base (s). Returns what `accelerations` says of the base.
@@ -66,35 +79,49 @@ def units(
     plain = integers_at(machine, PLAIN, 2 * s)
     held = view(plain, s, s)
     work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
-    accelerations = accelerations_of(machine)
+    sought = integers_at(machine, SOUGHT, s)
     count = 0
     for k in range(s):
-        plain[k] = modes[k]
+        plain[k] = HELD_MODE if modes[k] == FREE_MODE else modes[k]
+        if sought[k] >= 0:
+            p[sought[k]] = 0.0
         if modes[k] == HELD_MODE:
-            plain[k] = 0
+            plain[k] = HELD_MODE if sought[k] >= 0 else 0
             held[count] = k
             count += 1
     base_a, base_lam = view(work, 0, n), view(work, n, m)
-    weak = int(accelerations(t, q, v, p, plain, base_a, base_lam))
-    matrix = view(work, (s + 1) * size, s * s)
+    weak = int(accelerations_of(machine)(t, q, v, p, plain, base_a, base_lam))
     base = view(work, (s + 1) * size + s * s, s)
     respond(machine, t, q, v, base_a, p, held, count, base)
+    choose_units(machine, t, q, v, p, count)
     for c in range(count):
-        k = held[c]
-        plain[k] = 1
-        unit_a = view(work, (c + 1) * size, n)
-        unit_lam = view(work, (c + 1) * size + n, m)
-        accelerations(t, q, v, p, plain, unit_a, unit_lam)
-        plain[k] = 0
-        column = view(work, (s + 1) * size + s * s + s, s)
-        respond(machine, t, q, v, unit_a, p, held, count, column)
-        for i in range(count):
-            matrix[i * count + c] = column[i] - base[i]
-        for j in range(n):
-            unit_a[j] -= base_a[j]
-        for i in range(m):
-            unit_lam[i] -= base_lam[i]
+        unit(machine, t, q, v, p, count, c)
     return weak
+
+
+@inner
+def unit(machine: Integers, t: float, q: Vector, v: Vector, p: Vector, count: int, c: int) -> None:
+    """Fill the `c`-th change of the field, and what it does, in WORK, where the base stands."""
+    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
+    size = n + m
+    plain = integers_at(machine, PLAIN, 2 * s)
+    held = view(plain, s, s)
+    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
+    matrix = view(work, (s + 1) * size, s * s)
+    base = view(work, (s + 1) * size + s * s, s)
+    column = view(work, (s + 1) * size + s * s + s, s)
+    unit_a = view(work, (c + 1) * size, n)
+    unit_lam = view(work, (c + 1) * size + n, m)
+    engage(machine, p, held[c])
+    accelerations_of(machine)(t, q, v, p, plain, unit_a, unit_lam)
+    release(machine, p, held[c])
+    respond(machine, t, q, v, unit_a, p, held, count, column)
+    for i in range(count):
+        matrix[i * count + c] = column[i] - base[i]
+    for j in range(n):
+        unit_a[j] -= work[j]
+    for i in range(m):
+        unit_lam[i] -= work[n + i]
 
 
 @inner
@@ -126,15 +153,33 @@ def respond(
 
 
 @inner
-def shares(machine: Integers, count: int) -> None:
+def shares(machine: Integers, t: float, q: Vector, v: Vector, p: Vector, count: int) -> None:
     """Shares by which the `count` functions are held, into SHARE; not a number where none do.
 
-    The matrix that `units` left is kept.
+    The matrix that `units` left is kept, but for the columns of units that prove too small.
     """
+    s = machine[SWITCHES]
+    held = view(integers_at(machine, PLAIN, 2 * s), s, s)
+    for _ in range(_UNITS):
+        balanced(machine, count)
+        grown = 0
+        for c in range(count):
+            if outgrown(machine, held[c]):
+                unit(machine, t, q, v, p, count, c)
+                grown += 1
+        if grown == 0:
+            return
+    balanced(machine, count)
+
+
+@inner
+def balanced(machine: Integers, count: int) -> None:
+    """The shares with which nothing that is held changes, by the matrix that stands in WORK."""
     n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
     size = n + m
     held = view(integers_at(machine, PLAIN, 2 * s), s, s)
     rigid = integers_at(machine, RIGID, s)
+    sought, forces = integers_at(machine, SOUGHT, s), floats_at(machine, UNIT, 2 * s)
     share = floats_at(machine, SHARE, s)
     work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
     matrix = view(work, (s + 1) * size, s * s)
@@ -154,6 +199,8 @@ def shares(machine: Integers, count: int) -> None:
             # A contact without a force has its upper bound as its share, and no lower one.
             middle[c] = high[k] if rigid[k] >= 0 else 0.5 * (low[k] + high[k])
             reach[c] = 1.0 if rigid[k] >= 0 else 0.5 * (high[k] - low[k])
+            if sought[k] >= 0:
+                middle[c], reach[c] = 0.0, forces[s + k] / forces[k]
         for i in range(count):
             right[i] = -base[i]
             for c in range(count):

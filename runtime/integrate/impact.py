@@ -15,12 +15,14 @@ from runtime.integrate.slots import (
     RIGID,
     RIGID_COUNT,
     SHARE,
+    SOUGHT,
     SWITCHES,
     WORK,
     gap_accelerations_of,
     switching_of,
     switching_rates_of,
 )
+from runtime.integrate.sought import FREE_MODE
 from runtime.integrate.views import floats_at, integers_at, view
 from runtime.integrate.workspace import ATOL, LARGEST, NOW, RATE_NOW, RESERVE, ROWS
 
@@ -57,7 +59,7 @@ def free_gap(
     units(machine, t, q, v, p, modes)
     a = view(work, 0, n)
     if count > 0:
-        shares(machine, count)
+        shares(machine, t, q, v, p, count)
         share = floats_at(machine, SHARE, s)
         held = view(integers_at(machine, PLAIN, 2 * s), s, s)
         for c in range(count):
@@ -107,13 +109,13 @@ def impact(
     rates, now = view(sw, RATE_NOW * s, s), view(sw, NOW * s, s)
     before, holding = modes[first], machine[HELD]
     # All contacts that touch as held, and nothing else: friction gives no impulse.
-    gaps = view(work, (s + 1) * size, s)
+    gaps, sought = view(work, (s + 1) * size, s), integers_at(machine, SOUGHT, s)
     switching_of(machine)(t, q, v, p, gaps)
     for k in range(s):
         touches = abs(gaps[k]) <= ON_SURFACE * largest_gap(sw, modes, k)
         now[k] = modes[k]
         if rigid[k] < 0 and modes[k] == HELD_MODE:
-            modes[k] = 0
+            modes[k] = FREE_MODE if sought[k] >= 0 else 0
         elif rigid[k] >= 0 and touches:
             modes[k] = HELD_MODE
     modes[first] = HELD_MODE

@@ -21,6 +21,7 @@ from runtime.integrate.slots import (
     reactions_of,
     switched_reactions_of,
 )
+from runtime.integrate.sought import engage, exert, release
 from runtime.integrate.views import floats_at, integers_at, view
 
 
@@ -36,6 +37,8 @@ def mix(machine: Integers, t: float, q: Vector, v: Vector, p: Vector, lam: Vecto
     out, base, other = view(room, 0, rows), view(room, rows, rows), view(room, 2 * rows, rows)
     own = view(room, 3 * rows, m)
     work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
+    for c in range(count):
+        release(machine, p, held[c])
     reactions_of(machine)(t, q, v, p, lam, out)
     for i in range(rows):
         base[i] = out[i]
@@ -45,13 +48,14 @@ def mix(machine: Integers, t: float, q: Vector, v: Vector, p: Vector, lam: Vecto
     for c in range(count):
         for i in range(m):
             own[i] = work[n + i] + work[(c + 1) * size + n + i]
-        plain[held[c]] = 1
+        engage(machine, p, held[c])
         for i in range(rows):
             other[i] = base[i]
         switched_reactions_of(machine)(t, q, v, p, plain, own, other)
-        plain[held[c]] = 0
+        release(machine, p, held[c])
         for i in range(rows):
             out[i] += share[held[c]] * (other[i] - base[i])
+    exert(machine, p, count)
 
 
 @compiled(LIMIT)

@@ -8,6 +8,8 @@ or a contact closes, the function may be held at zero: its share must lie betwee
 both fields must push onto the surface.
 """
 
+import numpy as np
+
 from runtime.compiled import compiled, inner
 from runtime.integrate.combinations import MOST, MOST_THREE, exhaustively, in_turn
 from runtime.integrate.consistency import CONSISTENT, GIVEN, MISSED, carry, hold
@@ -17,6 +19,7 @@ from runtime.integrate.impact import ON_SURFACE
 from runtime.integrate.signatures import SETTLE, Integers, Vector
 from runtime.integrate.slots import (
     RIGID,
+    SOUGHT,
     STICKS,
     impact_of,
     switching_of,
@@ -191,8 +194,15 @@ def begin(
     for k in range(s):
         modes[k] = 1 if g[k] > 0.0 or rigid[k] >= 0 else 0
     hold(machine, modes)
+    sought = integers_at(machine, SOUGHT, s)
+    for k in range(s):
+        if sought[k] >= 0 and abs(g[k]) <= ON_SURFACE * largest[k]:
+            p[sought[k]] = 0.0
+            modes[k] = HELD_MODE  # without friction: one that sticks may jam in sliding
     field(machine, t, q, v, p, modes, view(w, DELTA * 2 * n + n, n), lam)
     carry(machine, t, d, state, w, sw, p)
+    for k in range(s):
+        modes[k] = 0 if modes[k] == HELD_MODE else modes[k]
     rates = view(sw, RATE_NOW * s, s)
     switching_rates_of(machine)(t, q, v, view(w, DELTA * 2 * n + n, n), p, rates)
     speed = 0.0
@@ -200,7 +210,9 @@ def begin(
         speed = max(speed, abs(v[j]))
     for k in range(s):
         # What is crossed within a millionth of the look-ahead is crossed now.
-        near = max(ON_SURFACE * largest[k], 1e-6 * abs(ahead[k] - g[k]))
+        near = ON_SURFACE * largest[k]
+        if np.isfinite(ahead[k]):
+            near = max(near, 1e-6 * abs(ahead[k] - g[k]))
         if rigid[k] >= 0:
             # An open gap that closes or opens is followed, be it as narrow as assembling misses.
             near = ON_SURFACE * largest[k]

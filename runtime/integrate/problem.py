@@ -52,6 +52,9 @@ class System:
     limits
         (switching function, row of the force, row of what it may be) of frictions whose pressing
         force depends on them.
+    sought
+        (switching function, place in p) of frictions whose force at rest is sought: in mode 2 the
+        kernels exert the force that stands there.
     """
 
     accelerations: Kernel
@@ -80,6 +83,7 @@ class System:
     switched_reactions: Kernel = no_switched_reactions
     reaction_rows: int = 0
     limits: tuple[tuple[int, int, int], ...] = ()
+    sought: tuple[tuple[int, int], ...] = ()
     independent: tuple[int, ...] | None = None
 
     @property

@@ -32,6 +32,7 @@ from runtime.integrate.slots import (
     restart_of,
     switching_rates_of,
 )
+from runtime.integrate.sought import at_rest, finite, jams
 from runtime.integrate.surfaces import measure
 from runtime.integrate.transition import LOOK_AHEAD
 from runtime.integrate.views import floats_at, integers_at, view
@@ -153,6 +154,8 @@ def start(
     a = view(w, K * length + n, n)
     for j in range(n):
         slope[j] = v[j]
+    # Whether the constraints are independent is not for a joint to say that friction jams.
+    at_rest(machine, p, modes)
     if r.plan == FREE:
         weak = field(machine, t, q, v, p, modes, a, lam)
         if weak > 0 and m > 0:
@@ -188,9 +191,12 @@ def start(
                 sw[RESERVE * s + k] = sw[LARGEST * s + k]
                 sw[LARGEST * s + k], sw[BAND * s + k] = 1.0, 0.0
         r.rhs += 2
-    for j in range(n):
-        if not np.isfinite(a[j]):
+    if not finite(a):
+        jammed = jams(machine, t, q, v, p, modes, a, lam)
+        if jammed == CONSISTENT:
             return _NOT_FINITE
+        r.index = jammed
+        return _INCONSISTENT
     if r.fixed == 0 and not r.h > 0.0:
         r.h = first_step(machine, t, r.h_max, r.rtol, r.order, w, p, modes, lam)
         r.rhs += 1

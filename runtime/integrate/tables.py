@@ -113,6 +113,9 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     limits = np.full(2 * s, -1, np.int64)
     for k, force, limit in system.limits:
         limits[2 * k], limits[2 * k + 1] = force, limit
+    sought = np.full(s, -1, np.int64)
+    for k, place in system.sought:
+        sought[k] = place
     nonzeros = len(system.jacobian_rows)
     arrays = {
         Slot.JACOBIAN_ROWS: np.ascontiguousarray(system.jacobian_rows, dtype=np.int64),
@@ -129,6 +132,8 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         Slot.RIGID: rigid,
         Slot.STICKS: np.array([k in system.sticking for k in range(s)], dtype=np.int64),
         Slot.LIMITS: limits,
+        Slot.SOUGHT: sought,
+        Slot.UNIT: np.ones(2 * s),
         Slot.REACTION: np.zeros(3 * system.reaction_rows + m),
         Slot.RESTITUTION: np.zeros(contacts),
         Slot.PLAIN: np.zeros(2 * s, np.int64),
@@ -145,6 +150,10 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     table[Slot.COORDINATES], table[Slot.CONSTRAINT_COUNT], table[Slot.RANK] = n, m, system.rank
     table[Slot.SWITCHES], table[Slot.NONZEROS] = system.switches, nonzeros
     system.holds(p, arrays[Slot.LOW], arrays[Slot.HIGH])
+    for k, _ in system.sought:
+        # Shares are of a force in units, from no force.
+        reach = arrays[Slot.HIGH][k] - arrays[Slot.LOW][k]
+        arrays[Slot.LOW][k], arrays[Slot.HIGH][k] = -reach, reach
     system.restitution(p, arrays[Slot.RESTITUTION])
     table[Slot.RIGID_COUNT], table[Slot.REACTION_ROWS] = contacts, system.reaction_rows
     table[Slot.LOG_ROWS] = log_rows

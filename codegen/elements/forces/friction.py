@@ -31,22 +31,22 @@ class JointFriction:
     revolute-translational joint the force across the line presses.
 
     At ṡ = 0 the friction is whatever keeps the joint there, up to μ_s N. Where ṡ changes sign is an
-    event of a run, and where such a force is small enough, the run goes on sticking. The force at
-    rest is sought between those of sliding either way, each with the reaction that it causes. For
-    μ_s = μ every force so found is within the limit, and at both ends it is the limit. With a
-    larger μ_s it is sought beyond these ends, as far as μ_s/μ says; where the reaction depends on
-    the friction, the limit of the reaction that it meets there, `limit`, is another one.
+    event of a run, and where such a force is small enough, the run goes on sticking: it seeks the
+    force that keeps the joint at rest, and holds it against the limit of the reaction that it meets
+    there. Whether the joint could slide does not matter: one that would jam on one side can stick.
+    Only where a condition or another friction changes with the same slip is the force sought
+    between those of sliding either way.
 
-    A joint that sticks reports its `force` (a revolute joint its `torque`), N as `normal`, and
-    with a static coefficient the `limit`, μ_s N or μ_s R N.
+    A joint that sticks reports its `force` (a revolute joint its `torque`), N as `normal`, and the
+    `limit`, μ_s N or μ_s R N.
 
     With a creep speed v_c the law is smooth instead, f = -μ N tanh(ṡ/v_c): below v_c the joint
     creeps instead of sticking, at ṡ = v_c f/(μ N) nearly, and above three times v_c the force is
     within half a percent of Coulomb's.
 
     The reaction depends on the friction in turn: both are solved together, and where no reaction
-    agrees with the friction that it causes, the joint jams: accelerations and reactions are not a
-    number there, and a run ends.
+    agrees with the friction that it causes, a joint that slides jams: accelerations and reactions
+    are not a number there, and a run ends.
 
     Attributes
     ----------

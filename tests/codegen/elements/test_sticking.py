@@ -107,6 +107,37 @@ def test_limit_of_a_joint_is_that_of_the_reaction_at_break_away() -> None:
     assert_allclose(3 * wall - least, 0.45 * normal, rtol=1e-10)
 
 
+def test_joint_that_is_held_exerts_the_force_that_it_is_given(root: Path) -> None:
+    machine = hard(root, "guide_friction", "rocking")
+    assert machine.lowered.description.sought == (("rub", 0),)
+    s = machine.state(3)
+    found = {}
+    for force in (0.0, 1.0, -7.0, 40.0):
+        for mode in (0, 1, 2):
+            a, lam = machine.solution(s, modes=[mode], held=[force])
+            found[force, mode] = np.append(a, lam)
+        told = reported(machine, s, lam, 2, force)
+        assert told["rub.force"] == force
+        push = machine.vector("applied_forces", s) + force * np.eye(9)[6]
+        rest = machine.mass(s) @ a + machine.jacobian(s).T @ lam - push
+        assert_allclose(rest, 0, atol=1e-11)
+        for mode in (0, 1):
+            assert_allclose(found[force, mode], found[0.0, mode], rtol=0)
+    assert not np.allclose(found[0.0, 2], found[0.0, 0])
+
+
+def test_condition_on_the_slip_leaves_the_friction_between_its_modes() -> None:
+    """What has one switch for both is moved by one share."""
+    model = Model("shared")
+    block = model.body("block", 2.0, 0.1)
+    guide = model.translational("guide", model.ground, block, axis=(1, 0))
+    model.friction("rub", guide, 0.3)
+    model.force("gate", block, fx=1.0, when=block.vx > 0)
+    machine = Interpreted(model)
+    assert [s.kind for s in machine.equations.switches] == ["friction"]
+    assert machine.lowered.description.sought == ()
+
+
 def rubbing() -> Model:
     """A slider-crank with friction in all its joints."""
     model = Model("rubbing", gravity=(0, -9.81))

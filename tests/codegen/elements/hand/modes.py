@@ -13,13 +13,15 @@ def hard(root: Path, name: str, scene: str) -> Interpreted:
     return Interpreted(read_model(root / "models" / "hard" / f"{name}.py").model, scene)
 
 
-def reported(machine: Interpreted, s: State, lam: np.ndarray, mode: int) -> dict[str, float]:
-    """The rows of REACTIONS, of both kernels together."""
+def reported(
+    machine: Interpreted, s: State, lam: np.ndarray, mode: int, force: float = 0.0
+) -> dict[str, float]:
+    """The rows of REACTIONS, of both kernels together; `force` is exerted in mode 2."""
     told = machine.lowered.description.reactions
     names = {k.name for k in machine.program.kernels}
     found = {}
     for kernel in {"reactions", "switched_reactions"} & names:
-        slots = machine.slots(kernel, s, lam=lam, modes=[mode] * machine.s)
+        slots = machine.slots(kernel, s, lam=lam, modes=[mode] * machine.s, held=[force])
         assert not set(slots) & set(found)
         found |= slots
     assert sorted(found) == list(range(len(told)))
