@@ -79,20 +79,21 @@ def bent(
                 lam[i] += part * unit[i]
     if machine[STABILIZED] != 0 and m > 0:
         tau = floats_at(machine, SETTINGS, 2)[TIME_SCALE]
-        pull = floats_at(machine, WEIGHTS, 3 * n)
+        pull = floats_at(machine, WEIGHTS, 4 * n)
         dq, dv = view(pull, n, n), view(pull, 2 * n, n)
         correction_of(machine)(t, q, v, p, view(pull, 0, n), dq, dv)
-        # What a state cannot hold of itself is not pulled at: τ⁻² of it would be a force.
+        # What a state cannot hold of itself is not pulled at: τ⁻² of it would be a force. Rounding
+        # knows the sizes of coordinates and nothing of the masses that the correction goes by.
+        size = view(pull, 3 * n, n)
         largest, fastest = 0.0, 0.0
         for j in range(n):
-            unit = np.sqrt(pull[j])
-            largest = max(largest, abs(q[j]) / unit)
-            fastest = max(fastest, abs(v[j]) / unit)
+            largest = max(largest, abs(q[j]) / size[j])
+            fastest = max(fastest, abs(v[j]) / size[j])
         for j in range(n):
-            unit = CANCELLED * np.sqrt(pull[j])
-            if abs(dq[j]) > unit * largest:
+            unseen = CANCELLED * size[j]
+            if abs(dq[j]) > unseen * largest:
                 a[j] += dq[j] / (tau * tau)
-            if abs(dv[j]) > unit * fastest:
+            if abs(dv[j]) > unseen * fastest:
                 a[j] += 2.0 * dv[j] / tau
     return weak
 
