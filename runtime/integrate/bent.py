@@ -6,8 +6,6 @@ with α = β = 1/τ). Accelerations depend on the right side of Φ_q q̈ = γ by
 corrections of `correction` in the metric of the masses on theirs, so no kernel is needed for it.
 """
 
-import numpy as np
-
 from runtime.compiled import compiled
 from runtime.integrate.field import field
 from runtime.integrate.held import CANCELLED, shares, units
