@@ -29,6 +29,7 @@ _LIKE = 0.1  # of |δa|²: more than that left unexplained is not one vibration
 _ALIKE = 1e-6  # of |δq|² |δv|²: below it the two were parallel, and tell k alone
 _PATIENCE = 15  # such steps in a row, as in Hairer's programs
 _INSIDE = 0.9  # of the longest stable step, where the method damps a little
+_SAFE = 0.25  # rad: no such step of a vibration is unstable
 _HALVINGS = 12
 
 
@@ -93,18 +94,19 @@ def bounded(memory: Vector, notes: Integers, powers: Vector, h: float) -> float:
     rest = aa + k * (2.0 * aq + k * qq + 2.0 * c * qv) + c * (2.0 * av + c * vv)
     c = max(c, 0.0)
     vibrates = k > 0.25 * c * c and rest < _LIKE * aa
-    if not (vibrates and growth(powers, h, k, c) > 1.0):
+    # Once steps are kept within, what is looked at is the edge that they are kept from.
+    furthest = h if notes[0] < _PATIENCE else h / _INSIDE
+    if not (vibrates and growth(powers, furthest, k, c) > 1.0):
         notes[0] = 0
         return h
     notes[0] += 1
     if notes[0] < _PATIENCE:
         return h
-    # A step of a quarter of a radian is stable, whatever the method.
-    low, high = min(h, 0.25 / np.sqrt(k)), h
+    low = min(furthest, _SAFE / np.sqrt(k))
     for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
+        middle = 0.5 * (low + furthest)
         if growth(powers, middle, k, c) > 1.0:
-            high = middle
+            furthest = middle
         else:
             low = middle
-    return float(min(h, max(_INSIDE * low, 0.25 / np.sqrt(k))))
+    return float(min(h, _INSIDE * low))
