@@ -26,9 +26,9 @@ from runtime.integrate.signatures import (
     Integers,
     Vector,
 )
-from runtime.integrate.slots import MEMORY, NOTES
-from runtime.integrate.vibration import COUNTERS, FLOATS, bounded, forget, observe
-from runtime.integrate.views import floats_at, integers_at, view
+from runtime.integrate.slots import MEMORY
+from runtime.integrate.vibration import FLOATS, bounded, forget, observe
+from runtime.integrate.views import floats_at, view
 from runtime.integrate.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K, Run
 
 __all__ = ["accepted", "dense", "error", "memory", "propose", "restart", "stages"]
@@ -65,7 +65,7 @@ _EDGE = 4e-4
 
 def memory(n: int) -> tuple[int, int]:
     """Numbers that are kept for n coordinates: floats and integers."""
-    return FLOATS, COUNTERS
+    return FLOATS, 0
 
 
 @inner
@@ -146,14 +146,13 @@ def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
     ratio = _propose(machine, h, w, run)
     if not loose(run[0].rtol, w.size // ROWS):
         return float(ratio)
-    kept, notes = floats_at(machine, MEMORY, FLOATS), integers_at(machine, NOTES, COUNTERS)
-    return float(bounded(kept, notes, _POWERS, ratio * h) / h)
+    return float(bounded(floats_at(machine, MEMORY, FLOATS), _POWERS, ratio * h) / h)
 
 
 @compiled(HOOK)
 def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
     """Forget what vibrated: the motion goes on under other equations."""
-    return int(forget(floats_at(machine, MEMORY, FLOATS), integers_at(machine, NOTES, COUNTERS)))
+    return int(forget(floats_at(machine, MEMORY, FLOATS)))
 
 
 @compiled(DENSE)

@@ -16,18 +16,19 @@ Equations II, section IV.2, where stiffness is detected by them.
 import numpy as np
 
 from runtime.compiled import inner
-from runtime.integrate.signatures import Integers, Vector
+from runtime.integrate.signatures import Vector
 from runtime.integrate.workspace import ROWS, SIZE
 
-# Places in MEMORY: sums of the products of differences over the last steps.
-_QQ, _QV, _VV, _AQ, _AV, _AA = 0, 1, 2, 3, 4, 5
-FLOATS, COUNTERS = 6, 1
-"""What is remembered: those sums; and in NOTES the steps in a row that were to be too long."""
+# Places in MEMORY: sums of the products of differences over the last steps; and the logarithm of
+# what a vibration has grown by since steps were last short enough.
+_QQ, _QV, _VV, _AQ, _AV, _AA, _GROWN = 0, 1, 2, 3, 4, 5, 6
+FLOATS = 7
+"""How much is remembered."""
 
 _KEPT = 0.8  # of the sums, from one step to the next
-_LIKE = 0.1  # of |δa|²: more than that left unexplained is not one vibration
+_SEEN = 1e-12  # |δq| in sizes: what vibrates by less may grow
 _ALIKE = 1e-6  # of |δq|² |δv|²: below it the two were parallel, and tell k alone
-_PATIENCE = 15  # such steps in a row, as in Hairer's programs
+_MOST = 0.1  # by which a vibration may grow before steps are kept within the edge
 _INSIDE = 0.9  # of the longest stable step, where the method damps a little
 _SAFE = 0.25  # rad: no such step of a vibration is unstable
 _HALVINGS = 12
@@ -38,7 +39,7 @@ def observe(memory: Vector, w: Vector, state: int, other: int, slope: int, other
     """Take in the rows of two states at one instant, and those of their derivatives."""
     length = w.size // ROWS
     n = length // 2
-    for i in range(FLOATS):
+    for i in range(_GROWN):
         memory[i] *= _KEPT
     for j in range(n):
         size = w[SIZE * length + j]
@@ -55,11 +56,10 @@ def observe(memory: Vector, w: Vector, state: int, other: int, slope: int, other
 
 
 @inner
-def forget(memory: Vector, notes: Integers) -> int:
+def forget(memory: Vector) -> int:
     """Begin anew: the motion goes on under other equations."""
     for i in range(FLOATS):
         memory[i] = 0.0
-    notes[0] = 0
     return 0
 
 
@@ -74,8 +74,8 @@ def growth(powers: Vector, h: float, k: float, c: float) -> float:
 
 
 @inner
-def bounded(memory: Vector, notes: Integers, powers: Vector, h: float) -> float:
-    """The length of a next step: `h`, or less where that has long been too much for a vibration.
+def bounded(memory: Vector, powers: Vector, h: float) -> float:
+    """The length of a next step: `h`, or less where a vibration would grow, and has grown enough.
 
     Parameters
     ----------
@@ -84,24 +84,30 @@ def bounded(memory: Vector, notes: Integers, powers: Vector, h: float) -> float:
     """
     qq, qv, vv = memory[_QQ], memory[_QV], memory[_VV]
     aq, av, aa = memory[_AQ], memory[_AV], memory[_AA]
-    if not (qq > 0.0 and aa > 0.0 and np.isfinite(aa)):
+    if not (qq > _SEEN * _SEEN and np.isfinite(aa)):
         return h
     independent = qq * vv - qv * qv
     k, c = -aq / qq, 0.0
     if independent > _ALIKE * qq * vv:
         k = (qv * av - vv * aq) / independent
         c = (qv * aq - qq * av) / independent
-    rest = aa + k * (2.0 * aq + k * qq + 2.0 * c * qv) + c * (2.0 * av + c * vv)
-    c = max(c, 0.0)
-    vibrates = k > 0.25 * c * c and rest < _LIKE * aa
+        # Where several vibrate at once, c is known no better than by what they leave unexplained.
+        rest = aa + k * (2.0 * aq + k * qq + 2.0 * c * qv) + c * (2.0 * av + c * vv)
+        c = max(0.0, c - np.sqrt(max(0.0, rest) / vv))
+    vibrates = k > 0.25 * c * c
+    # Their mean lies below the fastest; the root of the mean square is nearer.
+    k = max(k, np.sqrt(max(0.0, aa + c * (2.0 * av + c * vv)) / qq))
     # Once steps are kept within, what is looked at is the edge that they are kept from.
-    furthest = h if notes[0] < _PATIENCE else h / _INSIDE
-    if not (vibrates and growth(powers, furthest, k, c) > 1.0):
-        notes[0] = 0
+    kept = memory[_GROWN] > _MOST
+    furthest = h / _INSIDE if kept else h
+    larger = growth(powers, furthest, k, c) if vibrates else 0.0
+    if not larger > 1.0:
+        memory[_GROWN] = 0.0
         return h
-    notes[0] += 1
-    if notes[0] < _PATIENCE:
-        return h
+    if not kept:
+        memory[_GROWN] += np.log(larger)
+        if not memory[_GROWN] > _MOST:
+            return h
     low = min(furthest, _SAFE / np.sqrt(k))
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + furthest)

@@ -56,14 +56,15 @@ def test_a_stiff_spring_stays_asleep_at_a_loose_tolerance() -> None:
     """Its 5000 Hz are beyond what the error sees, but within what the method damps."""
     result, cell = simulated("stiff_soft", Way("dopri5", "step"), 1e-3, 500_000)
     assert cell.error < 1e-10
-    assert np.abs(result.q("first.x") - 1.0).max() < 1e-3
+    assert np.abs(result.q("first.x") - 1.0).max() < 1e-6
+    assert cell.drift < 1e-3
     assert cell.rejected < 0.001 * cell.steps
 
 
 @pytest.mark.parametrize("rtol", [1e-1, 1e-2, 1e-3])
 @pytest.mark.parametrize("damping", [0.0, 1e-3, 2e-2])
 def test_no_vibration_grows_at_any_tolerance(damping: float, rtol: float) -> None:
-    """A thousand swings. At 1e-1 the first fifteen steps may grow it, by what the tolerance says.
+    """A thousand swings, of which the first may grow by a tenth before the steps are shortened.
 
     Accuracy alone permits steps of 1.5 rad at 1e-2, and 40 000 times the amplitude at the end.
     """
@@ -71,8 +72,21 @@ def test_no_vibration_grows_at_any_tolerance(damping: float, rtol: float) -> Non
     run = run_relay(swinging, 1.0, 0.0, 60.0, method="dopri5", rtol=rtol, tolerance=rtol)
     assert run.outcome is Outcome.OK
     largest = np.abs(run.q[:, 0])
-    assert largest.max() < (3.0 if rtol == 1e-1 else 1.05)
+    assert largest.max() < 1.15
     assert largest[-100:].max() <= 1.01 * largest[50:150].max()
+
+
+@pytest.mark.parametrize("rtol", [1e-2, 1e-3])
+def test_many_vibrations_together_do_not_grow_either(rtol: float) -> None:
+    """Twenty masses for a hundred seconds, in steps near the edge for the fastest.
+
+    By accuracy alone the energy becomes 1e7 times as large at 1e-2, and 3000 times at 1e-3.
+    """
+    case = find("spring_chain")
+    result = case.machine().simulate(100.0, method="dopri5", rtol=rtol, progress=False)
+    energy = result.energy()
+    assert result.outcome is Outcome.OK
+    assert energy.max() < 1.3 * energy[0]
 
 
 def test_what_is_damped_steps_as_far_as_its_damping_permits() -> None:
@@ -82,4 +96,5 @@ def test_what_is_damped_steps_as_far_as_its_damping_permits() -> None:
     assert run.outcome is Outcome.OK
     assert abs(run.q[-1, 0] - 1.0) < 0.02
     # Of 1000 rad/s; a vibration without damping would have to be stepped by less than one radian.
-    assert 5.0 * 1000.0 / run.statistics.steps > 3.0
+    early = run.t < 0.03
+    assert 1000.0 * np.diff(run.t[early]).max() > 2.0
