@@ -58,6 +58,7 @@ from runtime.integrate.memory import (
 from runtime.integrate.newton import factor_real, tolerate
 from runtime.integrate.reduction import arrive, differentiate, unknowns
 from runtime.integrate.signatures import ERROR, HOOK, PROPOSE, STAGES, Integers, Vector
+from runtime.integrate.slots import HELD
 from runtime.integrate.stiffness import calm
 from runtime.integrate.views import view
 from runtime.integrate.workspace import ROWS, STAGE, Y1, K, Run
@@ -228,8 +229,9 @@ def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
     for i in range(2 * notes[FREEDOMS]):
         j = notes[COUNTS + i // 2] + i % 2 * n
         change = ahead[j] + difference[j]
-        if y1[j] == start[j] + change:  # as the step left it
-            low[j] = change - (y1[j] - start[j])
+        left = start[j] + change
+        if machine[HELD] != 0 or y1[j] == left:
+            low[j] = change - (left - start[j])
             newest[j] = difference[j]
     for i in range(length):
         higher[i] = newest[i] - last[i]

@@ -6,9 +6,7 @@ with α = β = 1/τ). Accelerations depend on the right side of Φ_q q̈ = γ by
 corrections of `correction` in the metric of the masses on theirs, so no kernel is needed for it.
 """
 
-import numpy as np
-
-from runtime.compiled import compiled
+from runtime.compiled import compiled, inner
 from runtime.integrate.field import field
 from runtime.integrate.held import CANCELLED, shares, units
 from runtime.integrate.signatures import FIELD, SLOPE, Integers, Vector
@@ -35,6 +33,22 @@ from runtime.integrate.workspace import PARTITION, ROWS
 
 STEP, TIME_SCALE = 0, 1
 """Places in SETTINGS: the length of the step, s; τ of Baumgarte's method, s."""
+
+
+@inner
+def beyond(value: Vector, change: Vector, size: Vector) -> float:
+    """The part of a correction that is not the rounding of what it corrects.
+
+    What a state cannot hold of itself is not to be pulled at: τ⁻² of it would be a force. Rounding
+    goes by the sizes of coordinates and knows nothing of masses. All coordinates are pulled at by
+    the same part, as without some of them the pull would do work along the constraints.
+    """
+    largest, moved = 0.0, 0.0
+    for j in range(value.size):
+        largest = max(largest, abs(value[j]) / size[j])
+        moved = max(moved, abs(change[j]) / size[j])
+    rounded = CANCELLED * largest
+    return 1.0 - rounded / moved if moved > rounded else 0.0
 
 
 @compiled(FIELD)
@@ -82,21 +96,13 @@ def bent(
                 lam[i] += part * unit[i]
     if machine[STABILIZED] != 0 and m > 0:
         tau = floats_at(machine, SETTINGS, 2)[TIME_SCALE]
-        pull = floats_at(machine, WEIGHTS, 3 * n)
+        pull = floats_at(machine, WEIGHTS, 4 * n)
         dq, dv = view(pull, n, n), view(pull, 2 * n, n)
         correction_of(machine)(t, q, v, p, view(pull, 0, n), dq, dv)
-        # What a state cannot hold of itself is not pulled at: τ⁻² of it would be a force.
-        largest, fastest = 0.0, 0.0
+        size = view(pull, 3 * n, n)
+        part, rate = beyond(q, dq, size), beyond(v, dv, size)
         for j in range(n):
-            unit = np.sqrt(pull[j])
-            largest = max(largest, abs(q[j]) / unit)
-            fastest = max(fastest, abs(v[j]) / unit)
-        for j in range(n):
-            unit = CANCELLED * np.sqrt(pull[j])
-            if abs(dq[j]) > unit * largest:
-                a[j] += dq[j] / (tau * tau)
-            if abs(dv[j]) > unit * fastest:
-                a[j] += 2.0 * dv[j] / tau
+            a[j] += part * dq[j] / (tau * tau) + rate * 2.0 * dv[j] / tau
     return weak
 
 

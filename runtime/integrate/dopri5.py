@@ -4,26 +4,34 @@ The pair is J. R. Dormand and P. J. Prince's (A family of embedded Runge-Kutta f
 Computational and Applied Mathematics 6, 1980); the dense output and its constants are those of
 E. Hairer, S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I, section II.6.
 The last stage is the first of the next step.
+
+On the imaginary axis it is stable up to one radian a step, where its estimate of the error is less
+than a thousandth: at looser tolerances accuracy alone does not keep a vibration from growing, and
+`vibration` does.
 """
 
 import numpy as np
 
-from runtime.compiled import compiled
-from runtime.integrate.control import propose
+from runtime.compiled import compiled, inner
+from runtime.integrate import control
 from runtime.integrate.dense import hermite_rows
 from runtime.integrate.field import slope
-from runtime.integrate.hooks import accepted, restart
+from runtime.integrate.hooks import accepted
 from runtime.integrate.signatures import (
     DENSE,
     ERROR,
+    HOOK,
+    PROPOSE,
     STAGES,
     Integers,
     Vector,
 )
-from runtime.integrate.views import view
+from runtime.integrate.slots import MEMORY
+from runtime.integrate.vibration import FLOATS, bounded, forget, observe
+from runtime.integrate.views import floats_at, view
 from runtime.integrate.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K, Run
 
-__all__ = ["accepted", "dense", "error", "propose", "restart", "stages"]
+__all__ = ["accepted", "dense", "error", "memory", "propose", "restart", "stages"]
 
 ORDER = 5
 ERROR_ORDER = 4
@@ -47,6 +55,23 @@ E5, E6, E7 = -17253 / 339200, 22 / 525, -1 / 40
 D1, D3 = -12715105075 / 11282082432, 87487479700 / 32700410799
 D4, D5 = -10690763975 / 1880347072, 701980252875 / 199316789632
 D6, D7 = -1453857185 / 822651844, 69997945 / 29380423
+
+_propose = control.propose
+_POWERS = np.array([1 / 600, 1 / 120, 1 / 24, 1 / 6, 1 / 2, 1.0, 1.0])  # of R(z), z⁶ first
+# Half the estimate of the error of a vibration at the edge of stability, over its amplitude. Where
+# a tolerance is less than that, with its absolute part as much again, no vibration grows.
+_EDGE = 4e-4
+
+
+def memory(n: int) -> tuple[int, int]:
+    """Numbers that are kept for n coordinates: floats and integers."""
+    return FLOATS, 0
+
+
+@inner
+def loose(rtol: float, length: int) -> bool:
+    """Whether the error permits steps beyond the edge to one vibrating velocity among all."""
+    return bool(rtol * np.sqrt(length) > _EDGE)
 
 
 @compiled(STAGES)
@@ -110,7 +135,24 @@ def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
         estimate = h * (E1 * k1[j] + E3 * k3[j] + E4 * k4[j] + E5 * k5[j] + E6 * k6[j] + E7 * k7[j])
         ratio = estimate / (atol[j] + rtol * max(abs(y0[j]), abs(y1[j])))
         total += ratio * ratio
+    if loose(rtol, length):
+        observe(floats_at(machine, MEMORY, FLOATS), w, Y1, STAGE, K + LAST, K + LAST - 1)
     return float(np.sqrt(total / length))
+
+
+@compiled(PROPOSE)
+def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
+    """Ratio of the next step's length to this accepted one's."""
+    ratio = _propose(machine, h, w, run)
+    if not loose(run[0].rtol, w.size // ROWS):
+        return float(ratio)
+    return float(bounded(floats_at(machine, MEMORY, FLOATS), _POWERS, ratio * h) / h)
+
+
+@compiled(HOOK)
+def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
+    """Forget what vibrated: the motion goes on under other equations."""
+    return int(forget(floats_at(machine, MEMORY, FLOATS)))
 
 
 @compiled(DENSE)

@@ -142,7 +142,7 @@ class _Run:
         if stabilized and options.fixed_step is None:
             self.r["h_max"] = min(float(self.r["h_max"]), _FOLLOWED * pull)
         table[Slot.EACH_STAGE] = 1 if options.correction == "stage" and m > 0 else 0
-        arrays[Slot.WEIGHTS][:n] = problem.scale**2
+        arrays[Slot.WEIGHTS][:n], arrays[Slot.WEIGHTS][3 * n :] = problem.scale**2, problem.sizes
         instants = None if options.t_eval is None else self.t_eval.size
         self.gathered = Gathered(n, s, arrays[Slot.LOG_TIMES], arrays[Slot.LOG_SETS], instants)
         self.fixed_arrays: tuple[Any, ...] = (

@@ -139,7 +139,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         Slot.PLAIN: np.zeros(2 * s, np.int64),
         Slot.WORK: np.zeros(work_size(n, m, s, contacts)),
         Slot.SETTINGS: np.zeros(2),
-        Slot.WEIGHTS: np.zeros(3 * n),
+        Slot.WEIGHTS: np.zeros(4 * n),
         Slot.MEMORY: np.zeros(memory),
         Slot.NOTES: np.zeros(notes, np.int64),
         Slot.PIVOTS: np.zeros(2 * m),
