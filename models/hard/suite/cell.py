@@ -18,6 +18,7 @@ from runtime.integrate.tables import IMPLICIT, METHODS
 if TYPE_CHECKING:
     from runtime import Machine
 
+_ENOUGH = 1000  # steps that a first run may take: Baumgarte's time is a thousandth of its own
 RESIDUAL = 1e-10
 """The largest |Φ| that a run may show at any output, m or rad, where it returns to Φ = 0."""
 
@@ -188,7 +189,9 @@ def ready(case: Case, way: Way) -> None:
 @cache
 def _first_run(loaded: "Machine", way: Way) -> None:
     with suppress(AnalysisError):  # the run itself tells
-        loaded.simulate(1e-9, method=way.method, correction=way.correction, progress=False)
+        loaded.simulate(
+            1e-9, method=way.method, correction=way.correction, progress=False, max_steps=_ENOUGH
+        )
 
 
 def judge(case: Case, way: Way, rtol: float, result: Result, cpu: float) -> Cell:
