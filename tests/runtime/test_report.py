@@ -31,7 +31,7 @@ class Checked(HTMLParser):
 def test_a_stopped_run_is_told_in_full() -> None:
     machine = load("slider_crank", "compressor")
     stopped = machine.simulate(
-        1.0, np.linspace(0, 1, 101), parameters={"J1": 225.0}, rtol=1e-10, max_steps=30
+        1.0, np.linspace(0, 1, 101), parameters={"J1": 225.0}, rtol=1e-10, max_steps=60
     )
     text = page(stopped)
     checked = Checked()
