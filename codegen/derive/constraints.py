@@ -11,6 +11,7 @@ import sympy
 
 from codegen.declare.element import ConjugateReaction, Constraint, Frame, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, Multiplier, kinds, t
+from codegen.derive.derivative import derivative
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,7 @@ def _derive(
     conjugate: ConjugateReaction | None,
 ) -> ConstraintTerms:
     coordinates = tuple(kinds(sympy.Tuple(*phi), Coordinate))
-    jacobian = tuple(tuple(sympy.diff(e, q) for q in coordinates) for e in phi)
+    jacobian = tuple(tuple(derivative(e, q) for q in coordinates) for e in phi)
     multipliers = tuple(Multiplier(f"lambda_{k}", real=True) for k in range(len(phi)))
     if joint is not None:
         reactions = _joint_reaction(phi, multipliers, *joint)
@@ -77,7 +78,7 @@ def _derive(
         coordinates,
         phi,
         jacobian,
-        tuple(-sympy.diff(e, t) for e in phi),
+        tuple(-derivative(e, t) for e in phi),
         tuple(_gamma(e, row, coordinates) for e, row in zip(phi, jacobian, strict=True)),
         reactions,
         multipliers,
@@ -88,11 +89,11 @@ def _gamma(
     phi: sympy.Expr, row: tuple[sympy.Expr, ...], coordinates: tuple[Coordinate, ...]
 ) -> sympy.Expr:
     """γ of one equation; mixed second derivatives are taken once and doubled."""
-    terms = [sympy.diff(phi, t, 2)]
+    terms = [derivative(derivative(phi, t), t)]
     for k, (entry, p) in enumerate(zip(row, coordinates, strict=True)):
-        terms.append(2 * sympy.diff(entry, t) * p.rate)
-        terms.append(sympy.diff(entry, p) * p.rate**2)
-        terms += [2 * sympy.diff(entry, q) * p.rate * q.rate for q in coordinates[k + 1 :]]
+        terms.append(2 * derivative(entry, t) * p.rate)
+        terms.append(derivative(entry, p) * p.rate**2)
+        terms += [2 * derivative(entry, q) * p.rate * q.rate for q in coordinates[k + 1 :]]
     return sympy.Add(*(-term for term in terms))
 
 
@@ -106,7 +107,7 @@ def _joint_reaction(
 ) -> tuple[tuple[str, str, sympy.Expr], ...]:
     """F = -Φ_rᵀ λ and T = (s'ᵀ Bᵀ Φ_rᵀ - Φ_φᵀ) λ at the joint's point (Haug 6.6.9), in its axes."""
     fx, fy, couple = (
-        -sign * sum(sympy.diff(e, c) * lam for e, lam in zip(phi, multipliers, strict=True))
+        -sign * sum(derivative(e, c) * lam for e, lam in zip(phi, multipliers, strict=True))
         for c in (frame.x, frame.y, frame.phi)
     )
     torque = sympy.expand(couple - (arm[0] * fy - arm[1] * fx))

@@ -19,6 +19,7 @@ from codegen.declare.element import (
     reported,
 )
 from codegen.declare.symbols import Coordinate, kinds, side, t
+from codegen.derive.derivative import derivative
 from codegen.derive.switching import as_pieces
 
 
@@ -108,7 +109,7 @@ def _conservative(
 ) -> tuple[sympy.Expr, tuple[tuple[Coordinate, sympy.Expr], ...]]:
     """V with its kinks as pieces, and (coordinate, ∂V/∂q)."""
     potential = as_pieces(energy)
-    return potential, tuple((q, sympy.diff(potential, q)) for q in kinds(potential, Coordinate))
+    return potential, tuple((q, derivative(potential, q)) for q in kinds(potential, Coordinate))
 
 
 def derived_effects() -> int:
@@ -120,8 +121,8 @@ def _friction(effect: Effect, holding: Sticking | Rigid | None) -> FrictionTerms
     law = friction_law(effect)
     if law is None:
         return None
-    direction = tuple((q, sympy.diff(law.along, q)) for q in kinds(law.along, Coordinate))
-    slip = sympy.Add(*(slope * q.rate for q, slope in direction), sympy.diff(law.along, t))
+    direction = tuple((q, derivative(law.along, q)) for q in kinds(law.along, Coordinate))
+    slip = sympy.Add(*(slope * q.rate for q, slope in direction), derivative(law.along, t))
     turned = side(effect.name) if law.creep is None else sympy.tanh(slip / law.creep)
     grip, limit = law.strength * turned, None
     if isinstance(holding, Sticking) and law.creep is None:

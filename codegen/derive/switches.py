@@ -9,6 +9,7 @@ import sympy
 
 from codegen.declare.element import Rigid, Sticking
 from codegen.declare.symbols import Acceleration, Coordinate, Side, Velocity, kinds, side, t
+from codegen.derive.derivative import derivative
 from codegen.derive.effects import EffectTerms
 from codegen.derive.switching import conditions, switching_function
 
@@ -77,10 +78,10 @@ class RigidContact:
 @cache
 def rate(g: sympy.Expr) -> sympy.Expr:
     """dg/dt = g_t + g_q q̇ + g_q̇ q̈."""
-    terms = [sympy.diff(g, t)]
-    terms += [sympy.diff(g, q) * q.rate for q in kinds(g, Coordinate)]
+    terms = [derivative(g, t)]
+    terms += [derivative(g, q) * q.rate for q in kinds(g, Coordinate)]
     for v in kinds(g, Velocity):
-        terms.append(sympy.diff(g, v) * Acceleration(f"{v.name}_rate", real=True))
+        terms.append(derivative(g, v) * Acceleration(f"{v.name}_rate", real=True))
     return sympy.Add(*terms)
 
 
