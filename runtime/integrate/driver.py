@@ -25,6 +25,7 @@ from runtime.integrate.signatures import (
 from runtime.integrate.slots import (
     BENDS,
     LOG_ROWS,
+    STABILIZED,
     accepted_of,
     attempt_of,
     dense_of,
@@ -214,7 +215,7 @@ def advance(
         if (
             r.plan == FREE
             and m > 0
-            and machine[BENDS] == 0
+            and machine[BENDS] == machine[STABILIZED]
             and t1 >= r.look_at
             and t1 >= r.quiet
             and r.fixed == 0
