@@ -187,10 +187,11 @@ class Loops:
         stop = dict.fromkeys(inside)
         if reached(graph, [value], stop) & {self.q[k] for k in columns}:
             return None
-        still = {number: graph.zero for number in inside}
+        still = dict.fromkeys(inside, graph.zero)
         (start,) = rebuilt(graph, [value], still)
         factors = [
-            tuple(self._slope(value, number, still) for number in pair) for pair in ends
+            (self._slope(value, sine, still), self._slope(value, cosine, still))
+            for sine, cosine in ends
         ]
         stated = [start]
         for (sine, cosine), (a, b) in zip(ends, factors, strict=True):
@@ -218,7 +219,7 @@ class Loops:
         program = Program(tuple(self.graph.values), (kernel,), (), 0.0)
         for place in range(PLACES):
             try:
-                out = evaluate(program, "looked", Somewhere(place), math)["out"]  # type: ignore[arg-type]
+                out = evaluate(program, "looked", Somewhere(place), math)["out"]
             except (ValueError, ZeroDivisionError, OverflowError):
                 return False
             if not abs(out[0]) <= AGREED * (1.0 + abs(out[1])):
