@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from codegen.declare.element import ConjugateReaction, I, J, JointReaction, Statement
     from codegen.declare.scene import Scene
     from codegen.declare.symbols import Coordinate, alpha, coordinate, given, t
-    from codegen.driver import BuildReport, build
+    from codegen.built import BuildReport
+    from codegen.driver import build
     from codegen.elements.registry import element
     from codegen.model import Model
 
