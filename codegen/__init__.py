@@ -28,7 +28,8 @@ _ROOMS = {
     "codegen.declare.element": ("ConjugateReaction", "I", "J", "JointReaction", "Statement"),
     "codegen.declare.scene": ("Scene",),
     "codegen.declare.symbols": ("Coordinate", "alpha", "coordinate", "given", "t"),
-    "codegen.driver": ("BuildReport", "build"),
+    "codegen.built": ("BuildReport",),
+    "codegen.driver": ("build",),
     "codegen.elements.registry": ("element",),
 }
 _HOMES = {name: room for room, names in _ROOMS.items() for name in names}

@@ -25,12 +25,14 @@ from runtime.integrate.signatures import (
 from runtime.integrate.slots import (
     BENDS,
     LOG_ROWS,
+    LOOPS,
     accepted_of,
     attempt_of,
     dense_of,
     emit_of,
     first_step_of,
     locate_of,
+    passed_of,
     propose_of,
     repartition_of,
     restart_of,
@@ -82,6 +84,8 @@ _ZENO_EVENTS = 30  # events in a row with such a ratio that are no accident
 _ZENO_SPAN = 1e-7  # of the run: what eight such events must take at most
 _ZENO_RATIO = 0.98  # of the time of eight events to that of the eight before the last
 _SHARE = 0.3  # of the way to a position that is missed: what a step may cover
+_AT_ONCE = 1e-3  # of a usual step: how near to a dead centre a run comes that ends there
+_SHORT_OF = 0.9  # of the way to a dead centre that the next step may go
 RECENT = 8
 TOO_CLOSE = 1.2  # steps: a singular position no further away than this needs a plan before the step
 LOG_MARGIN = 16  # free rows of the partition log that one step may need
@@ -211,6 +215,18 @@ def advance(
                     return LOOK
             continue
         soon = 0
+        if machine[LOOPS] != 0:
+            met = passed_of(machine)(machine, t, h, w, run, p)
+            if met <= 1.0:
+                # Beyond a dead centre the kernels would go on on the wrong branch.
+                if met * h <= _AT_ONCE * r.usual:
+                    r.turn = t + met * h
+                    return _SINGULAR
+                r.rejected += 1
+                r.rejected_before = 1
+                r.index = -1
+                r.h = _SHORT_OF * met * h
+                continue
         if (
             r.plan == FREE
             and m > 0
@@ -378,6 +394,8 @@ def advance(
                 r.error_old = 1e-4
         if r.weak >= WEAK_STATES:
             r.index = r.weak_row - 1
+            if r.index >= m:
+                return _SINGULAR  # no constraint that is left, so there is no position to look for
             r.vanishing = 0.0
             return LOOK
         if planned == 0 and h > 0.0:

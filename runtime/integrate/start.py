@@ -25,6 +25,7 @@ from runtime.integrate.slots import (
     RIGID,
     ROW_ORDER,
     SETTINGS,
+    SPREADS,
     begin_of,
     correct_of,
     first_step_of,
@@ -84,6 +85,7 @@ def spread(machine: Integers, t: float, w: Vector, sw: Vector, p: Vector) -> Non
     for j in range(length):
         w[SAMPLE * length + j] = 0.0
     rates(t, q, v, a, p, rest)
+    known = floats_at(machine, SPREADS, s)
     for k in range(s):
         found[k] = 0.0
     for j in range(length):
@@ -93,6 +95,8 @@ def spread(machine: Integers, t: float, w: Vector, sw: Vector, p: Vector) -> Non
         for k in range(s):
             change = abs(now[k] - rest[k])
             found[k] += change if np.isfinite(change) else 0.0
+    for k in range(s):
+        found[k] = max(found[k], known[k])
 
 
 @compiled(
@@ -158,7 +162,7 @@ def start(
     at_rest(machine, p, modes)
     if r.plan == FREE:
         weak = field(machine, t, q, v, p, modes, a, lam)
-        if weak > 0 and m > 0:
+        if weak > 0:
             r.index = weak - 1
             return _SINGULAR
     outcome = _OK
