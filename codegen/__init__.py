@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 from codegen.errors import InputError, LinkwrightError, ModelError
 
 if TYPE_CHECKING:
+    from codegen.built import BuildReport
     from codegen.declare.body import Body, Curve, Point
     from codegen.declare.element import ConjugateReaction, I, J, JointReaction, Statement
     from codegen.declare.scene import Scene
     from codegen.declare.symbols import Coordinate, alpha, coordinate, given, t
-    from codegen.built import BuildReport
     from codegen.driver import build
     from codegen.elements.registry import element
     from codegen.model import Model

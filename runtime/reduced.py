@@ -109,11 +109,27 @@ class Reduced:
         self.kernels.constants(made)
         return made
 
-    def nearness(self, t: float, q: FloatArray, v: FloatArray, p: FloatArray) -> FloatArray:
-        """ρ/R of each of `branches` at a state of the kept coordinates; zero at a dead centre."""
-        out = np.zeros(2 * len(self.branches))
-        self.dead_centres(t, q, v, p, out)
-        found: FloatArray = np.sqrt(np.maximum(out[::2], 0.0))
+    def steepness(self, t: float, q: FloatArray, p: FloatArray, sizes: FloatArray) -> FloatArray:
+        """Largest rate of each of `branches` by those of the kept coordinates, in their sizes.
+
+        It grows beyond all bounds at a dead centre.
+
+        Parameters
+        ----------
+        q, sizes : (f,)
+            Kept coordinates, and their typical sizes.
+        """
+        n = len(self.told.coordinates)
+        columns = [column for column, _ in self.branches]
+        turns, place = np.zeros(len(self.angles)), np.zeros(n)
+        found, rest, rate = np.zeros(len(columns)), np.zeros(n), np.zeros(n)
+        unit = np.zeros(len(q))
+        self.expand(t, q, unit, p, turns, place, rest)
+        for j, size in enumerate(sizes):
+            unit[j] = size
+            self.expand(t, q, unit, p, turns, place, rate)
+            unit[j] = 0.0
+            found = np.maximum(found, np.abs(rate - rest)[columns])
         return found
 
     def expanded(

@@ -44,7 +44,7 @@ class Angle:
     s, c
         Its sine and cosine.
     room
-        ρ², which vanishes at a dead centre, and R².
+        ρ², which vanishes at a dead centre.
     slope
         σ ρ; the sign of its value in a position is the branch. None: what is left decides.
     branch
@@ -55,7 +55,7 @@ class Angle:
     row: int
     s: int
     c: int
-    room: tuple[int, int] | None = None
+    room: int | None = None
     slope: int | None = None
     branch: int | None = None
 
@@ -170,9 +170,7 @@ class Loops:
         c = graph.sub(graph.mul(a, root), graph.mul(b, start))
         sine, cosine = (graph.function(op, self.q[column]) for op in (Op.SIN, Op.COS))
         slope = graph.sub(graph.mul(a, cosine), graph.mul(b, sine))
-        return Angle(
-            column, row, graph.mul(inverse, s), graph.mul(inverse, c), (room, square), slope, branch
-        )
+        return Angle(column, row, graph.mul(inverse, s), graph.mul(inverse, c), room, slope, branch)
 
     def _squares(self, a: int, b: int) -> int:
         return self.graph.add(self.graph.mul(a, a), self.graph.mul(b, b))

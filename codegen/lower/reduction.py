@@ -212,7 +212,7 @@ def _of_places(places: Places) -> list[Kernel]:
 
 
 def _dead_centres(places: Places, sides: list[Angle], names: list[str]) -> Kernel:
-    """(ρ/R)² of each loop with a branch, and its rate."""
+    """ρ² of each loop with a branch, and its rate."""
     graph, scene = places.graph, places.scene
     seeds = {scene.t: graph.one}
     for k in places.kept:
@@ -220,13 +220,12 @@ def _dead_centres(places: Places, sides: list[Angle], names: list[str]) -> Kerne
     values, notes = [], []
     for angle, name in zip(sides, names, strict=True):
         assert angle.room is not None
-        room, square = places.put_in(angle.room)
-        share = graph.div(room, square)
-        values += [share, *differentiate(graph, [share], seeds)]
-        notes += [f"{name}: (ρ/R)²", f"{name}: its rate"]
+        (room,) = places.put_in([angle.room])
+        values += [room, *differentiate(graph, [room], seeds)]
+        notes += [f"{name}: ρ²", f"{name}: its rate"]
     return Kernel(
         "dead_centres",
-        "(ρ/R)² of each loop in closed form, which vanishes at its dead centres, and its rate.",
+        "ρ² of each loop in closed form, which vanishes at its dead centres, and its rate.",
         (*STATE, "out"),
         store("out", values, notes),
     )

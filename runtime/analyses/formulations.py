@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from runtime.reduced import Reduced
 
 FORMULATIONS = ("cartesian", "reduced")
-_AT_ONE = 1e-6  # ρ/R of a loop that is at its dead centre
+_STEEP = 1e6  # rate of an angle by those of what is left, at a dead centre of its loop
 _CORRECTIONS = ("step", "stage")
 
 
@@ -110,7 +110,7 @@ class KeptCoordinates:
         self.q, self.v = begin.q[kept].copy(), begin.v[kept].copy()
         self.sizes = sizes[kept]
         self.p = reduced.parameters(p, begin.t, begin.q)
-        _refuse_dead_centre(machine, reduced, begin, self.p)
+        _refuse_dead_centre(machine, reduced, begin, self.p, self.sizes)
         values, mass = np.zeros(len(reduced.mass[0])), np.zeros((len(kept), len(kept)))
         reduced.kernels.mass(self.q, self.p, values)
         mass[reduced.mass] = values
@@ -241,16 +241,17 @@ def _refuse(machine: "Machine", begin: Assembly, correction: Correction) -> None
 
 
 def _refuse_dead_centre(
-    machine: "Machine", reduced: "Reduced", begin: Assembly, p: FloatArray
+    machine: "Machine", reduced: "Reduced", begin: Assembly, p: FloatArray, sizes: FloatArray
 ) -> None:
-    told, kept = machine.description, reduced.kept
-    near = reduced.nearness(begin.t, begin.q[kept], begin.v[kept], p)
+    told = machine.description
+    steep = reduced.steepness(begin.t, begin.q[reduced.kept], p, sizes)
     problems = [
         f"{told.title}: the run starts with {told.constraints[row].name} at a dead centre of its "
-        f"loop (ρ/R = {share:.1e}), where both ways to close it meet, and reduced coordinates "
-        f'follow one of them; start further away, or take formulation="cartesian".'
-        for (_, row), share in zip(reduced.branches, near, strict=True)
-        if not share > _AT_ONE
+        f"loop, where both ways to close it meet ({told.coordinates[column].name} moves "
+        f"{ratio:.1e} times as fast as what is left), and reduced coordinates follow one of them; "
+        f'start further away, or take formulation="cartesian".'
+        for (column, row), ratio in zip(reduced.branches, steep, strict=True)
+        if not ratio < _STEEP
     ]
     if problems:
         raise InputError(problems)

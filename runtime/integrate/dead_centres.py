@@ -1,11 +1,12 @@
 """Dead centres of the loops that kernels close in closed form.
 
-There the two branches of a loop meet. With x = ρ/R, which vanishes there, the motion passes with
-ẋ ≠ 0 onto the other branch, but kernels know x² alone and would go on on the one that they are
-on. So a step that may have passed one is not taken. At its start x falls and would vanish after
-x/|ẋ|, at its end it grows and would have vanished x/ẋ before: where x goes through zero these two
-times add up to the step. Where a motion turns back before, x² = x_m² + c² τ², they add up to the
-step and (x_m/c)² (1/τ₀ + 1/τ₁), three times a step or more once the turn is resolved.
+There the two branches of a loop meet: its ρ, the derivative of the loop by its angle, vanishes. The
+motion passes with ρ̇ ≠ 0 onto the other branch, but kernels know ρ² alone and would go on on the
+one that they are on. So a step that may have passed a dead centre is not taken. At its start ρ
+falls and would vanish after ρ/|ρ̇|, at its end it grows and would have vanished ρ/ρ̇ before: where ρ
+goes through zero these two times add up to the step. Where a motion turns back before,
+ρ² = ρ_m² + c² τ², they add up to the step and (ρ_m/c)² (1/τ₀ + 1/τ₁), three times a step or more
+once the turn is resolved.
 """
 
 import numpy as np
@@ -20,10 +21,23 @@ from runtime.outcomes import Outcome
 
 NONE = 2.0  # more than a step
 _ADDED = 2.0  # steps: the sum of both times below which a loop has passed its dead centre
-_LEAST = 1e-14  # x² that is rounding
-_NEAR = 1e-3  # x² of a state from which a run that ends without a step was on its way there
+# Of the largest ρ² so far:
+_LEAST = 1e-14  # rounding
+_NEAR = 1e-2  # within which steps become shorter on the way there
+_SHORT = 1e-4  # of the last step from further away: one that rounding asks for
+
+MET = (
+    "At t = {:.9g} s its loop is at a dead centre, where both ways to close it meet, and reduced "
+    'coordinates follow one of them; take formulation="cartesian", which goes on from there.'
+)
+"""What a run that ends so says, of the instant."""
 
 _ENDS = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
+
+
+def numbers_for(loops: int) -> int:
+    """Numbers to keep: ρ² and its rate at both ends, the largest ρ², a step's length."""
+    return 5 * loops + 1
 
 
 @compiled(PASSED)
@@ -37,41 +51,76 @@ def passed(machine: Integers, t: float, h: float, w: Vector, run: Run, p: Vector
     n = length // 2
     count = machine[LOOPS]
     rows = integers_at(machine, LOOP_ROWS, count)
-    numbers = floats_at(machine, NEARNESS, 4 * count)
+    numbers = floats_at(machine, NEARNESS, 5 * count + 1)
     before, after = view(numbers, 0, 2 * count), view(numbers, 2 * count, 2 * count)
+    largest = view(numbers, 4 * count, count)
     nearness = dead_centres_of(machine)
     nearness(t + h, view(w, Y1 * length, n), view(w, Y1 * length + n, n), p, after)
-    known = False
+    known, away = False, True
     first = NONE
     for k in range(count):
-        x2, rate = after[2 * k], after[2 * k + 1]
+        square, rate = after[2 * k], after[2 * k + 1]
         share = NONE
-        if not x2 > _LEAST:
+        away = away and square > _NEAR * largest[k]
+        if not square > _LEAST * largest[k]:
             share = 1.0
-        elif 2.0 * x2 < rate * h:
+        elif 2.0 * square < rate * h:
             if not known:
                 nearness(t, view(w, Y0 * length, n), view(w, Y0 * length + n, n), p, before)
                 known = True
-            y2, fall = before[2 * k], -before[2 * k + 1]
+            start, fall = before[2 * k], -before[2 * k + 1]
             if fall > 0.0:
-                ahead, behind = 2.0 * y2 / fall, 2.0 * x2 / rate
+                ahead, behind = 2.0 * start / fall, 2.0 * square / rate
                 if ahead + behind < _ADDED * h:
                     share = ahead / (ahead + behind)
+        largest[k] = max(largest[k], square)
         if share < first:
             first = share
+            r.index = rows[k]
+    if away:
+        numbers[5 * count] = h
+    return first
+
+
+@compiled(PASSED)
+def stuck(machine: Integers, t: float, h: float, w: Vector, run: Run, p: Vector) -> float:
+    """Time until a loop is at its dead centre, where steps cannot come nearer; else infinite.
+
+    Asked before a step of length `h` from Y0. The accelerations are a quotient 0/0 at a dead
+    centre, and at the time τ before it they err by their rounding over τ³. `run.index` says which
+    loop it is.
+    """
+    r = run[0]
+    length = w.size // ROWS
+    n = length // 2
+    count = machine[LOOPS]
+    rows = integers_at(machine, LOOP_ROWS, count)
+    numbers = floats_at(machine, NEARNESS, 5 * count + 1)
+    first = np.inf
+    if not h < _SHORT * numbers[5 * count]:
+        return first
+    before, largest = view(numbers, 0, 2 * count), view(numbers, 4 * count, count)
+    dead_centres_of(machine)(t, view(w, Y0 * length, n), view(w, Y0 * length + n, n), p, before)
+    for k in range(count):
+        square, fall = before[2 * k], -before[2 * k + 1]
+        if square < _NEAR * largest[k] and fall > 0.0 and 2.0 * square / fall < first:
+            first = 2.0 * square / fall
             r.index = rows[k]
     return first
 
 
-def on_the_way(system: System, t: float, state: Matrix, p: Vector, outcome: Outcome) -> int | None:
+def on_the_way(
+    system: System, t: float, state: Matrix, p: Vector, numbers: Vector, outcome: Outcome
+) -> int | None:
     """Which loop's dead centre stopped a run that came to no further step, if one did.
 
-    `state` holds q and v, (2, n). Where the coordinates that are integrated turn back, their
-    accelerations grow beyond all bounds there, and steps become shorter and shorter.
+    `state` holds q and v, (2, n), `numbers` what was kept. Where the coordinates that are
+    integrated turn back, their accelerations grow beyond all bounds there.
     """
-    if not system.loop_rows or outcome not in _ENDS:
+    count = len(system.loop_rows)
+    if not count or outcome not in _ENDS:
         return None
-    out = np.zeros(2 * len(system.loop_rows))
+    out = np.zeros(2 * count)
     system.dead_centres(t, state[0].copy(), state[1].copy(), p, out)
-    nearest = int(out[::2].argmin())
-    return system.loop_rows[nearest] if out[2 * nearest] < _NEAR else None
+    near = [k for k in range(count) if not out[2 * k] > _NEAR * numbers[4 * count + k]]
+    return system.loop_rows[near[0]] if near else None

@@ -36,6 +36,7 @@ from runtime.integrate.slots import (
     propose_of,
     repartition_of,
     restart_of,
+    stuck_of,
     transition_of,
     vanishing_of,
     watch_of,
@@ -192,6 +193,11 @@ def advance(
                 return _NEWTON_FAILED
             return _NOT_FINITE if r.reason == NOT_FINITE else _STEP_TOO_SMALL
 
+        if machine[LOOPS] != 0:
+            left = stuck_of(machine)(machine, t, h, w, run, p)
+            if left < np.inf:
+                r.turn = t + left
+                return _SINGULAR
         # Try the step.
         due = 0
         code = attempt(machine, t, h, w, run, p, modes, lam)

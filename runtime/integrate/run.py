@@ -13,7 +13,7 @@ from runtime.integrate.changing import change_method, fill_method
 from runtime.integrate.check import check
 from runtime.integrate.combinations import MOST
 from runtime.integrate.crossing import Crossings
-from runtime.integrate.dead_centres import on_the_way
+from runtime.integrate.dead_centres import MET, on_the_way
 from runtime.integrate.gathered import Gathered
 from runtime.integrate.held import HELD_MODE
 from runtime.integrate.interrupts import Interrupts
@@ -252,9 +252,13 @@ class _Run:
     def _result(self, outcome: Outcome, seconds: float) -> Trajectory:
         r, n = self.r, self.n
         t, y, modes = self.gathered.samples(r)
-        loop = on_the_way(self.system, float(r["t"]), self.state, self.fixed_arrays[3], outcome)
+        note = ""
+        p, kept = self.fixed_arrays[3], self.wiring.arrays[Slot.NEARNESS]
+        loop = on_the_way(self.system, float(r["t"]), self.state, p, kept, outcome)
         if loop is not None:
             outcome, r["index"], r["turn"] = Outcome.SINGULAR, loop, r["t"]
+        if outcome is Outcome.SINGULAR and int(r["index"]) in self.system.loop_rows:
+            note = MET.format(float(r["turn"]))
         counts = {
             name: int(r[name])
             for name in Statistics.__dataclass_fields__
@@ -276,17 +280,7 @@ class _Run:
             partitions=self.gathered.partitions(),
             methods=tuple((t, "dop853" if name == "auto" else name) for t, name in self.methods),
             crossings=tuple(self.crossings.passed),
-            note=self.crossings.note or self._given_up(outcome) or self._dead_centre(outcome),
-        )
-
-    def _dead_centre(self, outcome: Outcome) -> str:
-        """What to know where a loop in closed form met its dead centre."""
-        if outcome is not Outcome.SINGULAR or int(self.r["index"]) not in self.system.loop_rows:
-            return ""
-        return (
-            f"At t = {float(self.r['turn']):.9g} s its loop is at a dead centre, where both ways "
-            "to close it meet, and reduced coordinates follow one of them; take "
-            'formulation="cartesian", which goes on from there.'
+            note=self.crossings.note or self._given_up(outcome) or note,
         )
 
     def _given_up(self, outcome: Outcome) -> str:

@@ -75,6 +75,7 @@ def _loop() -> Integers:
             surfaces.margins,
             vanishing,
             dead_centres.passed,
+            dead_centres.stuck,
         )
     )
 
@@ -147,7 +148,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         Slot.PIVOTS: np.zeros(2 * m),
         Slot.PIVOT_COLUMNS: np.zeros(m, np.int64),
         Slot.LOOP_ROWS: np.array(system.loop_rows, dtype=np.int64),
-        Slot.NEARNESS: np.zeros(4 * len(system.loop_rows)),
+        Slot.NEARNESS: np.zeros(dead_centres.numbers_for(len(system.loop_rows))),
         Slot.SPREADS: np.zeros(s),
     }
     for slot, array in arrays.items():
