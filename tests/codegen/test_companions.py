@@ -1,4 +1,4 @@
-"""Files that go with a scene's own: which are written, when brought up to date, what refuses them."""
+"""Files that go with a scene's own: which are written, kept up to date, and refused."""
 
 import json
 import os
