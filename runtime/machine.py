@@ -90,23 +90,12 @@ class Machine:
 
     @cached_property
     def reduced(self) -> "Reduced":
-        """The equations of motion in reduced coordinates: see `runtime.reduced`.
-
-        Their file is built when it is first asked for.
-
-        Raises
-        ------
-        InputError
-            If the scene has none.
-        AnalysisError
-            If the machine was not loaded from a model.
-        """
+        """The equations in reduced coordinates, built when first asked for: `runtime.reduced`."""
         from runtime.companions import load_companion
         from runtime.reduced import gather
 
-        title = self.description.title
-        module = load_companion(self._origin, "reduced", title, self.path)
-        return gather(module, self.description)
+        told = self.description
+        return gather(load_companion(self._origin, "reduced", told.title, self.path), told)
 
     def bearing(self, independent: tuple[int, ...]) -> "Machine":
         """The machine with kernels that bear redundant constraints.

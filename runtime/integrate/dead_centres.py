@@ -12,6 +12,7 @@ once the turn is resolved.
 import numpy as np
 
 from runtime.compiled import compiled
+from runtime.integrate.codes import SINGULAR
 from runtime.integrate.problem import System
 from runtime.integrate.signatures import PASSED, Integers, Matrix, Vector
 from runtime.integrate.slots import LOOP_ROWS, LOOPS, NEARNESS, dead_centres_of
@@ -19,11 +20,13 @@ from runtime.integrate.views import floats_at, integers_at, view
 from runtime.integrate.workspace import ROWS, Y0, Y1, Run
 from runtime.outcomes import Outcome
 
-NONE = 2.0  # more than a step
+AGAIN = -1
 _ADDED = 2.0  # steps: the sum of both times below which a loop has passed its dead centre
 # Of the largest ρ² so far:
 _LEAST = 1e-14  # rounding
 _NEAR = 1e-2  # within which steps become shorter on the way there
+_AT_ONCE = 1e-3  # of a usual step: how near to a dead centre a run comes that ends there
+_SHORT_OF = 0.9  # of the way to a dead centre that the next step may go
 _SHORT = 1e-4  # of the last step from further away: one that rounding asks for
 
 MET = (
@@ -41,10 +44,13 @@ def numbers_for(loops: int) -> int:
 
 
 @compiled(PASSED)
-def passed(machine: Integers, t: float, h: float, w: Vector, run: Run, p: Vector) -> float:
-    """Share of the step from Y0 to Y1 after which a loop passes its dead centre; else `NONE`.
+def passed(machine: Integers, t: float, h: float, w: Vector, run: Run, p: Vector) -> int:
+    """Judge a step from Y0 to Y1: 0, `AGAIN` and shorter, or the code of an outcome.
 
-    `run.index` then says which.
+    It is 0 where no loop passes its dead centre. Where the run ends, `run.index` and `run.turn` say
+    which loop does and when. The accelerations are a quotient 0/0 at a dead centre, and at the time τ before it they err by
+    their rounding over τ³: no step control comes there, so steps much shorter than those further
+    away end a run too.
     """
     r = run[0]
     length = w.size // ROWS
@@ -57,13 +63,18 @@ def passed(machine: Integers, t: float, h: float, w: Vector, run: Run, p: Vector
     nearness = dead_centres_of(machine)
     nearness(t + h, view(w, Y1 * length, n), view(w, Y1 * length + n, n), p, after)
     known, away = False, True
-    first = NONE
+    stuck = h < _SHORT * numbers[5 * count]
+    first, over, row = np.inf, False, -1
     for k in range(count):
         square, rate = after[2 * k], after[2 * k + 1]
-        share = NONE
-        away = away and square > _NEAR * largest[k]
+        near = not square > _NEAR * largest[k]
+        away = away and not near
+        left = np.inf
         if not square > _LEAST * largest[k]:
-            share = 1.0
+            left = h
+        elif stuck and near and rate < 0.0:
+            over = True
+            left = h - 2.0 * square / rate
         elif 2.0 * square < rate * h:
             if not known:
                 nearness(t, view(w, Y0 * length, n), view(w, Y0 * length + n, n), p, before)
@@ -72,41 +83,21 @@ def passed(machine: Integers, t: float, h: float, w: Vector, run: Run, p: Vector
             if fall > 0.0:
                 ahead, behind = 2.0 * start / fall, 2.0 * square / rate
                 if ahead + behind < _ADDED * h:
-                    share = ahead / (ahead + behind)
+                    left = h * ahead / (ahead + behind)
         largest[k] = max(largest[k], square)
-        if share < first:
-            first = share
-            r.index = rows[k]
+        if left < first:
+            first, row = left, rows[k]
     if away:
         numbers[5 * count] = h
-    return first
-
-
-@compiled(PASSED)
-def stuck(machine: Integers, t: float, h: float, w: Vector, run: Run, p: Vector) -> float:
-    """Time until a loop is at its dead centre, where steps cannot come nearer; else infinite.
-
-    Asked before a step of length `h` from Y0. The accelerations are a quotient 0/0 at a dead
-    centre, and at the time τ before it they err by their rounding over τ³. `run.index` says which
-    loop it is.
-    """
-    r = run[0]
-    length = w.size // ROWS
-    n = length // 2
-    count = machine[LOOPS]
-    rows = integers_at(machine, LOOP_ROWS, count)
-    numbers = floats_at(machine, NEARNESS, 5 * count + 1)
-    first = np.inf
-    if not h < _SHORT * numbers[5 * count]:
-        return first
-    before, largest = view(numbers, 0, 2 * count), view(numbers, 4 * count, count)
-    dead_centres_of(machine)(t, view(w, Y0 * length, n), view(w, Y0 * length + n, n), p, before)
-    for k in range(count):
-        square, fall = before[2 * k], -before[2 * k + 1]
-        if square < _NEAR * largest[k] and fall > 0.0 and 2.0 * square / fall < first:
-            first = 2.0 * square / fall
-            r.index = rows[k]
-    return first
+    if row < 0:
+        return 0
+    if over or first <= _AT_ONCE * r.usual:
+        r.index, r.turn = row, t + first
+        return SINGULAR
+    r.rejected += 1
+    r.rejected_before = 1
+    r.h = _SHORT_OF * first
+    return AGAIN
 
 
 def on_the_way(

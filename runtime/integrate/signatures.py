@@ -108,7 +108,7 @@ WATCH = i8(
     integers, f8, f8, f8, vector, vector, run_record, vector, integers, vector
 )  # machine t h t1 w sw run p modes lam
 VANISHING = f8(integers, f8, f8, i8, vector, run_record, vector)  # machine t h state w run p
-PASSED = f8(integers, f8, f8, vector, run_record, vector)  # machine t h w run p; share of the step
+PASSED = i8(integers, f8, f8, vector, run_record, vector)  # machine t h w run p
 
 Accelerations = types.FunctionType(ACCELERATIONS)
 Correction = types.FunctionType(CORRECTION)

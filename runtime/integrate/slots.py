@@ -99,7 +99,6 @@ class Slot(IntEnum):
     MARGINS = auto()
     VANISHING = auto()
     PASSED = auto()
-    STUCK = auto()
     # Numbers.
     COORDINATES = auto()
     CONSTRAINT_COUNT = auto()
@@ -194,7 +193,6 @@ return_held_of = at(ReturnHeld, Slot.RETURN_HELD)
 vanishing_of = at(Vanishing, Slot.VANISHING)
 dead_centres_of = at(Switching, Slot.DEAD_CENTRES)
 passed_of = at(Passed, Slot.PASSED)
-stuck_of = at(Passed, Slot.STUCK)
 
 # Compiled code needs plain numbers.
 COORDINATES = int(Slot.COORDINATES)

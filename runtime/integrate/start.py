@@ -4,6 +4,7 @@ import numpy as np
 
 from runtime.compiled import ADDRESSES, compiled, inner
 from runtime.constraints.correction import FAILED, WEAK
+from runtime.integrate import codes
 from runtime.integrate.bent import STEP
 from runtime.integrate.consistency import CONSISTENT
 from runtime.integrate.field import field
@@ -56,13 +57,6 @@ from runtime.integrate.workspace import (
     Run,
     run_record,
 )
-from runtime.outcomes import Outcome
-
-_OK = int(Outcome.OK)
-_INCONSISTENT = int(Outcome.INCONSISTENT)
-_SINGULAR = int(Outcome.SINGULAR)
-_NEWTON_FAILED = int(Outcome.NEWTON_FAILED)
-_NOT_FINITE = int(Outcome.NOT_FINITE)
 
 _ROUGH = 0.1  # of a function's spread: |g| at which its rounding is some units in the last place
 
@@ -146,11 +140,11 @@ def start(
         r.repartitions = 0
         if r.rank < machine[RANK]:
             r.index = integers_at(machine, ROW_ORDER, m)[r.rank]
-            return _SINGULAR
+            return codes.SINGULAR
         result = correct_of(machine)(machine, t, Y0, PARTITION, w, p)
         r.newton += 1
         if result == FAILED:
-            return _NEWTON_FAILED
+            return codes.NEWTON_FAILED
         r.corrections += result % WEAK
     q = view(w, Y0 * length, n)
     v = view(w, Y0 * length + n, n)
@@ -164,8 +158,8 @@ def start(
         weak = field(machine, t, q, v, p, modes, a, lam)
         if weak > 0:
             r.index = weak - 1
-            return _SINGULAR
-    outcome = _OK
+            return codes.SINGULAR
+    outcome = codes.OK
     if s > 0:
         # A run of no length has modes too; they are judged as if it went on for a second.
         longest = r.h_max if r.h_max > 0.0 else 1.0
@@ -187,7 +181,7 @@ def start(
         )
         if settled != CONSISTENT:
             r.index = settled
-            outcome = _INCONSISTENT
+            outcome = codes.INCONSISTENT
         field(machine, t, q, v, p, modes, a, lam)
         measure(machine, t, Y0, K, G0, w, sw, p, modes, lam)
         for k in range(s):
@@ -198,9 +192,9 @@ def start(
     if not finite(a):
         jammed = jams(machine, t, q, v, p, modes, a, lam)
         if jammed == CONSISTENT:
-            return _NOT_FINITE
+            return codes.NOT_FINITE
         r.index = jammed
-        return _INCONSISTENT
+        return codes.INCONSISTENT
     if r.fixed == 0 and not r.h > 0.0:
         r.h = first_step(machine, t, r.h_max, r.rtol, r.order, w, p, modes, lam)
         r.rhs += 1

@@ -75,7 +75,6 @@ def _loop() -> Integers:
             surfaces.margins,
             vanishing,
             dead_centres.passed,
-            dead_centres.stuck,
         )
     )
 
