@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 from codegen.errors import InputError, LinkwrightError, ModelError
 
 if TYPE_CHECKING:
+    from codegen.built import BuildReport
     from codegen.declare.body import Body, Curve, Point
     from codegen.declare.element import ConjugateReaction, I, J, JointReaction, Statement
     from codegen.declare.scene import Scene
     from codegen.declare.symbols import Coordinate, alpha, coordinate, given, t
-    from codegen.driver import BuildReport, build
+    from codegen.driver import build
     from codegen.elements.registry import element
     from codegen.model import Model
 
@@ -27,7 +28,8 @@ _ROOMS = {
     "codegen.declare.element": ("ConjugateReaction", "I", "J", "JointReaction", "Statement"),
     "codegen.declare.scene": ("Scene",),
     "codegen.declare.symbols": ("Coordinate", "alpha", "coordinate", "given", "t"),
-    "codegen.driver": ("BuildReport", "build"),
+    "codegen.built": ("BuildReport",),
+    "codegen.driver": ("build",),
     "codegen.elements.registry": ("element",),
 }
 _HOMES = {name: room for room, names in _ROOMS.items() for name in names}

@@ -23,9 +23,14 @@ UNSIGNED = "0" * 64
 _SIGNATURE = re.compile(rf"^{MARK}([0-9a-f]{{64}})$", re.MULTILINE)
 
 
+def companion_path(path: Path, kind: str) -> Path:
+    """The file that goes with a scene's generated file: its "tangents", or "reduced"."""
+    return path.with_name(f"{path.stem}__{kind}.py")
+
+
 def tangents_path(path: Path) -> Path:
     """The file of exact derivatives that goes with a scene's generated file."""
-    return path.with_name(f"{path.stem}__tangents.py")
+    return companion_path(path, "tangents")
 
 
 def signed(text: str) -> str:

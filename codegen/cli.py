@@ -85,6 +85,15 @@ def build(
             "their own; without it only those that exist are brought up to date.",
         ),
     ] = False,
+    reduced: Annotated[
+        bool,
+        typer.Option(
+            "--reduced",
+            help="Also the equations in reduced coordinates that simulate --formulation reduced "
+            "takes, in files of their own; without it only those that exist are brought up to "
+            "date.",
+        ),
+    ] = False,
     check: Annotated[
         bool, typer.Option("--check", help="Write nothing; fail if a file is out of date.")
     ] = False,
@@ -100,6 +109,7 @@ def build(
             out,
             settings=parse_settings(settings or []),
             tangents=tangents,
+            reduced=reduced,
             check=check,
             progress=lambda message: status.update(escaped(message)),
         )
@@ -113,6 +123,7 @@ def build(
             f"[bold red]stale:[/] {escaped(str(path))} is missing or not what the model gives; "
             f"run: python -m codegen build {escaped(model)}"
             f"{f' --out {escaped(str(out))}' if out else ''}{' --tangents' if tangents else ''}"
+            f"{' --reduced' if reduced else ''}"
         )
     if done.stale:
         raise typer.Exit(1)
@@ -137,10 +148,10 @@ def _print_build(done: Any, check: bool) -> None:
         output.print(f"  left out      {', '.join(s.left_out) or 'nothing'}")
         output.print(f"  operations    {listed(s.operations)}")
         seconds = dict(s.seconds)
-        if s.tangents:
-            output.print(f"  derivatives   {escaped(str(s.tangents.path))}: {state(s.tangents)}")
-            output.print(f"  operations    {listed(s.tangents.operations)}")
-            seconds |= {f"{k} derivatives": x for k, x in s.tangents.seconds.items()}
+        for made in s.companions:
+            output.print(f"  {made.title:<13} {escaped(str(made.path))}: {state(made)}")
+            output.print(f"  operations    {listed(made.operations)}")
+            seconds |= {f"{k} {made.title}": x for k, x in made.seconds.items()}
         output.print(f"  seconds       {', '.join(f'{k} {x:.2f}' for k, x in seconds.items())}")
         for note in s.notes:
             output.print(f"  note          {escaped(note)}")

@@ -6,96 +6,36 @@ derive    Model, Scene          → Equations               (codegen.derive)
 lower     Equations             → Lowered program         (codegen.lower)
 examine   Equations, Lowered    → redundant constraints   (codegen.examine)
 emit      Lowered               → text                    (codegen.emit)
-differentiate  Lowered          → text of derivatives     (codegen.differentiating), if asked for
+accompany Lowered               → text of derivatives, of reduced equations
+                                                          (codegen.companions), if asked for
 write     text                  → file, atomically        (codegen.write)
 compile   file                  → machine code in numba's cache
 """
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
 import codegen
+from codegen.built import BuildReport, report
 from codegen.check import check_model, check_scene
+from codegen.companions import COMPANIONS
 from codegen.compiling import compile_modules
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
-from codegen.differentiating import derivatives, refuse_massless, wanted
 from codegen.emit.module import Origin, module_text
 from codegen.errors import ModelError, SceneError
 from codegen.examine import Findings, examine
 from codegen.fingerprint import fingerprint
 from codegen.lower.kernels import Lowered, lower
-from codegen.lower.ledger import operations
 from codegen.model import Model
 from codegen.modelfile import ModelFile, read_model
 from codegen.placing import default_folder, file_name
 from codegen.settings import settled, with_settings
 from codegen.stages import Clock, File, Progress
 from codegen.write import is_current, write_if_changed
-
-
-@dataclass(frozen=True)
-class TangentsReport:
-    """The file of a scene's exact derivatives; attributes as in `SceneReport`."""
-
-    path: Path
-    changed: bool
-    digest: str
-    operations: dict[str, int]
-    seconds: dict[str, float]
-
-
-@dataclass(frozen=True)
-class SceneReport:
-    """What was built for one scene.
-
-    Attributes
-    ----------
-    path, changed, digest
-        The generated file, whether it is new, and the SHA-256 of its text.
-    operations
-        Kernel → arithmetic operations.
-    seconds
-        Stage → wall time.
-    tangents
-        The file of its exact derivatives, if it has one.
-    notes
-        What a modeller should know: constraints that are redundant near the start values.
-    """
-
-    model: str
-    scene: str
-    path: Path
-    changed: bool
-    digest: str
-    bodies: tuple[str, ...]
-    coordinates: int
-    constraints: int
-    degrees_of_freedom: int
-    effects: tuple[str, ...]
-    left_out: tuple[str, ...]
-    strategy: str | None
-    operations: dict[str, int]
-    seconds: dict[str, float]
-    tangents: TangentsReport | None = None
-    notes: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class BuildReport:
-    """What `build` did, scene by scene; `stale` lists the files that a check found out of date."""
-
-    scenes: tuple[SceneReport, ...]
-    stale: tuple[Path, ...] = ()
-
-    @property
-    def paths(self) -> tuple[Path, ...]:
-        """The generated files."""
-        return tuple(scene.path for scene in self.scenes)
 
 
 def build(
@@ -105,6 +45,7 @@ def build(
     *,
     settings: Mapping[str, float] | None = None,
     tangents: bool = False,
+    reduced: bool = False,
     check: bool = False,
     compile: bool = True,  # noqa: A002 (what it does)
     progress: Progress = lambda message: None,
@@ -125,7 +66,10 @@ def build(
         Parameter → default value in this build; the files get a name of their own.
     tangents
         Generate also the exact derivatives that implicit methods take, of every scene with
-        masses. Files of derivatives that exist are brought up to date in any case.
+        masses.
+    reduced
+        Generate also the equations in reduced coordinates, of every scene for dynamics. Files of
+        either kind that exist are brought up to date in any case.
     check
         Write nothing; report which files are missing or out of date.
     compile
@@ -137,7 +81,7 @@ def build(
     ------
     InputError
         If anything is wrong with the file, the model or a scene: all problems at once; or if
-        derivatives are asked for of a scene without masses.
+        derivatives or reduced equations are asked for of a scene that has none.
     """
     progress("reading the model")
     started = perf_counter()
@@ -150,19 +94,21 @@ def build(
     for chosen in scenes:
         clock = Clock({"read": reading}, progress, f"{declared.name}, scene {chosen.name}")
         prepared.append((*translate(declared, chosen, clock), clock))
-    if tangents:
-        massive = {e.scene.name: bool(e.masses) for e, *_ in prepared}
-        refuse_massless(declared.name, massive, named=scene is not None)
+    asked = {"tangents": tangents, "reduced": reduced}
+    for kind in COMPANIONS:
+        if asked[kind.name]:
+            kind.refuse(declared.name, [e for e, *_ in prepared], named=scene is not None)
     files: list[File] = []
     for equations, lowered, _, clock in prepared:
         path = folder / file_name(file.stem, equations, settings or {})
         with clock("emit"):
             text = module_text(lowered, origin(file, equations, path, settings or {}))
         files.append(File(path, text, clock))
-        if wanted(equations, path, tangents):
-            provenance = origin(file, equations, path, settings or {}, " --tangents")
-            files[-1].tangents = derivatives(lowered, provenance, files[-1])
-    every = [f for main in files for f in (main, main.tangents) if f]
+        for kind in COMPANIONS:
+            if kind.wanted(equations, path, asked[kind.name]):
+                provenance = origin(file, equations, path, settings or {}, f" --{kind.name}")
+                files[-1].companions[kind.name] = kind.file(lowered, provenance, files[-1])
+    every = [f for main in files for f in (main, *main.companions.values())]
     for f in every:
         f.changed = not is_current(f.path, f.text) if check else write_if_changed(f.path, f.text)
     if compile and not check:
@@ -250,33 +196,3 @@ def origin(
 
 def _relative(source: Path, base: Path) -> str:
     return (source.relative_to(base) if source.is_relative_to(base) else source).as_posix()
-
-
-def report(equations: Equations, lowered: Lowered, findings: Findings, file: File) -> SceneReport:
-    """Gather what a person wants to know about a build."""
-    n = len(equations.coordinates)
-    m = sum(len(c.statement.rows) for c in equations.constraints)
-    program = lowered.program
-    return SceneReport(
-        equations.model,
-        equations.scene.name,
-        file.path,
-        file.changed,
-        file.digest,
-        equations.bodies,
-        n,
-        m,
-        n - findings.independent,
-        tuple(e.name for e in equations.effects),
-        tuple(name for name, _ in equations.left_out),
-        lowered.strategy,
-        {k.name: operations(program, k) for k in program.kernels},
-        file.clock.seconds,
-        _tangents_report(file.tangents) if file.tangents else None,
-        findings.notes,
-    )
-
-
-def _tangents_report(file: File) -> TangentsReport:
-    seconds = file.clock.seconds
-    return TangentsReport(file.path, file.changed, file.digest, file.operations, seconds)

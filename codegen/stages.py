@@ -38,9 +38,9 @@ class File:
     changed
         Whether its text is new on the disk, or in a check differs from it.
     operations
-        Kernel → arithmetic operations, of a file of derivatives.
-    tangents
-        The file of derivatives that goes with it.
+        Kernel → arithmetic operations, of a companion.
+    companions
+        Kind → the file that goes with it.
     """
 
     path: Path
@@ -48,7 +48,7 @@ class File:
     clock: Clock
     changed: bool = False
     operations: dict[str, int] = field(default_factory=dict)
-    tangents: "File | None" = None
+    companions: "dict[str, File]" = field(default_factory=dict)
 
     @property
     def digest(self) -> str:

@@ -17,7 +17,7 @@ from runtime.commanding import pairs, print_json, refuse, say
 from runtime.matters_command import matters
 
 if TYPE_CHECKING:
-    from runtime.integrate.problem import Correction
+    from runtime.integrate.problem import Correction, Formulation
     from runtime.machine import Machine
     from runtime.results.result import Result
 
@@ -72,6 +72,13 @@ def simulate(
             help="Return onto the constraints: step, stage, projection, baumgarte or hybrid."
         ),
     ] = "step",
+    formulation: Annotated[
+        str,
+        typer.Option(
+            help="Coordinates that are integrated: cartesian, all of them, or reduced, those that "
+            "no constraint gives."
+        ),
+    ] = "cartesian",
     out: Out = None,
     as_json: Json = False,
 ) -> None:
@@ -87,6 +94,7 @@ def simulate(
             method=method,
             rtol=rtol,
             correction=cast("Correction", correction),  # refused there if it is none
+            formulation=cast("Formulation", formulation),
             parameters=pairs(settings, "--set"),
             guess=pairs(guess, "--guess"),
             **extra,

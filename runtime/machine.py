@@ -27,9 +27,11 @@ from runtime.progress import bar
 if TYPE_CHECKING:
     from runtime.analyses.assembly import Assembly
     from runtime.analyses.equilibrium import Equilibrium
-    from runtime.integrate.problem import Correction, System
+    from runtime.companions import Origin
+    from runtime.integrate.problem import Correction, Formulation, System
+    from runtime.reduced import Reduced
     from runtime.results.result import Result
-    from runtime.tangents import Origin, Tangents
+    from runtime.tangents import Tangents
 
 FloatArray = npt.NDArray[np.float64]
 Values = Mapping[str, float]
@@ -75,19 +77,25 @@ class Machine:
         AnalysisError
             If the scene has no masses, or the machine was not loaded from a model.
         """
-        from runtime.tangents import load_tangents
+        from runtime.companions import load_companion
+        from runtime.tangents import gather
 
         if not self.description.has_masses:
             raise AnalysisError(
                 f"{self.description.title} is kinematic: no masses move in it, so there are no "
                 "accelerations under forces to differentiate. Load a scene with masses."
             )
-        if self._origin is None:
-            raise AnalysisError(
-                f"{self.description.title} was put together without its model, from {self.path}, "
-                "so its derivatives cannot be built. Load it by runtime.load."
-            )
-        return load_tangents(self._origin)
+        title = self.description.title
+        return gather(load_companion(self._origin, "tangents", title, self.path))
+
+    @cached_property
+    def reduced(self) -> "Reduced":
+        """The equations in reduced coordinates, built when first asked for: `runtime.reduced`."""
+        from runtime.companions import load_companion
+        from runtime.reduced import gather
+
+        told = self.description
+        return gather(load_companion(self._origin, "reduced", told.title, self.path), told)
 
     def bearing(self, independent: tuple[int, ...]) -> "Machine":
         """The machine with kernels that bear redundant constraints.
@@ -253,6 +261,7 @@ class Machine:
         guess: Values | None = None,
         start: "Assembly | None" = None,
         correction: "Correction" = "step",
+        formulation: "Formulation" = "cartesian",
         time_scale: float | None = None,
         first_step: float | None = None,
         max_step: float | None = None,
@@ -289,6 +298,7 @@ class Machine:
                 guess=guess,
                 start=start,
                 correction=correction,
+                formulation=formulation,
                 time_scale=time_scale,
                 first_step=first_step,
                 max_step=max_step,

@@ -23,6 +23,11 @@ class Outcome(IntEnum):
     UNBALANCED = 10
 
     @property
+    def of_switch(self) -> bool:
+        """Whether it concerns a switching condition, and no constraint."""
+        return self in {Outcome.INCONSISTENT, Outcome.ZENO}
+
+    @property
     def meaning(self) -> str:
         """What happened, in a sentence."""
         return _TEXT[self][0]

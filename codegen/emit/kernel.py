@@ -45,11 +45,12 @@ TITLES = {
     "factorization": "Factorization of M, Φ_q",
     "correction": "Factorization of Φ_q W Φ_qᵀ",
     "masses": "Masses",
+    "reduction": "Coordinates by those that are left",
     "": "Sums",
 }
 NOTE_WIDTH = 60
 PAGE = 100
-SHORT = {"factorization": "f", "correction": "c", "masses": "m", "": "s"}
+SHORT = {"factorization": "f", "correction": "c", "reduction": "r", "masses": "m", "": "s"}
 
 
 class KernelText:

@@ -25,11 +25,14 @@ class Lowered:
         The tables that go with them.
     strategy
         The order of elimination that was cheapest; None where nothing is eliminated.
+    rubbing
+        Whether friction follows from reactions, which `applied_forces` leaves out.
     """
 
     program: Program
     description: Description
     strategy: Strategy | None
+    rubbing: bool = False
 
 
 def lower(equations: Equations) -> Lowered:
@@ -78,7 +81,7 @@ def lower(equations: Equations) -> Lowered:
         kernels += hold_kernels(scene, wanted)
     program = with_constants(scene.graph, tuple(kernels), len(equations.parameters))
     told = describe(equations, scene, powers, _reported(scene, wanted), rows)
-    return Lowered(program, told, strategy)
+    return Lowered(program, told, strategy, bool(scene.frictions))
 
 
 def _reported(scene: SceneGraph, wanted: Wanted) -> tuple[int, ...]:

@@ -5,11 +5,15 @@ from itertools import combinations_with_replacement
 from codegen.declare.symbols import Parameter
 from codegen.lower.factorization import Elimination, Strategy
 from codegen.lower.friction import with_friction
+from codegen.lower.graph import Graph
 from codegen.lower.hoist import with_constants
 from codegen.lower.ledger import cost
 from codegen.lower.program import STATE, Check, Kernel, Output, store
 from codegen.lower.scene_graph import SceneGraph
 from codegen.lower.square import Square
+
+Entries = dict[tuple[int, int], int]
+"""(row, column) → value, structural non-zeros of Φ_q."""
 
 FAR = 1e5
 """Ratio of the largest to the smallest mass, or moment of inertia, from which on solutions are
@@ -127,18 +131,44 @@ def correction(scene: SceneGraph) -> Kernel:
     """The changes of q and q̇ that meet the constraints, least in the norm of the weights w."""
     graph = scene.graph
     with graph.serving("correction"):
-        rates = [graph.neg(nu) for nu in scene.nu]
-        for (i, k), entry in scene.jacobian.items():
-            rates[i] = graph.add(rates[i], graph.mul(entry, scene.v[k]))
-        right = [[graph.neg(phi) for phi in scene.phi], [graph.neg(rate) for rate in rates]]
-        (dq, dv), checks = _only(scene, right, scene.w)
-    names = [q.name for q in scene.equations.coordinates]
-    outputs = store("dq", dq, names) + store("dv", dv, names)
+        right = _missing(graph, scene.jacobian, scene.phi, scene.nu, scene.v)
+        changes, checks = _only(scene, right, scene.w)
+    return _correction([q.name for q in scene.equations.coordinates], changes, checks)
+
+
+def least_correction(
+    graph: Graph,
+    jacobian: Entries,
+    phi: list[int],
+    nu: list[int],
+    v: list[int],
+    w: list[int],
+    names: list[str],
+) -> Kernel:
+    """The same for constraints that stand in a graph without their scene."""
+    with graph.serving("correction"):
+        right = _missing(graph, jacobian, phi, nu, v)
+        changes, checks = _least(graph, jacobian, right, w)
+    return _correction(names, changes, checks)
+
+
+def _missing(
+    graph: Graph, jacobian: Entries, phi: list[int], nu: list[int], v: list[int]
+) -> list[list[int]]:
+    """-Φ and -(Φ_q q̇ + Φ_t)."""
+    rates = [graph.neg(one) for one in nu]
+    for (i, k), entry in jacobian.items():
+        rates[i] = graph.add(rates[i], graph.mul(entry, v[k]))
+    return [[graph.neg(one) for one in phi], [graph.neg(rate) for rate in rates]]
+
+
+def _correction(names: list[str], changes: list[list[int]], checks: tuple[Check, ...]) -> Kernel:
+    dq, dv = changes
     return Kernel(
         "correction",
         "W Φ_qᵀ (Φ_q W Φ_qᵀ)⁻¹ times -Φ and -(Φ_q q̇ + Φ_t): w = 0 holds a coordinate.",
         (*STATE, "w", "dq", "dv"),
-        outputs,
+        store("dq", dq, names) + store("dv", dv, names),
         checks,
         watched=True,
     )
@@ -153,30 +183,30 @@ def _only(
         solutions = system.solve()
         if solutions is not None:
             return solutions, tuple(system.checks)
-    return _least(scene, right, weights)
+    return _least(scene.graph, scene.jacobian, right, weights)
 
 
 def _least(
-    scene: SceneGraph, right: list[list[int]], weights: list[int]
+    graph: Graph, jacobian: Entries, right: list[list[int]], weights: list[int]
 ) -> tuple[list[list[int]], tuple[Check, ...]]:
     """Solutions d of Φ_q d = right that are least in the norm dᵀ W⁻¹ d."""
-    graph = scene.graph
     by_row: dict[int, dict[int, int]] = {}
-    for (i, k), entry in scene.jacobian.items():
+    for (i, k), entry in jacobian.items():
         by_row.setdefault(i, {})[k] = entry
     entries: dict[tuple[int, int], int] = {}
-    for i, j in combinations_with_replacement(range(scene.m), 2):
+    rows = range(len(right[0]))
+    for i, j in combinations_with_replacement(rows, 2):
         shared = [k for k in by_row.get(i, {}) if k in by_row.get(j, {})]
         if shared or i == j:
             terms = [graph.mul(graph.mul(by_row[i][k], weights[k]), by_row[j][k]) for k in shared]
             entries[i, j] = entries[j, i] = graph.total(terms)
-    references = {i: entries[i, i] for i in range(scene.m)}
+    references = {i: entries[i, i] for i in rows}
     system = Elimination(graph, entries, [list(r) for r in right], references=references)
     multipliers = system.solve("schur")
     solutions = []
     for mu in multipliers:
-        d = [graph.zero] * scene.n
-        for (i, k), entry in scene.jacobian.items():
+        d = [graph.zero] * len(weights)
+        for (i, k), entry in jacobian.items():
             d[k] = graph.add(d[k], graph.mul(entry, mu[i]))
         solutions.append([graph.mul(w, x) for w, x in zip(weights, d, strict=True)])
     return solutions, tuple(system.checks)

@@ -11,17 +11,17 @@ from runtime.analyses.asked import carried, refuse_massless, refuse_structure
 from runtime.analyses.assemble import assemble
 from runtime.analyses.assembly import Assembly
 from runtime.analyses.equations import Equations, FloatArray
+from runtime.analyses.formulations import coordinates
 from runtime.analyses.kinematics import instants
 from runtime.analyses.magnitudes import magnitudes
 from runtime.analyses.masses import require_masses
 from runtime.analyses.meeting import passed
 from runtime.analyses.outputs import evaluate
-from runtime.analyses.redundant import projecting, sound, spared
+from runtime.analyses.redundant import spared
 from runtime.analyses.surfaces import require_apart
 from runtime.analyses.work import laid, with_works
-from runtime.integrate.problem import Correction, Options, Problem, System
+from runtime.integrate.problem import Correction, Formulation, Options, Problem
 from runtime.integrate.run import integrate
-from runtime.integrate.tables import IMPLICIT
 from runtime.integrate.trajectory import Trajectory
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
@@ -60,6 +60,7 @@ def simulate(
     guess: "Values | None" = None,
     start: Assembly | None = None,
     correction: Correction = "step",
+    formulation: Formulation = "cartesian",
     time_scale: float | None = None,
     first_step: float | None = None,
     max_step: float | None = None,
@@ -94,6 +95,9 @@ def simulate(
     correction
         Return onto the constraints: once a "step" (dependent coordinates from independent ones), at
         every "stage", by "projection", by "baumgarte" or "hybrid"; see `Options.correction`.
+    formulation
+        "cartesian" integrates all coordinates; "reduced" those that no constraint gives, with the
+        same results: `runtime.analyses.formulations`.
     time_scale
         τ of Baumgarte's accelerations, s; a thousandth of the run unless given.
     first_step, max_step
@@ -107,23 +111,16 @@ def simulate(
     p = machine.parameter_values(parameters)
     require_masses(machine, p)
     begin = start if start is not None else assemble(machine, guess, parameters, t_start)
-    machine = sound(machine, begin)
-    if begin.redundant:
-        correction = projecting(machine, begin, method, correction)
     equations = Equations(machine, p)
     sizes = magnitudes(equations, begin.t, begin.q)
     require_apart(machine, p, begin.t, begin.q, begin.v, float(sizes.min(initial=1.0)))
     if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
         refuse_structure(machine)
-    system = _system(machine, method)
+    taken = coordinates(formulation, machine, p, begin, sizes, method, correction)
+    machine = taken.machine
+    equations = Equations(machine, p)
     problem = Problem(
-        begin.t,
-        float(t_end),
-        np.ascontiguousarray(begin.q),
-        np.ascontiguousarray(begin.v),
-        p,
-        _mobility(equations, begin.q),
-        sizes,
+        begin.t, float(t_end), taken.q, taken.v, taken.p, taken.scale, taken.sizes, taken.spreads
     )
     # An unknown method is refused by the integrator, together with all else that is wrong.
     options = Options(
@@ -132,7 +129,7 @@ def simulate(
         atol_q=atol,
         atol_v=atol,
         t_eval=times,
-        correction=correction,
+        correction=taken.correction,
         time_scale=time_scale,
         first_step=first_step,
         h_max=max_step,
@@ -140,12 +137,13 @@ def simulate(
     )
 
     def run(at: FloatArray | None) -> Trajectory:
-        return integrate(
-            system,
+        run = integrate(
+            taken.system,
             problem,
             replace(options, t_eval=at),
             lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
         )
+        return taken.whole(run)
 
     plan = laid(begin.t, run(None).t, times) if told.working else None
     trajectory = run(plan.instants if plan else times)
@@ -153,27 +151,9 @@ def simulate(
     if plan:
         found = with_works(found, plan)
     crossings = trajectory.crossings
-    found.singular = tuple(passed(equations, begin.t, begin.q, problem.scale, crossings))
+    found.singular = tuple(passed(equations, begin.t, begin.q, taken.mobility, crossings))
     found.message += carried(machine, begin.degrees_of_freedom)
     return found
-
-
-def _system(machine: "Machine", method: str) -> System:
-    """The machine's kernels, with their derivatives where the method asks for them."""
-    if method not in IMPLICIT:
-        return machine.system
-    return replace(machine.system, **machine.tangents._asdict())
-
-
-def _mobility(equations: Equations, q: FloatArray) -> FloatArray:
-    """Typical size of a change of each coordinate, 1/√M_kk, shape (n,).
-
-    A coordinate without mass, such as the place of a contact on a cam, follows most easily: ten
-    times the size of the most mobile body makes it one of the dependent coordinates.
-    """
-    inertia = np.diag(equations.mass(q))
-    heavy = inertia > 0.0
-    return 1.0 / np.sqrt(np.where(heavy, inertia, 0.01 * inertia[heavy].min()))
 
 
 def _result(
@@ -279,7 +259,7 @@ def _message(machine: "Machine", run: Trajectory) -> str:
     told = machine.description
     where = ""
     if run.index >= 0:
-        if run.outcome in {Outcome.INCONSISTENT, Outcome.ZENO}:
+        if run.outcome.of_switch:
             switch = told.switches[run.index]
             where = f", condition {switch.condition} of {switch.name}"
         else:

@@ -13,6 +13,7 @@ from runtime.integrate.signatures import FIRST_STEP, PROPOSE, Integers, Vector
 from runtime.integrate.views import view
 from runtime.integrate.workspace import ATOL, DELTA, ROWS, SAMPLE, SIZE, Y0, K, Run
 
+_ROUNDING = 1e-12  # of the typical size: start values that assembling left of zero
 _START = 1e-3  # of the typical size: a start value counts as no smaller
 
 
@@ -67,11 +68,14 @@ def first_step(
     typical = view(w, SIZE * length, length)
     size = 0.0
     rate = 0.0
+    largest = 0.0
     for j in range(length):
         tolerance = atol[j] + rtol * max(abs(y0[j]), _START * typical[j])
         size += (y0[j] / tolerance) ** 2
+        largest = max(largest, abs(y0[j]) / typical[j])
         rate += (k1[j] / tolerance) ** 2
-    h = 1e-6 if size <= 1e-10 * length or rate <= 1e-10 * length else 0.01 * np.sqrt(size / rate)
+    nothing = largest <= _ROUNDING or size <= 1e-10 * length or rate <= 1e-10 * length
+    h = 1e-6 if nothing else 0.01 * np.sqrt(size / rate)
     h = min(h, h_max)
     for j in range(length):
         z[j] = y0[j] + h * k1[j]

@@ -72,7 +72,7 @@ class Crossings:
         self.leaps = Leaps(self.scale, float(self.r["rtol"]), parts)
         self.lending = Lending(run, self.leaps)
         self.continuity = Continuity(system, run.fixed_arrays[3], run.modes, self.scale)
-        if system.constraints is no_right_side:
+        if system.constraints is no_right_side or system.constraint_count == 0:
             self.r["quiet"] = np.inf  # nothing tells a position that is passed from one missed
         self.passed: list[Crossing] = []
         self.note = ""

@@ -8,6 +8,7 @@ with the same bits.
 import numpy as np
 
 from runtime.compiled import ADDRESSES, compiled
+from runtime.integrate import codes
 from runtime.integrate.attempt import DONE, NEWTON, NOT_FINITE, TOO_LARGE
 from runtime.integrate.consistency import CONSISTENT
 from runtime.integrate.events import INSTANT, last_due
@@ -25,6 +26,7 @@ from runtime.integrate.signatures import (
 from runtime.integrate.slots import (
     BENDS,
     LOG_ROWS,
+    LOOPS,
     STABILIZED,
     accepted_of,
     attempt_of,
@@ -32,6 +34,7 @@ from runtime.integrate.slots import (
     emit_of,
     first_step_of,
     locate_of,
+    passed_of,
     propose_of,
     repartition_of,
     restart_of,
@@ -62,19 +65,10 @@ from runtime.integrate.workspace import (
     Run,
     run_record,
 )
-from runtime.outcomes import Outcome
 
 GOING = -1  # the run is not over
 LOOK = -2  # nor is this: a singular position has to be looked at, see `crossing`
 CHANGE = -3  # nor is this: another method is due
-_OK = int(Outcome.OK)
-_INCONSISTENT = int(Outcome.INCONSISTENT)
-_ZENO = int(Outcome.ZENO)
-_STEP_TOO_SMALL = int(Outcome.STEP_TOO_SMALL)
-_MAX_STEPS = int(Outcome.MAX_STEPS)
-_NEWTON_FAILED = int(Outcome.NEWTON_FAILED)
-_SINGULAR = int(Outcome.SINGULAR)
-_NOT_FINITE = int(Outcome.NOT_FINITE)
 
 _FLIGHT = 0.6  # of the time between two impacts: a first step that meets none
 _RETAKES = 5
@@ -164,14 +158,14 @@ def advance(
     for _ in range(budget):
         t = r.t
         if t >= r.t_end:
-            return _OK
+            return codes.OK
         if (
             r.logged_events + 2 * s > event_t.size
             or r.logged_repartitions + LOG_MARGIN > machine[LOG_ROWS]
         ):
             return GOING
         if r.steps + r.rejected >= r.max_steps:
-            return _MAX_STEPS
+            return codes.MAX_STEPS
         h = min(r.h, r.h_max)
         r.tried = 0.0
         planned = 0
@@ -186,8 +180,8 @@ def advance(
             t1 = r.t_end
         elif h <= r.h_min or t1 <= t:
             if r.reason == NEWTON:
-                return _NEWTON_FAILED
-            return _NOT_FINITE if r.reason == NOT_FINITE else _STEP_TOO_SMALL
+                return codes.NEWTON_FAILED
+            return codes.NOT_FINITE if r.reason == NOT_FINITE else codes.STEP_TOO_SMALL
 
         # Try the step.
         due = 0
@@ -212,6 +206,12 @@ def advance(
                     return LOOK
             continue
         soon = 0
+        if machine[LOOPS] != 0:
+            code = passed_of(machine)(machine, t, h, w, run, p)
+            if code > 0:
+                return int(code)
+            if code < 0:
+                continue
         if (
             r.plan == FREE
             and m > 0
@@ -280,7 +280,7 @@ def advance(
             r.standing += 1
             if r.standing > 8 + 2 * s:
                 r.index = crossing
-                return _ZENO
+                return codes.ZENO
         elif crossing >= 0:
             r.standing = 0
             for retake in range(_RETAKES):
@@ -366,11 +366,11 @@ def advance(
             r.event_span = span
             if r.blamed != CONSISTENT:
                 r.index = r.blamed
-                return _ZENO if r.shrinking >= RECENT else _INCONSISTENT
+                return codes.ZENO if r.shrinking >= RECENT else codes.INCONSISTENT
             endless = r.shrinking >= _ZENO_EVENTS and span < _ZENO_SPAN * r.duration
             if endless or r.events > r.max_events:
                 r.index = crossing
-                return _ZENO
+                return codes.ZENO
             restart_of(machine)(machine, t1, h_next, w, run)
             if r.fixed == 0:
                 first = first_step(machine, t1, r.h_max, r.rtol, r.order, w, p, modes, lam)
@@ -379,8 +379,8 @@ def advance(
                 r.error_old = 1e-4
         if r.weak >= WEAK_STATES:
             r.index = r.weak_row - 1
-            r.vanishing = 0.0
-            return LOOK
+            r.vanishing = 0.0  # where constraints are left there is a position to look for
+            return LOOK if r.index < m else codes.SINGULAR
         if planned == 0 and h > 0.0:
             r.usual = max(h, 0.5 * r.usual)
         if r.plan == CROSSING or (r.plan == APPROACHING and t1 >= r.turn):
@@ -395,4 +395,4 @@ def advance(
             return LOOK
         if due != 0 and r.t < r.t_end:
             return CHANGE
-    return _OK if r.t >= r.t_end else GOING
+    return codes.OK if r.t >= r.t_end else GOING

@@ -24,6 +24,7 @@ from runtime.integrate.signatures import (
 )
 
 Correction = Literal["step", "stage", "projection", "baumgarte", "hybrid"]
+Formulation = Literal["cartesian", "reduced"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +56,10 @@ class System:
     sought
         (switching function, place in p) of frictions whose force at rest is sought: in mode 2 the
         kernels exert the force that stands there.
+    dead_centres, loop_rows
+        (t, q, v, p, out): x² and its rate, of each loop that the kernels close in closed form, on
+        one branch; x vanishes at its dead centres. How each is told of, as `index` of an outcome:
+        a number not below `constraint_count`.
     """
 
     accelerations: Kernel
@@ -85,6 +90,8 @@ class System:
     limits: tuple[tuple[int, int, int], ...] = ()
     sought: tuple[tuple[int, int], ...] = ()
     independent: tuple[int, ...] | None = None
+    dead_centres: Kernel = no_switching
+    loop_rows: tuple[int, ...] = ()
 
     @property
     def rank(self) -> int:
@@ -109,6 +116,9 @@ class Problem:
     sizes
         Typical size of each coordinate, m or rad, and of its velocity a second; one number or
         (n,).
+    spreads : (s,)
+        How far switching functions go when all that they are made of is changed by its size, where
+        that is more than what the coordinates' own changes do.
     """
 
     t0: float
@@ -118,6 +128,7 @@ class Problem:
     p: Vector
     scale: Vector
     sizes: ArrayLike = 1.0
+    spreads: ArrayLike = 0.0
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from runtime.integrate.changing import change_method, fill_method
 from runtime.integrate.check import check
 from runtime.integrate.combinations import MOST
 from runtime.integrate.crossing import Crossings
+from runtime.integrate.dead_centres import MET, on_the_way
 from runtime.integrate.gathered import Gathered
 from runtime.integrate.held import HELD_MODE
 from runtime.integrate.interrupts import Interrupts
@@ -107,6 +108,7 @@ class _Run:
     """Arrays of one run, and their way into and out of the compiled loop."""
 
     def __init__(self, system: System, problem: Problem, options: Options) -> None:
+        self.system = system
         n, m, s = system.coordinates, system.constraint_count, system.switches
         parts = method(options.method)
         self.n, self.m, self.s = n, m, s
@@ -143,6 +145,7 @@ class _Run:
             self.r["h_max"] = min(float(self.r["h_max"]), _FOLLOWED * pull)
         table[Slot.EACH_STAGE] = 1 if options.correction == "stage" and m > 0 else 0
         arrays[Slot.WEIGHTS][:n], arrays[Slot.WEIGHTS][3 * n :] = problem.scale**2, problem.sizes
+        arrays[Slot.SPREADS][:] = problem.spreads
         instants = None if options.t_eval is None else self.t_eval.size
         self.gathered = Gathered(n, s, arrays[Slot.LOG_TIMES], arrays[Slot.LOG_SETS], instants)
         self.fixed_arrays: tuple[Any, ...] = (
@@ -249,6 +252,13 @@ class _Run:
     def _result(self, outcome: Outcome, seconds: float) -> Trajectory:
         r, n = self.r, self.n
         t, y, modes = self.gathered.samples(r)
+        note = ""
+        p, kept = self.fixed_arrays[3], self.wiring.arrays[Slot.NEARNESS]
+        loop = on_the_way(self.system, float(r["t"]), self.state, p, kept, outcome)
+        if loop is not None:
+            outcome, r["index"], r["turn"] = Outcome.SINGULAR, loop, r["t"]
+        if outcome is Outcome.SINGULAR and int(r["index"]) in self.system.loop_rows:
+            note = MET.format(float(r["turn"]))
         counts = {
             name: int(r[name])
             for name in Statistics.__dataclass_fields__
@@ -270,7 +280,7 @@ class _Run:
             partitions=self.gathered.partitions(),
             methods=tuple((t, "dop853" if name == "auto" else name) for t, name in self.methods),
             crossings=tuple(self.crossings.passed),
-            note=self.crossings.note or self._given_up(outcome),
+            note=self.crossings.note or self._given_up(outcome) or note,
         )
 
     def _given_up(self, outcome: Outcome) -> str:

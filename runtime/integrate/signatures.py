@@ -108,6 +108,7 @@ WATCH = i8(
     integers, f8, f8, f8, vector, vector, run_record, vector, integers, vector
 )  # machine t h t1 w sw run p modes lam
 VANISHING = f8(integers, f8, f8, i8, vector, run_record, vector)  # machine t h state w run p
+PASSED = i8(integers, f8, f8, vector, run_record, vector)  # machine t h w run p
 
 Accelerations = types.FunctionType(ACCELERATIONS)
 Correction = types.FunctionType(CORRECTION)
@@ -144,6 +145,7 @@ FirstStep = types.FunctionType(FIRST_STEP)
 Emit = types.FunctionType(EMIT)
 Watch = types.FunctionType(WATCH)
 Vanishing = types.FunctionType(VANISHING)
+Passed = types.FunctionType(PASSED)
 
 
 @compiled(SWITCHING)

@@ -28,6 +28,7 @@ from runtime.integrate.signatures import (
     Locate,
     Margins,
     Mass,
+    Passed,
     Propose,
     Reactions,
     Repartition,
@@ -70,6 +71,7 @@ class Slot(IntEnum):
     SWITCHED_REACTIONS = auto()
     ACCELERATIONS_TANGENT = auto()
     CORRECTION_TANGENT = auto()
+    DEAD_CENTRES = auto()
     # The method.
     STAGES = auto()
     ERROR = auto()
@@ -96,6 +98,7 @@ class Slot(IntEnum):
     LIMITED = auto()
     MARGINS = auto()
     VANISHING = auto()
+    PASSED = auto()
     # Numbers.
     COORDINATES = auto()
     CONSTRAINT_COUNT = auto()
@@ -111,6 +114,7 @@ class Slot(IntEnum):
     EACH_STAGE = auto()
     CORRECTING = auto()
     PARAMETER_COUNT = auto()
+    LOOPS = auto()
     # Arrays.
     JACOBIAN_ROWS = auto()
     JACOBIAN_COLUMNS = auto()
@@ -138,6 +142,9 @@ class Slot(IntEnum):
     NOTES = auto()
     PIVOTS = auto()
     PIVOT_COLUMNS = auto()
+    LOOP_ROWS = auto()
+    NEARNESS = auto()
+    SPREADS = auto()
     WORKSPACE = auto()
     SURFACES = auto()
     PARAMETERS = auto()
@@ -184,6 +191,8 @@ transition_of = at(Transition, Slot.TRANSITION)
 impact_of = at(Impact, Slot.IMPACT)
 return_held_of = at(ReturnHeld, Slot.RETURN_HELD)
 vanishing_of = at(Vanishing, Slot.VANISHING)
+dead_centres_of = at(Switching, Slot.DEAD_CENTRES)
+passed_of = at(Passed, Slot.PASSED)
 
 # Compiled code needs plain numbers.
 COORDINATES = int(Slot.COORDINATES)
@@ -231,3 +240,7 @@ PARAMETERS = int(Slot.PARAMETERS)
 PARAMETER_COUNT = int(Slot.PARAMETER_COUNT)
 MODES = int(Slot.MODES)
 MULTIPLIERS = int(Slot.MULTIPLIERS)
+LOOPS = int(Slot.LOOPS)
+LOOP_ROWS = int(Slot.LOOP_ROWS)
+NEARNESS = int(Slot.NEARNESS)
+SPREADS = int(Slot.SPREADS)

@@ -4,6 +4,7 @@ import numpy as np
 
 from runtime.compiled import ADDRESSES, compiled, inner
 from runtime.constraints.correction import FAILED, WEAK
+from runtime.integrate import codes
 from runtime.integrate.bent import STEP
 from runtime.integrate.consistency import CONSISTENT
 from runtime.integrate.field import field
@@ -25,6 +26,7 @@ from runtime.integrate.slots import (
     RIGID,
     ROW_ORDER,
     SETTINGS,
+    SPREADS,
     begin_of,
     correct_of,
     first_step_of,
@@ -55,13 +57,6 @@ from runtime.integrate.workspace import (
     Run,
     run_record,
 )
-from runtime.outcomes import Outcome
-
-_OK = int(Outcome.OK)
-_INCONSISTENT = int(Outcome.INCONSISTENT)
-_SINGULAR = int(Outcome.SINGULAR)
-_NEWTON_FAILED = int(Outcome.NEWTON_FAILED)
-_NOT_FINITE = int(Outcome.NOT_FINITE)
 
 _ROUGH = 0.1  # of a function's spread: |g| at which its rounding is some units in the last place
 
@@ -84,6 +79,7 @@ def spread(machine: Integers, t: float, w: Vector, sw: Vector, p: Vector) -> Non
     for j in range(length):
         w[SAMPLE * length + j] = 0.0
     rates(t, q, v, a, p, rest)
+    known = floats_at(machine, SPREADS, s)
     for k in range(s):
         found[k] = 0.0
     for j in range(length):
@@ -93,6 +89,8 @@ def spread(machine: Integers, t: float, w: Vector, sw: Vector, p: Vector) -> Non
         for k in range(s):
             change = abs(now[k] - rest[k])
             found[k] += change if np.isfinite(change) else 0.0
+    for k in range(s):
+        found[k] = max(found[k], known[k])
 
 
 @compiled(
@@ -142,11 +140,11 @@ def start(
         r.repartitions = 0
         if r.rank < machine[RANK]:
             r.index = integers_at(machine, ROW_ORDER, m)[r.rank]
-            return _SINGULAR
+            return codes.SINGULAR
         result = correct_of(machine)(machine, t, Y0, PARTITION, w, p)
         r.newton += 1
         if result == FAILED:
-            return _NEWTON_FAILED
+            return codes.NEWTON_FAILED
         r.corrections += result % WEAK
     q = view(w, Y0 * length, n)
     v = view(w, Y0 * length + n, n)
@@ -158,10 +156,10 @@ def start(
     at_rest(machine, p, modes)
     if r.plan == FREE:
         weak = field(machine, t, q, v, p, modes, a, lam)
-        if weak > 0 and m > 0:
+        if weak > 0:
             r.index = weak - 1
-            return _SINGULAR
-    outcome = _OK
+            return codes.SINGULAR
+    outcome = codes.OK
     if s > 0:
         # A run of no length has modes too; they are judged as if it went on for a second.
         longest = r.h_max if r.h_max > 0.0 else 1.0
@@ -183,7 +181,7 @@ def start(
         )
         if settled != CONSISTENT:
             r.index = settled
-            outcome = _INCONSISTENT
+            outcome = codes.INCONSISTENT
         field(machine, t, q, v, p, modes, a, lam)
         measure(machine, t, Y0, K, G0, w, sw, p, modes, lam)
         for k in range(s):
@@ -194,9 +192,9 @@ def start(
     if not finite(a):
         jammed = jams(machine, t, q, v, p, modes, a, lam)
         if jammed == CONSISTENT:
-            return _NOT_FINITE
+            return codes.NOT_FINITE
         r.index = jammed
-        return _INCONSISTENT
+        return codes.INCONSISTENT
     if r.fixed == 0 and not r.h > 0.0:
         r.h = first_step(machine, t, r.h_max, r.rtol, r.order, w, p, modes, lam)
         r.rhs += 1

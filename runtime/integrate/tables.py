@@ -14,6 +14,7 @@ from runtime.integrate import (
     attempt,
     bent,
     control,
+    dead_centres,
     events,
     impact,
     mixing,
@@ -73,6 +74,7 @@ def _loop() -> Integers:
             mixing.limited,
             surfaces.margins,
             vanishing,
+            dead_centres.passed,
         )
     )
 
@@ -144,6 +146,9 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         Slot.NOTES: np.zeros(notes, np.int64),
         Slot.PIVOTS: np.zeros(2 * m),
         Slot.PIVOT_COLUMNS: np.zeros(m, np.int64),
+        Slot.LOOP_ROWS: np.array(system.loop_rows, dtype=np.int64),
+        Slot.NEARNESS: np.zeros(dead_centres.numbers_for(len(system.loop_rows))),
+        Slot.SPREADS: np.zeros(s),
     }
     for slot, array in arrays.items():
         table[slot] = array.ctypes.data
@@ -156,7 +161,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         arrays[Slot.LOW][k], arrays[Slot.HIGH][k] = -reach, reach
     system.restitution(p, arrays[Slot.RESTITUTION])
     table[Slot.RIGID_COUNT], table[Slot.REACTION_ROWS] = contacts, system.reaction_rows
-    table[Slot.LOG_ROWS] = log_rows
+    table[Slot.LOG_ROWS], table[Slot.LOOPS] = log_rows, len(system.loop_rows)
     table[Slot.CORRECTING] = 1
     return Wiring(table, arrays)
 

@@ -1,4 +1,4 @@
-"""Files of derivatives: which are written, when they are brought up to date, what refuses them."""
+"""Files that go with a scene's own: which are written, kept up to date, and refused."""
 
 import json
 import os
@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 import codegen.driver
 from codegen import build
-from codegen.artefact import check_signature, tangents_path
+from codegen.artefact import check_signature, companion_path, tangents_path
 from codegen.cli import app
 from codegen.errors import SceneError
 from tests.codegen.workbench import write_model
@@ -152,15 +152,59 @@ def test_command_line(
     assert "error: model 'pendulum', scene 'turning' is kinematic" in refused.stderr
 
 
+def test_both_kinds_beside_each_other(model: Path, out: Path) -> None:
+    (scene,) = built(model, out, scene="swing", reduced=True, tangents=True).scenes
+    assert [made.title for made in scene.companions] == ["derivatives", "reduced"]
+    path = companion_path(scene.path, "reduced")
+    assert scene.reduced.path == path
+    text = path.read_text()
+    check_signature(path, text, "again")
+    assert f'MODULE_SHA256 = "{scene.digest}"' in text
+    assert 'FORMULATION = "reduced"' in text
+    assert "KEPT = (2,)" in text
+    command = "python -m codegen build models/clock.py --scene swing --reduced"
+    assert f"#     {command}\n" in text
+    assert {"accelerations", "expand", "accelerations_tangent"} <= set(scene.reduced.operations)
+    assert built(model, out, check=True).stale == (
+        *(out / f"clock__{name}.py" for name in ("moon", "turning")),
+    )
+    path.write_text(text + "# by hand\n")
+    assert path in built(model, out, scene="swing", check=True).stale
+    assert built(model, out, scene="swing").scenes[0].reduced.changed
+    assert path.read_text() == text
+
+
+def test_reduced_equations_of_a_scene_without_dynamics_are_refused(model: Path, out: Path) -> None:
+    with pytest.raises(SceneError, match="scene 'turning' is not for dynamics") as caught:
+        built(model, out, scene="turning", reduced=True)
+    assert "without --reduced" in str(caught.value)
+    report = built(model, out, reduced=True)
+    assert [bool(s.reduced) for s in report.scenes] == [True, True, False]
+
+
+def test_reduced_on_the_command_line(
+    model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(codegen.driver, "compile_modules", lambda paths: [0.0] * len(paths))
+    monkeypatch.chdir(tmp_path)
+    arguments = ["build", str(model), "--scene", "swing", "--reduced"]
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == 0
+    assert "clock__swing__reduced.py: written" in done.stdout
+    stale = CliRunner().invoke(app, [*arguments[:2], "--reduced", "--check"])
+    assert stale.exit_code == 1
+    assert "clock.py --reduced" in stale.stderr
+
+
 HASHES = """
 import hashlib
 from pathlib import Path
 from codegen import build
 out = Path({out!r})
 for name, scene in (("slider_crank", "compressor"), ("valve_lifter", "inverse_dynamics")):
-    report = build(name, scene=scene, out=out, tangents=True, compile=False)
-    print(report.scenes[0].tangents.digest, hashlib.sha256(
-        report.scenes[0].tangents.path.read_bytes()).hexdigest())
+    report = build(name, scene=scene, out=out, tangents=True, reduced=True, compile=False)
+    for made in report.scenes[0].companions:
+        print(made.digest, hashlib.sha256(made.path.read_bytes()).hexdigest())
 """
 
 
@@ -178,6 +222,6 @@ def test_text_does_not_depend_on_the_hash_seed(root: Path, tmp_path: Path) -> No
     answers = [process.communicate(timeout=120)[0] for process in running]
     assert [process.returncode for process in running] == [0, 0]
     lines = [line.split() for line in answers[0].splitlines()]
-    assert len(lines) == 2
+    assert len(lines) == 4
     assert all(told == found for told, found in lines)
     assert answers[0] == answers[1]

@@ -1,0 +1,95 @@
+"""Modules that go with a scene's own: found, checked, built if need be.
+
+Exact derivatives and reduced equations stand in generated files of their own beside the scene's. A
+companion belongs to one text of that file, whose SHA-256 it names: with any other the slots of
+``p`` might differ, and it is built anew.
+"""
+
+import hashlib
+import re
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+from codegen.artefact import check_signature, companion_path, import_generated
+from codegen.errors import AnalysisError, SupersededError
+
+if TYPE_CHECKING:
+    from codegen import Model, Scene
+
+Kind = Literal["tangents", "reduced"]
+
+_BELONGS = re.compile(r'^MODULE_SHA256 = "([0-9a-f]{64})"$', re.MULTILINE)
+_HOLDS = {"tangents": "derivatives", "reduced": "reduced equations"}
+
+
+class Origin(NamedTuple):
+    """What a loaded machine was made from.
+
+    Attributes
+    ----------
+    model, scene
+        The model file, or the `Model` of the running program, and the scene.
+    path, digest
+        The scene's generated file, and the SHA-256 of its text.
+    """
+
+    model: "Path | Model"
+    scene: "str | Scene"
+    path: Path
+    digest: str
+
+
+def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) -> ModuleType:
+    """The module that belongs to a loaded machine; built if missing or stale.
+
+    Parameters
+    ----------
+    title, path
+        The machine's name and its generated file, for messages.
+
+    Raises
+    ------
+    AnalysisError
+        If the machine was not loaded from a model.
+    GeneratedFileError
+        If the file was edited by hand, or cannot be written.
+    SupersededError
+        If the model has changed since the machine was loaded.
+    """
+    if origin is None:
+        raise AnalysisError(
+            f"{title} was put together without its model, from {path}, so its {_HOLDS[kind]} "
+            "cannot be built. Load it by runtime.load."
+        )
+    place = companion_path(origin.path, kind)
+    if place.is_file():
+        text = place.read_text(encoding="utf-8")
+        check_signature(place, text, _command(origin, kind))
+        belongs = _BELONGS.search(text)
+        if belongs is not None and belongs.group(1) == origin.digest:
+            return import_generated(place, hashlib.sha256(text.encode()).hexdigest())
+    from codegen import build
+
+    asked = {kind: True}
+    built = build(origin.model, origin.scene, origin.path.parent, compile=False, **asked)  # type: ignore[arg-type]
+    (report,) = built.scenes
+    made = report.tangents if kind == "tangents" else report.reduced
+    name = origin.scene if isinstance(origin.scene, str) else origin.scene.name
+    if report.digest != origin.digest or made is None:
+        raise SupersededError(
+            f"{origin.path} is {origin.digest[:12]}... in this machine and {report.digest[:12]}... "
+            f"now: the model, or the generator, has changed since the machine of scene '{name}' "
+            f"was loaded, and its {_HOLDS[kind]} would be those of another one. Load the machine "
+            "again."
+        )
+    return import_generated(made.path, made.digest)
+
+
+def _command(origin: Origin, kind: Kind) -> str:
+    if not isinstance(origin.model, Path) or not isinstance(origin.scene, str):
+        return f"delete the file, and ask for the {_HOLDS[kind]} again."
+    return (
+        f"python -m codegen build {origin.model} --scene {origin.scene} "
+        f"--out {origin.path.parent} --{kind}"
+    )

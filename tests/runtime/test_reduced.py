@@ -1,0 +1,261 @@
+"""Runs in reduced coordinates: the same results under the same names, and what they refuse."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from typer.testing import CliRunner
+
+from codegen.errors import AnalysisError, InputError
+from codegen.write import write_if_changed
+from runtime import load
+from runtime.cli import app
+from runtime.machine import Machine
+from runtime.outcomes import Outcome
+from runtime.results.result import Result
+
+TIGHT = 1e-12
+SAME = 1e-10
+
+
+def of(root: Path, workshop: Path, name: str, scene: str) -> Machine:
+    """A machine of the library, built in the tests' own folder."""
+    path = workshop / "models" / f"library_{Path(name).name}.py"
+    write_if_changed(path, (root / "models" / f"{name}.py").read_text())
+    return load(path, scene, folder=workshop)
+
+
+@pytest.fixture(scope="module")
+def compressor(root: Path, workshop: Path) -> Machine:
+    return of(root, workshop, "slider_crank", "compressor")
+
+
+@pytest.fixture(scope="module")
+def parallelogram(root: Path, workshop: Path) -> Machine:
+    return of(root, workshop, "hard/n_four_bar", "fall")
+
+
+def both(machine: Machine, t_end: float, **options: object) -> tuple[Result, Result]:
+    t = np.linspace(0.0, t_end, 41)
+    given = {"rtol": TIGHT, "progress": False, **options}
+    whole = machine.simulate(t_end, t, **given)
+    return whole, machine.simulate(t_end, t, formulation="reduced", **given)
+
+
+def assert_same(machine: Machine, whole: Result, less: Result, within: float = SAME) -> None:
+    assert (whole.outcome, less.outcome) == (Outcome.OK, Outcome.OK)
+    for row in machine.coordinates:
+        for ask in (lambda r, n=row.name: r.q(n), lambda r, n=row.velocity: r.v(n)):
+            theirs, ours = ask(whole), ask(less)
+            assert_allclose(ours, theirs, rtol=0, atol=within * max(1.0, np.abs(theirs).max()))
+
+
+# The same results
+
+
+def test_a_run_with_events(compressor: Machine) -> None:
+    whole, less = both(compressor, 1.0)
+    assert_same(compressor, whole, less)
+    assert len(whole.events) > 10
+    for theirs, ours in zip(whole.events, less.events, strict=True):
+        assert (ours.name, ours.direction) == (theirs.name, theirs.direction)
+        assert ours.time == pytest.approx(theirs.time, abs=1e-11)
+        assert_allclose(ours.q, theirs.q, rtol=1e-9, atol=1e-9)
+        assert_allclose(ours.v, theirs.v, rtol=1e-8, atol=1e-8)
+    for joint, component in (("A", "fx"), ("B", "fy")):
+        theirs = whole.reaction(joint, component)
+        atol = 1e-8 * np.abs(theirs).max()
+        assert_allclose(less.reaction(joint, component), theirs, rtol=0, atol=atol)
+    assert_allclose(less.energy(), whole.energy(), rtol=1e-9)
+    assert_allclose(less.power("gas"), whole.power("gas"), rtol=1e-6, atol=1e-3)
+    assert less.stats["corrections"] == 0
+
+
+def test_constraints_that_are_left(root: Path, workshop: Path) -> None:
+    machine = of(root, workshop, "gear_slider", "train_running")
+    assert machine.reduced.closures
+    assert_same(machine, *both(machine, 0.5))
+
+
+def test_rigid_contact_that_bounces(root: Path, workshop: Path) -> None:
+    machine = of(root, workshop, "hard/contact_follower", "touching")
+    whole, less = both(machine, 0.5)
+    assert_same(machine, whole, less, 1e-9)
+
+
+def test_friction_from_reactions(root: Path, workshop: Path) -> None:
+    machine = of(root, workshop, "hard/guide_friction", "creeping")
+    assert_same(machine, *both(machine, 0.5))
+
+
+@pytest.mark.parametrize("method", ["dopri5", "radau5", "bdf", "auto"])
+def test_every_method(compressor: Machine, method: str) -> None:
+    rtol = 1e-8
+    whole = compressor.simulate(0.2, rtol=TIGHT, progress=False)
+    less = compressor.simulate(0.2, rtol=rtol, method=method, formulation="reduced", progress=False)
+    last = [result.q("crank.phi")[-1] for result in (whole, less)]
+    assert last[1] == pytest.approx(last[0], abs=1e-4)
+    assert less.outcome is Outcome.OK
+
+
+def test_whole_turns_between_two_samples(root: Path, workshop: Path) -> None:
+    machine = of(root, workshop, "quick_return", "shaper")
+    values = {"progress": False, "rtol": 1e-10, "formulation": "reduced"}
+    dense = machine.simulate(3.0, np.linspace(0.0, 3.0, 2001), **values)
+    sparse = machine.simulate(3.0, [0.0, 3.0], **values)
+    assert abs(dense.q("crank.phi")[-1]) > 20.0
+    for row in machine.coordinates:
+        assert np.abs(np.diff(dense.q(row.name))).max() < 1.0
+        assert sparse.q(row.name)[-1] == pytest.approx(dense.q(row.name)[-1], abs=1e-6)
+
+
+def test_angles_that_turn_are_followed_over_a_hundred_turns(root: Path, workshop: Path) -> None:
+    # A drag-link: ground is the shortest link, so that all bars turn with the crank.
+    text = (
+        "from codegen import Model\n"
+        "model = Model('drag_link')\n"
+        "crank = model.body('crank', mass=1.0, inertia=0.5)\n"
+        "coupler = model.body('coupler', mass=1.0, inertia=0.5)\n"
+        "follower = model.body('follower', mass=1.0, inertia=0.5)\n"
+        "model.revolute('O', model.ground.at(0, 0), crank.at(0, 0))\n"
+        "model.revolute('C', model.ground.at(0.3, 0), follower.at(0, 0))\n"
+        "model.revolute('A', crank.at(1.0, 0), coupler.at(-0.5, 0))\n"
+        "model.revolute('B', follower.at(1.0, 0), coupler.at(0.5, 0))\n"
+        "model.scene('spin', [], start={crank.phi: 1.0, crank.omega: 30.0},\n"
+        "            guess={coupler.phi: 0.2, follower.phi: 2.0, coupler.x: 0.5, coupler.y: 1.0})\n"
+    )
+    path = workshop / "models" / "drag_link.py"
+    write_if_changed(path, text)
+    machine = load(path, "spin", folder=workshop)
+    whole = machine.simulate(30.0, [0.0, 30.0], rtol=TIGHT, progress=False)
+    less = machine.simulate(30.0, [0.0, 30.0], rtol=TIGHT, formulation="reduced", progress=False)
+    assert whole.q("follower.phi")[-1] > 200.0 * np.pi
+    assert_same(machine, whole, less, 1e-8)
+
+
+def test_partitions_are_named_by_what_is_kept(root: Path, workshop: Path) -> None:
+    machine = of(root, workshop, "gear_slider", "train_running")
+    less = machine.simulate(0.1, formulation="reduced", progress=False)
+    kept = {machine.coordinates.names[k] for k in machine.reduced.kept}
+    assert less.partitions
+    for partition in less.partitions:
+        assert set(partition.independent) < kept
+
+
+# Dead centres
+
+
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-10, 1e-12])
+@pytest.mark.parametrize("method", ["dop853", "dopri5", "radau5"])
+def test_crossing_bars_end_a_run_by_name(parallelogram: Machine, rtol: float, method: str) -> None:
+    passed = parallelogram.simulate(0.8, rtol=1e-10, progress=False).singular[0]
+    less = parallelogram.simulate(
+        1.0, rtol=rtol, method=method, formulation="reduced", progress=False
+    )
+    assert less.outcome is Outcome.SINGULAR
+    assert "joint C2" in less.message or "joint C1" in less.message
+    assert "is at a dead centre" in less.message
+    assert 'formulation="cartesian"' in less.message
+    told = float(less.message.split("At t = ")[1].split(" s")[0])
+    assert told == pytest.approx(passed.time, abs=max(30.0 * rtol, 2e-5))
+    assert less.t[-1] <= passed.time + 30.0 * rtol
+
+
+ROCKING = """
+from math import acos, atan2, cos, sin
+from codegen import Model
+
+model = Model("rocking")
+crank = model.body("crank", mass=1.0, inertia=0.5)
+coupler = model.body("coupler", mass=1.0, inertia=0.5)
+follower = model.body("follower", mass=1.0, inertia=0.5)
+model.revolute("O", model.ground.at(0, 0), crank.at(0, 0))
+model.revolute("C", model.ground.at(2.0, 0), follower.at(0, 0))
+model.revolute("A", crank.at(1.0, 0), coupler.at(-0.5, 0))
+model.revolute("B", follower.at(1.0, 0), coupler.at(0.5, 0))
+model.scene("swing", [], start={crank.phi: 1.0, crank.omega: 3.0},
+            guess={coupler.phi: 0.2, follower.phi: 1.9, coupler.x: 1.0, coupler.y: 1.0})
+# Coupler and follower in one line, 2 m long, as the ground is: the crank's angle is at its largest.
+top = acos(0.25)
+line = atan2(sin(top), cos(top) - 2.0)
+model.scene("stretched", [], guess={
+    crank.phi: top, follower.phi: line, coupler.phi: line + 3.141592653589793,
+    coupler.x: 2.0 + 1.5 * cos(line), coupler.y: 1.5 * sin(line)})
+"""
+
+
+def rocking(workshop: Path, scene: str) -> Machine:
+    """A four-bar whose crank cannot turn through: its angle turns back."""
+    path = workshop / "models" / "rocking.py"
+    write_if_changed(path, ROCKING)
+    return load(path, scene, folder=workshop)
+
+
+def test_a_coordinate_that_turns_back_ends_a_run_by_name(workshop: Path) -> None:
+    machine = rocking(workshop, "swing")
+    whole = machine.simulate(1.0, rtol=1e-10, progress=False)
+    turned = whole.t[np.argmax(whole.q("crank.phi"))]
+    assert 0.0 < turned < 1.0
+    for rtol in (1e-4, 1e-8):
+        less = machine.simulate(1.0, rtol=rtol, formulation="reduced", progress=False)
+        assert less.outcome is Outcome.SINGULAR
+        assert "dead centre" in less.message
+        assert less.t[-1] == pytest.approx(turned, abs=0.05)
+        assert less.stats["rhs_evaluations"] < 100_000
+
+
+def test_start_at_a_dead_centre_is_refused(workshop: Path) -> None:
+    machine = rocking(workshop, "stretched")
+    machine.simulate(0.1, progress=False)
+    with pytest.raises(InputError, match=r"starts with [AB]\.[xy] at a dead centre of its loop"):
+        machine.simulate(0.1, formulation="reduced", progress=False)
+
+
+# Refusals
+
+
+def test_all_that_is_wrong_is_told_at_once(root: Path, workshop: Path) -> None:
+    machine = of(root, workshop, "hard/parallel_linkage", "fall")
+    with pytest.raises(InputError) as caught:
+        machine.simulate(0.1, formulation="reduced", correction="baumgarte", progress=False)
+    problems = caught.value.problems
+    assert len(problems) == 2
+    assert "correction='baumgarte'" in problems[0]
+    assert "follow from other constraints" in problems[1]
+    assert all('formulation="cartesian"' in problem for problem in problems)
+
+
+def test_friction_that_sticks_is_refused(root: Path, workshop: Path) -> None:
+    machine = of(root, workshop, "hard/guide_friction", "running_down")
+    with pytest.raises(InputError, match="stick by the force of a reaction"):
+        machine.simulate(0.1, formulation="reduced", progress=False)
+
+
+def test_nothing_left_to_integrate_is_refused(root: Path, workshop: Path) -> None:
+    machine = of(root, workshop, "slider_crank", "inverse_dynamics")
+    with pytest.raises(InputError, match="nothing is left to integrate"):
+        machine.simulate(0.1, formulation="reduced", progress=False)
+
+
+def test_unknown_formulation_is_refused(compressor: Machine) -> None:
+    with pytest.raises(InputError, match="formulation = 'polar' must be one of cartesian, reduced"):
+        compressor.simulate(0.1, formulation="polar", progress=False)  # type: ignore[arg-type]
+
+
+def test_machine_without_its_model(compressor: Machine) -> None:
+    alone = Machine(compressor.description, compressor.kernels, compressor.path)
+    with pytest.raises(AnalysisError, match="its reduced equations cannot be built"):
+        alone.reduced  # noqa: B018
+
+
+# The command line
+
+
+def test_command_line(root: Path, workshop: Path, compressor: Machine) -> None:
+    path = workshop / "models" / "library_slider_crank.py"
+    arguments = ["simulate", str(path), "--t-end", "0.01", "--scene", "compressor", "--points", "3"]
+    done = CliRunner().invoke(app, [*arguments, "--formulation", "reduced"])
+    assert done.exit_code == 0, done.output
+    refused = CliRunner().invoke(app, [*arguments, "--formulation", "polar"])
+    assert refused.exit_code == 2
