@@ -1,0 +1,1 @@
+"""The floor: hand-reduced equations in an integrator that can do nothing else."""
