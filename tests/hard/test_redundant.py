@@ -111,8 +111,8 @@ def test_what_repeats_is_named_by_joint(table: Machine) -> None:
 
 @pytest.mark.parametrize("method", ["dop853", "dopri5"])
 def test_it_falls_as_if_they_were_not_there(table: Machine, plain: Machine, method: str) -> None:
-    run = table.simulate(5.0, TIMES, method=method, rtol=1e-11, progress=False)
-    other = plain.simulate(5.0, TIMES, method=method, rtol=1e-11, progress=False)
+    run = table.simulate(5.0, TIMES, method=method, rtol=1e-12, progress=False)
+    other = plain.simulate(5.0, TIMES, method=method, rtol=1e-12, progress=False)
     assert run.outcome is Outcome.OK, run.message
     assert other.not_unique == ()
     exact = fallen(TIMES)
