@@ -48,9 +48,9 @@ def passed(machine: Integers, t: float, h: float, w: Vector, run: Run, p: Vector
     """Judge a step from Y0 to Y1: 0, `AGAIN` and shorter, or the code of an outcome.
 
     It is 0 where no loop passes its dead centre. Where the run ends, `run.index` and `run.turn` say
-    which loop does and when. The accelerations are a quotient 0/0 at a dead centre, and at the time τ before it they err by
-    their rounding over τ³: no step control comes there, so steps much shorter than those further
-    away end a run too.
+    which loop does and when. The accelerations are a quotient 0/0 at a dead centre, and at the time
+    τ before it they err by their rounding over τ³: no step control comes there, so steps much
+    shorter than those further away end a run too.
     """
     r = run[0]
     length = w.size // ROWS
