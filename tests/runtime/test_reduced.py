@@ -252,7 +252,8 @@ def test_machine_without_its_model(compressor: Machine) -> None:
 # The command line
 
 
-def test_command_line(root: Path, workshop: Path, compressor: Machine) -> None:
+def test_command_line(workshop: Path, compressor: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(workshop)
     path = workshop / "models" / "library_slider_crank.py"
     arguments = ["simulate", str(path), "--t-end", "0.01", "--scene", "compressor", "--points", "3"]
     done = CliRunner().invoke(app, [*arguments, "--formulation", "reduced"])
