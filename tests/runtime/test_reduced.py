@@ -128,7 +128,7 @@ def test_angles_that_turn_are_followed_over_a_hundred_turns(root: Path, workshop
     path = workshop / "models" / "drag_link.py"
     write_if_changed(path, text)
     machine = load(path, "spin", folder=workshop)
-    # What the integrator errs by in 160 turns is proportional to the tolerance: 2e-9 rad at this one.
+    # What the integrator errs by in 160 turns goes with the tolerance: 2e-9 rad at this one.
     times = [0.0, 30.0]
     whole = machine.simulate(30.0, times, rtol=1e-13, progress=False)
     less = machine.simulate(30.0, times, rtol=1e-13, formulation="reduced", progress=False)
