@@ -13,13 +13,11 @@ of the coordinates c that are left.
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from codegen.lower.factorization import LEAST_PIVOT
 from codegen.lower.graph import Graph
 from codegen.lower.rebuild import reached, rebuilt
 from codegen.lower.square import ROUNDING
 from codegen.lower.tangent import differentiate
-
-LEAST_PIVOT = 0.1
-"""What b must be of the largest number in its row."""
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ from codegen.lower.program import (
     Program,
     Value,
 )
+from codegen.lower.rebuild import reached
 
 TINY = 1e-300
 """Added to what stands under a root where it divides: √(vᵀv) has the slope 0 at v = 0, not 0/0."""
@@ -58,12 +59,7 @@ def differentiate(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]
 
 def _reached(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]) -> list[int]:
     """What the outputs need, in order, less the seeds, leaves and conditions."""
-    roots, found = list(outputs), set[int]()
-    while roots:
-        number = roots.pop()
-        if number not in found and number not in seeds:
-            found.add(number)
-            roots.extend(graph.values[number].args)
+    found = reached(graph, outputs, seeds) - seeds.keys()
     return sorted(k for k in found if graph.values[k].args and graph.values[k].op not in LOGICAL)
 
 

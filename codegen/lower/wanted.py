@@ -2,7 +2,8 @@
 
 from codegen.derive.equations import Equations, tracked_points
 from codegen.lower.graph import Graph
-from codegen.lower.program import Op
+from codegen.lower.program import Input
+from codegen.lower.rebuild import reached
 from codegen.lower.scene_graph import SceneGraph
 
 
@@ -65,16 +66,5 @@ def recovered(scene: SceneGraph, wanted: Wanted) -> tuple[int, ...]:
 
 def _multipliers(graph: Graph, values: list[int]) -> set[int]:
     """Slots of `lam` that values depend on."""
-    found: set[int] = set()
-    met: set[int] = set()
-    waiting = list(values)
-    while waiting:
-        number = waiting.pop()
-        if number in met:
-            continue
-        met.add(number)
-        value = graph.values[number]
-        if value.op is Op.INPUT and value.literal.array == "lam":  # type: ignore[union-attr]
-            found.add(value.literal.slot)  # type: ignore[union-attr]
-        waiting += value.args
-    return found
+    literals = (graph.values[number].literal for number in reached(graph, values))
+    return {found.slot for found in literals if isinstance(found, Input) and found.array == "lam"}
