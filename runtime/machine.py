@@ -1,6 +1,7 @@
 """What a user holds: a loaded mechanism, its tables, and the analyses."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -122,30 +123,12 @@ class Machine:
     @cached_property
     def system(self) -> "System":
         """The kernels and sizes that the integrator asks for."""
-        from runtime.integrate.problem import System
+        from runtime.systems import system
 
         told, kernels = self.description, self.kernels
-        return System(
-            accelerations=kernels.accelerations,
-            correction=kernels.correction,
-            jacobian=kernels.jacobian,
-            jacobian_rows=told.jacobian_rows.astype(np.int64),
-            jacobian_columns=told.jacobian_columns.astype(np.int64),
-            coordinates=len(told.coordinates),
-            constraint_count=len(told.constraints),
-            switches=len(told.switches),
-            switching=kernels.switching,
-            switching_rates=kernels.switching_rates,
-            constraints=kernels.constraints,
-            velocity_rhs=kernels.velocity_rhs,
-            acceleration_rhs=kernels.acceleration_rhs,
-            mass=kernels.mass,
-            applied_forces=kernels.applied_forces,
-            gap_accelerations=kernels.gap_accelerations,
-            holds=kernels.holds,
-            restitution=kernels.restitution,
-            rigid=tuple(contact.switch for contact in told.rigid),
-            sticking=tuple(k for k, row in enumerate(told.switches) if row.kind == "friction"),
+        jacobian = told.jacobian_rows.astype(np.int64), told.jacobian_columns.astype(np.int64)
+        return replace(
+            system(told, kernels, jacobian, len(told.coordinates), len(told.constraints)),
             reactions=kernels.reactions,
             switched_reactions=kernels.switched_reactions,
             reaction_rows=len(told.reactions),

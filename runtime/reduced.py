@@ -1,6 +1,6 @@
 """The equations of a scene in reduced coordinates: those that no constraint gives."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import ModuleType
 
@@ -11,6 +11,7 @@ from runtime import kernels
 from runtime.description import Description
 from runtime.integrate.problem import System
 from runtime.kernels import Kernel
+from runtime.systems import system
 from runtime.tangents import Tangents
 from runtime.tangents import gather as gather_tangents
 from runtime.winding import follow
@@ -54,30 +55,9 @@ class Reduced:
     @cached_property
     def system(self) -> System:
         """What the integrator asks for."""
-        told, made = self.told, self.kernels
-        rows, columns = self.jacobian
         m = len(self.closures)
-        return System(
-            accelerations=made.accelerations,
-            correction=made.correction,
-            jacobian=made.jacobian,
-            jacobian_rows=rows,
-            jacobian_columns=columns,
-            coordinates=len(self.kept),
-            constraint_count=m,
-            switches=len(told.switches),
-            switching=made.switching,
-            switching_rates=made.switching_rates,
-            constraints=made.constraints,
-            velocity_rhs=made.velocity_rhs,
-            acceleration_rhs=made.acceleration_rhs,
-            mass=made.mass,
-            applied_forces=made.applied_forces,
-            gap_accelerations=made.gap_accelerations,
-            holds=made.holds,
-            restitution=made.restitution,
-            rigid=tuple(contact.switch for contact in told.rigid),
-            sticking=tuple(k for k, row in enumerate(told.switches) if row.kind == "friction"),
+        return replace(
+            system(self.told, self.kernels, self.jacobian, len(self.kept), m),
             dead_centres=self.dead_centres,
             loop_rows=tuple(m + row for _, row in self.branches),
             **self.tangents._asdict(),

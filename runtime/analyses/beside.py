@@ -14,7 +14,6 @@ import numpy as np
 from runtime.analyses.closing import CLOSED, Task
 from runtime.analyses.equations import FloatArray
 from runtime.constraints.motion import taylor
-from runtime.constraints.scaled import ScaledConstraints
 from runtime.constraints.singular import Positions
 
 _EPS = 2.2e-16
@@ -48,21 +47,7 @@ def beside(
     values = np.linalg.svd(matrix / lengths[:, None], compute_uv=False)
     if not values[-1] < _NEAR:
         return None
-    told = equations.description
-    kernels = equations.kernels
-    positions = Positions(
-        ScaledConstraints(
-            kernels.constraints,
-            kernels.jacobian,
-            kernels.velocity_rhs,
-            np.asarray(told.jacobian_rows, dtype=np.int64),
-            np.asarray(told.jacobian_columns, dtype=np.int64),
-            equations.p,
-            task.scale,
-            np.arange(equations.m),
-            equations.m,
-        )
-    )
+    positions = Positions(equations.scaled(task.scale, np.arange(equations.m)))
     rest = np.zeros_like(v)
     found = positions.near(taylor(task.t, q, v, rest), 0.0)
     if found is None or found.gap > _ROUNDING:

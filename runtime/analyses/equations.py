@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from runtime.constraints.scaled import ScaledConstraints
+
 if TYPE_CHECKING:
     from runtime.machine import Machine
 
@@ -31,6 +33,21 @@ class Equations:
         self.independent = np.array(machine.independent, dtype=np.int64)
         self.n = len(machine.coordinates)
         self.m = len(machine.constraints)
+
+    def scaled(self, scale: FloatArray, independent: IntArray) -> ScaledConstraints:
+        """The constraints in units of `scale`, of which `independent` follow from no others."""
+        told, kernels = self.description, self.kernels
+        return ScaledConstraints(
+            kernels.constraints,
+            kernels.jacobian,
+            kernels.velocity_rhs,
+            np.asarray(told.jacobian_rows, dtype=np.int64),
+            np.asarray(told.jacobian_columns, dtype=np.int64),
+            self.p,
+            scale,
+            independent,
+            self.m,
+        )
 
     def constraints(self, t: float, q: FloatArray) -> FloatArray:
         """Phi(q, t), shape (m,)."""

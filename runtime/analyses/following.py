@@ -22,7 +22,6 @@ from runtime.analyses.passing import DISTANCE, Zone, zone
 from runtime.analyses.tracing import Curve, Point
 from runtime.analyses.walking import ARRIVED, DONE, SUSPECT
 from runtime.constraints.motion import taylor
-from runtime.constraints.scaled import ScaledConstraints
 from runtime.constraints.singular import Positions, Singularity
 from runtime.outcomes import Outcome
 from runtime.progress import Progress
@@ -48,20 +47,10 @@ class Follower:
     """One walk through `times` from an assembled start; call `run` once."""
 
     def __init__(self, equations: Equations, times: FloatArray, start: Assembly) -> None:
-        told, m = equations.description, equations.m
         self.equations, self.course = equations, Course(equations, times, start)
         self.scale = self.course.scale
-        self.constraints = ScaledConstraints(
-            equations.kernels.constraints,
-            equations.kernels.jacobian,
-            equations.kernels.velocity_rhs,
-            np.asarray(told.jacobian_rows),
-            np.asarray(told.jacobian_columns),
-            equations.p,
-            self.scale,
-            np.asarray(start.independent, dtype=np.int64),
-            m,
-        )
+        independent = np.asarray(start.independent, dtype=np.int64)
+        self.constraints = equations.scaled(self.scale, independent)
         self.positions = Positions(self.constraints)
         self.awaited: Singularity | None = None
         self.singular: list[SingularPosition] = []
