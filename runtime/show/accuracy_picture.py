@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
 from runtime.analyses.precision.answer import Accuracy, Line
-from runtime.analyses.precision.reading import digits, front, headline
+from runtime.analyses.precision.reading import front, headline
 from runtime.analyses.precision.records import write_records
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ STYLES = {("cartesian", "step"): "-", ("reduced", "step"): "--",
 MARKERS = {("cartesian", "step"): "o", ("reduced", "step"): "s",
            ("cartesian", "stage"): "^", ("cartesian", "projection"): "v"}  # fmt: skip
 GREY, DARK, FRONT = "#b5bcc4", "#1b1f24", "#ffd84d"
+_HEIGHT, _LINE = 390.0, 11.0  # points: of the axes, about, and of a line of text
 _FAILED = -0.75
 """Place on the axis of digits where runs are drawn that did not reach their end."""
 
@@ -78,9 +79,10 @@ def figure(told: Accuracy) -> "Figure":
     _front(axes, told)
     for line in told.lines:
         _line(axes, line)
-    _choices(axes, told)
+    _refused(axes, told)
     _limits(axes, told)
     _failures(axes, told)
+    _choices(axes, told)
     _floor(axes, told)
     axes.set_xlabel("digits: -log10 of the largest scaled error", fontsize=10)
     axes.set_ylabel("processor time of the integration, ms", fontsize=10)
@@ -109,12 +111,15 @@ def figure(told: Accuracy) -> "Figure":
 
 
 def _ticks(axes: "Axes") -> None:
-    """Times as plain numbers: 1, 2 and 5 of each decade where there are few decades."""
+    """Times as plain numbers: 1, 2 and 5 of each decade where there are few, more in one."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
     low, high = axes.get_ylim()
-    few = high < 1e3 * low
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
+    decades = math.log10(high / low)
+    told = (
+        (1.0,) if decades > 3.0 else (1.0, 2.0, 5.0) if decades > 1.0 else (1.0, 2.0, 3.0, 5.0, 7.0)
+    )
+    axes.yaxis.set_major_locator(LogLocator(subs=told))
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.yaxis.set_minor_formatter(NullFormatter())
 
@@ -141,6 +146,13 @@ def _line(axes: "Axes", line: Line) -> None:
         )  # fmt: skip
 
 
+def _refused(axes: "Axes", told: Accuracy) -> None:
+    """Settings that the scene cannot take stand in the legend, so that none is missing."""
+    for line in told.lines:
+        if line.refused:
+            axes.plot([], [], color=GREY, linewidth=0.9, label=f"{line.setting.title}: refused")
+
+
 def _front(axes: "Axes", told: Accuracy) -> None:
     runs = [point for _, point in front(told.lines)]
     if runs:
@@ -151,15 +163,20 @@ def _front(axes: "Axes", told: Accuracy) -> None:
 
 
 def _choices(axes: "Axes", told: Accuracy) -> None:
-    drawn = [choice for choice in told.choices if choice.point is not None]
-    for choice in drawn:
-        point = choice.point
-        assert point is not None
-        place = (max(point.digits, 0.0), 1e3 * point.seconds)
+    """A star a choice; names beside them, one above the other where stars lie close."""
+    drawn = [(choice.title, choice.point) for choice in told.choices if choice.point is not None]
+    for _, point in drawn:
+        place = max(point.digits, 0.0), 1e3 * point.seconds
         axes.scatter(*place, s=130, marker="*", color=DARK, edgecolor="white", zorder=6)
+    low, high = (math.log(limit) for limit in axes.get_ylim())
+    top = -math.inf
+    for title, point in sorted(drawn, key=lambda entry: entry[1].seconds):
+        x, y = max(point.digits, 0.0), 1e3 * point.seconds
+        height = _HEIGHT * (math.log(y) - low) / (high - low)
+        top = max(height - 3.0, top + _LINE, 2.0)
         axes.annotate(
-            choice.title, place, xytext=(0, -15), textcoords="offset points", fontsize=8.5,
-            weight="bold", ha="left" if place[0] < 1.0 else "center", zorder=7,
+            title, (x, y), xytext=(9.0, top - height), textcoords="offset points", fontsize=8.5,
+            weight="bold", zorder=7,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.6},
         )  # fmt: skip
     if drawn:
@@ -191,8 +208,8 @@ def _failures(axes: "Axes", told: Accuracy) -> None:
         )  # fmt: skip
     axes.axvspan(_FAILED - 0.5, _FAILED + 0.45, color="#fbe9e7", zorder=0)
     axes.text(
-        _FAILED - 0.02, 0.985, "did not\nreach\nthe end", transform=axes.get_xaxis_transform(),
-        ha="center", va="top", fontsize=8, color="#8c2f2f",
+        _FAILED - 0.02, 0.015, "did not\nreach\nthe end", transform=axes.get_xaxis_transform(),
+        ha="center", va="bottom", fontsize=8, color="#8c2f2f",
     )  # fmt: skip
 
 
@@ -202,7 +219,7 @@ def _floor(axes: "Axes", told: Accuracy) -> None:
     axes.axvspan(-math.log10(floor), right, facecolor="#eceff1", edgecolor="#cfd4d9", hatch="///",
                  linewidth=0.0, zorder=0)  # fmt: skip
     axes.text(
-        right, 0.015, f"the reference is known to {digits(floor)} digits ",
+        right, 0.015, f"the reference is known to {-math.log10(floor):.1f} digits ",
         transform=axes.get_xaxis_transform(), ha="right", va="bottom", fontsize=8, color="#59636e",
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8}, zorder=8,
     )  # fmt: skip

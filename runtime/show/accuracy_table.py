@@ -1,5 +1,7 @@
 """What accuracy costs, on a terminal: a row a setting, no wider than a person reads."""
 
+import math
+
 from rich.table import Table
 
 from runtime.analyses.precision.answer import Accuracy, Line, Point
@@ -94,7 +96,13 @@ def _work(point: Point) -> tuple[str, ...]:
 def _summary(told: Accuracy, line: Line) -> tuple[str, ...]:
     most = max((point.digits for point in line.known), default=None)
     over = any(point.beyond for point in line.done)
-    known = f">{digits(told.reference.floor)}" if over else "" if most is None else f"{most:.1f}"
+    known = (
+        f">{-math.log10(told.reference.floor):.1f}"
+        if over
+        else ""
+        if most is None
+        else f"{most:.1f}"
+    )
     steep, ratio = slope(line), effectivity(line)
     return (
         known,

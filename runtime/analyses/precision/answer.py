@@ -168,7 +168,7 @@ class Accuracy:
         What the energy is held against: "start" where nothing takes or gives any, "reference"
         where something does, "" where the scene has none.
     limit, steps
-        Processor time, s, and steps that a run may take.
+        Time that passes, s, and steps that a run may take.
     build
         Stage → seconds of building the scene anew: apart from all runs, once.
     environment

@@ -46,6 +46,21 @@ class Stopwatch:
         return statistics.median(self.times) / self.seconds
 
 
+class _Patience:
+    """Ends a run that takes too long from its first sign of life on, once all is compiled."""
+
+    def __init__(self, limit: float) -> None:
+        self.limit, self.lost = limit, False
+        self.began: float | None = None
+
+    def __call__(self, fraction: float) -> None:
+        if self.began is None:
+            self.began = perf_counter()
+        elif perf_counter() - self.began > self.limit:
+            self.lost = True
+            raise KeyboardInterrupt  # ends the run with what it has
+
+
 @dataclass(frozen=True)
 class Runner:
     """A scene, assembled and ready to be run in any setting.
@@ -77,11 +92,7 @@ class Runner:
         LinkwrightError
             If the scene cannot be run so.
         """
-        began = perf_counter()
-
-        def patience(fraction: float) -> None:
-            if perf_counter() - began > self.limit:
-                raise KeyboardInterrupt  # ends the run with what it has
+        patience = _Patience(self.limit)
 
         result = simulate(
             self.machine,
@@ -102,7 +113,7 @@ class Runner:
             return result, DONE
         if result.outcome is not Outcome.INTERRUPTED:
             return result, str(result.outcome)
-        if perf_counter() - began < self.limit:
+        if not patience.lost:
             raise KeyboardInterrupt  # the user's own
         return result, TIMEOUT
 

@@ -155,6 +155,8 @@ def test_formulations_that_a_scene_cannot_take_say_why(
     assert "creep=" in refused.refused
     assert len(told["dop853, cartesian"].done) == 3
     assert any(line.startswith("Not tried: dop853, reduced.") for line in sentences(told))
+    labels = accuracy_picture.figure(told).axes[0].get_legend_handles_labels()[1]
+    assert "dop853, reduced: refused" in labels
 
 
 def test_failures_are_points(rig: str, folder: Path, few: dict[str, Any]) -> None:
