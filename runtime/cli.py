@@ -1,4 +1,4 @@
-"""The command line: `python -m runtime simulate | kinematics | … | report | matters`.
+"""The command line: `python -m runtime simulate | kinematics | … | report | matters | accuracy`.
 
 Exit status: 0 done, 1 the run failed (the message says at which t, and what was saved), 2 the
 user's input is wrong. Messages and progress go to stderr; with --json, stdout holds one object.
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import typer
 
 from codegen.errors import InputError, LinkwrightError
+from runtime.accuracy_command import accuracy
 from runtime.commanding import pairs, print_json, refuse, say
 from runtime.matters_command import matters
 
@@ -29,6 +30,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.command()(matters)
+app.command()(accuracy)
 
 Model = Annotated[str, typer.Argument(help="Path of a model file, or a name: models/NAME.py.")]
 Scene = Annotated[str | None, typer.Option(help="Scene of the model; the first unless given.")]
