@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from runtime.machine import Machine
 
 FloatArray = npt.NDArray[np.float64]
-
 ENERGIES = ("kinetic", "potential", "total")
 
 
@@ -50,7 +49,7 @@ class Result:
     singular
         The singular positions that the run met, in order.
     accuracy
-        Of a simulation that was asked for one: what it reached, and by what means that is known.
+        Of a simulation that was asked for one, what it reached and how that is known.
     parameters
         Parameter values by name.
     """

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from codegen.errors import InputError
 from runtime.integrate.problem import Formulation
@@ -35,8 +35,8 @@ def accuracy_or_tolerances(
         from runtime.analyses.dynamics import simulate
 
         chosen = {"rtol": rtol, "atol": atol, "method": method, "formulation": formulation}
-        fixed = {name: value for name, value in chosen.items() if value is not None}
-        return cast(Callable[..., Result], partial(simulate, machine, **fixed))
+        fixed: dict[str, Any] = {name: x for name, x in chosen.items() if x is not None}
+        return partial(simulate, machine, **fixed)
     problems = []
     if accuracy is None:
         problems.append("quantities say whose error is meant; give the error too, accuracy=1e-6.")

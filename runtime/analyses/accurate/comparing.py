@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 
+LOST = 0.1
+"""Difference of runs that have nothing in common any more."""
+
 _LEAST = 1e-13  # difference below which there is nothing but rounding
 _MOST = 1e-2  # difference from which on it no longer grows as a small one does
 _BEND = 30.0  # by which the second half of a motion differs more, where that is no power of time

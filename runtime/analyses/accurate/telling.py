@@ -1,22 +1,43 @@
 """What a search for an accuracy tells with its result, which ends where the accuracy does."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 from codegen.errors import AnalysisError
 from runtime.analyses.accurate.answer import Accuracy, Estimate, Trial
-from runtime.analyses.accurate.comparing import Columns, Difference, tenfold
+from runtime.analyses.accurate.comparing import LOST, Columns, Difference, tenfold
 from runtime.outcomes import Outcome
 from runtime.results.result import Result
 from runtime.results.samples import Samples
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two runs that were compared.
+
+    Attributes
+    ----------
+    other, delivered
+        The second one is the result.
+    found
+        Their difference.
+    share
+        How much of it is the error of the result at most.
+    """
+
+    other: Trial
+    delivered: Trial
+    found: Difference
+    share: float
 
 
 def told(
     made: Result,
     asked: float,
     of: Columns,
-    trials: tuple[Trial, ...],
-    delivered: Trial,
-    found: Difference,
-    share: float,
-    reasons: tuple[str, ...],
+    trials: Sequence[Trial],
+    pair: Pair,
+    reasons: Sequence[str],
 ) -> Result:
     """The result with its `Accuracy`, up to the instant to which it is as accurate as asked.
 
@@ -24,30 +45,32 @@ def told(
     ----------
     made
         The run that is delivered.
-    delivered
-        The same among `trials`.
-    found, share
-        Its difference from another run, and how much of that is its own error at most.
+    trials
+        All runs.
+    reasons
+        Why method and coordinates are what they are, in clauses.
 
     Raises
     ------
     AnalysisError
         If not even the beginning is.
     """
-    count = found.within(asked / share)
+    found, share, delivered = pair.found, pair.share, pair.delivered
+    of_all = share if found.largest < LOST else 1.0
+    count = found.within(min(asked / share, LOST))
     reached = len(made.t) if made.outcome is Outcome.OK else len(found.t)
     whole = count >= min(reached, len(found.t)) and len(found.t) >= reached
     accuracy = Accuracy(
         asked=asked,
-        estimated=share * found.largest,
-        quantities=_estimates(of, found, share),
+        estimated=of_all * found.largest,
+        quantities=_estimates(of, found, of_all),
         method=delivered.method,
         formulation=delivered.formulation,
         rtol=delivered.rtol,
-        runs=trials,
+        runs=tuple(trials),
         horizon=None if whole else float(found.t[count - 1]) if count else float(made.t[0]),
         tenfold=tenfold(found),
-        means=_means(trials, delivered, found, share, reasons),
+        means=_means(pair, reasons),
         seconds=sum(trial.seconds for trial in trials),
     )
     made.accuracy = accuracy
@@ -72,22 +95,15 @@ def _estimates(of: Columns, found: Difference, share: float) -> tuple[Estimate, 
     return tuple(sorted(rows, key=lambda row: -row.error))
 
 
-def _means(
-    trials: tuple[Trial, ...],
-    delivered: Trial,
-    found: Difference,
-    share: float,
-    reasons: tuple[str, ...],
-) -> str:
+def _means(pair: Pair, reasons: Sequence[str]) -> str:
     """By what means the estimate was found."""
-    place = trials.index(delivered)
-    other = trials[place - 1] if share < 1.0 else trials[-1]
+    other, delivered = pair.other, pair.delivered
     text = (
-        f"Estimated from the difference of two runs, {found.largest:.1e} between rtol = "
+        f"Estimated from the difference of two runs, {pair.found.largest:.1e} between rtol = "
         f"{other.rtol:.1e} and {delivered.rtol:.1e}"
     )
-    if share < 1.0:
-        text += f", of which the tighter one is taken to err by at most {share:.2g} times that"
+    if pair.share < 1.0:
+        text += f", of which the tighter one errs by {pair.share:.2g} times that at most"
     if other.events != delivered.events:
         text += f"; they have {other.events} and {delivered.events} events"
     for reason in reasons:
