@@ -12,7 +12,7 @@ from typing import Annotated
 
 import typer
 
-from benchmarks import asked, compressor, elements, kernels, machines, scenes, twins
+from benchmarks import asked_table, compressor, elements, kernels, machines, scenes, twins
 from benchmarks.report import Report, finish, records, save, verdict
 
 __all__ = ["main", "save"]
@@ -169,7 +169,7 @@ MEASUREMENTS = {
     "machines": of_machines,
     "compressor": of_compressor,
     "scenes": of_scenes,
-    "accuracy": asked.report,
+    "accuracy": asked_table.report,
 }
 
 

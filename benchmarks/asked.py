@@ -8,28 +8,26 @@ half decades of tolerance: a choice that only one who knows the solution can mak
 
 import math
 import shutil
-import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
-from statistics import median
-from typing import TYPE_CHECKING, Any
+from time import process_time
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.report import Report, records
 from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
     from runtime.analyses.accurate import Accuracy
+    from runtime.analyses.accurate.comparing import Columns
+    from runtime.analyses.prepared import Prepared
     from runtime.machine import Machine
     from runtime.results.result import Result
 
 Array = npt.NDArray[np.float64]
-
-SHARE, WORST, COST = 0.95, 10.0, 3.0
-"""Bars: share of the runs below what was asked, the worst ratio, the cost in times the cheapest."""
 
 SCENES = (
     ("slider_crank", "compressor", 2.0),
@@ -135,24 +133,25 @@ def _of_scene(
     repeats: int,
     grid: Sequence[float],
 ) -> Iterator[Row]:
+    from runtime.analyses.accurate.comparing import columns
+
     t = np.linspace(0.0, t_end, POINTS)
-    truth, floor = _reference(machine, t_end, t)
-    first = _accurate(machine, t_end, t, 1e-3)
-    scales = {} if first is None else {row.name: row.scale for row in first[1].quantities}
-    single = _single_runs(machine, t_end, t, repeats, grid, truth, scales)
-    floor_error = _error(truth, floor, scales)
+    of = columns(machine.description, None, _prepared(machine, t).sizes)
+    truth, other = _reference(machine, t_end, t)
+    floor = _error(truth, of.of_result(other), of)
+    single = _single_runs(machine, t, repeats, grid, truth, of)
     for accuracy in asked:
         found = [_accurate(machine, t_end, t, accuracy) for _ in range(repeats + 1)]
         good = [one for one in found if one is not None]
         if not good:
             yield Row(model, machine.scene, accuracy, "REFUSED", 0.0, math.nan, math.nan,
-                      floor_error, math.nan, 0, "", "", math.nan, math.nan, math.nan, "",
+                      floor, math.nan, 0, "", "", math.nan, math.nan, math.nan, "",
                       math.nan)  # fmt: skip
             continue
         result, told = good[0]
         # The least of each run over the repeats: what else runs on the machine is left out.
         seconds = sum(min(one[1].runs[k].seconds for one in good) for k in range(len(told.runs)))
-        true = _error(truth, result, scales)
+        true = _error(truth, of.of_result(result), of)
         able = [(time, setting) for time, error, setting in single if error <= accuracy]
         time, setting = min(able, default=(math.nan, ""))
         yield Row(
@@ -163,7 +162,7 @@ def _of_scene(
             float(result.t[-1]),
             true,
             told.estimated,
-            floor_error,
+            floor,
             true / accuracy,
             len(told.runs),
             told.method,
@@ -206,97 +205,47 @@ def _reference(machine: "Machine", t_end: float, t: Array) -> tuple["Result", "R
 
 def _single_runs(
     machine: "Machine",
-    t_end: float,
     t: Array,
     repeats: int,
     grid: Sequence[float],
     truth: "Result",
-    scales: dict[str, float],
+    of: "Columns",
 ) -> list[tuple[float, float, str]]:
-    """Time in s, error and setting of every single run that reached its end."""
+    """Processor time in s, error and setting of every single run that reached its end."""
+    from runtime.integrate.problem import Options
+    from runtime.outcomes import Outcome
+    from runtime.progress import silent
+
+    ready = _prepared(machine, t)
     found = []
-    for formulation in FORMULATIONS:
-        for method in METHODS:
-            for rtol in grid:
-                options: dict[str, Any] = {"formulation": formulation, "method": method}
-                seconds, run = math.inf, None
-                try:
-                    for _ in range(repeats):
-                        run = machine.simulate(t_end, t, rtol=rtol, progress=False, **options)
-                        seconds = min(seconds, run.stats["integration_seconds"])
-                except LinkwrightError:
-                    break
-                if run is not None and not run.failed:
-                    error = _error(truth, run, scales)
-                    found.append((seconds, error, f"{method}, {formulation}, {rtol:.0e}"))
+    for formulation, method in product(FORMULATIONS, METHODS):
+        try:
+            taken = ready.coordinates(cast(Any, formulation), method, "step")
+        except LinkwrightError:
+            continue
+        for rtol in grid:
+            options = Options(method=cast(Any, method), rtol=rtol, t_eval=t)
+            seconds = math.inf
+            for _ in range(repeats):
+                began = process_time()
+                run = ready.run(taken, options, silent)
+                seconds = min(seconds, process_time() - began)
+            if run.outcome is Outcome.OK:
+                error = _error(truth, of.of_run(run.q, run.v), of)
+                found.append((seconds, error, f"{method}, {formulation}, {rtol:.0e}"))
     return found
 
 
-def _error(truth: "Result", run: "Result", scales: dict[str, float]) -> float:
-    """Largest |y - r| / (s + |r|) at the instants that `run` has."""
-    worst = 0.0
-    for name, scale in scales.items():
-        right = truth.series(name)[0][: len(run.t)]
-        values = run.series(name)[0][: len(right)]
-        worst = max(worst, float((np.abs(values - right) / (scale + np.abs(right))).max()))
-    return worst
+def _prepared(machine: "Machine", t: Array) -> "Prepared":
+    from runtime.analyses.prepared import Prepared
+
+    end = float(t[-1])
+    return Prepared(machine, end, t_start=0.0, parameters=None, guess=None, start=None)
 
 
-def sentences(rows: Sequence[Row]) -> list[str]:
-    """What follows, in sentences."""
-    judged = [row for row in rows if row.counted]
-    below = sum(row.ratio <= 1.0 for row in judged)
-    worst = max(judged, key=lambda row: row.ratio)
-    priced = [row for row in judged if math.isfinite(row.cost)]
-    cheap = sum(row.cost <= COST for row in priced)
-    dearest = max(priced, key=lambda row: row.cost)
-    ended = [row for row in rows if row.outcome != "OK"]
-    unknown = len(rows) - len(judged) - len(ended)
-    right = (
-        f"The true error is below what was asked in {below} of {len(judged)} runs "
-        f"({100.0 * below / len(judged):.1f} %, the bar is {100.0 * SHARE:g} %); the worst is "
-        f"{worst.ratio:.2g} times it ({worst.scene} at {worst.asked:.0e}; the bar is {WORST:g})."
-    )
-    price = (
-        f"All runs together cost {median(row.cost for row in priced):.2f} times the cheapest "
-        f"single run in the median, at most {COST:g} times in {cheap} of {len(priced)}, and "
-        f"{dearest.cost:.2f} times at the most ({dearest.scene} at {dearest.asked:.0e})."
-    )
-    lines = [right, price]
-    if ended:
-        told = ", ".join(f"{row.scene} at {row.asked:.0e} ({row.outcome})" for row in ended)
-        lines.append(f"Not reached over all the time, and said so: {told}.")
-    if unknown:
-        lines.append(f"{unknown} runs are closer to the exact solution than the references agree.")
-    return lines
+def _error(truth: "Result", values: Array, of: "Columns") -> float:
+    """Largest |y - r| / (s + |r|) at the instants that `values` has."""
+    from runtime.analyses.accurate.comparing import difference
 
-
-def report(quick: bool) -> list[Report]:
-    """All scenes, built anew with their reduced equations; quick: one of them, three accuracies."""
-    scenes, asked, repeats = SCENES, ASKED, 5
-    if quick:
-        scenes, asked, repeats = SCENES[:1], ASKED[::3], 1
-    with tempfile.TemporaryDirectory() as place:
-        rows = list(measure(scenes, asked, Path(place), repeats))
-    headings = (
-        "scene", "asked", "true", "estimated", "true over asked", "runs", "taken", "ms",
-        "cheapest, ms", "cheapest setting", "cost",
-    )  # fmt: skip
-    table = [
-        (
-            f"{row.model}, {row.scene}",
-            f"{row.asked:.0e}",
-            f"{row.true:.1e}",
-            f"{row.estimated:.1e}",
-            f"{row.ratio:.2g}" if row.counted else row.outcome if row.outcome != "OK" else "?",
-            str(row.runs),
-            f"{row.method}, {row.formulation}, {row.rtol:.0e}",
-            f"{row.milliseconds:.2f}",
-            f"{row.cheapest:.2f}",
-            row.setting,
-            f"{row.cost:.2f}",
-        )
-        for row in rows
-    ]
-    title = "asked for an accuracy: true errors, and the cost beside the cheapest single run"
-    return [Report("accuracy", title, headings, table, sentences(rows), records(rows))]
+    count = len(values)
+    return difference(truth.t[:count], values, of.of_result(truth), of).largest

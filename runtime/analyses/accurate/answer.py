@@ -34,7 +34,7 @@ class Trial:
     Attributes
     ----------
     seconds
-        Time of the integration.
+        Processor time of the integration.
     evaluations, steps, events
         Calls of `accelerations`, accepted steps, changes of modes.
     outcome
@@ -78,7 +78,7 @@ class Accuracy:
     means
         By what means it was found, in a sentence.
     seconds
-        Of all integrations.
+        Processor time of all integrations.
     """
 
     asked: float

@@ -58,11 +58,12 @@ _MOST_RUNS = 8
 
 @dataclass(frozen=True)
 class _Run:
-    """A run, its options and its values."""
+    """A run, its options, its values, and the processor time that it took."""
 
     options: Options
     path: Trajectory
     values: FloatArray
+    seconds: float
 
     @property
     def t(self) -> FloatArray:
@@ -206,11 +207,13 @@ class _Search:
             rtol=rtol,
             correction=choice.taken.correction,
         )
+        began = clock.process_time()
         path = self.ready.run(choice.taken, options, self.progress)
+        seconds = clock.process_time() - began
         if self.of.of_state:
-            return _Run(options, path, self.of.of_run(path.q, path.v))
+            return _Run(options, path, self.of.of_run(path.q, path.v), seconds)
         made = finished(self.ready, choice.taken, options, clock.perf_counter(), silent, path)
-        return _Run(options, path, self.of.of_result(made)[: len(path.t)])
+        return _Run(options, path, self.of.of_result(made)[: len(path.t)], seconds)
 
     def _note(self, choice: Choice, run: _Run, gap: float | None) -> None:
         counts = run.path.statistics
@@ -219,7 +222,7 @@ class _Search:
                 choice.method,
                 choice.formulation,
                 run.options.rtol,
-                counts.seconds,
+                run.seconds,
                 counts.rhs,
                 counts.steps,
                 counts.events,
