@@ -1,6 +1,5 @@
 """Two runs beside each other: by how much they differ, when, and how that grows."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -21,7 +20,8 @@ LOST = 0.1
 
 _LEAST = 1e-13  # difference below which there is nothing but rounding
 _MOST = 1e-2  # difference from which on it no longer grows as a small one does
-_BEND = 30.0  # by which the second half of a motion differs more, where that is no power of time
+_EACH, _ALL = 3.0, 30.0  # by which a quarter of a motion differs more, and two of them
+_ENOUGH = 16  # instants
 
 
 @dataclass(frozen=True)
@@ -140,25 +140,27 @@ def difference(t: FloatArray, first: FloatArray, second: FloatArray, of: Columns
 
 
 def tenfold(found: Difference) -> float | None:
-    """Time in which a small difference grows tenfold, s; None where it grows as a power of time.
+    """Time in which a small difference grows tenfold, s; None unless it grows exponentially.
 
-    The difference is looked at while it is neither rounding nor as large as the motion. A power
-    t^p, p ≤ 3, is in the mean 2^p = 8 times as large in the second half of that time as in the
-    first; one that grows exponentially is so by far more.
+    The difference is looked at while it is neither rounding nor as large as the motion. Of the last
+    three quarters of that time, each must have more of it than the one before by a factor, and all
+    together by a larger one. A power t^p, p ≤ 3, has at most 2.7 times as much in the fourth as in
+    the third; and what an event leaves behind does not go on growing.
     """
     over = found.scaled.max(axis=1, initial=0.0)
     small = int(np.searchsorted(found.over_time, _MOST, side="right"))
     begun = int(np.searchsorted(found.over_time, _LEAST, side="right"))
+    if small - begun < _ENOUGH:
+        return None
     t, over = found.t[begun:small], over[begun:small]
-    if len(t) < 8 or not np.all(np.diff(t) >= 0.0) or t[-1] <= t[0]:
+    edges = found.t[0] + (t[-1] - found.t[0]) * np.array([0.25, 0.5, 0.75])
+    parts = np.split(over, np.searchsorted(t, edges))[1:]
+    if min(len(part) for part in parts) < _ENOUGH // 8:
         return None
-    middle = found.t[0] + 0.5 * (t[-1] - found.t[0])
-    early, late = over[t <= middle], over[t > middle]
-    if len(early) < 4 or len(late) < 4:
+    second, third, fourth = (float(np.median(part)) for part in parts)
+    steady = third > _EACH * second and fourth > _EACH * third and fourth > _ALL * second
+    if not (second > 0.0 and steady):
         return None
-    low, high = float(np.median(early)), float(np.median(late))
-    if not (low > 0.0 and high > _BEND * low):
-        return None
-    logs = np.log10(np.maximum(over, _LEAST))
-    slope = float(np.polyfit(t, logs, 1)[0])
-    return 1.0 / slope if slope > 0.0 and math.isfinite(slope) else None
+    later = t >= edges[0]
+    logs = np.log10(np.maximum(over[later], _LEAST))
+    return 1.0 / float(np.polyfit(t[later], logs, 1)[0])
