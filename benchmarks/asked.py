@@ -114,7 +114,7 @@ def measure(
     ----------
     folder
         An empty one, into which the models are copied and built; None: the library's own, with what
-        is built there.
+        is built there. References build what is missing.
     """
     from runtime import load
 
