@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from runtime.constraints.layout import COLUMN_ORDER, ROW_ORDER
 from runtime.constraints.ordering import ordered
 from runtime.constraints.roots import weak_part
 from runtime.constraints.scaled import ScaledConstraints
@@ -47,19 +48,23 @@ class Frames:
 
     def _made(self, entries: FloatArray) -> Frame:
         constraints = self.constraints
+        table, arrays = constraints.layout
         rows, wide = constraints.independent.size, constraints.scale.size + 1
         a, places = np.zeros((rows, wide)), constraints.places
-        row_order, column_order = np.zeros(rows, np.int64), np.zeros(wide, np.int64)
-        strong = ordered(entries, *places, _STRONG, a, row_order, column_order)
+        orders = arrays[ROW_ORDER], arrays[COLUMN_ORDER]
+        strong = ordered(entries, *places, _STRONG, a, *orders)
         values = np.ones(rows)
         if strong < rows:
-            part = np.zeros((rows - strong, wide - strong))
-            left, square = np.zeros((rows, rows - strong)), np.zeros((rows - strong,) * 2)
-            if weak_part(a, row_order, left, square, part):
-                smallest = np.linalg.svd(part, compute_uv=False)
+            weak, free = rows - strong, wide - strong
+            left, null = np.empty((rows, weak)), np.empty((wide, free))
+            if weak_part(table, a, left, null, np.empty((weak, weak)), np.empty((free, free))):
+                values[strong:] = 0.0
+                smallest = np.linalg.svd(a[strong:, strong:], compute_uv=False)
                 values[strong : strong + smallest.size] = smallest
-            ordered(entries, *places, 0.0, a, row_order, column_order)
-        return Frame(entries, row_order, column_order, weak_values(values))
+            ordered(entries, *places, 0.0, a, *orders)
+        return Frame(
+            entries, orders[0].copy(), orders[1].copy(), weak_values(np.minimum(values, 1))
+        )
 
 
 def weak_values(values: FloatArray) -> int:

@@ -55,28 +55,32 @@ def vectors(table: Integers, a: Matrix, strong: int, left: Matrix, null: Matrix)
 
 
 @inner
-def flattest(a: Matrix, strong: int, lower: Matrix, factor: Matrix) -> float:
-    """The largest entry of the complement between orthonormal vectors, R_u⁻ᵀ G R_z⁻¹.
+def normalised(
+    a: Matrix, strong: int, left: Matrix, null: Matrix, square: Matrix, normal: Matrix
+) -> bool:
+    """Make the complement in `a` one between orthonormal vectors, R_u⁻ᵀ G R_z⁻¹; false: it cannot.
 
-    `lower` and `factor` are the Cholesky factors of the left and the null vectors' products.
+    `square`, (weak, weak), and `normal`, (free, free), receive the Cholesky factors of the left and
+    the null vectors' products.
     """
-    weak, free = lower.shape[0], factor.shape[0]
-    largest = 0.0
+    weak, free = left.shape[1], null.shape[1]
+    gram(left, square)
+    gram(null, normal)
+    if not (cholesky(square) and cholesky(normal)):
+        return False
     for w in range(weak):
         for f in range(free):
             total = a[strong + w, strong + f]
             for k in range(f):
-                total -= factor[f, k] * a[strong + w, strong + k]
-            a[strong + w, strong + f] = total / factor[f, f]
-    for f in range(free):
-        for w in range(weak):
-            total = a[strong + w, strong + f]
-            for k in range(w):
-                total -= lower[w, k] * a[strong + k, strong + f]
-            a[strong + w, strong + f] = total / lower[w, w]
-            if not abs(total / lower[w, w]) <= largest:
-                largest = abs(total / lower[w, w])
-    return float(largest)
+                total -= normal[f, k] * a[strong + w, strong + k]
+            a[strong + w, strong + f] = total / normal[f, f]
+    for w in range(weak):
+        for k in range(w):
+            for f in range(free):
+                a[strong + w, strong + f] -= square[w, k] * a[strong + k, strong + f]
+        for f in range(free):
+            a[strong + w, strong + f] /= square[w, w]
+    return True
 
 
 @inner
@@ -162,34 +166,26 @@ def root(
     if not complement(table, speed, z, strong, a, gaps):
         return -1.0
     vectors(table, a, strong, left, null)
-    gram(null, normal)
-    gram(left, square)
-    if not (cholesky(normal) and cholesky(square)):
+    if not normalised(a, strong, left, null, square, normal):
         return -1.0
-    if flattest(a, strong, square, normal) > _FLAT:
-        return -1.0
+    for i in range(strong, rows):
+        for j in range(strong, wide):
+            if not abs(a[i, j]) <= _FLAT:
+                return -1.0
     orthonormal(normal, null)
     orthonormal(square, left)
     return widest(gaps, strong, square)
 
 
-@compiled(i8(matrix, integers, matrix, matrix, matrix))
-def weak_part(a: Matrix, order: Integers, left: Matrix, square: Matrix, part: Matrix) -> int:
-    """What is left of orthonormal row combinations: `part`, (weak, free), of an eliminated matrix.
+@compiled(i8(integers, matrix, matrix, matrix, matrix, matrix))
+def weak_part(
+    table: Integers, a: Matrix, left: Matrix, null: Matrix, square: Matrix, normal: Matrix
+) -> int:
+    """Make the complement in an eliminated matrix one between orthonormal vectors; 0: it cannot.
 
-    Its singular values are about the smallest ones of the matrix: none is below them, and those far
-    below the others are the same but for the square of that ratio.
+    Its singular values are then the small ones of the matrix but for the square of what they are
+    over the others: without the complement the matrix had these vectors for its singular ones.
     """
-    weak, free = part.shape
-    strong = left.shape[0] - weak
-    lefts(a, strong, order, left)
-    gram(left, square)
-    if not cholesky(square):
-        return 0
-    for f in range(free):
-        for w in range(weak):
-            total = a[strong + w, strong + f]
-            for k in range(w):
-                total -= square[w, k] * part[k, f]
-            part[w, f] = total / square[w, w]
-    return 1
+    strong = left.shape[0] - left.shape[1]
+    vectors(table, a, strong, left, null)
+    return int(normalised(a, strong, left, null, square, normal))
