@@ -19,6 +19,7 @@ from codegen.declare.element import (
     J,
     friction_law,
     hold,
+    pulling,
     own_coordinates,
     reported,
 )
@@ -191,6 +192,7 @@ def _effect_expressions(effect: Effect, bodies: tuple[Body, ...]) -> list[sympy.
     forces = effect.forces(bodies)
     law = friction_law(effect)
     found: list[sympy.Basic] = [*forces, *forces.values()]
+    found += [e for pair in pulling(effect, bodies) for e in pair]
     found += [] if potential is None else [potential]
     found += [value for _, _, value in reported(effect, bodies)]
     holding = hold(effect, bodies)

@@ -39,11 +39,15 @@ class Graph:
         In order of their numbers.
     settled
         For each value, whether numbers and parameters alone determine it.
+    movers
+        For each value, the inputs but parameters that it depends on: a set of bits, see `place_of`.
     """
 
     def __init__(self) -> None:
         self.values: list[Value] = []
         self.settled: list[bool] = []
+        self.movers: list[int] = []
+        self._places: dict[int, int] = {}
         self._numbers: dict[tuple[Op, tuple[int, ...], object], int] = {}
         self._serves = ""
         self.zero = self.constant(0.0)
@@ -81,7 +85,21 @@ class Graph:
                 if isinstance(literal, Input)
                 else op is not Op.MODE and all(self.settled[a] for a in args)
             )
+            self.movers.append(self._moved(self._numbers[key]))
         return self._numbers[key]
+
+    def _moved(self, number: int) -> int:
+        value = self.values[number]
+        if isinstance(value.literal, Input) and not self.settled[number]:
+            return 1 << self.place_of(number)
+        found = 0
+        for a in value.args:
+            found |= self.movers[a]
+        return found
+
+    def place_of(self, number: int) -> int:
+        """The bit of an input in `movers`."""
+        return self._places.setdefault(number, len(self._places))
 
     # -- leaves ------------------------------------------------------------------------------
 
@@ -127,8 +145,6 @@ class Graph:
             return self.constant(-self.number(a))  # type: ignore[operator]
         if value.op is Op.NEG:
             return value.args[0]
-        if value.op is Op.SUB:
-            return self.sub(value.args[1], value.args[0])
         return self._add(Op.NEG, (a,))
 
     def add(self, a: int, b: int) -> int:
@@ -148,7 +164,23 @@ class Graph:
             return self.sub(a, self.values[b].args[0])
         if self.values[a].op is Op.NEG:
             return self.sub(b, self.values[a].args[0])
+        if self.values[a].op is Op.SELECT:
+            merged = self._merged(self.add, a, b)
+            if merged is not None:
+                return merged
         return self._add(Op.ADD, (a, b))
+
+    def _merged(self, combine: Callable[[int, int], int], a: int, b: int) -> int | None:
+        """The sum of two choices by one condition that are zero on the same side, as one choice."""
+        if self.values[b].op is not Op.SELECT:
+            return None
+        (condition, *one), (other, *two) = self.values[a].args, self.values[b].args
+        for k in (0, 1):
+            if condition == other and one[k] == two[k] == self.zero:
+                sides = [self.zero, self.zero]
+                sides[1 - k] = combine(one[1 - k], two[1 - k])
+                return self.select(condition, *sides)
+        return None
 
     def sub(self, a: int, b: int) -> int:
         """a - b."""
@@ -169,6 +201,12 @@ class Graph:
             return self.add(a, self.values[b].args[0])
         if self.values[a].op is Op.NEG:
             return self.neg(self.add(self.values[a].args[0], b))
+        if self.values[a].op is Op.SELECT:
+            merged = self._merged(self.sub, a, b)
+            if merged is not None:
+                return merged
+        if (Op.SUB, (b, a), None) in self._numbers:
+            return self.neg(self._add(Op.SUB, (b, a)))
         return self._add(Op.SUB, (a, b))
 
     def mul(self, a: int, b: int) -> int:
@@ -193,7 +231,19 @@ class Graph:
         for one, other in ((a, b), (b, a)):
             if self.values[one].op is Op.NEG:
                 return self.neg(self.mul(self.values[one].args[0], other))
+        for one, other in ((a, b), (b, a)):
+            if (inside := self._inside(one, other)) is not None:
+                return inside
         return self._add(Op.MUL, (a, b))
+
+    def _inside(self, choice: int, factor: int) -> int | None:
+        """A product with what is zero on one side, as a choice: it is computed on the other."""
+        if self.values[choice].op is not Op.SELECT:
+            return None
+        condition, yes, no = self.values[choice].args
+        if self.zero in (yes, no) and (self.settled[factor] or self.one in (yes, no)):
+            return self.select(condition, self.mul(yes, factor), self.mul(no, factor))
+        return None
 
     def div(self, a: int, b: int) -> int:
         """a / b; a division by what is known before the run becomes a product."""
@@ -260,6 +310,10 @@ class Graph:
             result = self.add(result, term)
         return result
 
+    def _negative(self, a: int) -> bool:
+        number = self.number(a)
+        return self.values[a].op is Op.NEG if number is None else number < 0.0
+
     # -- choice ------------------------------------------------------------------------------
 
     def negation(self, a: int) -> int:
@@ -276,5 +330,7 @@ class Graph:
         if yes == no:
             return yes
         if self.values[condition].op is Op.NOT:
-            return self._add(Op.SELECT, (self.values[condition].args[0], no, yes))
+            return self.select(self.values[condition].args[0], no, yes)
+        if self.zero in (yes, no) and self._negative(no if yes == self.zero else yes):
+            return self.neg(self.select(condition, self.neg(yes), self.neg(no)))
         return self._add(Op.SELECT, (condition, yes, no))

@@ -82,7 +82,7 @@ class Translator:
         if node.is_number:
             return graph.constant(float(node.evalf(25)))
         if node.is_Add:
-            return graph.total(self._in_order([self(a) for a in node.args]))
+            return self._sum([self(a) for a in node.args])
         if node.is_Mul:
             return self._product(node)
         if node.is_Pow:
@@ -102,6 +102,16 @@ class Translator:
             f"the function {node.func} in {node} cannot be compiled; "
             f"known are {', '.join(sorted(str(f) for f in FUNCTIONS))}, powers and Piecewise."
         )
+
+    def _sum(self, terms: list[int]) -> int:
+        """Terms that move with one coordinate alone first: the components of A s are values."""
+        graph = self.graph
+        groups: dict[object, list[int]] = {}
+        for number in self._in_order(terms):
+            movers = graph.movers[number]
+            alone = movers > 0 and movers & (movers - 1) == 0
+            groups.setdefault(movers if alone else (movers, number), []).append(number)
+        return graph.total([graph.total(group) for group in groups.values()])
 
     def _product(self, node: sympy.Mul) -> int:
         numerator, denominator = [], []

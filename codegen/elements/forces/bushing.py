@@ -7,7 +7,7 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.symbols import Coordinate
-from codegen.elements.forces.along import against, constant, gathered, negative, rate, without_angle
+from codegen.elements.forces.along import constant, negative, rate, without_angle
 from codegen.elements.forces.line import Line
 from codegen.elements.forces.torsion_spring import turn
 from codegen.elements.registry import element
@@ -66,13 +66,14 @@ class Bushing:
         return sympy.Add(*(k * s**2 / 2 for k, s in pairs))
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
-        """Q of the dampers, and of springs that vary."""
+        """None but those along the displacements."""
+        return {}
+
+    def pulls(self, bodies: tuple[Body, ...]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
+        """The dampers along the displacements, and springs that vary."""
         rows = zip(self.stiffness, self.damping, self.displacements, strict=True)
-        parts = []
-        for k, c, s in rows:
-            force = c * rate(s) + (0 if self._conservative else k * s)
-            parts.append(against(s, force) if force != 0 else {})
-        return gathered(*parts)
+        pairs = ((s, c * rate(s) + (0 if self._conservative else k * s)) for k, c, s in rows)
+        return tuple((s, force) for s, force in pairs if force != 0)
 
     def problems(self) -> list[str]:
         """A body against itself, and numbers that no bushing has."""

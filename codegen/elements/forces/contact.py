@@ -7,7 +7,7 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.symbols import Coordinate, Time, Velocity, kinds
-from codegen.elements.forces.along import against, constant, gathered, negative, rate
+from codegen.elements.forces.along import constant, negative, rate
 from codegen.elements.forces.line import Line
 from codegen.elements.registry import element
 
@@ -84,15 +84,18 @@ class Contact:
         return self._closed(self.stiffness * self.gap**2 / 2)
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
-        """Q of the damper, and of a spring that varies."""
+        """None but those along the gap."""
+        return {}
+
+    def pulls(self, bodies: tuple[Body, ...]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
+        """The damper along the gap, and a spring that varies."""
         push = self.stiffness * self.gap
         drag = self.damping * rate(self.gap)
         if not self.may_pull and drag != 0:
             # Where the damper would pull it takes back what the spring pushes, and no more.
             drag = sympy.Piecewise((drag, push + drag < 0), (-push, True))
-        parts = [drag] if self._conservative else [push, drag]
-        wanted = [against(self.gap, self._closed(f)) for f in parts if f != 0]
-        return gathered(*wanted)
+        force = drag if self._conservative else push + drag
+        return () if force == 0 else ((self.gap, self._closed(force)),)
 
     def problems(self) -> list[str]:
         """A gap that never changes or that is no position, and numbers that no contact has."""
