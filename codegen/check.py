@@ -25,7 +25,7 @@ from codegen.declare.element import (
 )
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import Coordinate, Given, Parameter, Velocity, kinds, side, t
+from codegen.declare.symbols import SPEED, Coordinate, Given, Parameter, Velocity, kinds, side, t
 from codegen.derive.equations import active_joints
 from codegen.holding import hold_problems
 from codegen.model import Model
@@ -210,6 +210,7 @@ def _strangers(
 ) -> list[sympy.Symbol]:
     """Symbols that mean nothing in the model."""
     known: set[sympy.Symbol] = {Parameter(name, real=True) for name in model.parameters}
+    known.add(SPEED)
     for body in (*model.bodies.values(), *element.bodies):
         known.update(body.coordinates)
         known.update(q.rate for q in body.coordinates)

@@ -257,7 +257,11 @@ def hold(effect: "Effect", bodies: tuple[Body, ...]) -> Sticking | Rigid | None:
 def pulling(
     effect: "Effect", bodies: tuple[Body, ...]
 ) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
-    """(s, f) of the forces that tend to make a scalar s(q, t) smaller, Q = -f s_q."""
+    """(s, f) of the forces that tend to make a scalar s(q, t) smaller, Q = -f s_q.
+
+    Its virtual work is -f δs; with s a length this is Haug's Q of a tension (6.1). f may contain
+    `SPEED`, the rate of s.
+    """
     answer = getattr(effect, "pulls", None)
     found: tuple[tuple[sympy.Expr, sympy.Expr], ...] = answer(bodies) if answer is not None else ()
     return found

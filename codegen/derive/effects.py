@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 
 import sympy
+from sympy.core.relational import Relational
 
 from codegen.declare.body import Body
 from codegen.declare.element import (
@@ -19,9 +20,10 @@ from codegen.declare.element import (
     pulling,
     reported,
 )
-from codegen.declare.symbols import Coordinate, kinds, side, t
+from codegen.declare.symbols import SPEED, Coordinate, kinds, side, t
 from codegen.derive.derivative import derivative
 from codegen.derive.switching import as_pieces
+from codegen.elements.forces.along import rate
 
 
 @dataclass(frozen=True)
@@ -69,7 +71,8 @@ class EffectTerms:
     loads
         (coordinate, Q) of what is stated as generalized forces.
     pulls
-        (s, f) of the forces that tend to make a scalar s(q, t) smaller, Q = -f s_q.
+        (s, f) of the forces that tend to make a scalar s(q, t) smaller, Q = -f s_q, with `SPEED`
+        in f for ṡ.
     friction
         The force that follows from a joint's reaction, if this is one.
     hold
@@ -95,6 +98,7 @@ class EffectTerms:
         """(coordinate, Q) of all that has no potential; for reading."""
         total = dict(self.loads)
         for s, f in self.pulls:
+            f = f.xreplace({SPEED: rate(s)})
             for q in kinds(s, Coordinate):
                 total[q] = total.get(q, sympy.S.Zero) - f * derivative(s, q)
         rows = sorted(total.items(), key=lambda pair: pair[0].name)
@@ -108,7 +112,7 @@ def effect_terms(effect: Effect, bodies: tuple[Body, ...]) -> EffectTerms:
         potential = _conservative(potential)
     given = sorted(effect.forces(bodies).items(), key=lambda pair: pair[0].name)
     loads = tuple((q, f) for q, f in ((q, _pieces(force)) for q, force in given) if f != 0)
-    pulls = tuple((_pieces(s), _pieces(f)) for s, f in pulling(effect, bodies) if f != 0)
+    pulls = tuple((s, _pull(s, f)) for s, f in pulling(effect, bodies) if f != 0)
     told = tuple((part, unit, _pieces(value)) for part, unit, value in reported(effect, bodies))
     holding = hold(effect, bodies)
     return EffectTerms(potential, loads, pulls, _friction(effect, holding), holding, told)
@@ -121,6 +125,14 @@ _pieces = cache(as_pieces)
 def _conservative(energy: sympy.Expr) -> sympy.Expr:
     """V with its kinks as pieces."""
     return as_pieces(energy)
+
+
+@cache
+def _pull(s: sympy.Expr, f: sympy.Expr) -> sympy.Expr:
+    """f with its kinks as pieces, and their conditions by coordinates and velocities."""
+    pieces = as_pieces(f)
+    turns = pieces.atoms(Relational)
+    return pieces.xreplace({c: c.xreplace({SPEED: rate(s)}) for c in turns if c.has(SPEED)})
 
 
 @cache

@@ -52,6 +52,7 @@ class Graph:
         self._serves = ""
         self.zero = self.constant(0.0)
         self.one = self.constant(1.0)
+        self.minus_one = self.constant(-1.0)
 
     @classmethod
     def of(cls, values: Iterable[Value]) -> "Graph":
@@ -309,6 +310,17 @@ class Graph:
         for term in terms:
             result = self.add(result, term)
         return result
+
+    def indicates(self, a: int) -> bool:
+        """Whether `a` is ±1 where a condition holds and 0 where not, or the other way round."""
+        value = self.values[a]
+        if value.op is Op.NEG:
+            return self.indicates(value.args[0])
+        return value.op is Op.SELECT and set(value.args[1:]) == {self.zero, self.one}
+
+    def has_product(self, a: int, b: int) -> bool:
+        """Whether a b is there already."""
+        return (Op.MUL, tuple(sorted((a, b))), None) in self._numbers
 
     def _negative(self, a: int) -> bool:
         number = self.number(a)

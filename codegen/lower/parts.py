@@ -56,14 +56,21 @@ class Parts:
         return Parts(graph, found if number else {})
 
     def times(self, value: int) -> "Parts":
-        """The sum, times a value: one product."""
+        """The sum, times a value: one product.
+
+        A number is multiplied in before, so that other products with the same factor share it;
+        only where it stands alone it goes on, for a square may meet it.
+        """
         graph = self.graph
-        if value in (graph.zero, graph.one):
-            return self if value == graph.one else Parts(graph, {})
-        number, rest = _split(graph, value)
-        single = self.single()
-        found = {factors: graph.mul(own, rest) for factors, own in single.parts.items()}
-        return Parts(graph, found).scaled(number)
+        if value == graph.one or not self:
+            return self
+        (((own, rates), front),) = self.single().parts.items()
+        if graph.number(front) is not None:
+            number, rest = _split(graph, value)
+            return Parts(graph, {(own * number, rates): graph.mul(front, rest)})
+        if not graph.indicates(front):
+            front, own = graph.mul(graph.constant(own), front), 1.0
+        return Parts(graph, {(own, rates): graph.mul(front, value)})
 
     def product(self, other: "Parts") -> "Parts":
         """The sum, times another."""
@@ -77,16 +84,35 @@ class Parts:
         """The sum, times a rate that stays outside."""
         if rate == self.graph.one:
             return self
-        number, rest = _split(self.graph, rate)
-        found = {(c, tuple(sorted((*r, rest)))): value for (c, r), value in self.parts.items()}
-        return Parts(self.graph, found).scaled(number)
+        found = {(c, tuple(sorted((*r, rate)))): value for (c, r), value in self.parts.items()}
+        return Parts(self.graph, found)
 
     def single(self) -> "Parts":
         """The same with one part at the most."""
-        return self if len(self.parts) <= 1 else Parts.of(self.graph, self.value())
+        return self if len(self.parts) <= 1 else Parts(self.graph, {PLAIN: self.value()})
+
+    def plain(self) -> "Parts":
+        """The same with one part at the most, and no rates."""
+        bare = all(not rates for _, rates in self.parts)
+        return self.single() if bare else Parts(self.graph, {PLAIN: self.value()})
 
     def value(self) -> int:
-        """The sum as one value; a rate that several parts share is multiplied in once (Horner)."""
+        """The sum as one value.
+
+        What several monomials of rates multiply is multiplied once, and a rate that several parts
+        share is multiplied in once (Horner).
+        """
+        graph = self.graph
+        alike: dict[int, dict[Factors, int]] = {}
+        for factors, value in self.parts.items():
+            bare = graph.values[value].args[0] if graph.values[value].op is Op.NEG else value
+            alike.setdefault(bare, {})[factors] = graph.one if bare == value else graph.minus_one
+        if any(len(factors) > 1 for factors in alike.values()):
+            terms = [graph.mul(_polynomial(graph, f), value) for value, f in alike.items()]
+            return graph.total(terms)
+        return self._summed()
+
+    def _summed(self) -> int:
         graph = self.graph
         counts = Counter(rate for _, rates in self.parts for rate in set(rates))
         shared = max(counts, key=lambda rate: (counts[rate], -rate), default=None)
@@ -98,8 +124,8 @@ class Parts:
                     inner[number, rates[:k] + rates[k + 1 :]] = value
                 else:
                     rest[number, rates] = value
-            outside = Parts(graph, rest).value()
-            return graph.add(outside, graph.mul(shared, Parts(graph, inner).value()))
+            outside = Parts(graph, rest)._summed()
+            return graph.add(outside, graph.mul(shared, Parts(graph, inner)._summed()))
         terms = [self._term(*factors, value) for factors, value in self.parts.items()]
         return graph.total(terms)
 
@@ -126,3 +152,20 @@ def _split(graph: Graph, value: int) -> tuple[float, int]:
             if number is not None:
                 return abs(number), other if number > 0.0 else graph.neg(other)
     return 1.0, value
+
+
+def _polynomial(graph: Graph, monomials: dict[Factors, int]) -> int:
+    """A sum of monomials of rates, each with ±1: a square where it is one, as (ω_i - ω_j)²."""
+    squares = [rates[0] for (number, rates) in monomials if number == 1.0 and _twice(rates)]
+    if len(monomials) == 3 and len(squares) == 2:
+        a, b = sorted(squares)
+        signs = [monomials[1.0, (k, k)] for k in (a, b)]
+        mixed = monomials.get((2.0, (a, b)))
+        if mixed is not None and signs[0] == signs[1]:
+            rate = graph.add(a, b) if mixed == signs[0] else graph.sub(a, b)
+            return graph.mul(signs[0], graph.mul(rate, rate))
+    return Parts(graph, monomials)._summed()
+
+
+def _twice(rates: tuple[int, ...]) -> bool:
+    return len(rates) == 2 and rates[0] == rates[1]

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import sympy
 
-from codegen.declare.symbols import Acceleration, Parameter, t
+from codegen.declare.symbols import SPEED, Acceleration, Parameter, t
 from codegen.derive.effects import EffectTerms, FrictionTerms
 from codegen.derive.equations import Equations
 from codegen.lower.calculus import Direction, Slopes
@@ -229,7 +229,9 @@ class SceneGraph:
         weights = {energy: graph.constant(-1.0)}
         power = graph.zero
         for scalar, force in terms.pulls:
-            s, f = self.translate(scalar), graph.neg(self.translate(force))
+            s = self.translate(scalar)
+            speed = {SPEED: self.motion.jet(s).first.value()} if force.has(SPEED) else {}
+            f = graph.neg((self.translate.scoped(speed) if speed else self.translate)(force))
             weights[s] = graph.add(weights.get(s, graph.zero), f)
             power = graph.add(power, graph.mul(f, self.moving.jet(s).first.value()))
         self._gather(self.applied, weights)

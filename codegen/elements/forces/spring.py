@@ -6,7 +6,7 @@ from typing import ClassVar
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.symbols import Coordinate
+from codegen.declare.symbols import SPEED, Coordinate
 from codegen.elements.forces.along import constant, negative
 from codegen.elements.forces.line import Line
 from codegen.elements.registry import element
@@ -65,7 +65,7 @@ class Spring:
 
     def pulls(self, bodies: tuple[Body, ...]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
         """The tension of the damper and the actuator, and of a spring that varies."""
-        tension = self.damping * self.line.rate + self.actuator
+        tension = self.damping * SPEED + self.actuator
         if not self._conservative:
             tension += self.stiffness * (self.line.length - self.free_length)
         return () if tension == 0 else ((self.line.length, tension),)

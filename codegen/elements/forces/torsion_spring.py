@@ -6,8 +6,8 @@ from typing import ClassVar
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.symbols import Coordinate
-from codegen.elements.forces.along import constant, negative, rate, without_angle
+from codegen.declare.symbols import SPEED, Coordinate
+from codegen.elements.forces.along import constant, negative, without_angle
 from codegen.elements.registry import element
 
 
@@ -60,7 +60,7 @@ class TorsionSpring:
     def pulls(self, bodies: tuple[Body, ...]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
         """The torque of the damper and the actuator, and of a spring that varies."""
         angle = turn(self.i, self.j)
-        torque = self.damping * rate(angle) + self.actuator
+        torque = self.damping * SPEED + self.actuator
         if not self._conservative:
             torque += self.stiffness * (angle - self.free_angle)
         return () if torque == 0 else ((angle, torque),)
