@@ -183,8 +183,8 @@ class SceneGraph:
             if q in slopes:
                 self.jacobian[len(self.phi), k] = slopes[q]
         self.nu.append(graph.neg(slopes.get(self.time, graph.zero)))
-        bend = graph.zero if still else self.motion.jet(phi).second.value()
-        self.gamma.append(graph.neg(bend))
+        bend = graph.zero if still else self.motion.jet(phi).second.scaled(-1.0).value()
+        self.gamma.append(bend)
         self.phi.append(phi)
 
     def _effects(self) -> None:
