@@ -145,7 +145,11 @@ class KernelText:
         for one in both:
             self.names[one] = self._name(self.program.values[one])
         sine, cosine = (self.names[one] for one in both)
-        yield from _fitted(f"{indent}{sine}, {cosine} = ", f"{SIN_COS}({angle})")
+        head = f"{indent}{sine}, {cosine} = {SIN_COS}("
+        if len(head) + len(angle) < PAGE:
+            yield f"{head}{angle})"
+        else:
+            yield from (head, f"{indent}    {angle}", f"{indent})")
 
     def _is_cosine(self, number: int) -> bool:
         return self.program.values[number].op is Op.COS

@@ -64,6 +64,9 @@ def _again(graph: Graph, value: Value, args: tuple[int, ...]) -> int:
 def turned(graph: Graph, op: Op, angle: int) -> int:
     """sin or cos of an angle; of a sum with a constant angle by the angle's own."""
     value = graph.values[angle]
+    if value.op is Op.NEG:
+        same = turned(graph, op, value.args[0])
+        return graph.neg(same) if op is Op.SIN else same
     if value.op not in (Op.ADD, Op.SUB) or graph.settled[angle]:
         return graph.function(op, angle)
     moving, fixed = value.args
