@@ -206,7 +206,8 @@ class Graph:
             merged = self._merged(self.sub, a, b)
             if merged is not None:
                 return merged
-        if (Op.SUB, (b, a), None) in self._numbers:
+        known = ((Op.SUB, pair, None) in self._numbers for pair in ((a, b), (b, a)))
+        if tuple(known) == (False, True):
             return self.neg(self._add(Op.SUB, (b, a)))
         return self._add(Op.SUB, (a, b))
 

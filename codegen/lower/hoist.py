@@ -1,7 +1,6 @@
 """What parameters alone determine is moved out of the kernels, into one that runs once a run."""
 
 from collections import Counter
-from collections.abc import Mapping
 from dataclasses import replace
 
 from codegen.lower.graph import Graph
@@ -56,24 +55,10 @@ def turned_about(graph: Graph, kernels: tuple[Kernel, ...]) -> tuple[Value, ...]
         uses.update(out.value for out in kernel.outputs)
         uses.update(v for check in kernel.checks for v in (check.pivot, check.reference))
     for number in sorted(reached):
-        if values[number].op is Op.NEG:
-            (inner,) = values[number].args
-            if _turned(values, uses, inner):
-                values[number] = replace(values[inner], serves=values[number].serves)
+        value = values[number]
+        if value.op is Op.NEG and values[value.args[0]].op is Op.SUB and uses[value.args[0]] == 1:
+            values[number] = replace(value, op=Op.SUB, args=values[value.args[0]].args[::-1])
     return tuple(values)
-
-
-def _turned(values: list[Value], uses: Mapping[int, int], number: int) -> bool:
-    """Give a value the opposite sign if one place alone uses it and this costs nothing."""
-    value = values[number]
-    if uses[number] > 1:
-        return False
-    if value.op is Op.SUB:
-        values[number] = replace(value, args=value.args[::-1])
-        return True
-    if value.op in (Op.MUL, Op.DIV) and value.args[0] != value.args[1]:
-        return any(_turned(values, uses, a) for a in value.args)
-    return False
 
 
 def _is_given(graph: Graph, number: int) -> bool:
