@@ -19,8 +19,8 @@ from codegen.declare.element import (
     J,
     friction_law,
     hold,
-    pulling,
     own_coordinates,
+    pulling,
     reported,
 )
 from codegen.declare.names import nearest

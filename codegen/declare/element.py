@@ -279,8 +279,9 @@ class Effect(Element, Protocol):
     """A force: brings a potential V or generalized forces Q.
 
     One that follows from a joint's reaction answers, besides, ``friction() -> FrictionLaw``; one
-    that sticks, or is a rigid contact, ``hold(bodies) -> Sticking | Rigid | None``; one whose forces
-    act along scalars, ``pulls(bodies) -> ((s, f), ...)``; one that reports a force ``reported(bodies) -> ((component, unit, value), ...)``.
+    that sticks, or is a rigid contact, ``hold(bodies) -> Sticking | Rigid | None``; one whose
+    forces act along scalars ``pulls(bodies) -> ((s, f), ...)``; one that reports a force
+    ``reported(bodies) -> ((component, unit, value), ...)``.
     """
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:

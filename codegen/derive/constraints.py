@@ -18,7 +18,8 @@ from codegen.derive.derivative import derivative
 class ConstraintTerms:
     """What one element brings, in placeholders or in coordinates of the model.
 
-    The kernels take the derivatives of Φ from its values (`codegen.lower.calculus`); those here
+    The kernels take the derivatives of Φ from its values (`codegen.lower.gradient`,
+    `codegen.lower.directional`); those here
     are for reading, and are taken when somebody asks.
 
     Attributes

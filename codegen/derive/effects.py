@@ -98,9 +98,9 @@ class EffectTerms:
         """(coordinate, Q) of all that has no potential; for reading."""
         total = dict(self.loads)
         for s, f in self.pulls:
-            f = f.xreplace({SPEED: rate(s)})
+            force = f.xreplace({SPEED: rate(s)})
             for q in kinds(s, Coordinate):
-                total[q] = total.get(q, sympy.S.Zero) - f * derivative(s, q)
+                total[q] = total.get(q, sympy.S.Zero) - force * derivative(s, q)
         rows = sorted(total.items(), key=lambda pair: pair[0].name)
         return tuple((q, force) for q, force in rows if force != 0)
 

@@ -7,7 +7,8 @@ import sympy
 from codegen.declare.symbols import SPEED, Acceleration, Parameter, t
 from codegen.derive.effects import EffectTerms, FrictionTerms
 from codegen.derive.equations import Equations
-from codegen.lower.calculus import Direction, Slopes
+from codegen.lower.directional import Direction
+from codegen.lower.gradient import Slopes
 from codegen.lower.graph import Graph
 from codegen.lower.translate import Translator
 
@@ -54,12 +55,8 @@ class SceneGraph:
         Diagonal of M; empty in kinematic scenes.
     potential, gradient, applied
         V, ∂V/∂q, and Q with the forces of the potential.
-    time
-        t.
-    slopes
-        Derivatives by coordinates and time.
-    moving, motion
-        Those along q̇ with t held, and along q̇ and t.
+    slopes, moving, motion
+        Derivatives by q and t, along q̇ with t held, and along q̇ and t.
     powers
         (effect, power) of the effects without a potential.
     working

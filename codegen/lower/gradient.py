@@ -1,177 +1,22 @@
-"""Derivatives of what elements state, value by value in the graph.
+"""Partial derivatives of a value by all its inputs, in one walk back from it.
 
-Everything that follows from one statement Φ is taken from its values: Φ_q and ν by one walk back
-from Φ (reverse accumulation), γ by one walk forward along the motion that carries the first and
-second derivative of every value (a Taylor series of length two). Neither writes an expression out
-coordinate by coordinate: a cost of a few times that of Φ itself, as by hand (Griewank and Walther,
-Evaluating Derivatives, chapters 3, 10 and 13). Haug's formulas come out: where the walk back meets
-what depends on one coordinate alone, such as A s, it takes its derivative B s, which is there.
+Φ_q, ν and ∂V/∂q cost a few times what Φ and V do, as by hand, for an expression is never written
+out coordinate by coordinate (reverse accumulation; Griewank and Walther, Evaluating Derivatives,
+chapter 3). Where the walk meets what depends on one coordinate alone, such as A s, it takes its
+slope B s, which is there: Haug's formulas come out.
 """
 
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple
 
+from codegen.lower.directional import Direction
 from codegen.lower.graph import Graph
 from codegen.lower.parts import PLAIN, Parts
-from codegen.lower.program import LOGICAL, Op
+from codegen.lower.program import Op
 from codegen.lower.rebuild import reached
 from codegen.lower.tangent import slopes_of
 
-
 PLANE = frozenset({Op.CONST, Op.INPUT, Op.ADD, Op.SUB, Op.NEG, Op.MUL, Op.SIN, Op.COS})
 """What vectors in a plane are made of."""
-
-
-class Jet(NamedTuple):
-    """First and second derivative along a direction."""
-
-    first: Parts
-    second: Parts
-
-
-class Direction:
-    """Derivatives along a straight line in the inputs.
-
-    Parameters
-    ----------
-    graph
-        Where the values are, and where the derivatives go.
-    rates
-        Input → its derivative along the line, constant on it; those of all others are zero.
-    order
-        Up to which derivative, 1 or 2.
-    """
-
-    def __init__(self, graph: Graph, rates: Mapping[int, int], order: int = 2) -> None:
-        self.graph, self.rates, self.order = graph, rates, order
-        self._nothing = Jet(Parts(graph, {}), Parts(graph, {}))
-        self._known: dict[int, Jet] = {k: self._moving(rate) for k, rate in rates.items()}
-
-    def _moving(self, rate: int) -> Jet:
-        return Jet(Parts(self.graph, {PLAIN: rate}), self._nothing.second)
-
-    def jet(self, number: int) -> Jet:
-        """Both derivatives of a value."""
-        if number not in self._known:
-            for k in sorted(reached(self.graph, [number], self._known)):
-                if k not in self._known:
-                    with self.graph.serving(self.graph.values[k].serves):
-                        self._known[k] = self._differentiated(k)
-        return self._known[number]
-
-    def _differentiated(self, number: int) -> Jet:
-        graph, value = self.graph, self.graph.values[number]
-        if not value.args or value.op in LOGICAL or graph.settled[number]:
-            return self._nothing
-        parts = [self._known[a] for a in value.args]
-        if not any(part.first for part in parts):
-            return self._nothing
-        match value.op:
-            case Op.ADD | Op.SUB | Op.NEG:
-                signs = (1.0, -1.0) if value.op is Op.SUB else (1.0, 1.0)
-                first, second = self._nothing
-                for part, sign in zip(parts, signs if value.op is not Op.NEG else (-1.0,), strict=True):
-                    first = first.plus(part.first.scaled(sign))
-                    second = second.plus(part.second.scaled(sign))
-                return Jet(first, second)
-            case Op.MUL:
-                return self._product(*value.args)
-            case Op.DIV:
-                return self._quotient(number, *value.args)
-            case Op.SQRT:
-                return self._root(number, *parts)
-            case Op.SIN | Op.COS:
-                return self._turned(value.op, value.args[0], parts[0])
-            case Op.SELECT:
-                return self._chosen(value.args[0], *parts[1:])
-        return self._function(number, value.args, parts)
-
-    def _product(self, a: int, b: int) -> Jet:
-        one, two = self._known[a], self._known[b]
-        if a == b:
-            rate = one.first.single()
-            first = rate.times(a).scaled(2.0)
-            return self._jet(first, lambda: (rate.product(rate), one.second.times(a)), (2.0, 2.0))
-        first = one.first.times(b).plus(two.first.times(a))
-        return self._jet(
-            first,
-            lambda: (
-                one.first.product(two.first),
-                one.second.times(b),
-                two.second.times(a),
-            ),
-            (2.0, 1.0, 1.0),
-        )
-
-    def _quotient(self, number: int, a: int, b: int) -> Jet:
-        """n = a/b: n' = (a' - n b')/b, n'' = (a'' - n b'' - 2 n' b')/b."""
-        graph, (one, two) = self.graph, (self._known[a], self._known[b])
-        inverse = graph.div(graph.one, b)
-        first = one.first.plus(two.first.times(number).scaled(-1.0)).times(inverse).single()
-        return self._jet(
-            first,
-            lambda: (
-                one.second.times(inverse),
-                two.second.times(number).times(inverse),
-                first.product(two.first).times(inverse),
-            ),
-            (1.0, -1.0, -2.0),
-        )
-
-    def _root(self, number: int, under: Jet) -> Jet:
-        """n = √u: n' = u'/(2n), n'' = (u''/2 - n'²)/n."""
-        inverse = self.graph.div(self.graph.one, number)
-        first = under.first.scaled(0.5).times(inverse).single()
-
-        def second() -> tuple[Parts, ...]:
-            rest = under.second.scaled(0.5).plus(first.product(first).scaled(-1.0))
-            return (rest.times(inverse),)
-
-        return self._jet(first, second, (1.0,))
-
-    def _turned(self, op: Op, angle: int, turning: Jet) -> Jet:
-        """The angle's rate stays outside, so that it is multiplied in once for both components."""
-        graph = self.graph
-        itself = graph.function(op, angle)
-        other = graph.function(Op.COS if op is Op.SIN else Op.SIN, angle)
-        slope = Parts(graph, {PLAIN: other if op is Op.SIN else graph.neg(other)})
-        rate = turning.first.value()
-        first = slope.along(rate)
-        bend = Parts(graph, {PLAIN: graph.neg(itself)})
-        return self._jet(
-            first, lambda: (bend.along(rate).along(rate), turning.second.times(slope.value())), (1.0, 1.0)
-        )
-
-    def _chosen(self, condition: int, yes: Jet, no: Jet) -> Jet:
-        graph = self.graph
-
-        def either(one: Parts, other: Parts) -> Parts:
-            return Parts(graph, {PLAIN: graph.select(condition, one.value(), other.value())})
-
-        return self._jet(either(yes.first, no.first), lambda: (either(yes.second, no.second),), (1.0,))
-
-    def _function(self, number: int, args: tuple[int, ...], parts: list[Jet]) -> Jet:
-        """f' = Σ f_k u_k', f'' = Σ f_k u_k'' + (f_k)' u_k'."""
-        slopes = slopes_of(self.graph, number)
-        first, second = self._nothing
-        for slope, part in zip(slopes, parts, strict=True):
-            if part.first:
-                first = first.plus(part.first.times(slope))
-        self._known[number] = Jet(first, second)  # a slope may be made of the value itself
-        if self.order > 1:
-            for slope, part in zip(slopes, parts, strict=True):
-                if part.first:
-                    second = second.plus(part.second.times(slope))
-                    second = second.plus(self.jet(slope).first.product(part.first))
-        return Jet(first, second)
-
-    def _jet(self, first: Parts, second: object, numbers: tuple[float, ...]) -> Jet:
-        if self.order < 2:
-            return Jet(first, self._nothing.second)
-        total = self._nothing.second
-        for part, number in zip(second(), numbers, strict=True):  # type: ignore[operator]
-            total = total.plus(part.scaled(number))
-        return Jet(first, total)
 
 
 class Slopes:
@@ -346,11 +191,9 @@ def rotation(graph: Graph, number: int) -> tuple[int, int, tuple[tuple[int, int]
     if len(found) < 2 or len(angles) > 1:
         return None
     (c, a), (s, b) = found[Op.COS], found[Op.SIN]
-    first_is_cosine = graph.values[value.args[0]] .args.count(c) > 0
+    first_is_cosine = graph.values[value.args[0]].args.count(c) > 0
     cosine, sine = graph.one, graph.one
     if value.op is Op.SUB:
         cosine, sine = (cosine, graph.neg(sine)) if first_is_cosine else (graph.neg(cosine), sine)
-    slope = graph.sub(
-        graph.mul(sine, graph.mul(b, c)), graph.mul(cosine, graph.mul(a, s))
-    )
+    slope = graph.sub(graph.mul(sine, graph.mul(b, c)), graph.mul(cosine, graph.mul(a, s)))
     return angles.pop(), slope, ((a, graph.mul(cosine, c)), (b, graph.mul(sine, s)))
