@@ -1,4 +1,7 @@
-"""``python -m benchmarks [elements | kernels | machines | compressor | scenes]...``: tables."""
+"""``python -m benchmarks [NAME]...``: tables.
+
+NAME: elements, kernels, machines, compressor, scenes or accuracy; all without names.
+"""
 
 import tempfile
 from collections.abc import Sequence
@@ -9,7 +12,7 @@ from typing import Annotated
 
 import typer
 
-from benchmarks import compressor, elements, kernels, machines, scenes, twins
+from benchmarks import asked_table, compressor, elements, kernels, machines, scenes, twins
 from benchmarks.report import Report, finish, records, save, verdict
 
 __all__ = ["main", "save"]
@@ -167,6 +170,7 @@ MEASUREMENTS = {
     "machines": of_machines,
     "compressor": of_compressor,
     "scenes": of_scenes,
+    "accuracy": asked_table.report,
 }
 
 
@@ -181,7 +185,7 @@ def chosen(names: Sequence[str] | None) -> Sequence[str]:
 def main(
     names: Annotated[
         list[str] | None,
-        typer.Argument(help="elements, kernels, machines, compressor, scenes; all"),
+        typer.Argument(help="elements, kernels, machines, compressor, scenes, accuracy; all"),
     ] = None,
     quick: Annotated[bool, typer.Option(help="Fewer repeats; times are rough.")] = False,
     out: Annotated[Path, typer.Option(help="Folder for the JSON and Markdown files.")] = RESULTS,
