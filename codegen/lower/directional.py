@@ -41,6 +41,8 @@ class Direction:
 
     def __init__(self, graph: Graph, rates: Mapping[int, int], order: int = 2) -> None:
         self.graph, self.order = graph, order
+        # Slopes need no second derivative: that of aᵇ has a slope of its own without end.
+        self._slopes = Direction(graph, rates, order=1) if order > 1 else self
         self._nothing = Jet(Parts(graph, {}), Parts(graph, {}))
         self._known = {k: Jet(self._plain(rate), self._nothing.second) for k, rate in rates.items()}
 
@@ -166,11 +168,10 @@ class Direction:
         first = self._nothing.first
         for slope, part in moving:
             first = first.plus(part.first.times(slope))
-        self._known[number] = Jet(first, self._nothing.second)  # a slope may be made of n itself
 
         def second() -> Iterable[tuple[float, Parts]]:
             for slope, part in moving:
                 yield 1.0, part.second.times(slope)
-                yield 1.0, self.jet(slope).first.product(part.first)
+                yield 1.0, self._slopes.jet(slope).first.product(part.first)
 
         return self._jet(first, second)
