@@ -8,6 +8,7 @@ read off the line through such points, logarithm over logarithm, and not beyond 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from time import process_time
 from typing import Any
 
@@ -75,7 +76,7 @@ def time_to(error: float, points: Sequence[Point]) -> float:
         return math.inf
     if line[0][0] <= error:
         return line[0][1]
-    for (larger, quick), (less, slow) in zip(line, line[1:], strict=False):
+    for (larger, quick), (less, slow) in pairwise(line):
         if less <= error <= larger:
             share = math.log(larger / error) / math.log(larger / less)
             return math.exp((1.0 - share) * math.log(quick) + share * math.log(slow))

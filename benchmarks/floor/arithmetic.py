@@ -1,4 +1,4 @@
-"""The floor's equations in another arithmetic: symbols, expressions of another tool, more digits."""
+"""The equations of the floor in another arithmetic: symbols, another tool, more digits."""
 
 from collections.abc import Callable
 from types import FunctionType

@@ -1,4 +1,4 @@
-"""CasADi: the hand-reduced equations as its expressions, solved by CVODES and by its Runge-Kutta."""
+"""CasADi: the hand-reduced equations as expressions, by CVODES and its own Runge-Kutta."""
 
 from collections.abc import Callable, Sequence
 from types import SimpleNamespace
@@ -13,7 +13,10 @@ from benchmarks.problems import Problem
 
 MATHEMATICS = SimpleNamespace(sin=casadi.sin, cos=casadi.cos, sqrt=casadi.sqrt)
 MULTISTEP = {
-    "CVODES Adams": {"linear_multistep_method": "adams", "nonlinear_solver_iteration": "functional"},
+    "CVODES Adams": {
+        "linear_multistep_method": "adams",
+        "nonlinear_solver_iteration": "functional",
+    },
     "CVODES BDF": {"linear_multistep_method": "bdf", "nonlinear_solver_iteration": "newton"},
 }
 

@@ -16,22 +16,21 @@ from exudyn.itemInterface import (
     Force,
     MarkerBodyPosition,
     MarkerBodyRigid,
-    MarkerNodeCoordinate,
-    NodePointGround,
+    NodeGenericODE2,
     NodeRigidBody2D,
     ObjectConnectorSpringDamper,
     ObjectGround,
     ObjectJointPrismatic2D,
     ObjectJointRevolute2D,
+    ObjectKinematicTree,
     ObjectRigidBody2D,
     Torque,
 )
 
 from benchmarks.floor import andrews, slider_crank
-from benchmarks.peers.telling import main, sweep
+from benchmarks.peers.telling import TOLERANCES, main, sweep
 from benchmarks.problems import GRAVITY, Problem
 
-__all__ = ["MarkerNodeCoordinate", "NodePointGround", "ObjectJointPrismatic2D"]
 Vector = tuple[float, float]
 
 
@@ -55,9 +54,7 @@ class Machine:
             )
         )
         self.nodes.append(node)
-        made = self.system.AddObject(
-            ObjectRigidBody2D(nodeNumber=node, physicsMass=mass, physicsInertia=inertia)
-        )
+        made = self.system.AddObject(ObjectRigidBody2D(nodeNumber=node, mass=mass, inertia=inertia))
         if any(self.gravity):
             pull = [mass * self.gravity[0], mass * self.gravity[1], 0.0]
             centre = self.system.AddMarker(MarkerBodyPosition(bodyNumber=made))
@@ -93,14 +90,12 @@ def settings(duration: float, steps: int, sparse: bool) -> Any:
     made.timeIntegration.numberOfSteps = steps
     made.timeIntegration.verboseMode = 0
     made.timeIntegration.newton.useModifiedNewton = True
-    # Newton's own error stays below that of the shortest steps.
-    made.timeIntegration.newton.relativeTolerance = 1e-10
     made.timeIntegration.generalizedAlpha.spectralRadius = 0.9
-    made.solutionSettings.writeSolutionToFile = False
-    made.solutionSettings.solutionInformation = ""
-    made.displayStatistics = False
-    made.displayComputationTime = False
-    made.linearSolverType = (
+    made.solution.file.write = False
+    made.solution.file.information = ""
+    made.show.statistics = False
+    made.show.computationTime = False
+    made.linearSolver.solverType = (
         exu.LinearSolverType.EigenSparse if sparse else exu.LinearSolverType.EXUdense
     )
     made.parallel.numberOfThreads = 1
@@ -218,9 +213,68 @@ def loops(problem: Problem) -> None:
     halved(problem, machine, 1, 500, sparse=count > 5)
 
 
+def chain(problem: Problem) -> None:
+    """The tree in the angles of its joints, by explicit methods, the last one adaptive."""
+    links = len(problem.reference)
+    container = exu.SystemContainer()
+    system = container.AddSystem()
+    none = [0.0] * links
+    node = system.AddNode(
+        NodeGenericODE2(
+            referenceCoordinates=none,
+            initialCoordinates=none,
+            initialCoordinates_t=none,
+            numberOfODE2Coordinates=links,
+        )
+    )
+    system.AddObject(
+        ObjectKinematicTree(
+            nodeNumber=node,
+            jointTypes=[exu.JointType.RevoluteZ] * links,
+            linkParents=list(range(-1, links - 1)),
+            jointTransformations=exu.Matrix3DList([np.eye(3)] * links),
+            jointOffsets=exu.Vector3DList([[float(k > 0), 0.0, 0.0] for k in range(links)]),
+            linkInertiasCOM=exu.Matrix3DList([np.eye(3) / 12] * links),
+            linkCOMs=exu.Vector3DList([[0.5, 0.0, 0.0]] * links),
+            linkMasses=[1.0] * links,
+            gravity=[0.0, -GRAVITY, 0.0],
+        )
+    )
+    system.Assemble()
+    kinds = exu.DynamicSolverType
+    shown = exu.OutputVariableType.Coordinates
+
+    def solved(made: Any, kind: Any) -> Any:
+        if not system.SolveDynamic(made, solverType=kind, updateInitialValues=False):
+            raise RuntimeError("the solver gave up")
+        return np.cumsum(system.GetNodeOutput(node, shown))
+
+    for method, kind in (("RK44", kinds.RK44), ("RK67", kinds.RK67)):
+        sweep(
+            problem,
+            "exudyn",
+            f"tree, {method}",
+            [problem.duration / (100 * 2**k) for k in range(9)],
+            lambda h, kind=kind: solved(
+                settings(problem.duration, round(problem.duration / h), False), kind
+            ),
+        )
+
+    def adaptive(tolerance: float) -> Any:
+        made = settings(problem.duration, 20, False)
+        made.timeIntegration.absoluteTolerance = tolerance
+        made.timeIntegration.relativeTolerance = tolerance
+        made.timeIntegration.automaticStepSize = True
+        made.timeIntegration.minimumStepSize = 1e-12
+        return solved(made, kinds.DOPRI5)
+
+    sweep(problem, "exudyn", "tree, DOPRI5", TOLERANCES, adaptive)
+
+
 SOLVERS = {
     "slider_crank": crank,
     "andrews": squeezer,
+    "chain_10": chain,
     **{f"n_four_bar_{n}": loops for n in (2, 5, 10, 40)},
 }
 

@@ -1,4 +1,4 @@
-"""MuJoCo: its Runge-Kutta over steps; a loop is closed by a soft `connect`, as stiff as steps allow.
+"""MuJoCo: its Runge-Kutta over steps; a loop is a soft `connect`, as stiff as steps allow.
 
 MuJoCo has no rigid constraint. `solref` is the time in which a violation is to decay, and may not
 be shorter than two steps; `solimp` takes it as hard as its regularisation can.

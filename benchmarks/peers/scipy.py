@@ -7,7 +7,7 @@ from typing import Any
 import sympy
 from scipy.integrate import solve_ivp
 
-from benchmarks.floor import andrews, chain, slider_crank
+from benchmarks.floor import andrews, slider_crank
 from benchmarks.floor.arithmetic import in_terms_of
 from benchmarks.peers.telling import TOLERANCES, main, point
 from benchmarks.problems import Problem
