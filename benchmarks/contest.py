@@ -160,7 +160,7 @@ def ask(name: str, problem: Problem, python: str, contest: Contest) -> None:
     except subprocess.TimeoutExpired as reason:
         said, told, failed = reason.stdout or b"", "", False
     hear(said.decode(errors="replace").splitlines(), contest)
-    if failed and "ModuleNotFoundError" in told:
+    if failed and ("ModuleNotFoundError" in told or "No module named" in told):
         contest.missing[name] = f"not installed: pip install {PEERS[name].package}"
     elif failed:
         contest.missing[name] = told.splitlines()[-1] if told else "its process failed"

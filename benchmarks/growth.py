@@ -17,7 +17,7 @@ from benchmarks.precision import time_to
 from benchmarks.problems import GRAVITY, Problem, n_four_bar
 from benchmarks.report import Report, records
 from benchmarks.timing import interleaved, many_solutions, no_solution
-from codegen.artefact import import_generated
+from codegen.artefact import companion_path, import_generated
 from models.hard.n_four_bar import n_four_bar as loops_of
 from runtime import Machine, load
 
@@ -106,7 +106,7 @@ def kernel(machine: Machine, formulation: str, count: int, repeats: int) -> tupl
         reduced = machine.reduced
         p, kernels = reduced.parameters(p, start.t, start.q), reduced.kernels
         q, v, rows = q[reduced.kept], v[reduced.kept], len(reduced.closures)
-        path = path.with_name(f"{path.stem}__reduced.py")
+        path = companion_path(path, "reduced")
     random = np.random.default_rng(1)
     places = q + 1e-3 * random.normal(size=(STATES, len(q)))
     rates = v + 1e-3 * random.normal(size=places.shape)

@@ -145,7 +145,7 @@ def crank(problem: Problem) -> None:
         )
     )
     machine.torque(turned, slider_crank.PARAMETERS[1])
-    halved(problem, machine, 1, 2000)
+    halved(problem, machine, 1, 8000)
 
 
 def squeezer(problem: Problem) -> None:
@@ -193,7 +193,7 @@ def squeezer(problem: Problem) -> None:
         )
     )
     machine.torque(k1, a.TORQUE)
-    halved(problem, machine, 1, 500)
+    halved(problem, machine, 1, 2000)
 
 
 def loops(problem: Problem) -> None:
@@ -210,7 +210,7 @@ def loops(problem: Problem) -> None:
         coupler = machine.body(1.0, 1 / 12, (k + 0.5, 1.0, 0.0), (1.0, 0.0, 0.0))
         machine.hinge(cranks[k], (0.5, 0.0), coupler, (-0.5, 0.0))
         machine.hinge(cranks[k + 1], (0.5, 0.0), coupler, (0.5, 0.0))
-    halved(problem, machine, 1, 500, sparse=count > 5)
+    halved(problem, machine, 1, 2000, sparse=count > 5)
 
 
 def chain(problem: Problem) -> None:

@@ -13,7 +13,7 @@ from benchmarks.floor import slider_crank
 from benchmarks.peers.telling import main, point
 from benchmarks.problems import GRAVITY, Problem
 
-LONGEST = 10_000.0
+LONGEST = 3_000.0
 """Milliseconds of a run after which the step is not halved again."""
 
 
