@@ -92,17 +92,20 @@ class Contest:
         return theirs / (time_to(error, self.of(other, method)) / self.paces[other])
 
     def write(self, path: Path) -> None:
-        """As JSON."""
+        """As JSON, a point a line."""
         path.parent.mkdir(parents=True, exist_ok=True)
-        text = {**asdict(self), "points": [asdict(point) for point in self.points]}
-        for row in text["points"]:
-            row["error"] = row["error"] if math.isfinite(row["error"]) else None
-        path.write_text(json.dumps(text, indent=1) + "\n")
+        told = {name: value for name, value in asdict(self).items() if name != "points"}
+        rows = []
+        for point in self.points:
+            error = point.error if math.isfinite(point.error) else None
+            rows.append("  " + json.dumps({**asdict(point), "error": error}, ensure_ascii=False))
+        head = json.dumps(told, indent=1, ensure_ascii=False)[:-2]
+        path.write_text(f'{head},\n "points": [\n' + ",\n".join(rows) + "\n ]\n}\n", "utf-8")
 
 
 def read(path: Path) -> Contest:
     """What `Contest.write` wrote."""
-    found = json.loads(path.read_text())
+    found = json.loads(path.read_text(encoding="utf-8"))
     rows = found.pop("points")
     for row in rows:
         row["error"] = math.inf if row["error"] is None else row["error"]
