@@ -1,4 +1,8 @@
-"""``python -m benchmarks``: elements, kernels, machines, compressor, scenes, peers, growth."""
+"""``python -m benchmarks [NAME]...``: tables.
+
+NAME: elements, kernels, machines, compressor, scenes or accuracy, all of them without names; peers,
+with problems after it or all; growth.
+"""
 
 import sys
 import tempfile
@@ -11,6 +15,7 @@ from typing import Annotated
 import typer
 
 from benchmarks import (
+    asked_table,
     compressor,
     contest,
     contest_report,
@@ -180,6 +185,7 @@ MEASUREMENTS = {
     "machines": of_machines,
     "compressor": of_compressor,
     "scenes": of_scenes,
+    "accuracy": asked_table.report,
 }
 LONG = ("peers", "growth")
 """Minutes each, and only by name."""
@@ -213,8 +219,8 @@ def main(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            help="elements, kernels, machines, compressor, scenes: all of these without a name; "
-            "peers, with problems after it or all; growth."
+            help="elements, kernels, machines, compressor, scenes, accuracy: all of these without a "
+            "name; peers, with problems after it or all; growth."
         ),
     ] = None,
     quick: Annotated[bool, typer.Option(help="Fewer repeats; times are rough.")] = False,

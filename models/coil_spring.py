@@ -31,15 +31,15 @@ from codegen import Body, Model
 FREE_LENGTH = 0.2
 
 
-def machine(count: int = 6, other: int | None = None) -> Model:
+def machine(count: int = 6, *others: int) -> Model:
     """A spring of `count` masses and the striker, in the three scenes of the section.
 
     The book's has six; `load(machine(50), "surge")` runs a longer one, whose generated files have
-    names of their own. With `other` the same spring may also be taken as so many masses: the
-    fidelity ``"lumps"``, in the scene `surge_{other}` and in any other that asks for it.
+    names of their own. With `others` the same spring may also be taken as so many masses: the
+    fidelity ``"lumps"``, in the scenes `surge_{other}` and in any other that asks for it.
     """
     name = "coil_spring" if count == 6 else f"coil_spring_{count}"
-    model = Model(name if other is None else f"{name}_or_{other}")
+    model = Model("_or_".join([name, *map(str, others)]))
     k = model.parameter("k", 50.0, unit="N/m", sign="positive")
     m = model.parameter("m", 2.5, unit="kg")
     contact_stiffness = model.parameter("contact_stiffness", 1e6, unit="N/m", sign="positive")
@@ -65,13 +65,21 @@ def machine(count: int = 6, other: int | None = None) -> Model:
                 start={**at_rest, last.vx: -0.1})  # fmt: skip
     model.scene("impact", [*springs, "contact"], start=arriving)
     model.scene("impact_damped", [*springs, "damped_contact"], start=arriving)
-    if other is not None:
-        _in_other_lumps(model, masses, other, k, m)
+    if others:
+        coarse = [f"spring_{i}" for i in range(1, count + 1)]
+        coarse += [f"guide_{body.name}" for body in masses] + ["contact", "damped_contact"]
+        lumped = {str(other): _lumps(model, masses, other, k, m) for other in others}
+        model.alternatives("lumps", {str(count): [*masses, *coarse], **lumped})
+        for other in others:
+            _surge(model, count, other)
     return model
 
 
-def _in_other_lumps(model: Model, masses: list[Body], count: int, k: Expr, m: Expr) -> None:
-    """The same spring in `count` lumps: its mass, stiffness and length are those of the whole."""
+def _lumps(model: Model, masses: list[Body], count: int, k: Expr, m: Expr) -> list[str]:
+    """The same spring in `count` lumps: its mass, stiffness and length are those of the whole.
+
+    Returns the names of what it is made of.
+    """
     whole, part = len(masses), f"of_{count}"
     lumps = [model.body(f"lump_{i}_{part}", mass=m * whole / count, inertia=1.0)
              for i in range(1, count + 1)]  # fmt: skip
@@ -81,12 +89,13 @@ def _in_other_lumps(model: Model, masses: list[Body], count: int, k: Expr, m: Ex
         model.spring(f"spring_{i}_{part}", left, right, k * count / whole, length)
         for i, (left, right) in enumerate(zip([model.ground, *lumps], lumps, strict=False), 1)
     ]
-    coarse = [f"spring_{i}" for i in range(1, whole + 1)]
-    coarse += [f"guide_{body.name}" for body in masses] + ["contact", "damped_contact"]
-    model.alternatives(
-        "lumps", {str(whole): [*masses, *coarse], str(count): [*lumps, *guides, *springs]}
-    )
-    start = {body.x: i * length for i, body in enumerate(lumps, 1)}
+    return [element.name for element in (*lumps, *guides, *springs)]
+
+
+def _surge(model: Model, whole: int, count: int) -> None:
+    """The blow of the scene `surge` to the same spring in `count` lumps."""
+    lumps = [model.bodies[f"lump_{i}_of_{count}"] for i in range(1, count + 1)]
+    start = {body.x: i * FREE_LENGTH * whole / count for i, body in enumerate(lumps, 1)}
     start[lumps[-1].vx] = -0.1 * count / whole  # the same blow to a lighter lump
     model.scene(f"surge_{count}", extends="surge", fidelity={"lumps": str(count)}, start=start)
 

@@ -14,6 +14,7 @@ from runtime.load import load
 
 if TYPE_CHECKING:
     from runtime.analyses.matters import matters
+    from runtime.analyses.precision import accuracy
     from runtime.machine import Machine
     from runtime.outcomes import Outcome
     from runtime.results.result import Result
@@ -22,10 +23,11 @@ _HOMES = {
     "Machine": "runtime.machine",
     "Outcome": "runtime.outcomes",
     "Result": "runtime.results.result",
+    "accuracy": "runtime.analyses.precision",
     "matters": "runtime.analyses.matters",
 }
 
-__all__ = ["Machine", "Outcome", "Result", "load", "matters"]
+__all__ = ["Machine", "Outcome", "Result", "accuracy", "load", "matters"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,4 +1,4 @@
-"""The command line: `python -m runtime simulate | kinematics | … | report | matters`.
+"""The command line: `python -m runtime simulate | kinematics | … | report | matters | accuracy`.
 
 Exit status: 0 done, 1 the run failed (the message says at which t, and what was saved), 2 the
 user's input is wrong. Messages and progress go to stderr; with --json, stdout holds one object.
@@ -8,11 +8,12 @@ import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
 from codegen.errors import InputError, LinkwrightError
+from runtime.accuracy_command import accuracy
 from runtime.commanding import pairs, print_json, refuse, say
 from runtime.matters_command import matters
 
@@ -29,6 +30,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.command()(matters)
+app.command()(accuracy)
 
 Model = Annotated[str, typer.Argument(help="Path of a model file, or a name: models/NAME.py.")]
 Scene = Annotated[str | None, typer.Option(help="Scene of the model; the first unless given.")]
@@ -61,10 +63,26 @@ def simulate(
     settings: Settings = None,
     guess: Guess = None,
     points: Points = 501,
+    accuracy: Annotated[
+        float | None,
+        typer.Option(
+            help="Relative error that the result may have, in place of tolerances; the program "
+            "chooses what is not given."
+        ),
+    ] = None,
+    quantity: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="With --accuracy: a series that is meant; all coordinates and velocities."
+        ),
+    ] = None,
     method: Annotated[
-        str, typer.Option(help="Integration method: dop853, dopri5, radau5, bdf or auto.")
-    ] = "dop853",
-    rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 1e-8,
+        str | None,
+        typer.Option(help="Integration method: dop853 (unless given), dopri5, radau5, bdf, auto."),
+    ] = None,
+    rtol: Annotated[
+        float | None, typer.Option(help="Relative tolerance of a step; 1e-8 unless given.")
+    ] = None,
     atol: Annotated[float | None, typer.Option(help="Absolute tolerance in SI units.")] = None,
     correction: Annotated[
         str,
@@ -73,31 +91,32 @@ def simulate(
         ),
     ] = "step",
     formulation: Annotated[
-        str,
+        str | None,
         typer.Option(
-            help="Coordinates that are integrated: cartesian, all of them, or reduced, those that "
-            "no constraint gives."
+            help="Coordinates that are integrated: cartesian (unless given), all of them, or "
+            "reduced, those that no constraint gives."
         ),
-    ] = "cartesian",
+    ] = None,
     out: Out = None,
     as_json: Json = False,
 ) -> None:
     """Dynamics: how the machine moves under the forces that act on it."""
 
     def analyse(machine: "Machine") -> "Result":
-        extra: dict[str, Any] = {} if atol is None else {"atol": atol}
         return machine.simulate(
             t_end=t_end,
             # A run of no length is the assembled state; every other one has a positive span.
             t_eval=[t_end] if t_end == t_start else _instants(t_start, t_end, points),
             t_start=t_start,
+            accuracy=accuracy,
+            quantities=quantity,
             method=method,
             rtol=rtol,
+            atol=atol,
             correction=cast("Correction", correction),  # refused there if it is none
-            formulation=cast("Formulation", formulation),
+            formulation=cast("Formulation | None", formulation),
             parameters=pairs(settings, "--set"),
             guess=pairs(guess, "--guess"),
-            **extra,
         )
 
     _run(analyse, model, scene, out, as_json)
@@ -236,11 +255,11 @@ def _run(
         refuse(error.problems, 2, as_json)
     except (LinkwrightError, OSError) as error:
         refuse((str(error),), 1, as_json)
-    from runtime.results.summary import events, last_values, summary
+    from runtime.results.summary import accuracy, events, last_values, summary
 
     failed = result.failed
     say(repr(result))
-    for line in events(result):
+    for line in (*accuracy(result), *events(result)):
         say(line)
     if saved is not None:
         count = len(result.t)

@@ -62,13 +62,11 @@ def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) ->
             f"{title} was put together without its model, from {path}, so its {_HOLDS[kind]} "
             "cannot be built. Load it by runtime.load."
         )
-    place = companion_path(origin.path, kind)
-    if place.is_file():
-        text = place.read_text(encoding="utf-8")
+    text = _text(origin, kind)
+    if text is not None:
+        place = companion_path(origin.path, kind)
         check_signature(place, text, _command(origin, kind))
-        belongs = _BELONGS.search(text)
-        if belongs is not None and belongs.group(1) == origin.digest:
-            return import_generated(place, hashlib.sha256(text.encode()).hexdigest())
+        return import_generated(place, hashlib.sha256(text.encode()).hexdigest())
     from codegen import build
 
     asked = {kind: True}
@@ -84,6 +82,21 @@ def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) ->
             "again."
         )
     return import_generated(made.path, made.digest)
+
+
+def has_companion(origin: Origin | None, kind: Kind) -> bool:
+    """Whether the module that belongs to a loaded machine is built."""
+    return origin is not None and _text(origin, kind) is not None
+
+
+def _text(origin: Origin, kind: Kind) -> str | None:
+    """The text of the companion's file, where it belongs to the scene's; else None."""
+    place = companion_path(origin.path, kind)
+    if not place.is_file():
+        return None
+    text = place.read_text(encoding="utf-8")
+    belongs = _BELONGS.search(text)
+    return text if belongs is not None and belongs.group(1) == origin.digest else None
 
 
 def _command(origin: Origin, kind: Kind) -> str:

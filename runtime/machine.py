@@ -1,10 +1,10 @@
 """What a user holds: a loaded mechanism, its tables, and the analyses."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -28,7 +28,7 @@ from runtime.progress import bar
 if TYPE_CHECKING:
     from runtime.analyses.assembly import Assembly
     from runtime.analyses.equilibrium import Equilibrium
-    from runtime.companions import Origin
+    from runtime.companions import Kind, Origin
     from runtime.integrate.problem import Correction, Formulation, System
     from runtime.reduced import Reduced
     from runtime.results.result import Result
@@ -97,6 +97,12 @@ class Machine:
 
         told = self.description
         return gather(load_companion(self._origin, "reduced", told.title, self.path), told)
+
+    def offers(self, kind: "Kind") -> bool:
+        """Whether a companion of the generated module, "tangents" or "reduced", is built."""
+        from runtime.companions import has_companion
+
+        return kind in self.__dict__ or has_companion(self._origin, kind)
 
     def bearing(self, independent: tuple[int, ...]) -> "Machine":
         """The machine with kernels that bear redundant constraints.
@@ -236,57 +242,52 @@ class Machine:
         t_end: float,
         t_eval: npt.ArrayLike | None = None,
         *,
+        accuracy: float | None = None,
+        quantities: Sequence[str] | None = None,
         t_start: float = 0.0,
-        method: str = "dop853",
-        rtol: float = 1e-8,
+        method: str | None = None,
+        rtol: float | None = None,
         atol: float | None = None,
         parameters: Values | None = None,
         guess: Values | None = None,
         start: "Assembly | None" = None,
         correction: "Correction" = "step",
-        formulation: "Formulation" = "cartesian",
+        formulation: "Formulation | None" = None,
         time_scale: float | None = None,
         first_step: float | None = None,
         max_step: float | None = None,
         max_steps: int = 100_000_000,
         progress: bool = True,
     ) -> "Result":
-        """Motion under the forces that act: see `runtime.analyses.dynamics`."""
-        from runtime.analyses.dynamics import simulate
+        """Motion under the forces that act: see `runtime.analyses.dynamics`.
+
+        With `accuracy`, the relative error of the `quantities` that the result may have, in place
+        of tolerances: see `runtime.analyses.accurate`.
+        """
+        from runtime.analyses.accurate import accuracy_or_tolerances
 
         require_motion(self, "simulate")
-        check(
-            self,
-            t_end=t_end,
-            t_start=t_start,
-            rtol=rtol,
-            atol=atol,
-            parameters=parameters,
-            guess=guess,
-            start=start,
-            first_step=first_step,
-            max_step=max_step,
-            max_steps=max_steps,
+        given: dict[str, Any] = {
+            "t_start": t_start,
+            "parameters": parameters,
+            "guess": guess,
+            "start": start,
+            "first_step": first_step,
+            "max_step": max_step,
+            "max_steps": max_steps,
+        }
+        check(self, t_end=t_end, rtol=rtol, atol=atol, accuracy=accuracy, **given)
+        analyse = accuracy_or_tolerances(
+            self, accuracy, quantities, rtol, atol, method, formulation
         )
         with bar(f"simulate {self.description.title}", progress) as report:
-            return simulate(
-                self,
+            return analyse(
                 t_end,
                 t_eval,
-                t_start=t_start,
-                method=method,
-                rtol=rtol,
-                atol=atol,
-                parameters=parameters,
-                guess=guess,
-                start=start,
                 correction=correction,
-                formulation=formulation,
                 time_scale=time_scale,
-                first_step=first_step,
-                max_step=max_step,
-                max_steps=max_steps,
                 progress=report,
+                **given,
             )
 
     def kinematics(

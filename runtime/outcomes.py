@@ -21,6 +21,7 @@ class Outcome(IntEnum):
     INTERRUPTED = 8
     LOCKED = 9
     UNBALANCED = 10
+    INACCURATE = 11
 
     @property
     def of_switch(self) -> bool:
@@ -116,6 +117,13 @@ _TEXT = {
         (
             "Start from a guess nearer to rest, try the other method, or check that "
             "something holds the machine."
+        ),
+    ),
+    Outcome.INACCURATE: (
+        "Beyond this time the motion cannot be had as accurately as was asked.",
+        (
+            "Ask for less accuracy or for a shorter time, or simulate with rtol in place of "
+            "accuracy for a motion that is right about its constraints, energy and means only."
         ),
     ),
 }

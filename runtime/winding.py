@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import types
 
-from runtime.compiled import compiled
+from runtime.compiled import allocating
 from runtime.kernels import MATRIX, SCALAR, VECTOR, Kernel
 
 FloatArray = npt.NDArray[np.float64]
@@ -17,7 +17,7 @@ _FINEST = 1e-4  # of such a stride: no shorter ones are tried
 _TURN = 2.0 * np.pi
 
 
-@compiled(
+@allocating(
     types.none(
         _EXPAND,
         types.int64[::1],

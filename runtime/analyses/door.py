@@ -81,7 +81,7 @@ def _length(name: str) -> Callable[["Machine", Any], str]:
 
 def _tolerance(name: str) -> Callable[["Machine", Any], str]:
     def kind(_: "Machine", value: Any) -> str:
-        if name == "atol" and (value is None or isinstance(value, np.ndarray | list | tuple)):
+        if value is None or (name == "atol" and isinstance(value, np.ndarray | list | tuple)):
             entries = [] if value is None else list(value)
         else:
             entries = [value]
@@ -158,6 +158,7 @@ _KINDS: dict[str, Callable[["Machine", Any], str]] = {
     "t_start": _instant("t_start"),
     "rtol": _tolerance("rtol"),
     "atol": _tolerance("atol"),
+    "accuracy": _tolerance("accuracy"),
     "first_step": _length("first_step"),
     "max_step": _length("max_step"),
     "max_steps": _count,

@@ -7,21 +7,17 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, cast
 import numpy as np
 import numpy.typing as npt
 
-from runtime.analyses.asked import carried, refuse_massless, refuse_structure
-from runtime.analyses.assemble import assemble
+from runtime.analyses.asked import carried
 from runtime.analyses.assembly import Assembly
 from runtime.analyses.equations import Equations, FloatArray
-from runtime.analyses.formulations import coordinates
+from runtime.analyses.formulations import Coordinates
 from runtime.analyses.kinematics import instants
-from runtime.analyses.magnitudes import magnitudes
-from runtime.analyses.masses import require_masses
 from runtime.analyses.meeting import passed
 from runtime.analyses.outputs import evaluate
+from runtime.analyses.prepared import Prepared
 from runtime.analyses.redundant import spared
-from runtime.analyses.surfaces import require_apart
 from runtime.analyses.work import laid, with_works
-from runtime.integrate.problem import Correction, Formulation, Options, Problem
-from runtime.integrate.run import integrate
+from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
@@ -104,54 +100,56 @@ def simulate(
         Lengths in s; chosen unless given.
     """
     began = clock.perf_counter()
-    told = machine.description
-    if not told.has_masses:
-        refuse_massless(machine)
-    times = None if t_eval is None else instants(t_eval)
-    p = machine.parameter_values(parameters)
-    require_masses(machine, p)
-    begin = start if start is not None else assemble(machine, guess, parameters, t_start)
-    equations = Equations(machine, p)
-    sizes = magnitudes(equations, begin.t, begin.q)
-    require_apart(machine, p, begin.t, begin.q, begin.v, float(sizes.min(initial=1.0)))
-    if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
-        refuse_structure(machine)
-    taken = coordinates(formulation, machine, p, begin, sizes, method, correction)
-    machine = taken.machine
-    equations = Equations(machine, p)
-    problem = Problem(
-        begin.t, float(t_end), taken.q, taken.v, taken.p, taken.scale, taken.sizes, taken.spreads
+    ready = Prepared(
+        machine, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start
     )
+    taken = ready.coordinates(formulation, method, correction)
     # An unknown method is refused by the integrator, together with all else that is wrong.
     options = Options(
         method=cast(Literal["dopri5", "dop853", "bdf", "radau5", "auto"], method),
         rtol=rtol,
         atol_q=atol,
         atol_v=atol,
-        t_eval=times,
+        t_eval=None if t_eval is None else instants(t_eval),
         correction=taken.correction,
         time_scale=time_scale,
         first_step=first_step,
         h_max=max_step,
         max_steps=max_steps,
     )
+    return finished(ready, taken, options, began, progress)
 
-    def run(at: FloatArray | None) -> Trajectory:
-        run = integrate(
-            taken.system,
-            problem,
-            replace(options, t_eval=at),
-            lambda t, steps: progress((t - begin.t) / max(float(t_end) - begin.t, 1e-300)),
-        )
-        return taken.whole(run)
 
-    plan = laid(begin.t, run(None).t, times) if told.working else None
-    trajectory = run(plan.instants if plan else times)
-    found = _result(machine, trajectory, p, began, begin)
+def finished(
+    ready: Prepared,
+    taken: Coordinates,
+    options: Options,
+    began: float,
+    progress: Progress,
+    run: Trajectory | None = None,
+) -> Result:
+    """The result of a run.
+
+    Parameters
+    ----------
+    began
+        When the analysis did, s of `time.perf_counter`.
+    run
+        The run, where it has been made; works are integrated in others.
+    """
+    times = None if options.t_eval is None else np.asarray(options.t_eval, dtype=np.float64)
+    begin, plan = ready.begin, None
+    if ready.machine.description.working:
+        ends = ready.run(taken, replace(options, t_eval=None), progress).t
+        plan = laid(begin.t, ends, times)
+        run = ready.run(taken, replace(options, t_eval=plan.instants), progress)
+    elif run is None:
+        run = ready.run(taken, options, progress)
+    machine, equations = taken.machine, Equations(taken.machine, ready.p)
+    found = _result(machine, run, ready.p, began, begin)
     if plan:
         found = with_works(found, plan)
-    crossings = trajectory.crossings
-    found.singular = tuple(passed(equations, begin.t, begin.q, taken.mobility, crossings))
+    found.singular = tuple(passed(equations, begin.t, begin.q, taken.mobility, run.crossings))
     found.message += carried(machine, begin.degrees_of_freedom)
     return found
 

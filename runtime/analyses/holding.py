@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import types
 
-from runtime.compiled import ADDRESSES, compiled
+from runtime.compiled import ADDRESSES, allocating
 from runtime.integrate.consistency import hold
 from runtime.integrate.held import HELD_MODE
 from runtime.integrate.mixing import mix
@@ -39,7 +39,7 @@ IntArray = npt.NDArray[np.int64]
 powers_of = FETCH["powers"]
 
 
-@compiled(
+@allocating(
     types.none(
         ADDRESSES,
         ADDRESSES,

@@ -47,6 +47,7 @@ switching_rates_of = FETCH["switching_rates"]
         MATRIX,
         MODES,
         VECTOR,
+        VECTOR,
     ),
 )
 def _evaluate(
@@ -66,6 +67,7 @@ def _evaluate(
     residual: Any,
     weak: Any,
     slopes: Any,
+    phi: Any,
 ) -> None:
     accelerations = accelerations_of(kernels)
     constraints = constraints_of(kernels)
@@ -77,7 +79,6 @@ def _evaluate(
     kinetic_energy = kinetic_energy_of(kernels)
     potential = potential_of(kernels)
     m = lam.shape[1]
-    phi = np.zeros(m)
     for k in range(len(times)):
         t = times[k]
         weak[k] = accelerations(t, q[k], v[k], p, modes[k], a[k], lam[k])
@@ -188,6 +189,7 @@ def evaluate(
         machine.kernel_table, t, p, q, v, plain,
         told.jacobian_rows.astype(np.int64), told.jacobian_columns.astype(np.int64),
         a, lam, reaction, power, energy, residual, weak, np.zeros(len(told.jacobian_rows)),
+        np.zeros(m),
     )  # fmt: skip
     if told.recovered is not None:
         lam[:, np.setdiff1d(np.arange(m), told.recovered)] = np.nan

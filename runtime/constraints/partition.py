@@ -10,6 +10,7 @@ Mechanical Design 104, 1982.)
 import numpy as np
 
 from runtime.compiled import compiled, inner
+from runtime.constraints.ordering import pivoted
 from runtime.integrate.signatures import (
     Integers,
     Jacobian,
@@ -47,10 +48,7 @@ def eliminate(dense: Matrix, scale: Vector, row_order: Integers, column_order: I
         The rank.
     """
     m, n = dense.shape
-    for j in range(n):
-        column_order[j] = j
     for i in range(m):
-        row_order[i] = i
         largest = 0.0
         for j in range(n):
             dense[i, j] *= scale[j]
@@ -58,29 +56,7 @@ def eliminate(dense: Matrix, scale: Vector, row_order: Integers, column_order: I
         if largest > 0.0:
             for j in range(n):
                 dense[i, j] /= largest
-    for step in range(min(m, n)):
-        pivot, at_row, at_column = 0.0, step, step
-        for i in range(step, m):
-            for j in range(step, n):
-                # A tie goes to the first: the choice must not hang on rounding.
-                if abs(dense[i, j]) > pivot * (1.0 + 1e-9):
-                    pivot, at_row, at_column = abs(dense[i, j]), i, j
-        if not pivot > RANK_TOLERANCE:
-            return step
-        for j in range(n):
-            dense[step, j], dense[at_row, j] = dense[at_row, j], dense[step, j]
-        for i in range(m):
-            dense[i, step], dense[i, at_column] = dense[i, at_column], dense[i, step]
-        row_order[step], row_order[at_row] = row_order[at_row], row_order[step]
-        taken = column_order[at_column]
-        column_order[at_column] = column_order[step]
-        column_order[step] = taken
-        for i in range(step + 1, m):
-            factor = dense[i, step] / dense[step, step]
-            if factor != 0.0:
-                for j in range(step, n):
-                    dense[i, j] -= factor * dense[step, j]
-    return int(min(m, n))
+    return pivoted(dense, row_order, column_order, RANK_TOLERANCE)
 
 
 @compiled(

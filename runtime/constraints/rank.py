@@ -9,7 +9,7 @@ norm are given.
 import numpy as np
 from numba import types
 
-from runtime.compiled import compiled
+from runtime.compiled import allocating
 from runtime.integrate.signatures import Integers, Matrix, Vector, i8, matrix, vector
 
 constant = types.Array(types.int64, 1, "C", readonly=True)  # integers that a closure holds
@@ -18,7 +18,7 @@ _NONE = 1e-10  # a pivot below this, rows and columns scaled to unit diagonal, i
 _NULL = 1e-9
 
 
-@compiled(i8(constant, constant, vector, vector, matrix, matrix))
+@allocating(i8(constant, constant, vector, vector, matrix, matrix))
 def least(
     rows: Integers, columns: Integers, values: Vector, w: Vector, right: Matrix, d: Matrix
 ) -> int:
@@ -99,7 +99,7 @@ def least(
     return int(rank)
 
 
-@compiled(i8(matrix, vector, vector, matrix))
+@allocating(i8(matrix, vector, vector, matrix))
 def eliminated(matrix: Matrix, right: Vector, x: Vector, null: Matrix) -> int:
     """Solve a square system by Gaussian elimination with full pivoting.
 
@@ -156,7 +156,7 @@ def eliminated(matrix: Matrix, right: Vector, x: Vector, null: Matrix) -> int:
     return size - rank
 
 
-@compiled(
+@allocating(
     i8(constant, constant, vector, constant, constant, vector, vector, vector, vector, vector)
 )
 def motion(

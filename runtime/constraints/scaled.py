@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from runtime.constraints.layout import Layout, laid_out
+
 FloatArray = NDArray[np.float64]
 Kernel = Callable[..., Any]
 
@@ -41,6 +43,12 @@ class ScaledConstraints:
     scale: FloatArray
     independent: NDArray[np.int64]
     m: int
+
+    @cached_property
+    def layout(self) -> Layout:
+        """Where compiled searches find all this."""
+        kernels = self.constraints, self.jacobian, self.velocity_rhs
+        return laid_out(kernels, self.p, self.scale, self.independent, self.m, self.places)
 
     def entries(self, t: float, q: FloatArray, unit: float) -> FloatArray:
         """Non-zeros of Φ_q, columns scaled, then Φ_t times `unit`; at `places`, (nnz + m,)."""

@@ -14,15 +14,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from runtime.constraints.bending import branch
 from runtime.constraints.frames import Frames
-from runtime.constraints.motion import Motion
+from runtime.constraints.motion import Motion, distance, nearest
 from runtime.constraints.scaled import ScaledConstraints
 from runtime.constraints.search import Root, Search
 
 FloatArray = NDArray[np.float64]
 
-_ITERATIONS = 40
-_CONVERGED = 1e-12
 _SAME = 0.05  # of the way there: a motion that comes as near to a known position passes it
 _ROUNDED = 1e-13  # a gap of unit rows that is none
 _CLEARLY = 1e-3  # of a gap: a gap that is another's
@@ -39,7 +38,8 @@ class Singularity(NamedTuple):
     q
         The position, shape (n,).
     rows
-        The largest share that each constraint has in the combinations lost, shape (m,).
+        The share that each constraint has in the combinations lost, shape (m,): the length of its
+        row in orthonormal ones.
     lost
         Their number k.
     direction
@@ -78,7 +78,7 @@ class Positions:
     """The singular positions of a machine, looked for near its motion."""
 
     def __init__(self, constraints: ScaledConstraints) -> None:
-        self.constraints, self.frames = constraints, Frames()
+        self.constraints, self.frames = constraints, Frames(constraints)
 
     def near(self, motion: Motion, s: float) -> Singularity | None:
         """The singular position that the motion meets, or barely misses, about the time `s` hence.
@@ -106,10 +106,10 @@ class Positions:
         speed = float(np.linalg.norm(motion.v / self.constraints.scale))
         if not 0.0 < speed < np.inf:
             return None
-        search = Search(self.constraints, self.frames, motion, speed)
         z = np.append(known.q / self.constraints.scale, known.t * speed)
-        s = search.nearest(z, known.t - motion.t)
-        miss = float(np.linalg.norm((search.at(s) - z)[:-1]))
+        series = motion.scaled(self.constraints.scale, speed)
+        s = nearest(series, known.t - motion.t, z)
+        miss = distance(series, s, z)
         if miss > _SAME * max(abs(s) * speed, 1e-3):
             return self.near(motion, s)
         growth = speed / known.speed
@@ -117,22 +117,20 @@ class Positions:
 
     def instant(self, motion: Motion, known: Singularity) -> float:
         """When this motion is nearest to a known singular position."""
-        search = Search(self.constraints, self.frames, motion, known.speed)
         z = np.append(known.q / self.constraints.scale, known.t * known.speed)
-        return motion.t + search.nearest(z, known.t - motion.t)
+        series = motion.scaled(self.constraints.scale, known.speed)
+        return motion.t + nearest(series, known.t - motion.t, z)
 
 
 def _described(search: Search, root: Root, s: float) -> Singularity | None:
     """The root as users of it see it; None where the motion is nowhere near."""
     constraints = search.constraints
-    rate = search.rate(s)
-    miss = float(np.linalg.norm((search.at(s) - root.z)[:-1]))
+    rate = search.at(s)[1]
+    miss = distance(search.series, s, root.z)
     if miss > 0.1 * abs(s) * search.speed + 1e-3:
         return None
-    along = np.asarray(np.linalg.lstsq(root.null, rate, rcond=None)[0], dtype=np.float64)
-    passing = root.form @ along
+    passing, veer = _directions(search, root, rate)
     _, rates, right = np.linalg.svd(passing)
-    veer = (root.null @ (_on_branch(root.form, along) - along))[:-1]
     weakest = float(rates[-1])
     direction = (root.null @ right[len(rates) - 1])[:-1]
     count = len(rates)
@@ -142,14 +140,15 @@ def _described(search: Search, root: Root, s: float) -> Singularity | None:
             return None
         count, direction = found
     rows = np.zeros(constraints.m)
-    rows[constraints.independent] = np.abs(root.left).max(axis=1)
+    # Of equal shares the first is to be the largest, whatever rounding says.
+    rows[constraints.independent] = np.linalg.norm(root.left, axis=1).round(9)
     return Singularity(
         t=search.motion.t + s,
         q=root.z[:-1] * constraints.scale,
         rows=rows,
         lost=count,
         direction=direction / max(float(np.linalg.norm(direction)), 1e-300),
-        gap=float(np.abs(root.left.T @ search.gaps(root.z)).max()),
+        gap=root.gap,
         rate=weakest,
         veer=veer * constraints.scale,
         astray=float(np.linalg.norm(veer)) / search.speed,
@@ -176,19 +175,28 @@ def _of_all(search: Search, root: Root, direction: FloatArray) -> tuple[int, Flo
     size = float(np.linalg.norm(allowed))
     if size < _LOST:
         # Nothing of it is left: of the others, that which is least the motion's.
-        along = null @ search.rate(0.0)[:-1]
+        along = null @ search.series[1, :-1]
         others = np.linalg.svd(along[None, :])[2][1:] if len(null) > 1 else np.eye(len(null))
         allowed, size = others[0] @ null, 1.0
     return max(constraints.independent.size - rank, 0), allowed / size
 
 
-def _on_branch(form: FloatArray, along: FloatArray) -> FloatArray:
-    """The nearest x with xᵀ form x = 0, all forms: the directions of branches, by Newton."""
-    x = along
-    for _ in range(_ITERATIONS):
-        slopes = (form + form.transpose(0, 2, 1)) @ x
-        step = np.linalg.lstsq(slopes, -(form @ x) @ x, rcond=1e-10)[0]
-        x = x + step
-        if np.linalg.norm(step) < _CONVERGED * np.linalg.norm(x):
-            break
-    return x
+def _directions(search: Search, root: Root, rate: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The rate of what is lost along a motion, (k, c), and what its dz/ds lacks to a branch."""
+    (wide, free), weak = root.null.shape, root.left.shape[1]
+    passing, x = np.empty((weak, free)), np.empty(free)
+    branch(
+        search.table,
+        search.speed,
+        root.z,
+        rate,
+        root.left,
+        root.null,
+        np.empty((wide, weak)),
+        np.empty((weak, weak)),
+        np.empty((weak, free)),
+        passing,
+        x,
+    )
+    veer: FloatArray = (root.null @ x)[:-1]
+    return passing, veer

@@ -10,6 +10,7 @@ import numpy as np
 
 from runtime.compiled import compiled, inner
 from runtime.constraints.elimination import REDUNDANT, fill, reduce, smallest
+from runtime.constraints.replay import draw_up, replay
 from runtime.integrate.signatures import VANISHING, Integers, Vector
 from runtime.integrate.slots import (
     CONSTRAINT_COUNT,
@@ -20,6 +21,8 @@ from runtime.integrate.slots import (
     NONZEROS,
     PIVOT_COLUMNS,
     PIVOTS,
+    PLAN,
+    PLAN_SIZE,
     RANK,
     jacobian_of,
 )
@@ -33,6 +36,11 @@ _TRUST = 0.5  # of the time over which nothing announced itself: when to look ag
 _NEAR = 1e-5  # a pivot that counts as small in any case
 _CANDIDATES = 4  # pivots that change sign, most of them by way of infinity
 _REFINED = 6  # steps by which a pivot that changes sign within a step is followed
+# Rows of the array PIVOTS: pivots now, later, at the last look, and one over the lengths of Φ_q's
+# rows. Behind them: the time of that look, and the smallest pivot when an order was found.
+PIVOT_ROWS = 4
+WHEN, LEAST = 0, 1
+_POORER = 0.5  # of the smallest pivot when the order was found: below it is found anew
 _EPS = 2.2e-16
 
 
@@ -50,6 +58,33 @@ def between(
         moved[j] = q[j] + x * (chord + (1.0 - x) * ((1.0 - x) * first + x * last))
 
 
+@inner
+def greatest(rates: Vector, size: Vector) -> float:
+    """The largest rate of a coordinate, in its sizes."""
+    found = 0.0
+    for j in range(rates.size):
+        found = max(found, abs(rates[j]) / size[j])
+    return found
+
+
+@inner
+def sooner(t: float, weakest: float, speed: float, haste: float) -> float:
+    """The instant until which no pivot vanishes, as they change about as fast as the motion."""
+    way = _MARGIN * weakest
+    return float(t + 2.0 * way / (speed + np.sqrt(speed * speed + 2.0 * haste * way) + 1e-300))
+
+
+@inner
+def announced(now: Vector, later: Vector, span: float, ahead: float) -> bool:
+    """Whether a pivot has changed sign in the time `span`, or is to vanish within `ahead` of it."""
+    for i in range(now.size):
+        if now[i] * later[i] < 0.0:
+            return True
+        if abs(later[i]) * span < ahead * (abs(now[i]) - abs(later[i])):
+            return True
+    return False
+
+
 @compiled(VANISHING)
 def vanishing(
     machine: Integers, t: float, h: float, state: int, w: Vector, run: Run, p: Vector
@@ -60,9 +95,10 @@ def vanishing(
     too, which says that the step has failed, a little later on the motion as it begins, and a
     pivot that has just vanished is found too.
     `run.look_at` is set to the instant until which no pivot can vanish: a pivot changes by about
-    as much as the coordinates, in their typical sizes. Two sparse eliminations, some more where
-    something is announced: a pivot changes sign by way of infinity too, where an earlier one of the
-    same order vanishes.
+    as much as the coordinates, in their typical sizes. Where a look before found an order of
+    pivots, these are had at little cost, and if none has changed sign since, that is all. Else two
+    eliminations, some more where something is announced: a pivot changes sign by way of infinity
+    too, where an earlier one of the same order vanishes.
     """
     r = run[0]
     n = w.size // (2 * ROWS)
@@ -74,19 +110,38 @@ def vanishing(
     values = floats_at(machine, JACOBIAN_VALUES, nonzeros)
     dense = matrix_at(machine, DENSE_JACOBIAN, m, n)
     order = integers_at(machine, PIVOT_COLUMNS, m)
-    pivots = floats_at(machine, PIVOTS, 2 * m)
-    now, later = view(pivots, 0, m), view(pivots, m, m)
+    pivots = floats_at(machine, PIVOTS, PIVOT_ROWS * m + 2)
+    now, later, last = view(pivots, 0, m), view(pivots, m, m), view(pivots, 2 * m, m)
+    lengths = view(pivots, 3 * m, m)
+    known = view(pivots, PIVOT_ROWS * m, 2)
+    plan = integers_at(machine, PLAN, machine[PLAN_SIZE])
     scale = view(w, PARTITION * 2 * n + n, n)
     size = view(w, SIZE * 2 * n, n)
     q = view(w, Y0 * 2 * n, n)
     v = view(w, Y0 * 2 * n + n, n)
     end, rate = view(w, state * 2 * n, n), view(w, state * 2 * n + n, n)
     moved, place = view(w, SAMPLE * 2 * n, n), view(w, SAMPLE * 2 * n + n, n)
-    speed, haste = 0.0, 0.0
-    for j in range(n):
-        haste = max(haste, abs(view(w, K * 2 * n + n, n)[j]) / size[j])
-        speed = max(speed, abs(v[j]) / size[j], abs(view(w, state * 2 * n + n, n)[j]) / size[j])
+    speed = max(greatest(v, size), greatest(view(w, state * 2 * n + n, n), size))
     span, back, ahead = h, 0.0, max(AHEAD * h, r.foresight / max(speed, 1e-300))
+    # Only from look to look: in a gap between them a pivot may change its sign twice.
+    if state != Y0 and plan[0] > 0 and t <= r.look_at and t + h > known[WHEN]:
+        flat = floats_at(machine, DENSE_JACOBIAN, m * n)
+        if replay(
+            jacobian, t + h, end, p, scale, rows, columns, values, flat, plan, lengths, later
+        ):
+            weakest = min(smallest(last), smallest(later))
+            passed = t + h - known[WHEN]
+            if weakest > _POORER * known[LEAST] and not announced(last, later, passed, ahead - h):
+                known[WHEN] = t + h
+                for i in range(m):
+                    last[i] = later[i]
+                r.look_at = t + _TRUST * ahead
+                if _MARGIN * weakest > speed * _TRUST * ahead:
+                    haste = greatest(view(w, K * 2 * n + n, n), size)
+                    r.look_at = max(r.look_at, sooner(t, weakest, speed, haste))
+                return np.inf
+    plan[0] = 0
+    haste = greatest(view(w, K * 2 * n + n, n), size)
     if state == Y0:
         # Rounding fails steps that are shorter and shorter within this distance, on either side.
         noisy = np.cbrt(_EPS / r.rtol) / max(speed, 1e-300)
@@ -112,13 +167,15 @@ def vanishing(
             if back <= s <= ahead and beyond < abs(s) < abs(nearest):
                 nearest, which = s, i
         if candidate == 0:
-            way = _MARGIN * weakest
-            r.look_at = t + 2.0 * way / (
-                speed + np.sqrt(speed * speed + 2.0 * haste * way) + 1e-300
-            )
+            r.look_at = sooner(t, weakest, speed, haste)
         if not nearest < np.inf:
             if candidate == 0:
                 r.look_at = max(r.look_at, t + _TRUST * ahead)
+                if state != Y0 and machine[RANK] == m:
+                    known[WHEN], known[LEAST] = t + h, min(weakest, smallest(later))
+                    for i in range(m):
+                        last[i] = later[i]
+                    draw_up(order, rows, columns, values, scale, dense, plan, lengths)
             return np.inf
         beyond = abs(nearest)
         if state != Y0:

@@ -4,7 +4,7 @@ An array is seven arguments to compiled code. What is called often takes the tab
 arrays from here.
 """
 
-from runtime.compiled import inlined
+from runtime.compiled import fetched
 from runtime.integrate.signatures import Integers, Vector
 from runtime.integrate.slots import (
     CONSTRAINT_COUNT,
@@ -21,35 +21,35 @@ from runtime.integrate.views import floats_at, integers_at
 from runtime.integrate.workspace import ROWS, SWITCH_ROWS
 
 
-@inlined
+@fetched
 def workspace(machine: Integers) -> Vector:
     """States and derivatives, `w`."""
     found: Vector = floats_at(machine, WORKSPACE, ROWS * 2 * machine[COORDINATES])
     return found
 
 
-@inlined
+@fetched
 def surfaces(machine: Integers) -> Vector:
     """Values of switching functions, `sw`."""
     found: Vector = floats_at(machine, SURFACES, SWITCH_ROWS * machine[SWITCHES])
     return found
 
 
-@inlined
+@fetched
 def parameters(machine: Integers) -> Vector:
     """Parameters and derived constants, `p`."""
     found: Vector = floats_at(machine, PARAMETERS, machine[PARAMETER_COUNT])
     return found
 
 
-@inlined
+@fetched
 def mode_numbers(machine: Integers) -> Integers:
     """The mode of every switching function, `modes`."""
     found: Integers = integers_at(machine, MODES, machine[SWITCHES])
     return found
 
 
-@inlined
+@fetched
 def multipliers(machine: Integers) -> Vector:
     """Lagrange multipliers, `lam`."""
     found: Vector = floats_at(machine, MULTIPLIERS, machine[CONSTRAINT_COUNT])

@@ -43,7 +43,7 @@ from runtime.integrate.slots import (
     watch_of,
 )
 from runtime.integrate.surfaces import measure
-from runtime.integrate.views import borrow, view
+from runtime.integrate.views import view
 from runtime.integrate.watch import UNRESOLVED
 from runtime.integrate.workspace import (
     APPROACHING,
@@ -129,23 +129,6 @@ def advance(
     """
     attempt = attempt_of(machine)
     first_step = first_step_of(machine)
-    # Handed on below as borrowed: counting references costs more than a stage.
-    machine = borrow(machine)
-    w = borrow(w)
-    sw = borrow(sw)
-    run = borrow(run)
-    p = borrow(p)
-    modes = borrow(modes)
-    scratch = borrow(scratch)
-    lam = borrow(lam)
-    t_eval = borrow(t_eval)
-    out_t = borrow(out_t)
-    out_y = borrow(out_y)
-    out_modes = borrow(out_modes)
-    recent = borrow(recent)
-    event_t = borrow(event_t)
-    event_kind = borrow(event_kind)
-    event_y = borrow(event_y)
     r = run[0]
     length = w.size // ROWS
     m = lam.size

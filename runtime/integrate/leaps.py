@@ -12,7 +12,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from runtime.compiled import compiled, inner
 from runtime.constraints.singular import Singularity
+from runtime.integrate.signatures import f8, matrix, none, vector
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -39,6 +41,78 @@ class Leap(NamedTuple):
     total: float
 
 
+# What `Leaps` knows of a singular position, as compiled formulas take it.
+_NOISE, _REACH, _SPEED, _MISS, _ORDER = 0, 1, 2, 3, 4
+
+
+@inner
+def _weigh(
+    known: FloatArray, h: float, lead: float, g: float, usual: float, out: FloatArray
+) -> None:
+    """Keep a step that keeps the distance g h from the singular instant, if none errs less.
+
+    Its error is that of the method, of rounding, and of stages: they lie off the constraints by
+    their own errors, which the accelerations at that distance multiply by about 1/g; and the
+    instant is known only so well. `out` is a `Leap`.
+    """
+    noise = known[_NOISE]
+    method = max(h / usual, 1.0) ** known[_ORDER]
+    rounding = noise / (g**3 * h**2)
+    start = noise * h / max(abs(lead), 1e-100) ** 3
+    if abs(lead) < known[_REACH]:
+        start = min(start, 1.0)  # it will be found by continuity
+    unsure = known[_MISS] / (known[_SPEED] * g * h)
+    total = method * (1.0 + (_ROOM / g) ** 2) + rounding + start + unsure**2
+    if total < out[5]:
+        out[0], out[1], out[2], out[3], out[4], out[5] = h, lead, method, rounding, start, total
+
+
+@inner
+def _balanced(known: FloatArray, g: float, usual: float) -> float:
+    """Length of the step that errs least, not shorter than the usual one."""
+    here = known[_NOISE] / (g**3 * usual**2)
+    order = known[_ORDER]
+    return float(usual * max(1.0, (2.0 * here / order) ** (1.0 / (order + 2.0))))
+
+
+@compiled(none(matrix, vector, f8, vector))
+def _best(gaps: FloatArray, known: FloatArray, usual: float, out: FloatArray) -> None:
+    """The step across that errs least, wherever it begins; `gaps` has shape (k, 2)."""
+    out[5] = np.inf
+    for k in range(gaps.shape[0]):
+        a, b = gaps[k, 0], gaps[k, 1]
+        g = 0.5 * (b - a)
+        h = _balanced(known, g, usual)
+        _weigh(known, h, 0.5 * (a + b) * h, g, usual, out)
+
+
+@compiled(none(matrix, vector, f8, f8, vector))
+def _from_here(
+    gaps: FloatArray, known: FloatArray, ahead: float, usual: float, out: FloatArray
+) -> None:
+    """The step across that errs least among those that begin the time `ahead` before."""
+    out[5] = np.inf
+    if ahead > 1e-9 * usual:
+        for k in range(gaps.shape[0]):
+            a, b = gaps[k, 0], gaps[k, 1]
+            _weigh(known, ahead / (0.5 * (a + b)), ahead, 0.5 * (b - a), usual, out)
+    # Just behind its beginning, or before it: then only the second node must be far away.
+    second = gaps[0, 1]
+    h = _balanced(known, second, usual)
+    if ahead < 0.5 * second * h or not out[5] < np.inf:
+        g = max(second - ahead / h, 0.5 * second)
+        _weigh(known, h, ahead, g, usual, out)
+
+
+@compiled(f8(vector, vector))
+def _size(q: FloatArray, scale: FloatArray) -> float:
+    """The largest coordinate, in units of its typical size, but not less than one."""
+    largest = 1.0
+    for j in range(q.size):
+        largest = max(largest, abs(q[j] / scale[j]))
+    return float(largest)
+
+
 class Leaps:
     """The steps across that a method can take, at a tolerance."""
 
@@ -50,15 +124,15 @@ class Leaps:
         """Plan for the steps of the method that is a module `parts`."""
         self.order = parts.ERROR_ORDER + 1
         nodes = sorted(getattr(parts, "NODES", (0.0, 1.0)))
-        self.gaps = [(a, b) for a, b in pairwise(nodes) if b > a]
+        self.gaps = np.array([(a, b) for a, b in pairwise(nodes) if b > a])
 
     def rounding(self, q: FloatArray) -> float:
         """What a constraint misses by rounding alone."""
-        return _ROUNDING * _EPS * self._size(q)
+        return _ROUNDING * _EPS * float(_size(q, self.scale))
 
     def noise(self, found: Singularity) -> float:
         """Error over tolerance, times g³ h², of a step h that keeps the distance g h."""
-        rounding = _RESIDUE * self._size(found.q)
+        rounding = _RESIDUE * float(_size(found.q, self.scale))
         return 2.0 * _WEIGHT * rounding / (found.rate * found.speed * self.rtol)
 
     def reach(self, found: Singularity) -> float:
@@ -67,47 +141,16 @@ class Leaps:
 
     def best(self, found: Singularity, usual: float) -> Leap:
         """The step across that errs least, wherever it begins."""
-        leaps = []
-        for a, b in self.gaps:
-            g = 0.5 * (b - a)
-            h = self._balanced(found, g, usual)
-            leaps.append(self._leap(found, h, 0.5 * (a + b) * h, g, usual))
-        return min(leaps, key=lambda leap: leap.total)
+        out = np.empty(6)
+        _best(self.gaps, self._known(found), usual, out)
+        return Leap(*out.tolist())
 
     def from_here(self, found: Singularity, ahead: float, usual: float) -> Leap:
         """The step across that errs least among those that begin now."""
-        leaps = []
-        for a, b in self.gaps if ahead > 1e-9 * usual else ():
-            h = ahead / (0.5 * (a + b))
-            leaps.append(self._leap(found, h, ahead, 0.5 * (b - a), usual))
-        # Just behind its beginning, or before it: then only the second node must be far away.
-        second = self.gaps[0][1]
-        h = self._balanced(found, second, usual)
-        if ahead < 0.5 * second * h or not leaps:
-            g = max(second - ahead / h, 0.5 * second)
-            leaps.append(self._leap(found, h, ahead, g, usual))
-        return min(leaps, key=lambda leap: leap.total)
+        out = np.empty(6)
+        _from_here(self.gaps, self._known(found), ahead, usual, out)
+        return Leap(*out.tolist())
 
-    def _leap(self, found: Singularity, h: float, lead: float, g: float, usual: float) -> Leap:
-        """A step that keeps the distance g h between its nodes and the singular instant.
-
-        Its error is that of the method, of rounding, and of stages: they lie off the constraints
-        by their own errors, which the accelerations at that distance multiply by about 1/g; and
-        the instant is known only so well.
-        """
-        method = max(h / usual, 1.0) ** self.order
-        rounding = self.noise(found) / (g**3 * h**2)
-        start = self.noise(found) * h / max(abs(lead), 1e-100) ** 3
-        if abs(lead) < self.reach(found):
-            start = min(start, 1.0)  # it will be found by continuity
-        unsure = found.miss / (found.speed * g * h)
-        total = method * (1.0 + (_ROOM / g) ** 2) + rounding + start + unsure**2
-        return Leap(h, lead, method, rounding, start, total)
-
-    def _balanced(self, found: Singularity, g: float, usual: float) -> float:
-        """Length of the step that errs least, not shorter than the usual one."""
-        here = self.noise(found) / (g**3 * usual**2)
-        return float(usual * max(1.0, (2.0 * here / self.order) ** (1.0 / (self.order + 2))))
-
-    def _size(self, q: FloatArray) -> float:
-        return float(np.abs(q / self.scale).max(initial=1.0))
+    def _known(self, found: Singularity) -> FloatArray:
+        reach = self.reach(found)
+        return np.array([self.noise(found), reach, found.speed, found.miss, float(self.order)])

@@ -7,6 +7,8 @@ does not where its steps are so short that rounding rules.
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from runtime.constraints.singular import Singularity
 from runtime.integrate.changing import adopt
 from runtime.integrate.control import first_step
@@ -48,7 +50,7 @@ class Lending:
         )
         way = _LEARNING * ahead
         r["usual"] = r["h"] = min(first, way) if way > 0.0 else max(first, self.kept)
-        r["look_at"] = r["t"]
+        r["look_at"] = -np.inf
         return way > 0.0
 
     def end(self) -> None:

@@ -1,6 +1,6 @@
 """Where an implicit method keeps what it must remember: the arrays MEMORY and NOTES of a run."""
 
-from runtime.compiled import inner
+from runtime.compiled import fetched
 from runtime.integrate.signatures import Integers, Vector
 from runtime.integrate.slots import MEMORY, NOTES
 from runtime.integrate.views import floats_at, integers_at, view
@@ -42,21 +42,21 @@ def memory(n: int) -> tuple[int, int]:
     return NUMBERS + 2 * n * LINES + 7 * n * n, COUNTS + 4 * n
 
 
-@inner
+@fetched
 def floats(machine: Integers, n: int) -> Vector:
     """All of MEMORY."""
     found: Vector = floats_at(machine, MEMORY, NUMBERS + 2 * n * LINES + 7 * n * n)
     return found
 
 
-@inner
+@fetched
 def line(memory: Vector, index: int, n: int) -> Vector:
     """Row `index` of MEMORY."""
     found: Vector = view(memory, NUMBERS + index * 2 * n, 2 * n)
     return found
 
 
-@inner
+@fetched
 def matrix(memory: Vector, index: int, n: int) -> Vector:
     """G_u (0), G_u̇ (1), factors of the real (2) and of the complex matrix (3), flat."""
     found: Vector = view(
@@ -65,7 +65,7 @@ def matrix(memory: Vector, index: int, n: int) -> Vector:
     return found
 
 
-@inner
+@fetched
 def counts(machine: Integers, n: int) -> Integers:
     """All of NOTES."""
     found: Integers = integers_at(machine, NOTES, COUNTS + 4 * n)

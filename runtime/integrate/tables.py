@@ -9,7 +9,8 @@ import numpy as np
 
 from runtime.compiled import addresses
 from runtime.constraints.correction import correct
-from runtime.constraints.vanishing import vanishing
+from runtime.constraints.replay import room
+from runtime.constraints.vanishing import PIVOT_ROWS, vanishing
 from runtime.integrate import (
     attempt,
     bent,
@@ -144,8 +145,9 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         Slot.WEIGHTS: np.zeros(4 * n),
         Slot.MEMORY: np.zeros(memory),
         Slot.NOTES: np.zeros(notes, np.int64),
-        Slot.PIVOTS: np.zeros(2 * m),
+        Slot.PIVOTS: np.zeros(PIVOT_ROWS * m + 2),
         Slot.PIVOT_COLUMNS: np.zeros(m, np.int64),
+        Slot.PLAN: np.zeros(room(m, nonzeros), np.int64),
         Slot.LOOP_ROWS: np.array(system.loop_rows, dtype=np.int64),
         Slot.NEARNESS: np.zeros(dead_centres.numbers_for(len(system.loop_rows))),
         Slot.SPREADS: np.zeros(s),
@@ -162,7 +164,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     system.restitution(p, arrays[Slot.RESTITUTION])
     table[Slot.RIGID_COUNT], table[Slot.REACTION_ROWS] = contacts, system.reaction_rows
     table[Slot.LOG_ROWS], table[Slot.LOOPS] = log_rows, len(system.loop_rows)
-    table[Slot.CORRECTING] = 1
+    table[Slot.CORRECTING], table[Slot.PLAN_SIZE] = 1, room(m, nonzeros)
     return Wiring(table, arrays)
 
 

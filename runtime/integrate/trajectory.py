@@ -31,7 +31,7 @@ class Statistics:
     largest_dq
         Largest change of a coordinate by which a step was corrected.
     seconds
-        Wall time.
+        Processor time of the thread.
     """
 
     steps: int

@@ -1,9 +1,9 @@
 """Views of workspace arrays that cost nothing inside compiled code.
 
-Slicing an array in compiled code counts references with atomic instructions, about 20 ns a slice:
-more than a whole stage of a small mechanism. `view` makes the same contiguous array without
-ownership. Its base must outlive it, which holds for workspaces: the caller of the compiled
-function owns them.
+A slice looks at its bounds, and where references are counted it counts them with atomic
+instructions, about 20 ns a slice: more than a whole stage of a small mechanism. `view` makes the
+same contiguous array without either. Its base must outlive it, which holds for workspaces: the
+caller of the compiled function owns them.
 """
 
 from collections.abc import Callable
@@ -39,22 +39,6 @@ def _view(typing_context: Any, base: Any, start: Any, length: Any) -> Any:
             itemsize=item,
             meminfo=None,
         )
-        return target._getvalue()
-
-    return signature, codegen
-
-
-def _borrow(typing_context: Any, array: Any) -> Any:
-    """The same array, of any shape and kind, not owned: handing it on counts no references."""
-    if not isinstance(array, types.Array):
-        return None
-    signature = array(array)
-
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        target = _arrays.make_array(signature.return_type)(context, builder, arguments[0])
-        owner = target.meminfo
-        target.meminfo = owner.type(None)
-        target.parent = target.parent.type(None)
         return target._getvalue()
 
     return signature, codegen
@@ -101,7 +85,6 @@ def _at(item: Any, dimensions: int) -> Any:
 
 
 view: Callable[[Any, int, int], Any] = cast(Any, intrinsic(_view))
-borrow: Callable[[Any], Any] = cast(Any, intrinsic(_borrow))
 floats_at: Callable[[Any, int, int], Any] = _at(types.float64, 1)
 integers_at: Callable[[Any, int, int], Any] = _at(types.int64, 1)
 matrix_at: Callable[[Any, int, int, int], Any] = _at(types.float64, 2)

@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from runtime.analyses.accurate import Accuracy
     from runtime.machine import Machine
 
 FloatArray = npt.NDArray[np.float64]
-
 ENERGIES = ("kinetic", "potential", "total")
 
 
@@ -48,6 +48,8 @@ class Result:
         given.
     singular
         The singular positions that the run met, in order.
+    accuracy
+        Of a simulation that was asked for one, what it reached and how that is known.
     parameters
         Parameter values by name.
     """
@@ -78,6 +80,7 @@ class Result:
         self.works: dict[str, FloatArray] = {}
         self.not_unique = tuple(not_unique)
         self.singular = tuple(singular)
+        self.accuracy: Accuracy | None = None
         self.parameters = {
             row.name: float(value) for row, value in zip(machine.parameters, p, strict=False)
         }
@@ -249,6 +252,7 @@ class Result:
             "stats": json.dumps(self.stats),
             "not_unique": ", ".join(self.not_unique),
             "singular": json.dumps([row.facts() for row in self.singular]),
+            **({"accuracy": json.dumps(self.accuracy.facts())} if self.accuracy else {}),
             "linkwright": __version__,
             "generator": told.generator,
             "numpy": np.__version__,

@@ -33,6 +33,8 @@ def summary(result: "Result", saved: Path | None) -> dict[str, Any]:
         "singular": [row.facts() for row in getattr(result, "singular", ())],
         "saved": None if saved is None else str(saved),
     }
+    if result.accuracy is not None:
+        summary["accuracy"] = result.accuracy.facts()
     stability = getattr(result, "stability", None)
     if stability is not None:
         summary["stability"] = str(stability)
@@ -55,6 +57,11 @@ def plain(value: Any) -> Any:
     if not math.isfinite(number):
         return None
     return int(number) if isinstance(value, int) else number
+
+
+def accuracy(result: "Result") -> list[str]:
+    """How accurate a run is that was asked for an accuracy; else nothing."""
+    return [] if result.accuracy is None else [f"  {x}" for x in result.accuracy.sentences()[1:]]
 
 
 def events(result: "Result") -> list[str]:

@@ -41,6 +41,7 @@ def page(result: "Result") -> str:
         _table(_parameters(result)),
         "<h2>Checks</h2>",
         _table(_checks(result)),
+        *_accuracy(result),
         "<h2>What it took</h2>",
         _table((name.replace("_", " "), value) for name, value in result.stats.items()),
         "<h2>At the end</h2>",
@@ -93,6 +94,20 @@ def _checks(result: "Result") -> Iterator[tuple[str, object]]:
         energy = result.energy()
         yield "energy at the start, J", float(energy[0])
         yield "energy at the end, J", float(energy[-1])
+
+
+def _accuracy(result: "Result") -> Iterator[str]:
+    """What was asked, what was reached, and in which runs."""
+    told = result.accuracy
+    if told is None:
+        return
+    yield "<h2>Accuracy</h2>"
+    yield f"<p>{escape(' '.join(told.sentences()))}</p>"
+    yield _table((row.name, row.error) for row in told.quantities[:MOST_LINES])
+    yield _table(
+        (f"{run.method}, {run.formulation}, rtol = {run.rtol:.1e}", f"{run.seconds * 1e3:.3g} ms")
+        for run in told.runs
+    )
 
 
 def _last(result: "Result") -> Iterator[tuple[str, object]]:

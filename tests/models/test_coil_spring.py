@@ -196,6 +196,22 @@ def test_every_row_of_the_study_is_exact_and_says_why_the_book_differs() -> None
 # -- in other lumps ------------------------------------------------------------------------------
 
 
+def test_spring_may_be_of_any_of_several_numbers_of_masses() -> None:
+    """Each its own scene, with the blow of the book's: the last lump's m v is that of six."""
+    model = machine(6, 3, 12)
+    assert list(model.groups["lumps"]) == ["6", "3", "12"]
+    assert [name for name in model.scenes if name.startswith("surge")] == [
+        "surge", "surge_3", "surge_12",
+    ]  # fmt: skip
+    for count in (3, 12):
+        asked = model.scenes[f"surge_{count}"]
+        assert len(asked.bodies) == count
+        start = dict(asked.start)
+        length = start[f"lump_{count}_of_{count}.x"]
+        assert float(length) == pytest.approx(6 * 0.2)
+        assert float(start[f"lump_{count}_of_{count}.vx"]) == pytest.approx(-0.1 * count / 6)
+
+
 def test_number_of_masses_is_a_fidelity_of_the_scene(tmp_path: Path) -> None:
     """Six masses unless the scene says twelve: the same spring, and the waves of either chain."""
     model = machine(6, 12)

@@ -1,9 +1,10 @@
 """What is told of a scene whose effects were judged; nothing here computes."""
 
-import math
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
+
+from runtime.analyses.plain import plain
 
 
 class Verdict(StrEnum):
@@ -162,13 +163,5 @@ class Matters:
 
     def facts(self) -> dict[str, Any]:
         """Everything, as JSON knows it: what is no finite number is null."""
-        facts: dict[str, Any] = _plain(asdict(self))
+        facts: dict[str, Any] = plain(asdict(self))
         return facts
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(entry) for key, entry in value.items()}
-    if isinstance(value, tuple | list):
-        return [_plain(entry) for entry in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

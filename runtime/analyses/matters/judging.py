@@ -19,6 +19,7 @@ from runtime.analyses.matters.trial import (
     Trial,
     tried,
 )
+from runtime.analyses.undeclared import cache, loaded
 from runtime.load import load
 
 if TYPE_CHECKING:
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
     from codegen.variants import Variant
     from runtime.machine import Machine
 
-CACHE = ".linkwright_cache"
-"""Folder for the modules of scenes that are compiled for a comparison and nothing else."""
 STILL = 1e-9
 """Share of the full scene's motion below which nothing moves."""
 
@@ -103,10 +102,9 @@ def matters(
             f"{read.name}/{chosen.name}: {what}, and nothing in it has another fidelity, so there "
             "is nothing to leave out. Choose another scene of the model, or take effects in."
         )
-    cache = _cache(folder)
+    place = cache(folder)
     progress(f"{read.name}/{chosen.name}: all that the scene names")
-    named = isinstance(scene, str | None) and not hasattr(model, "scenes")
-    whole = load(model, chosen.name, folder=folder) if named else load(read, chosen, folder=cache)
+    whole = loaded(model, scene, (read, chosen), folder)
     whole.parameter_values(parameters)  # what the full scene does not know is a mistake
     plan = Plan(
         _analysis(whole, analysis), float(t_start), _end(whole, analysis, t_end, t_start), points,
@@ -125,7 +123,7 @@ def matters(
     def trial(scene: "Scene") -> Trial:
         progress(f"{read.name}/{scene.name}")
         try:
-            machine = load(read, scene, folder=cache)
+            machine = load(read, scene, folder=place)
             found = tried(machine, plan, wanted)
         except InputError as problem:
             raise LostError("; ".join(problem.problems)) from problem
@@ -208,20 +206,6 @@ def _stopped(full: Trial, found: Trial) -> str:
     if common and all(found.reach[name] <= STILL * full.reach[name] for name in common):
         return "nothing moves without it"
     return ""
-
-
-def _cache(folder: str | os.PathLike[str] | None) -> Path:
-    """The folder for scenes that nobody declared, hidden from version control as caches are."""
-    path = (Path(folder) if folder is not None else Path.cwd()) / CACHE
-    try:
-        path.mkdir(exist_ok=True)
-        (path / ".gitignore").write_text("*\n", encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            f"{path}: scenes without an effect are compiled there, and it cannot be written "
-            f"({error.strerror}); give folder=, or work in another folder."
-        ) from error
-    return path
 
 
 def _analysis(machine: "Machine", analysis: str | None) -> str:

@@ -130,7 +130,7 @@ def _reduced(result: "Result", text: str, word: str, name: str) -> Reading:
         listed = {*ENERGIES, *(n for of_kind in known.values() for n in of_kind)}
         if name in listed:  # it is there, and was not asked for
             raise
-        raise InputError(f"{told.title}, {text}: {_no_series(name, known)}") from error
+        raise InputError(f"{told.title}, {text}: {no_series(name, known)}") from error
     how = REDUCTIONS[word]
     if len(x) < 2 and not how.still:
         raise InputError(f"{told.title}, {text}: one instant has no {how.meaning}; ask for {name}.")
@@ -145,7 +145,14 @@ def _reduced(result: "Result", text: str, word: str, name: str) -> Reading:
     return Reading(value + 0.0, how.unit.format(unit), float(np.abs(x).max()))
 
 
-def _no_series(name: str, known: dict[str, list[str]]) -> str:
+def no_series(name: str, known: dict[str, list[str]]) -> str:
+    """Sentences saying that a series does not exist, with the nearest and all that there are.
+
+    Parameters
+    ----------
+    known
+        As `names` answers.
+    """
     every = [n for listed in known.values() for n in listed]
     said = unknown("series", name, every)
     if "nearest" not in said:

@@ -1,0 +1,248 @@
+"""The runs that a global error takes: two of them where the first guess is good.
+
+The error of a run is about C times its relative tolerance, C from 1 to 3000 on most machines and
+known of none beforehand; about that line it scatters by a power of ten. So a run is compared with
+one of much tighter tolerance. Their difference is the error of the first, or of the second should
+that be the larger one by chance. From the first to the second, errors fall by the ratio of the
+tolerances as a rule; that they fall by its power 3/4 only is what the estimate of the second takes,
+which leaves a factor of four for the scatter at a ratio of 300; below 2e-13 rounding keeps them
+from falling. Where this is below what was asked, the second run is the result; else the difference
+tells how much tighter the next must be.
+
+A method of order eight costs a third more for a tenth of the tolerance, and less where events cut
+its steps, so that a wide gap between the two costs little. It costs much with an implicit method,
+and in a long smooth motion: there the gap is narrow.
+"""
+
+import time as clock
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.analyses.accurate.answer import Trial
+from runtime.analyses.accurate.choosing import Choice, after, choose
+from runtime.analyses.accurate.comparing import LOST, Columns, Difference, columns, difference
+from runtime.analyses.accurate.telling import Pair, told
+from runtime.analyses.dynamics import finished
+from runtime.analyses.kinematics import instants
+from runtime.analyses.prepared import Prepared
+from runtime.integrate.problem import Options
+from runtime.integrate.trajectory import Trajectory
+from runtime.outcomes import Outcome
+from runtime.progress import Progress, silent
+from runtime.results.result import Result
+
+if TYPE_CHECKING:
+    from runtime.analyses.assembly import Assembly
+    from runtime.integrate.problem import Correction, Formulation
+    from runtime.machine import Machine, Values
+
+FloatArray = npt.NDArray[np.float64]
+
+POINTS = 501
+"""Output instants where none are asked for."""
+
+_FIRST, _SLOPE = 1e-5, 0.8  # rtol of the first run where 1e-3 is asked; its power of what is asked
+_LOOSEST, _TIGHTEST = 1e-3, 1e-14  # rtol of any run
+_WIDE, _NARROW = 3e-3, 0.03  # rtol of the second run by that of the first
+_LONG = 5000  # evaluations between two events from which on a motion is long
+_NEAR, _FAR = 0.3, 1e-6  # rtol of later runs by that of the last
+_FALLS, _SURE = 0.85, 0.75  # power of rtol with which errors fall: expected, and counted upon
+_MARGIN = 0.7  # of what is asked, that a run is laid out for
+_NEXT = 0.01  # rtol of the next run by that of the last, where nothing can be told from it
+_GRAIN = 2e-13  # rtol from which on rounding keeps errors from falling any further
+_ROUGH = 0.1  # least share of a difference that is counted upon where the motion parts later
+_MOST_RUNS = 8
+
+
+@dataclass(frozen=True)
+class _Run:
+    """A run, its options, its values, and the processor time that it took."""
+
+    options: Options
+    path: Trajectory
+    values: FloatArray
+    seconds: float
+
+    @property
+    def t(self) -> FloatArray:
+        return self.path.t
+
+
+def simulate_to(
+    machine: "Machine",
+    t_end: float,
+    t_eval: npt.ArrayLike | None = None,
+    *,
+    accuracy: float,
+    quantities: Sequence[str] | None = None,
+    t_start: float = 0.0,
+    method: str | None = None,
+    parameters: "Values | None" = None,
+    guess: "Values | None" = None,
+    start: "Assembly | None" = None,
+    correction: "Correction" = "step",
+    formulation: "Formulation | None" = None,
+    time_scale: float | None = None,
+    first_step: float | None = None,
+    max_step: float | None = None,
+    max_steps: int = 100_000_000,
+    progress: Progress = silent,
+) -> Result:
+    """Integrate with a global error below `accuracy` at the output instants.
+
+    The error of a quantity y is |y - r| / (s + |r|), r the exact one, s its typical size: that of
+    `runtime.analyses.magnitudes` for coordinates, the same a second for velocities, and the largest
+    value of the run for all else. `Result.accuracy` says what was reached and how that is known.
+    Where it cannot be had over all the time, the result ends at the last instant up to which it is,
+    with the outcome `INACCURATE`.
+
+    Parameters
+    ----------
+    t_eval
+        Output instants in s; without them, 501 of equal distance.
+    accuracy
+        From 1e-12 to 0.1.
+    quantities
+        Names of series; all coordinates and velocities unless given.
+    method, formulation
+        Chosen unless given: reduced coordinates where they are built and hold, and the method by
+        what the first run shows.
+
+    Raises
+    ------
+    AnalysisError
+        If not even the beginning can be had so accurately.
+    """
+    began = clock.perf_counter()
+    ready = Prepared(
+        machine, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start
+    )
+    first, last = ready.begin.t, float(t_end)
+    times = np.linspace(first, last, POINTS if last > first else 1)
+    if t_eval is not None:
+        times = instants(t_eval)
+    options = Options(
+        t_eval=times,
+        time_scale=time_scale,
+        first_step=first_step,
+        h_max=max_step,
+        max_steps=max_steps,
+    )
+    of = columns(machine.description, quantities, ready.sizes)
+    search = _Search(ready, accuracy, of, options, correction, progress)
+    return search.result(choose(ready, method, formulation, correction), began)
+
+
+class _Search:
+    """The runs, each laid out by the ones before."""
+
+    def __init__(
+        self,
+        ready: Prepared,
+        asked: float,
+        of: Columns,
+        options: Options,
+        correction: "Correction",
+        progress: Progress,
+    ) -> None:
+        self.ready, self.asked, self.of, self.options = ready, asked, of, options
+        self.correction, self.progress = correction, progress
+        self.trials: list[Trial] = []
+
+    def result(self, choice: Choice, began: float) -> Result:
+        """Run until it is accurate enough, or cannot be."""
+        rtol = _FIRST * (self.asked / 1e-3) ** _SLOPE
+        rtol = min(max(rtol, _TIGHTEST / _WIDE), _LOOSEST)
+        old, choice = self._first(choice, rtol)
+        rtol *= self._gap(old)
+        while True:
+            new, found = self._next(choice, rtol, old)
+            unable = new.path.outcome is not Outcome.OK and len(new.t) < len(old.t)
+            known = not unable and not self._lost(old, new)
+            falls = max(rtol, _GRAIN) / max(old.options.rtol, _GRAIN)
+            share = falls**_SURE if known else 1.0
+            if found.largest >= LOST:
+                share = max(share, _ROUGH)
+            enough = known and found.largest < LOST and share * found.largest <= self.asked
+            if enough or unable or rtol <= _TIGHTEST or len(self.trials) >= _MOST_RUNS:
+                break
+            rtol, old = self._tighter(found, old, new), new
+        kept = old if unable else new
+        made = finished(self.ready, choice.taken, kept.options, began, silent, kept.path)
+        *_, before, last = self.trials
+        pair = Pair(last, before, found, share) if unable else Pair(before, last, found, share)
+        return told(made, self.asked, self.of, self.trials, pair, choice.reasons)
+
+    @staticmethod
+    def _gap(first: _Run) -> float:
+        """rtol of the second run by that of the first."""
+        counts = first.path.statistics
+        long = counts.rhs > _LONG * (counts.events + 1)
+        return _NARROW if long or len(first.path.methods) > 1 else _WIDE
+
+    def _first(self, choice: Choice, rtol: float) -> tuple[_Run, Choice]:
+        """The first run that can be compared with others, and what the second one takes."""
+        while True:
+            run = self._run(choice, rtol)
+            self._note(choice, run, None)
+            then = after(choice, self.ready, run.path, self.correction)
+            if then.formulation == choice.formulation:
+                return run, then
+            choice = then
+
+    def _next(self, choice: Choice, rtol: float, old: _Run) -> tuple[_Run, Difference]:
+        """A tighter run, and its difference from the last one."""
+        new = self._run(choice, rtol)
+        count = min(len(old.t), len(new.t))
+        found = difference(new.t[:count], old.values, new.values, self.of)
+        self._note(choice, new, found.largest)
+        return new, found
+
+    def _run(self, choice: Choice, rtol: float) -> _Run:
+        options = replace(
+            self.options,
+            method=cast(Literal["dop853"], choice.method),
+            rtol=rtol,
+            correction=choice.taken.correction,
+        )
+        began = clock.process_time()
+        path = self.ready.run(choice.taken, options, self.progress)
+        seconds = clock.process_time() - began
+        if self.of.of_state:
+            return _Run(options, path, self.of.of_run(path.q, path.v), seconds)
+        made = finished(self.ready, choice.taken, options, clock.perf_counter(), silent, path)
+        return _Run(options, path, self.of.of_result(made)[: len(path.t)], seconds)
+
+    def _note(self, choice: Choice, run: _Run, gap: float | None) -> None:
+        counts = run.path.statistics
+        self.trials.append(
+            Trial(
+                choice.method,
+                choice.formulation,
+                run.options.rtol,
+                run.seconds,
+                counts.rhs,
+                counts.steps,
+                counts.events,
+                run.path.outcome.name,
+                gap,
+            )
+        )
+
+    @staticmethod
+    def _lost(old: _Run, new: _Run) -> bool:
+        """Whether the looser run ends before the tighter one, so that they cannot be compared."""
+        return len(old.t) < len(new.t)
+
+    def _tighter(self, found: Difference, old: _Run, new: _Run) -> float:
+        """rtol of the next run, so that its estimate should be what is asked, less a margin."""
+        rtol = new.options.rtol
+        if found.largest >= LOST or self._lost(old, new):
+            return float(max(_TIGHTEST, _NEXT * rtol))
+        off = found.largest * (rtol / old.options.rtol) ** _FALLS
+        wanted = (_MARGIN * self.asked / off) ** (1.0 / _SURE)
+        return float(max(_TIGHTEST, rtol * min(_NEAR, max(_FAR, wanted))))

@@ -1,0 +1,59 @@
+"""Simulations that are asked for an accuracy, measured: errors and counts, no seconds."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from benchmarks import asked, asked_table
+from runtime import load
+
+
+@pytest.fixture(scope="module")
+def rows(request: pytest.FixtureRequest) -> list[asked.Row]:
+    """A bar that swings, built in a folder of its own."""
+    folder: Path = request.config.cache.mkdir("benchmarks-asked")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(asked, "METHODS", ("dop853", "dopri5"))
+        scenes = [("hard/pendulum", "bar", 10.0)]
+        return list(asked.measure(scenes, (1e-3, 1e-6, 1e-9), folder, 1, asked.GRID[2:20:2]))
+
+
+def test_true_errors_are_below_what_was_asked(rows: list[asked.Row]) -> None:
+    assert [row.asked for row in rows] == [1e-3, 1e-6, 1e-9]
+    for row in rows:
+        assert row.counted
+        assert row.true <= row.asked
+        assert row.ratio == row.true / row.asked
+        assert row.runs in {2, 3}
+        assert row.horizon == 10.0
+    assert rows[0].rtol > rows[1].rtol > rows[2].rtol
+
+
+def test_the_cheapest_run_is_one_that_is_as_accurate(rows: list[asked.Row]) -> None:
+    row = rows[1]
+    method, formulation, rtol = row.setting.split(", ")
+    assert method in {"dop853", "dopri5"}
+    assert formulation in asked.FORMULATIONS
+    assert 1e-13 <= float(rtol) <= 1e-4
+
+
+def test_what_follows_is_said(rows: list[asked.Row]) -> None:
+    right, price, *rest = asked_table.sentences(rows)
+    assert right.startswith("The true error is below what was asked in 3 of 3 runs (100.0 %")
+    assert "times the cheapest single run in the median" in price
+    assert rest == []
+    lost = replace(rows[2], outcome="INACCURATE", ratio=math.nan, cost=math.nan)
+    vague = replace(rows[1], floor=1e-5)
+    *_, ended, unknown = asked_table.sentences([rows[0], lost, vague])
+    assert "bar at 1e-09 (INACCURATE)" in ended
+    assert unknown.endswith("agree no better: 1 of the runs.")
+    assert "null" in json.dumps(asked_table._plain([lost]), allow_nan=False)
+
+
+def test_every_scene_that_is_measured_is_there() -> None:
+    for model, scene, t_end in asked.SCENES:
+        assert t_end > 0.0
+        assert load(model, scene).description.has_masses

@@ -1,0 +1,59 @@
+"""A mass on a spring, what is asked of it, and a study of it."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from runtime import accuracy
+from runtime.analyses.precision import Accuracy
+
+TEXT = """
+from codegen import Model
+
+model = Model("rig", gravity=(0, -9.81))
+body = model.body("body", mass=2.0, inertia=0.1)
+guide = model.translational("guide", model.ground, body, axis=(1, 0))
+model.spring("spring", model.ground.at(-1, 0), body, 50.0, free_length=1.0)
+model.friction("rub", guide, 0.05, creep=1e-3, fidelity="regularised")
+model.driver("drive", body.x, 0.5)
+start = {body.x: 0.5, body.vx: 0.0}
+model.scene("swing", ["spring"], start=start)
+model.scene("rubbing", ["gravity", "spring", "rub"], start=start)
+model.scene("sticking", ["gravity", "spring", "rub"], start=start, fidelity={"rub": "sticking"})
+model.scene("driven", ["spring"], ["drive"])
+model.scene("drawn", drivers=["drive"], analysis="kinematics")
+"""
+
+
+@pytest.fixture(scope="session")
+def folder(request: pytest.FixtureRequest) -> Path:
+    """A folder whose compiled scenes outlive a run, with the model in it."""
+    made: Path = request.config.cache.mkdir("accuracy")
+    (made / "models").mkdir(exist_ok=True)
+    (made / "models" / "rig.py").write_text(TEXT, encoding="utf-8")
+    return made
+
+
+@pytest.fixture(scope="session")
+def rig(folder: Path) -> str:
+    """A mass on a spring: x = cos(5 t) / 2."""
+    return str(folder / "models" / "rig.py")
+
+
+@pytest.fixture(scope="session")
+def about() -> dict[str, Any]:
+    """A small study."""
+    return {"t_end": 2.0, "rtols": (1e-3, 1e-6, 1e-9), "quick": True, "points": 40}
+
+
+@pytest.fixture(scope="session")
+def few(about: dict[str, Any]) -> dict[str, Any]:
+    """A smaller one: explicit methods in all coordinates."""
+    return {**about, "methods": ("dop853", "dopri5"), "formulations": ("cartesian",)}
+
+
+@pytest.fixture(scope="session")
+def swing(rig: str, folder: Path, about: dict[str, Any]) -> Accuracy:
+    """Every setting at three tolerances."""
+    return accuracy(rig, "swing", folder=folder, **about)

@@ -1,0 +1,106 @@
+"""A study as JSON lines, picture, tables and command."""
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import Result
+from numpy.testing import assert_allclose
+from typer.testing import CliRunner
+
+from runtime.analyses.precision import Accuracy
+from runtime.analyses.precision.reading import sentences
+from runtime.analyses.precision.records import records
+from runtime.cli import app
+from runtime.show import accuracy_picture, accuracy_table
+
+
+def test_a_row_is_written_for_every_run(swing: Accuracy, tmp_path: Path) -> None:
+    rows = [json.loads(json.dumps(row, allow_nan=False)) for row in records(swing)]
+    assert len(rows) == 36
+    first = rows[0]
+    assert (first["model"], first["scene"], first["method"]) == ("rig", "swing", "dop853")
+    assert first["outcome"] == "OK"
+    assert first["counts"]["steps"] > 0
+    assert first["artefact_sha256"] == swing.artefact
+    assert len(first["model_sha256"]) == 64
+    assert {"numba", "numpy", "python", "machine"} <= first["environment"].keys()
+    assert_allclose(first["atol"]["body.x"], 1e-3 * min(1.0, first["scales"]["body.x"]))
+    assert set(first["errors"]) == {"worst", "rms", "end", "relative", "groups", "each"}
+    written, drawn = accuracy_picture.save(swing, tmp_path / "out")
+    assert len(written.read_text(encoding="utf-8").splitlines()) == 36
+    assert drawn.stat().st_size > 20_000
+    facts = json.loads(json.dumps(swing.facts(), allow_nan=False))
+    assert facts["lines"][1]["setting"]["formulation"] == "reduced"
+    assert facts["sentences"][0] == next(sentences(swing))
+    with pytest.raises(KeyError, match="there are: dop853, cartesian; dop853, reduced"):
+        swing["euler, cartesian"]
+
+
+def test_picture_has_a_line_a_setting_and_the_floor(swing: Accuracy) -> None:
+    axes = accuracy_picture.figure(swing).axes[0]
+    labels = axes.get_legend_handles_labels()[1]
+    assert labels[0] == "nothing is faster (Pareto)"
+    assert labels[1:] == [line.setting.title for line in swing.lines]
+    assert axes.get_yscale() == "log"
+    (band,) = (patch for patch in axes.patches if patch.get_hatch())
+    place = band.get_extents().transformed(axes.transData.inverted())
+    assert_allclose(place.x0, -math.log10(swing.reference.floor))
+
+
+@pytest.mark.parametrize("columns", [80, 110, 140])
+def test_tables_fit_a_terminal(
+    columns: int, swing: Accuracy, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from rich.cells import cell_len
+    from rich.console import Console
+
+    monkeypatch.setenv("COLUMNS", str(columns))
+    screen = Console(width=columns, highlight=False, record=True)
+    for made in (accuracy_table.score(swing), accuracy_table.work(swing)):
+        with screen.capture() as capture:
+            screen.print(made)
+        text = capture.get()
+        assert max(map(cell_len, text.splitlines())) <= columns
+        assert "…" not in text
+        assert text.count("bdf") == 2
+
+
+@pytest.fixture
+def command(rig: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
+    monkeypatch.chdir(folder)
+
+    def run(*more: str) -> Result:
+        base = ("accuracy", rig, "--scene", "swing", "--t-end", "1", "--quick", "--no-modelling",
+                "--method", "dop853", "--formulation", "cartesian")  # fmt: skip
+        return CliRunner().invoke(app, [*base, *more])
+
+    return run
+
+
+def test_command_line(command: Callable[..., Result], tmp_path: Path) -> None:
+    done = command("--json", "--out", str(tmp_path / "study"))
+    assert done.exit_code == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert told["ok"] is True
+    assert len(told["lines"]) == 3
+    assert "at most 10 s and 1e+06 steps a run" in done.stderr
+    made = sorted(path.name for path in (tmp_path / "study").iterdir())
+    assert made == ["rig__swing.jsonl", "rig__swing.png"]
+    done = command("--quantity", "body.x")
+    assert done.exit_code == 0
+    assert "milliseconds for so many digits" in done.stdout
+    assert "Three more digits" in done.stdout
+    file = tmp_path / "file"
+    file.write_text("", encoding="utf-8")
+    for more, message in (
+        (("--quantity", "body.z"), "There is no series 'body.z'"),
+        (("--method", "euler"), "There is no method 'euler'"),
+        (("--out", str(file)), "it is a file; name a folder"),
+        (("--out", str(tmp_path / "a" / "b")), "does not exist"),
+    ):
+        done = command(*more, "--json")
+        assert done.exit_code == 2
+        assert message in done.stderr

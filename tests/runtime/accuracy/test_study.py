@@ -1,0 +1,223 @@
+"""What accuracy costs: every setting at every tolerance, against closed forms and by counts."""
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from codegen import Model
+from codegen.errors import InputError, LinkwrightError
+from runtime import accuracy, load
+from runtime.analyses.precision import Accuracy, Setting
+from runtime.analyses.precision.building import build_costs
+from runtime.analyses.precision.grid import settings
+from runtime.analyses.precision.measuring import lines
+from runtime.analyses.precision.reading import best_at, sentences
+from runtime.analyses.precision.running import Runner, Stopwatch, take_turns
+from runtime.analyses.precision.truth import find_truth
+from runtime.show import accuracy_picture
+
+
+def table(path: Path, names: Sequence[str], *columns: np.ndarray) -> Path:
+    np.savetxt(
+        path, np.column_stack(columns), delimiter=",", header=",".join(("t", *names)),
+        comments="", fmt="%.17g",
+    )  # fmt: skip
+    return path
+
+
+def exact(path: Path) -> Path:
+    t = np.linspace(0.0, 2.0, 41)
+    x, v = 0.5 * np.cos(5.0 * t), -2.5 * np.sin(5.0 * t)
+    return table(path, ("body.x", "body.vx"), t, x, v)
+
+
+def test_every_setting_is_run_at_every_tolerance(swing: Accuracy) -> None:
+    assert [line.setting for line in swing.lines] == list(
+        settings(("dop853", "dopri5", "radau5", "bdf", "auto"), ("cartesian", "reduced"))
+    )
+    assert len(swing.lines) == 12
+    assert [scale.name for scale in swing.quantities] == ["body.x", "body.vx"]
+    for line in swing.lines:
+        assert [point.rtol for point in line.points] == [1e-3, 1e-6, 1e-9]
+        assert not line.refused
+        worst = [point.errors.worst for point in line.done if point.errors]
+        assert len(worst) == 3
+        assert worst[0] > worst[1] > worst[2] > 0.0
+        for point in line.points:
+            assert point.counts["steps"] > 0
+            assert point.counts["rhs_evaluations"] > point.counts["steps"]
+            assert point.seconds > 0.0
+            assert point.spread >= 1.0
+            assert point.position_residual < 1e-12
+            assert point.velocity_residual < 1e-12
+            assert point.energy is not None
+            assert point.errors is not None
+            # |m v dv| and |k x dx| over m v²/2, with |dv| <= 5 E, |dx| <= 1.5 E and |x| <= 0.5
+            assert point.energy <= (4.0 + 6.0) * point.errors.worst
+    assert swing.energy == "start"
+    work = [point.counts["rhs_evaluations"] for point in swing["dop853, cartesian"].points]
+    assert work == sorted(work)
+    radau = swing["radau5, reduced"].points[-1].counts
+    assert radau["jacobians"] > 0
+    assert radau["factorizations"] > 0
+    assert radau["stage_iterations"] > 0
+
+
+def test_self_made_reference_agrees_with_the_closed_form(
+    swing: Accuracy, rig: str, folder: Path, tmp_path: Path, about: dict[str, Any]
+) -> None:
+    path = exact(tmp_path / "exact.csv")
+    given = accuracy(rig, "swing", folder=folder, reference=path, **{**about, "t_end": None})
+    assert given.reference.independent
+    assert given.reference.source == str(path)
+    assert (given.t_end, given.instants) == (2.0, 40)
+    assert not swing.reference.independent
+    assert swing.reference.floor < 1e-11
+    assert given.reference.floor < 1e-11
+    assert swing.reference.horizon is None
+    assert all(check.error < 1e-10 for check in swing.reference.checks if check.error is not None)
+    floor = swing.reference.floor + given.reference.floor
+    for one, other in zip(swing.lines, given.lines, strict=True):
+        for here, there in zip(one.points, other.points, strict=True):
+            assert here.errors is not None
+            assert there.errors is not None
+            assert abs(here.errors.worst - there.errors.worst) < 3.0 * floor + 1e-6 * here.rtol
+            assert here.counts["steps"] == there.counts["steps"]
+
+
+def test_a_reference_of_another_machine_is_seen(
+    rig: str, folder: Path, tmp_path: Path, few: dict[str, Any]
+) -> None:
+    t = np.linspace(0.0, 2.0, 21)
+    path = table(tmp_path / "other.csv", ("body.x",), t, 0.5 * np.cos(5.1 * t))
+    told = accuracy(rig, "swing", folder=folder, reference=path, modelling=False, **few)
+    assert told.reference.floor > 0.1
+    assert told.reference.horizon is not None
+    assert told.reference.horizon <= t[1]
+    assert best_at(told, 1e-3) is None
+    assert any("another machine" in line for line in sentences(told))
+
+
+def test_other_models_are_judged_by_the_scene_as_declared(
+    rig: str, folder: Path, few: dict[str, Any]
+) -> None:
+    told = accuracy(rig, "rubbing", folder=folder, **few)
+    (choice,) = told.choices
+    assert (choice.title, choice.kind) == ("rub as sticking", "friction")
+    assert choice.point is not None
+    assert choice.point.errors is not None
+    assert told.energy == "reference"
+    t = np.linspace(0.0, 2.0, 41)[1:]
+    smooth, dry = (
+        load(rig, scene, folder=folder).simulate(2.0, t, rtol=1e-11, method="dopri5")
+        for scene in ("rubbing", "sticking")
+    )
+    x, v = smooth.q("body.x"), smooth.v("body.vx")
+    by = {scale.name: scale.value for scale in told.quantities}
+    worst = max(
+        (np.abs(dry.q("body.x") - x) / (by["body.x"] + np.abs(x))).max(),
+        (np.abs(dry.v("body.vx") - v) / (by["body.vx"] + np.abs(v))).max(),
+    )
+    assert 1e-6 < worst < 1e-1
+    assert abs(choice.point.errors.worst - worst) < 0.11 * worst
+    assert not any(line.refused for line in told.lines)
+    assert any(line.startswith("rub as sticking keeps") for line in sentences(told))
+
+
+def test_scenes_that_the_user_names_are_judged_too(
+    rig: str, folder: Path, few: dict[str, Any]
+) -> None:
+    about = {**few, "modelling": False, "quantities": ("body.x|sled.x",)}
+    told = accuracy(rig, "swing", folder=folder, beside=("rubbing", "swing"), **about)
+    rubbing, itself = told.choices
+    assert (rubbing.title, rubbing.kind, rubbing.scene) == ("rubbing", "scene", "rubbing")
+    assert rubbing.point is not None
+    assert 0.0 < rubbing.point.digits < 3.0
+    assert itself.point is not None
+    assert itself.point.digits > 7.0
+    with pytest.raises(InputError, match="no scene 'rubbin'; did you mean 'rubbing'"):
+        accuracy(rig, "swing", folder=folder, beside=("rubbin",), **about)
+
+
+def test_formulations_that_a_scene_cannot_take_say_why(
+    rig: str, folder: Path, about: dict[str, Any]
+) -> None:
+    one = {**about, "methods": ("dop853",), "modelling": False}
+    told = accuracy(rig, "sticking", folder=folder, **one)
+    refused = told["dop853, reduced"]
+    assert not refused.points
+    assert "rub" in refused.refused
+    assert "creep=" in refused.refused
+    assert len(told["dop853, cartesian"].done) == 3
+    assert any(line.startswith("Not tried: dop853, reduced.") for line in sentences(told))
+    labels = accuracy_picture.figure(told).axes[0].get_legend_handles_labels()[1]
+    assert "dop853, reduced: refused" in labels
+
+
+def test_failures_are_points(rig: str, folder: Path, few: dict[str, Any]) -> None:
+    told = accuracy(rig, "swing", folder=folder, steps=60, modelling=False, **few)
+    line = told["dopri5, cartesian"]
+    assert [point.outcome for point in line.points] == ["OK", "OK", "MAX_STEPS"]
+    assert line.failed == line.points[2:]
+    assert all(math.isnan(point.digits) and point.errors is None for point in line.failed)
+    assert all(point.seconds > 0.0 for point in line.failed)
+    assert any(
+        "dopri5, cartesian: 1 of 3 runs did not reach the end: MAX_STEPS" in text
+        for text in sentences(told)
+    )
+    axes = accuracy_picture.figure(told).axes[0]
+    assert axes.get_xlim()[0] < -1.0
+    crosses = [entry for entry in axes.collections if len(entry.get_offsets()) == 1]
+    assert any((entry.get_offsets()[:, 0] < 0.0).all() for entry in crosses)
+    with pytest.raises(LinkwrightError, match="no run at rtol 1e-13 reaches t = 2 s"):
+        accuracy(rig, "swing", folder=folder, steps=1, modelling=False, **few)
+
+
+def test_tolerances_go_on_until_nine_digits(rig: str, folder: Path) -> None:
+    machine = load(rig, "swing", folder=folder)
+    runner = Runner(machine, machine.assemble(), np.array([1.0, 2.0]), {}, 60.0, 10**6)
+    truth = find_truth(runner, ("body.x",), None, lambda line: None)
+    further = (1e-6, 1e-11, 1e-12)
+    (line,) = lines(
+        runner, truth, (Setting("dop853"),), (1e-2, 1e-3), further, 2, 0.0, lambda text: None
+    )
+    assert [point.rtol for point in line.points] == [1e-2, 1e-3, 1e-6, 1e-11]
+    worst = [point.errors.worst for point in line.points if point.errors]
+    assert worst[2] > 1e-9 >= worst[3]
+
+
+def test_what_meets_the_limit_of_time_is_not_tried_for_ever(rig: str, folder: Path) -> None:
+    machine = load(rig, "swing", folder=folder)
+    instants = np.linspace(0.0, 200.0, 3)[1:]
+    runner = Runner(machine, machine.assemble(), instants, {}, 60.0, 10**6)
+    truth = find_truth(runner, ("body.x",), None, lambda line: None)
+    hasty = dataclasses.replace(runner, limit=1e-9)
+    (line,) = lines(
+        hasty, truth, (Setting("dopri5"),), (1e-6, 1e-7, 1e-8, 1e-9), (1e-10,), 2, 0.0,
+        lambda text: None,
+    )  # fmt: skip
+    assert [point.outcome for point in line.points] == ["TIMEOUT"] * 2 + ["NOT_TRIED"] * 2
+    watch = Stopwatch()
+    runner.run(Setting("dop853"), 1e-3, watch)
+    take_turns(runner, [(Setting("dop853"), 1e-3, watch)], 4, 100.0)
+    assert len(watch.times) == 30
+    assert watch.seconds == min(watch.times)
+
+
+def test_building_is_timed_stage_by_stage() -> None:
+    model = Model("speck")
+    ball = model.particle("ball", mass=1.0)
+    model.force("wind", on=ball, fx=1.0)
+    model.scene("fly", ["wind"], start={ball.x: 0.0, ball.vx: 0.0})
+    found = build_costs(model, model.scenes["fly"])
+    assert list(found) == [
+        "derive", "lower", "examine", "emit", "compile", "differentiate", "compile derivatives",
+        "reduce", "compile reduced", "load, warm",
+    ]  # fmt: skip
+    assert all(seconds > 0.0 for seconds in found.values())
+    assert found["load, warm"] < found["compile"]

@@ -1,0 +1,267 @@
+"""Simulations that are asked for a global error: what they reach, say, keep and refuse."""
+
+import csv
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from codegen.errors import InputError
+from codegen.write import write_if_changed
+from runtime import load
+from runtime.analyses.accurate.comparing import Difference, columns, difference, tenfold
+from runtime.cli import app
+from runtime.machine import Machine
+from runtime.outcomes import Outcome
+from runtime.results.result import Result
+from runtime.results.summary import summary
+from runtime.show.report import page
+
+ASKED = (1e-3, 1e-5, 1e-7, 1e-9)
+
+
+def of(root: Path, workshop: Path, name: str, scene: str) -> Machine:
+    """A machine of the library, built in the tests' own folder."""
+    path = workshop / "models" / f"library_{Path(name).name}.py"
+    write_if_changed(path, (root / "models" / f"{name}.py").read_text())
+    return load(path, scene, folder=workshop)
+
+
+@pytest.fixture(scope="module")
+def compressor(root: Path, workshop: Path) -> Machine:
+    machine = of(root, workshop, "slider_crank", "compressor")
+    assert machine.reduced.kept.size  # built, so that the program may choose it
+    return machine
+
+
+@pytest.fixture(scope="module")
+def thrown(root: Path, workshop: Path) -> Machine:
+    return of(root, workshop, "hard/double_pendulum", "thrown")
+
+
+@pytest.fixture(scope="module")
+def accurate(compressor: Machine) -> Result:
+    """A second of the compressor, J = 450 kg m²."""
+    return compressor.simulate(
+        1.0, np.linspace(0.0, 1.0, 101), accuracy=1e-7, parameters={"J1": 450.0}, progress=False
+    )
+
+
+def reference(root: Path, name: str) -> dict[str, np.ndarray]:
+    with (root / "tests" / "data" / f"{name}.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(line for line in stream if not line.startswith("#")))
+    return {key: np.array([float(row[key]) for row in rows]) for key in rows[0]}
+
+
+# What is reached
+
+
+@pytest.mark.parametrize("asked", ASKED)
+def test_the_true_error_is_below_what_was_asked(
+    root: Path, compressor: Machine, asked: float
+) -> None:
+    exact = reference(root, "compressor_J450")
+    run = compressor.simulate(
+        exact["t"][-1], exact["t"], accuracy=asked, parameters={"J1": 450.0}, progress=False
+    )
+    told = run.accuracy
+    assert told is not None
+    assert run.outcome is Outcome.OK
+    assert (told.reached, told.horizon) == (True, None)
+    sizes = {row.name: row.scale for row in told.quantities}
+    pairs = (("crank.phi", "phi1"), ("crank.omega", "omega"), ("slider.x", "x3"))
+    for name, column in (*pairs, ("slider.vx", "x3d")):
+        error = np.abs(run.series(name)[0] - exact[column])
+        assert (error / (sizes[name] + np.abs(exact[column]))).max() <= asked
+    assert told.estimated <= asked
+    assert told.estimated == max(row.error for row in told.quantities)
+
+
+@pytest.mark.parametrize("asked", ASKED)
+def test_it_takes_two_or_three_runs(compressor: Machine, asked: float) -> None:
+    told = compressor.simulate(1.0, accuracy=asked, progress=False).accuracy
+    assert told is not None
+    assert len(told.runs) in {2, 3}
+    assert [run.rtol for run in told.runs] == sorted((run.rtol for run in told.runs), reverse=True)
+    assert told.runs[0].difference is None
+    last = told.runs[-1]
+    assert (told.method, told.formulation, told.rtol) == (last.method, last.formulation, last.rtol)
+    assert sum(run.evaluations for run in told.runs) <= 3 * last.evaluations
+
+
+def test_the_result_is_that_of_a_run_with_the_settings_told(
+    compressor: Machine, accurate: Result
+) -> None:
+    told = accurate.accuracy
+    assert told is not None
+    again = compressor.simulate(
+        1.0,
+        accurate.t,
+        rtol=told.rtol,
+        method=told.method,
+        formulation=told.formulation,  # type: ignore[arg-type]
+        parameters={"J1": 450.0},
+        progress=False,
+    )
+    np.testing.assert_array_equal(again.samples.q, accurate.samples.q)
+    assert len(again.events) == len(accurate.events)
+
+
+def test_what_is_built_is_taken_and_what_is_fixed_is_kept(
+    compressor: Machine, accurate: Result
+) -> None:
+    assert accurate.accuracy is not None
+    assert {run.formulation for run in accurate.accuracy.runs} == {"reduced"}
+    fixed = compressor.simulate(
+        0.2, accuracy=1e-5, method="dopri5", formulation="cartesian", progress=False
+    ).accuracy
+    assert fixed is not None
+    assert {(run.method, run.formulation) for run in fixed.runs} == {("dopri5", "cartesian")}
+
+
+def test_any_series_can_be_meant(compressor: Machine) -> None:
+    names = ("slider.x", "B.fx", "total")
+    told = compressor.simulate(0.5, accuracy=1e-6, quantities=names, progress=False).accuracy
+    assert told is not None
+    assert {row.name for row in told.quantities} == set(names)
+    sizes = {row.name: row.scale for row in told.quantities}
+    assert sizes["slider.x"] < 10.0
+    assert sizes["B.fx"] > 1e3
+
+
+def test_a_dead_centre_that_ends_the_reduced_run_is_passed(root: Path, workshop: Path) -> None:
+    machine = of(root, workshop, "hard/n_four_bar", "fall")
+    assert machine.reduced.branches
+    run = machine.simulate(1.0, accuracy=1e-5, progress=False)
+    assert run.accuracy is not None
+    assert run.outcome is Outcome.OK
+    assert run.accuracy.formulation == "cartesian"
+    assert run.accuracy.runs[0].outcome == "SINGULAR"
+    assert "in reduced coordinates the run ends at t = 0." in run.accuracy.means
+
+
+# Where it cannot be had
+
+
+def test_a_chaotic_motion_ends_at_its_horizon(root: Path, thrown: Machine) -> None:
+    exact = reference(root, "double_pendulum")
+    t = np.linspace(0.0, 30.0, 601)
+    run = thrown.simulate(30.0, t, accuracy=1e-6, progress=False)
+    told = run.accuracy
+    assert told is not None
+    assert run.outcome is Outcome.INACCURATE
+    assert told.chaotic
+    assert told.horizon == run.t[-1]
+    assert 12.0 < told.horizon < 25.0
+    assert 1.5 < told.tenfold < 5.0
+    assert all(event.time <= told.horizon for event in run.events)
+    assert "errors grow tenfold every" in run.message.lower()
+    common, ours, theirs = np.intersect1d(run.t, exact["t"], return_indices=True)
+    assert len(common) >= 20
+    for name, column in (("upper.phi", "phi1"), ("lower.phi", "phi2"), ("lower.omega", "omega2")):
+        wanted = exact[column][theirs]
+        error = np.abs(run.series(name)[0][ours] - wanted) / (1.0 + np.abs(wanted))
+        assert error.max() <= 1e-6
+    shorter = thrown.simulate(4.0, accuracy=1e-6, progress=False)
+    assert shorter.outcome is Outcome.OK
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"accuracy": 1e-6, "rtol": 1e-8}, "accuracy = 1e-06 and rtol = 1e-08 are both given"),
+        ({"accuracy": 1e-6, "atol": 1e-8}, "accuracy = 1e-06 and atol = 1e-08 are both given"),
+        ({"accuracy": 1e-14}, "accuracy = 1e-14 must lie between 1e-12"),
+        ({"accuracy": 0.5}, "and 0.1"),
+        ({"accuracy": "fine"}, "accuracy is 'fine'; it must be a positive finite number"),
+        ({"quantities": ("upper.phi",)}, "give the error too, accuracy=1e-6"),
+        ({"accuracy": 1e-6, "quantities": "upper.phi"}, "it must be names of series, such as"),
+        ({"accuracy": 1e-6, "quantities": ("upper.fi",)}, "There is no series 'upper.fi'"),
+    ],
+)
+def test_wrong_questions_are_refused(
+    thrown: Machine, given: dict[str, object], message: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        thrown.simulate(1.0, progress=False, **given)  # type: ignore[arg-type]
+    assert message in str(caught.value)
+
+
+# What is told
+
+
+def test_it_is_kept_with_the_result(accurate: Result, tmp_path: Path) -> None:
+    told = accurate.accuracy
+    assert told is not None
+    facts = json.loads(json.dumps(told.facts(), allow_nan=False))
+    assert json.loads(accurate.about()["accuracy"]) == facts
+    assert summary(accurate, None)["accuracy"] == told.facts()
+    assert facts["reached"] is True
+    assert len(facts["quantities"]) == 2 * len(accurate.description.coordinates)
+    assert told.means in page(accurate).replace("&#x27;", "'")
+    assert f"{told.asked:.1e} asked" in accurate.message
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        told.asked = 1.0  # type: ignore[misc]
+
+
+def test_a_run_with_tolerances_says_nothing_of_it(compressor: Machine) -> None:
+    plain = compressor.simulate(0.1, progress=False)
+    assert plain.accuracy is None
+    assert "accuracy" not in plain.about()
+    assert "accuracy" not in summary(plain, None)
+    assert "<h2>Accuracy</h2>" not in page(plain)
+
+
+def test_command_line(thrown: Machine, workshop: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(workshop)
+    command = ["simulate", "library_double_pendulum", "--t-end", "2", "--accuracy", "1e-6"]
+    done = CliRunner().invoke(app, [*command, "--quantity", "upper.phi", "--json"])
+    assert done.exit_code == 0, done.stderr
+    told = json.loads(done.stdout)["accuracy"]
+    assert [row["name"] for row in told["quantities"]] == ["upper.phi"]
+    assert "Estimated from the difference of two runs" in done.stderr
+    assert "Cost: " in done.stderr
+    done = CliRunner().invoke(app, [*command, "--rtol", "1e-8"])
+    assert done.exit_code == 2
+    assert "Leave one of them out" in done.stderr
+
+
+# The difference of two runs
+
+
+def of_growth(error: np.ndarray, t: np.ndarray) -> Difference:
+    return Difference(t, error[:, None], np.ones(1))
+
+
+def test_exponential_growth_is_told_from_powers_of_time() -> None:
+    t = np.linspace(0.0, 10.0, 401)
+    wave = 1.0 + 0.5 * np.sin(30.0 * t)
+    assert tenfold(of_growth(1e-11 * 10.0 ** (t / 1.5) * wave, t)) == pytest.approx(1.5, rel=0.1)
+    for power in (0, 1, 2, 3):
+        assert tenfold(of_growth(1e-8 * t**power * wave, t)) is None
+    assert tenfold(of_growth(np.zeros(401), t)) is None
+
+
+def test_errors_are_scaled_by_size_and_value(thrown: Machine) -> None:
+    told = thrown.description
+    sizes = np.full(len(told.coordinates), 2.0)
+    chosen = columns(told, ("upper.x", "hinge.fx"), sizes)
+    assert not chosen.of_state
+    t = np.array([0.0, 1.0])
+    first, second = np.array([[1.0, 8.0], [1.0, 0.0]]), np.array([[1.5, 10.0], [1.0, 0.0]])
+    found = difference(t, first, second, chosen)
+    np.testing.assert_allclose(found.scaled, [[0.5 / 3.5, 2.0 / 20.0], [0.0, 0.0]])
+    np.testing.assert_allclose(found.scales, [2.0, 10.0])
+    assert found.within(0.2) == 2
+    assert found.within(0.1) == 0
+
+
+def test_what_is_no_number_in_one_run_only_is_a_difference(thrown: Machine) -> None:
+    chosen = columns(thrown.description, ("hinge.fx",), np.ones(6))
+    t, nan = np.array([0.0, 1.0]), np.nan
+    found = difference(t, np.array([[nan], [1.0]]), np.array([[nan], [nan]]), chosen)
+    assert found.scaled[0, 0] == 0.0
+    assert np.isinf(found.scaled[1, 0])
