@@ -219,7 +219,7 @@ def main(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            help="elements, kernels, machines, compressor, scenes, accuracy: all of these without a "
+            help="elements, kernels, machines, compressor, scenes, accuracy: all without a "
             "name; peers, with problems after it or all; growth."
         ),
     ] = None,

@@ -15,7 +15,7 @@ TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(6, 27))
 """10⁻³ … 10⁻¹³, two a decade."""
 TIGHT = TOLERANCES[4:]
 """From 10⁻⁵ on, where looser ones tell nothing and cost minutes."""
-LONGEST = 3_000.0
+LONGEST = 6_000.0
 """Milliseconds of a run, after which no tighter setting is tried."""
 Solver = Callable[[Problem], None]
 
