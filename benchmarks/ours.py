@@ -11,7 +11,6 @@ from functools import cache
 from pathlib import Path
 from time import process_time
 from typing import Any
-from unittest.mock import patch
 
 import numpy as np
 
@@ -24,7 +23,6 @@ from benchmarks.problems import PROBLEMS, Problem
 from codegen.modelfile import read_model
 from models.hard.n_four_bar import n_four_bar
 from runtime import Machine, load
-from runtime.integrate import run as integration
 
 FORMULATIONS = ("reduced", "cartesian")
 TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(8, 27))
@@ -33,12 +31,6 @@ ROUNDS = 15
 ENOUGH = 0.2
 """Seconds of one run, beyond which three of it are enough, and one beyond ten times that."""
 Floor = Callable[[float], tuple[Sequence[float], int, int]]
-
-
-class ProcessorClock:
-    """The clock by which a run's own statistics are kept: time of the processor."""
-
-    perf_counter = staticmethod(process_time)
 
 
 @dataclass(frozen=True)
@@ -112,15 +104,14 @@ ENTRIES = {
 
 def simulated(entry: Entry, machine: Machine, formulation: str, tolerance: float) -> Any:
     """One run to the end of the problem, and its time in ms."""
-    with patch.object(integration, "time", ProcessorClock):
-        run = machine.simulate(
-            entry.problem.duration,
-            [0.0, entry.problem.duration],
-            rtol=tolerance,
-            formulation=formulation,  # type: ignore[arg-type]  # one of the two words
-            guess=dict(entry.start) or None,
-            progress=False,
-        )
+    run = machine.simulate(
+        entry.problem.duration,
+        [0.0, entry.problem.duration],
+        rtol=tolerance,
+        formulation=formulation,  # type: ignore[arg-type]  # one of the two words
+        guess=dict(entry.start) or None,
+        progress=False,
+    )
     return run, float(run.stats["integration_seconds"]) * 1e3
 
 
