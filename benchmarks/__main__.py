@@ -1,8 +1,10 @@
 """``python -m benchmarks [NAME]...``: tables.
 
-NAME: elements, kernels, machines, compressor, scenes or accuracy; all without names.
+NAME: elements, kernels, machines, compressor, scenes or accuracy, all of them without names; peers,
+with problems after it or all; growth.
 """
 
+import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -12,7 +14,21 @@ from typing import Annotated
 
 import typer
 
-from benchmarks import asked_table, compressor, elements, kernels, machines, scenes, twins
+from benchmarks import (
+    asked_table,
+    compressor,
+    contest,
+    contest_report,
+    elements,
+    growth,
+    kernels,
+    machines,
+    ours,
+    picture,
+    scenes,
+    twins,
+)
+from benchmarks.problems import PROBLEMS
 from benchmarks.report import Report, finish, records, save, verdict
 
 __all__ = ["main", "save"]
@@ -172,28 +188,62 @@ MEASUREMENTS = {
     "scenes": of_scenes,
     "accuracy": asked_table.report,
 }
+LONG = ("peers", "growth")
+"""Minutes each, and only by name."""
 
 
-def chosen(names: Sequence[str] | None) -> Sequence[str]:
-    """The measurements asked for; all of them without names."""
-    for name in names or ():
-        if name not in MEASUREMENTS:
-            raise typer.BadParameter(f"{name!r} is none of {', '.join(MEASUREMENTS)}")
-    return names or tuple(MEASUREMENTS)
+def chosen(names: Sequence[str] | None) -> tuple[list[str], list[str]]:
+    """The measurements asked for, and the problems of the contest; short ones without names."""
+    asked = list(names or MEASUREMENTS)
+    known = (*MEASUREMENTS, *LONG)
+    problems = [name for name in asked if name in PROBLEMS and "peers" in asked]
+    for name in asked:
+        if name not in known and name not in problems:
+            raise typer.BadParameter(f"{name!r} is none of {', '.join(known)}")
+    return [name for name in asked if name not in problems], problems or list(PROBLEMS)
+
+
+def of_peers(problems: Sequence[str], quick: bool, python: str, kept: bool, out: Path) -> None:
+    """The contest on each problem, with its picture."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name in problems:
+            path = out / f"peers_{name}.points.json"
+            before = contest.read(path) if kept and path.is_file() else None
+            rounds = 2 if quick else ours.ROUNDS
+            held = contest.hold(PROBLEMS[name], Path(folder), python, before, rounds)
+            held.write(path)
+            finish(contest_report.report(held), out)
+            picture.draw(held, out / f"peers_{name}.png")
 
 
 def main(
     names: Annotated[
         list[str] | None,
-        typer.Argument(help="elements, kernels, machines, compressor, scenes, accuracy; all"),
+        typer.Argument(
+            help="elements, kernels, machines, compressor, scenes, accuracy: all without a "
+            "name; peers, with problems after it or all; growth."
+        ),
     ] = None,
     quick: Annotated[bool, typer.Option(help="Fewer repeats; times are rough.")] = False,
     out: Annotated[Path, typer.Option(help="Folder for the JSON and Markdown files.")] = RESULTS,
+    python: Annotated[
+        str, typer.Option(help="Interpreter of the environment that holds the peers.")
+    ] = sys.executable,
+    ours_only: Annotated[
+        bool, typer.Option("--ours", help="Take the peers' part from the results that exist.")
+    ] = False,
 ) -> None:
     """Measure, print, and write down."""
-    for name in chosen(names):
-        for report in MEASUREMENTS[name](quick):
-            finish(report, out)
+    measurements, problems = chosen(names)
+    for name in measurements:
+        if name == "peers":
+            of_peers(problems, quick, python, ours_only, out)
+        elif name == "growth":
+            for report in growth.reports(quick, out):
+                finish(report, out)
+        else:
+            for report in MEASUREMENTS[name](quick):
+                finish(report, out)
 
 
 if __name__ == "__main__":

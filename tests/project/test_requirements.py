@@ -12,6 +12,7 @@ from packaging.utils import canonicalize_name
 from packaging.version import Version
 
 import codegen
+from benchmarks.contest import PEERS
 
 COMPANIONS = {"pyparsing"}  # required by matplotlib, not by us; its oldest needs an old one
 
@@ -23,10 +24,10 @@ def project(root: Path) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def requirements(project: dict[str, Any]) -> dict[str, SpecifierSet]:
-    """All that the project requires of others, extras included."""
+    """All that the project requires of others, extras included but the tools to measure beside."""
     lines = [*project["dependencies"]]
-    for extra in project["optional-dependencies"].values():
-        lines += extra
+    for name, extra in project["optional-dependencies"].items():
+        lines += extra if name != "bench" else []
     parsed = [Requirement(line) for line in lines]
     return {
         canonicalize_name(entry.name): entry.specifier
@@ -65,7 +66,16 @@ def test_the_lock_has_a_version_of_everything(
 def test_all_extras_are_in_all(project: dict[str, Any]) -> None:
     extras = project["optional-dependencies"]
     (everything,) = extras["all"]
-    assert Requirement(everything).extras == extras.keys() - {"all"}
+    assert Requirement(everything).extras == extras.keys() - {"all", "bench"}
+
+
+def test_the_tools_to_measure_beside_are_those_of_the_contest(project: dict[str, Any]) -> None:
+    lines = project["optional-dependencies"]["bench"]
+    extra = {canonicalize_name(Requirement(line).name) for line in lines}
+    asked = {package for peer in PEERS.values() for package in peer.package.split()}
+    own = {canonicalize_name(Requirement(line).name) for line in project["dependencies"]}
+    # numbalsoda has no wheels: with it, the extra would ask for a Fortran compiler.
+    assert asked - own - {"numbalsoda"} == extra - {project["name"]}
 
 
 def test_version_is_stated_once(project: dict[str, Any]) -> None:

@@ -1,0 +1,201 @@
+"""The machines of the problems as this program solves them, and the floors beside them.
+
+All settings of both formulations and of the floor take turns in one process. A run's time is the
+processor's in its integration, so that what else the machine does is no part of it.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+from benchmarks.chain import SCENE, chain
+from benchmarks.floor import andrews as floor_andrews
+from benchmarks.floor import chain as floor_chain
+from benchmarks.floor import slider_crank as floor_crank
+from benchmarks.precision import Point
+from benchmarks.problems import PROBLEMS, Problem
+from codegen.modelfile import read_model
+from models.hard.n_four_bar import n_four_bar
+from runtime import Machine, load
+
+FORMULATIONS = ("reduced", "cartesian")
+TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(8, 27))
+"""10⁻⁴ … 10⁻¹³, two a decade."""
+ROUNDS = 15
+ENOUGH = 0.2
+"""Seconds of one run, beyond which three of it are enough, and one beyond ten times that."""
+Floor = Callable[[float], tuple[Sequence[float], int, int]]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One problem with a machine, the angles that are asked for, and its floors by name."""
+
+    problem: Problem
+    declare: Callable[[Path], Machine]
+    angles: tuple[str, ...]
+    formulations: tuple[str, ...] = FORMULATIONS
+    start: tuple[tuple[str, float], ...] = ()
+    floors: tuple[tuple[str, Floor], ...] = ()
+
+
+def slider_crank(folder: Path) -> Machine:
+    """The compressor without its gas."""
+    model = read_model("slider_crank").model
+    return load(model, model.scene("compressor").without("gas"), folder=folder)
+
+
+def of_loops(loops: int) -> Callable[[Path], Machine]:
+    """The parallel four-bars in a row."""
+    return lambda folder: load(n_four_bar(loops), "fall", folder=folder)
+
+
+def one(answer: Callable[[float], tuple[float, int, int]]) -> Floor:
+    """A floor with one angle."""
+
+    def run(tolerance: float) -> tuple[Sequence[float], int, int]:
+        angle, steps, rejected = answer(tolerance)
+        return (angle,), steps, rejected
+
+    return run
+
+
+CRANK = Entry(
+    PROBLEMS["slider_crank"],
+    slider_crank,
+    ("crank.phi",),
+    floors=(("floor", one(floor_crank.answer)),),
+)
+ANDREWS = Entry(
+    PROBLEMS["andrews"],
+    lambda folder: load("hard/andrews", "released"),
+    ("K1.phi",),
+    start=(("K1.phi", floor_andrews.START[0]), ("K1.omega", 0.0)),
+    floors=(
+        ("floor", one(floor_andrews.answer)),
+        ("floor, closed form", one(floor_andrews.answer_closed)),
+    ),
+)
+LINKS = len(PROBLEMS["chain_10"].reference)
+CHAIN = Entry(
+    PROBLEMS["chain_10"],
+    lambda folder: load(chain(LINKS), SCENE, folder=folder),
+    tuple(f"link_{k}.phi" for k in range(LINKS)),
+    floors=(("floor", lambda tolerance: floor_chain.answer(LINKS, tolerance)),),
+)
+ENTRIES = {
+    "slider_crank": CRANK,
+    "andrews": ANDREWS,
+    **{
+        # Its loops are closed in closed form when reduced, and end at their dead centres.
+        name: Entry(problem, of_loops(int(name[11:])), ("crank_0.phi",), ("cartesian",))
+        for name, problem in PROBLEMS.items()
+        if name.startswith("n_four_bar_")
+    },
+    "chain_10": CHAIN,
+}
+
+
+def simulated(entry: Entry, machine: Machine, formulation: str, tolerance: float) -> Any:
+    """One run to the end of the problem, and its time in ms."""
+    run = machine.simulate(
+        entry.problem.duration,
+        [0.0, entry.problem.duration],
+        rtol=tolerance,
+        formulation=formulation,  # type: ignore[arg-type]  # one of the two words
+        guess=dict(entry.start) or None,
+        progress=False,
+    )
+    return run, float(run.stats["integration_seconds"]) * 1e3
+
+
+@cache
+def machine_of(entry: Entry, folder: Path) -> Machine:
+    """The machine, built once."""
+    return entry.declare(folder)
+
+
+def measure(
+    entry: Entry,
+    folder: Path,
+    rounds: int = ROUNDS,
+    tolerances: Sequence[float] = TOLERANCES,
+    machine: Machine | None = None,
+) -> list[Point]:
+    """All points of the floors and of ours, taken in turns."""
+    machine, points = machine or machine_of(entry, folder), {}
+    answers = [
+        (name, answer, tolerance) for name, answer in entry.floors for tolerance in tolerances
+    ]
+    ours = [(formulation, tol) for formulation in entry.formulations for tol in tolerances]
+    for turn in range(rounds + 1):
+        for name, answer, tolerance in answers:
+            began = process_time()
+            angles, steps, rejected = answer(tolerance)
+            took = (process_time() - began) * 1e3
+            calls = 12 * steps + 11 * rejected + 1
+            error = entry.problem.error(angles)
+            _keep(points, Point("floor", name, tolerance, error, took, calls), turn)
+        for formulation, tolerance in ours:
+            known = points.get(("linkwright", formulation, tolerance))
+            if (
+                known
+                and turn > (1 if known.milliseconds > 1e4 * ENOUGH else 3)
+                and (known.milliseconds > 1e3 * ENOUGH)
+            ):
+                continue
+            run, took = simulated(entry, machine, formulation, tolerance)
+            error = entry.problem.error([float(run.q(name)[-1]) for name in entry.angles])
+            calls, note = int(run.stats["rhs_evaluations"]), run.message if run.failed else ""
+            made = Point("linkwright", formulation, tolerance, error, took, calls, note)
+            _keep(points, made, turn)
+    return list(points.values())
+
+
+def _keep(points: dict[tuple[str, str, float], Point], made: Point, turn: int) -> None:
+    """The least time counts; the first turn is for caches and does not, unless it is the only."""
+    key = (made.contestant, made.method, made.setting)
+    known = points.get(key)
+    if known is None or turn == 1 or made.milliseconds < known.milliseconds:
+        points[key] = made
+
+
+def checked_branch(entry: Entry, folder: Path, tolerance: float) -> tuple[float, float]:
+    """Of the four-bars in a row: how far any crank leaves the first, rad, and the energy's error.
+
+    On the right branch all cranks stay parallel at every instant; the energy's error is in parts
+    of its range.
+    """
+    instants = np.linspace(0.0, entry.problem.duration, 401)
+    run = machine_of(entry, folder).simulate(
+        entry.problem.duration, instants, rtol=tolerance, progress=False
+    )
+    first = run.q("crank_0.phi")
+    loops = int(entry.problem.name[11:])
+    apart = max(
+        float(np.abs(np.sin(run.q(f"crank_{k}.phi") - first)).max()) for k in range(loops + 1)
+    )
+    energy = np.zeros_like(first)
+    names = [f"crank_{k}" for k in range(loops + 1)] + [f"coupler_{k + 1}" for k in range(loops)]
+    for name in names:
+        speed = run.v(f"{name}.x") ** 2 + run.v(f"{name}.y") ** 2 + run.v(f"{name}.phi") ** 2 / 12
+        energy += 0.5 * speed + 9.81 * run.q(f"{name}.y")
+    span = 2.0 * 9.81 * (0.5 * (loops + 1) + loops)
+    return apart, float(np.abs(energy - energy[0]).max()) / span
+
+
+def pace(rounds: int = 20) -> float:
+    """Milliseconds of the slider-crank's floor at 10⁻⁹: how fast the machine is at the moment."""
+    floor_crank.answer(1e-9)
+    best = math.inf
+    for _ in range(rounds):
+        began = process_time()
+        floor_crank.answer(1e-9)
+        best = min(best, process_time() - began)
+    return best * 1e3

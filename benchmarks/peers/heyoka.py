@@ -1,0 +1,60 @@
+"""heyoka: Taylor series of the hand-reduced equations, compiled."""
+
+from collections.abc import Callable, Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import heyoka
+
+from benchmarks.floor import andrews, chain, slider_crank
+from benchmarks.floor.arithmetic import in_terms_of
+from benchmarks.peers.telling import TOLERANCES, main, point
+from benchmarks.problems import Problem
+
+MATHEMATICS = SimpleNamespace(sin=heyoka.sin, cos=heyoka.cos, sqrt=heyoka.sqrt)
+
+
+def solve(
+    problem: Problem,
+    equation: Any,
+    start: Sequence[float],
+    parameters: Sequence[float],
+    answer: Callable[[Any], Sequence[float]],
+) -> None:
+    """A grid of tolerances; compilation is no part of the time."""
+    states = [heyoka.expression(f"y{k}") for k in range(len(start))]
+    slopes = in_terms_of(equation, MATHEMATICS)(*states, *parameters)
+    system = [
+        (state, slope if isinstance(slope, heyoka.expression) else heyoka.expression(slope))
+        for state, slope in zip(states, slopes, strict=True)
+    ]
+    for tolerance in (*TOLERANCES, 1e-14, 1e-15):
+        integrator = heyoka.taylor_adaptive(system, list(start), tol=tolerance, compact_mode=False)
+
+        def run(integrator: Any = integrator) -> Any:
+            integrator.time = 0.0
+            integrator.state[:] = start
+            steps = integrator.propagate_until(problem.duration)[3]
+            return answer(integrator.state.copy()), steps
+
+        point(problem, "heyoka", "Taylor", tolerance, run, lambda out: out[1], lambda out: out[0])
+
+
+SOLVERS = {
+    "slider_crank": lambda problem: solve(
+        problem,
+        slider_crank.slope,
+        slider_crank.START,
+        slider_crank.PARAMETERS,
+        lambda y: y[:1],
+    ),
+    "andrews": lambda problem: solve(
+        problem, andrews.with_angles, andrews.START, (andrews.TORQUE,), lambda y: y[:1]
+    ),
+    "chain_10": lambda problem: solve(
+        problem, chain.equation(10), (0.0,) * 20, (chain.GRAVITY,), lambda y: y[:10]
+    ),
+}
+
+if __name__ == "__main__":
+    main(["heyoka"], SOLVERS)

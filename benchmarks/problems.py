@@ -1,0 +1,93 @@
+"""The problems on which machines are compared at equal error, and what their answers are.
+
+An answer is one or several angles at the end of a run, and the error is the largest difference
+from the reference, rad. Nothing here needs the program that is measured, so that a contestant in
+another environment reads the same.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from scipy.special import ellipj, ellipk
+
+GRAVITY = 9.81
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is asked.
+
+    Attributes
+    ----------
+    name, title
+        For the command line and for people.
+    duration
+        s.
+    reference
+        The angles at the end, rad.
+    trusted
+        How far the reference can be trusted, rad; no error below it is told from it.
+    """
+
+    name: str
+    title: str
+    duration: float
+    reference: tuple[float, ...]
+    trusted: float
+
+    def error(self, answer: Sequence[float]) -> float:
+        """Largest difference from the reference, rad; infinite where it is not a number."""
+        differences = [abs(a - r) for a, r in zip(answer, self.reference, strict=True)]
+        return max(differences) if all(map(math.isfinite, differences)) else math.inf
+
+
+def crank_of_loops(loops: int, t: float) -> float:
+    """Angle from the upright, rad, of the parallel four-bars in a row, by an elliptic function.
+
+    All bars move as the first crank: J ψ'' = G sin ψ with J = (n + 1)/3 + n, G = g ((n + 1)/2 + n),
+    and from ψ' = 1 rad/s upright ψ turns over and over: ψ = π + 2 am(u, m).
+    """
+    ratio = GRAVITY * ((loops + 1) / 2 + loops) / ((loops + 1) / 3 + loops)
+    square = 1.0 + 4.0 * ratio
+    m = 4.0 * ratio / square
+    return float(math.pi + 2.0 * ellipj(t * math.sqrt(square) / 2.0 - ellipk(m), m)[3])
+
+
+def n_four_bar(loops: int) -> Problem:
+    """The parallel four-bars in a row; the answer is the first crank's angle from the level."""
+    angle = math.pi / 2 - crank_of_loops(loops, 10.0)
+    title = f"N-four-bar, N = {loops}, 10 s"
+    return Problem(f"n_four_bar_{loops}", title, 10.0, (angle,), 1e-13)
+
+
+SLIDER_CRANK = Problem(
+    "slider_crank", "slider-crank without gas, 5 s, φ(5)", 5.0, (1007.754839355,), 5e-10
+)
+# The Test Set for IVP Solvers prints 15.81077119629904. Both equations of the floor, and all
+# coordinates and the reduced ones of the program, agree on the number here to 1e-12.
+ANDREWS = Problem("andrews", "Andrews' mechanism, β(0.03)", 0.03, (15.8107711951535,), 1e-12)
+# By the floor at 1e-15; reduced coordinates, Exudyn's tree and MuJoCo agree with it to 4e-14.
+CHAIN = Problem(
+    "chain_10",
+    "pendulum of 10 bars, 2 s, all angles",
+    2.0,
+    (
+        -2.1173724574387185,
+        -2.0135879604566447,
+        -2.18071750937139,
+        -2.4502670709995567,
+        -2.4697051419308087,
+        -2.6650397293755805,
+        -2.6689335528058917,
+        -2.7178278605927644,
+        -2.714161154171939,
+        -2.7530196424194013,
+    ),
+    1e-13,
+)
+LOOPS = (2, 5, 10, 40)
+PROBLEMS = {
+    problem.name: problem
+    for problem in (SLIDER_CRANK, ANDREWS, *(n_four_bar(n) for n in LOOPS), CHAIN)
+}

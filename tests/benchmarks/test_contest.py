@@ -1,0 +1,125 @@
+"""Time to an error, and what the processes of other tools say."""
+
+import ast
+import json
+import math
+import sys
+from pathlib import Path
+
+import pytest
+
+from benchmarks import contest, contest_report, picture
+from benchmarks.contest import FLOOR, OURS, PEERS, Contest
+from benchmarks.precision import Point, best_time, least, reliable, time_to
+from benchmarks.problems import PROBLEMS
+
+
+def points(name: str, method: str, pairs: list[tuple[float, float]]) -> list[Point]:
+    """Errors and milliseconds, from the loosest setting to the tightest."""
+    return [Point(name, method, 10.0**-k, error, ms) for k, (error, ms) in enumerate(pairs)]
+
+
+def test_time_is_read_off_between_points() -> None:
+    line = points("a", "m", [(1e-2, 1.0), (1e-4, 10.0), (1e-8, 100.0)])
+    assert time_to(1e-2, line) == pytest.approx(1.0)
+    assert time_to(1e-3, line) == pytest.approx(math.sqrt(10.0))
+    assert time_to(1e-6, line) == pytest.approx(math.sqrt(1000.0))
+    assert time_to(1e-9, line) == math.inf
+    assert time_to(1.0, line) == 1.0
+
+
+def test_a_lucky_point_does_not_count() -> None:
+    line = points("a", "m", [(1e-2, 1.0), (1e-9, 2.0), (1e-4, 4.0), (1e-6, 8.0)])
+    assert (1e-9, 2.0) not in reliable(line)
+    assert time_to(1e-4, line) == pytest.approx(4.0)
+    assert time_to(1e-9, line) == math.inf
+
+
+def test_a_failure_is_no_answer() -> None:
+    failed = Point("a", "m", 1e-3, math.inf, 0.0, 0, "singular")
+    assert time_to(1e-3, [failed]) == math.inf
+    assert best_time(1e-3, [failed, *points("a", "n", [(1e-3, 5.0)])]) == (5.0, "n")
+
+
+def test_the_least_of_several_times_counts() -> None:
+    took: list[int] = []
+    milliseconds, answer = least(lambda: took.append(1) or len(took), repeats=4)
+    assert len(took) == answer == 4
+    assert 0.0 <= milliseconds < 1000.0
+
+
+def test_an_error_that_is_no_number_is_infinite() -> None:
+    assert PROBLEMS["andrews"].error([math.nan]) == math.inf
+    with pytest.raises(ValueError, match="longer"):
+        PROBLEMS["chain_10"].error([0.0])
+
+
+def test_lines_that_are_cut_short_are_left_out() -> None:
+    held = Contest("andrews")
+    point = Point("exudyn", "m", 1e-3, 0.5, 2.0)
+    said = json.dumps({"point": point.__dict__})
+    contest.hear(["noise", '{"versions": {"exudyn": "1"}}', said, said[:40]], held)
+    assert held.points == [point]
+    assert held.versions == {"exudyn": "1"}
+
+
+def test_a_tool_that_is_not_there_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(PEERS, "nobody", contest.Peer("nothing", True, ("andrews",)))
+    held = Contest("andrews")
+    contest.ask("nobody", PROBLEMS["andrews"], sys.executable, held)
+    assert held.missing == {"nobody": "not installed: pip install nothing"}
+
+
+def test_every_tool_has_a_file_with_its_problems(root: Path) -> None:
+    folder = root / "benchmarks" / "peers"
+    files = {path.stem for path in folder.glob("*.py")} - {"__init__", "telling"}
+    assert files == PEERS.keys()
+    for name, peer in PEERS.items():
+        assert set(peer.problems) <= PROBLEMS.keys()
+        text = (folder / f"{name}.py").read_text(encoding="utf-8")
+        said = {n.value for n in ast.walk(ast.parse(text)) if isinstance(n, ast.Constant)}
+        assert {p for p in peer.problems if not p.startswith("n_four_bar")} <= said
+
+
+@pytest.fixture
+def held() -> Contest:
+    """A contest in which everything is known."""
+    made = Contest("slider_crank", paces={FLOOR: 2.0, OURS: 2.0, "pydy": 4.0, "pinocchio": 2.0})
+    made.points = [
+        *points(FLOOR, "floor", [(1e-6, 4.0), (1e-9, 5.0)]),
+        *points(OURS, "reduced", [(1e-6, 5.0), (1e-9, 10.0)]),
+        *points(OURS, "cartesian", [(1e-6, 10.0), (1e-9, 12.0)]),
+        *points("pydy", "Cython", [(1e-6, 1500.0), (1e-9, 3000.0)]),
+        *points("pinocchio", "DOP853", [(1e-6, 300.0), (1e-9, 500.0)]),
+    ]
+    made.missing = {"mujoco": "not installed: pip install mujoco"}
+    return made
+
+
+def test_factors_are_corrected_by_the_pace(held: Contest) -> None:
+    """pydy ran while the machine was half as fast."""
+    assert held.factor("pydy", OURS, "reduced", 1e-9) == pytest.approx(150.0)
+    assert held.factor("pinocchio", OURS, "reduced", 1e-9) == pytest.approx(50.0)
+
+
+def test_a_report_tells_what_holds_and_what_does_not(held: Contest) -> None:
+    made = contest_report.report(held)
+    told = "\n".join(made.verdicts)
+    assert "reduced to 1e-06, in times of the floor: 1.25; the bar of 1.5 holds." in told
+    assert "reduced to 1e-09, in times of the floor: 2.00; the bar of 1.5 is missed" in told
+    assert "pydy to 1e-09, in times of reduced: 150; the bar of 100 holds." in told
+    assert "pinocchio to 1e-09, in times of reduced: 50; the bar of 100 is missed." in told
+    assert made.cells[0][:4] == ("floor", "floor", "4", "5")
+    assert made.cells[-1][:2] == ("mujoco", "not installed: pip install mujoco")
+
+
+def test_a_contest_is_read_as_it_was_written(held: Contest, tmp_path: Path) -> None:
+    held.points.append(Point("pydy", "LSODA", 1e-3, math.inf, 0.0, 0, "gave up"))
+    held.write(tmp_path / "held.json")
+    assert contest.read(tmp_path / "held.json") == held
+
+
+def test_a_picture_is_drawn(held: Contest, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    path = picture.draw(held, tmp_path / "held.png")
+    assert path.read_bytes()[:4] == b"\x89PNG"
