@@ -14,6 +14,8 @@ from codegen import Model, alpha, t
 from codegen.declare.body import Body, Point
 
 STATES = 64
+MEAN, MOST = 1.0, 1.3
+"""What a generated kernel may take of its twin's time: in the geometric mean, and each."""
 S_I, S_J, AXIS = (0.3, -0.2), (-0.5, 0.1), (0.6, 0.8)
 LAW = 0.4 + 0.3 * sin(2 * t)
 RHS = "acceleration_rhs"

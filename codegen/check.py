@@ -20,11 +20,12 @@ from codegen.declare.element import (
     friction_law,
     hold,
     own_coordinates,
+    pulling,
     reported,
 )
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import Coordinate, Given, Parameter, Velocity, kinds, side, t
+from codegen.declare.symbols import SPEED, Coordinate, Given, Parameter, Velocity, kinds, side, t
 from codegen.derive.equations import active_joints
 from codegen.holding import hold_problems
 from codegen.model import Model
@@ -191,6 +192,7 @@ def _effect_expressions(effect: Effect, bodies: tuple[Body, ...]) -> list[sympy.
     forces = effect.forces(bodies)
     law = friction_law(effect)
     found: list[sympy.Basic] = [*forces, *forces.values()]
+    found += [e for pair in pulling(effect, bodies) for e in pair]
     found += [] if potential is None else [potential]
     found += [value for _, _, value in reported(effect, bodies)]
     holding = hold(effect, bodies)
@@ -208,6 +210,7 @@ def _strangers(
 ) -> list[sympy.Symbol]:
     """Symbols that mean nothing in the model."""
     known: set[sympy.Symbol] = {Parameter(name, real=True) for name in model.parameters}
+    known.add(SPEED)
     for body in (*model.bodies.values(), *element.bodies):
         known.update(body.coordinates)
         known.update(q.rate for q in body.coordinates)

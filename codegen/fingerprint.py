@@ -18,7 +18,8 @@ def fingerprint(equations: Equations) -> str:
         lines.append(f"  reactions {constraint.terms.reactions}")
     for effect in equations.effects:
         terms = effect.terms
-        lines.append(f"{effect.kind} {effect.name} {terms.potential} {terms.forces}")
+        lines.append(f"{effect.kind} {effect.name} {terms.potential} {terms.loads}")
+        lines += [f"  pulls {terms.pulls}"] if terms.pulls else []
         lines += [f"  friction {terms.friction}"] if terms.friction else []
         lines += [f"  hold {terms.hold}"] if terms.hold else []
         lines += [f"  reported {terms.reported}"] if terms.reported else []

@@ -69,9 +69,10 @@ def _nothing_there(model: Model, scene: Scene, where: str, what: str, name: str)
         return
     effect = model.acting(scene)[name]
     terms = effect_terms(effect, tuple(model.bodies[b] for b in scene.bodies))
-    if what == "work" and not (terms.forces or terms.friction or terms.gradient):
+    working = bool(terms.loads or terms.pulls or terms.friction)
+    if what == "work" and not (working or terms.potential is not None):
         yield f"{where}: there is no output '{output}', as '{name}' exerts nothing; leave it out."
-    if what == "power" and not (terms.forces or terms.friction):
+    if what == "power" and not working:
         yield (
             f"{where}: there is no output '{output}', as all that {effect.kind} '{name}' does has "
             "a potential; ask for 'energy'."

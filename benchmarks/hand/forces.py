@@ -196,8 +196,13 @@ def generalized(t, q, v, p, modes, Q):
 
 @solution
 def friction(t, q, v, p, modes, a, lam):
-    """Body i slides on a level guide, pressed by its weight: ẍ_i = 6 - μ g tanh(ẋ_i / v_c)."""
+    """Body i slides on a level guide, pressed by its weight: ẍ_i = 6 - μ g tanh(ẋ_i / v_c).
+
+    The guide's multipliers are -m g and no couple.
+    """
     a[0] = 6.0 - 0.3 * 9.81 * math.tanh(100.0 * v[0])
     a[1] = 0.0
     a[2] = 0.0
+    lam[0] = -9.81 * MASS_I
+    lam[1] = 0.0
     return 0

@@ -254,6 +254,19 @@ def hold(effect: "Effect", bodies: tuple[Body, ...]) -> Sticking | Rigid | None:
     return found
 
 
+def pulling(
+    effect: "Effect", bodies: tuple[Body, ...]
+) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
+    """(s, f) of the forces that tend to make a scalar s(q, t) smaller, Q = -f s_q.
+
+    Its virtual work is -f δs; with s a length this is Haug's Q of a tension (6.1). f may contain
+    `SPEED`, the rate of s.
+    """
+    answer = getattr(effect, "pulls", None)
+    found: tuple[tuple[sympy.Expr, sympy.Expr], ...] = answer(bodies) if answer is not None else ()
+    return found
+
+
 def reported(effect: "Effect", bodies: tuple[Body, ...]) -> tuple[tuple[str, str, sympy.Expr], ...]:
     """(component, unit, value) of what an effect reports beside the reactions of joints."""
     answer = getattr(effect, "reported", None)
@@ -266,12 +279,13 @@ class Effect(Element, Protocol):
     """A force: brings a potential V or generalized forces Q.
 
     One that follows from a joint's reaction answers, besides, ``friction() -> FrictionLaw``; one
-    that sticks, or is a rigid contact, ``hold(bodies) -> Sticking | Rigid | None``; one that
-    reports a force ``reported(bodies) -> ((component, unit, value), ...)``.
+    that sticks, or is a rigid contact, ``hold(bodies) -> Sticking | Rigid | None``; one whose
+    forces act along scalars ``pulls(bodies) -> ((s, f), ...)``; one that reports a force
+    ``reported(bodies) -> ((component, unit, value), ...)``.
     """
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
         """V in joule, if the effect has a potential."""
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
-        """Generalized forces Q that have no potential."""
+        """Generalized forces Q that have no potential, less those of `pulls`."""

@@ -52,6 +52,10 @@ class Side(sympy.Symbol):  # type: ignore[misc]
     """A number that says on which side of its surface an effect acts; its mode decides."""
 
 
+class Speed(sympy.Symbol):  # type: ignore[misc]
+    """The rate ṡ of the scalar along which a force acts."""
+
+
 class Given(sympy.Symbol):  # type: ignore[misc]
     """A placeholder in an element's own equations, bound to a number or parameter in a model."""
 
@@ -61,6 +65,9 @@ class Parameter(sympy.Symbol):  # type: ignore[misc]
 
 
 t = Time("t", real=True)
+
+SPEED = Speed("s_rate", real=True)
+"""ṡ, in which a force along a scalar s is written: f = k s + c ṡ."""
 
 alpha = Given("alpha", real=True)
 """The parameter in which the profile of a cam is written, rad."""

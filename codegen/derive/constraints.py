@@ -1,11 +1,11 @@
-"""One constraint element → its Jacobian and right sides, derived once for each statement.
+"""One constraint element → its equations and reactions, derived once for each statement.
 
 All elements of a type state the same placeholder equations, so a machine of a thousand revolute
 joints differentiates one of them.
 """
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import sympy
 
@@ -18,14 +18,16 @@ from codegen.derive.derivative import derivative
 class ConstraintTerms:
     """What one element brings, in placeholders or in coordinates of the model.
 
+    The kernels take the derivatives of Φ from its values (`codegen.lower.gradient`,
+    `codegen.lower.directional`); those here
+    are for reading, and are taken when somebody asks.
+
     Attributes
     ----------
     coordinates
         The columns of the Jacobian.
-    phi, nu, gamma
-        Φ, ν = -Φ_t and γ = -(Φ_q q̇)_q q̇ - 2 Φ_qt q̇ - Φ_tt (Haug 3.6.7, 3.6.10), one a row.
-    jacobian
-        Φ_q, row by row.
+    phi
+        Φ, one a row.
     reactions
         (component, unit, expression in `multipliers`).
     multipliers
@@ -34,11 +36,24 @@ class ConstraintTerms:
 
     coordinates: tuple[Coordinate, ...]
     phi: tuple[sympy.Expr, ...]
-    jacobian: tuple[tuple[sympy.Expr, ...], ...]
-    nu: tuple[sympy.Expr, ...]
-    gamma: tuple[sympy.Expr, ...]
     reactions: tuple[tuple[str, str, sympy.Expr], ...]
     multipliers: tuple[Multiplier, ...]
+
+    @cached_property
+    def jacobian(self) -> tuple[tuple[sympy.Expr, ...], ...]:
+        """Φ_q, row by row."""
+        return tuple(tuple(derivative(e, q) for q in self.coordinates) for e in self.phi)
+
+    @cached_property
+    def nu(self) -> tuple[sympy.Expr, ...]:
+        """ν = -Φ_t, one a row."""
+        return tuple(-derivative(e, t) for e in self.phi)
+
+    @cached_property
+    def gamma(self) -> tuple[sympy.Expr, ...]:
+        """γ = -(Φ_q q̇)_q q̇ - 2 Φ_qt q̇ - Φ_tt (Haug 3.6.7, 3.6.10), one a row."""
+        rows = zip(self.phi, self.jacobian, strict=True)
+        return tuple(_gamma(e, row, self.coordinates) for e, row in rows)
 
 
 def constraint_terms(element: Constraint) -> tuple[Statement, ConstraintTerms]:
@@ -64,7 +79,6 @@ def _derive(
     conjugate: ConjugateReaction | None,
 ) -> ConstraintTerms:
     coordinates = tuple(kinds(sympy.Tuple(*phi), Coordinate))
-    jacobian = tuple(tuple(derivative(e, q) for q in coordinates) for e in phi)
     multipliers = tuple(Multiplier(f"lambda_{k}", real=True) for k in range(len(phi)))
     if joint is not None:
         reactions = _joint_reaction(phi, multipliers, *joint)
@@ -74,15 +88,7 @@ def _derive(
             (name, unit, -lam)
             for (name, unit), lam in zip(conjugate.components, multipliers, strict=True)
         )
-    return ConstraintTerms(
-        coordinates,
-        phi,
-        jacobian,
-        tuple(-derivative(e, t) for e in phi),
-        tuple(_gamma(e, row, coordinates) for e, row in zip(phi, jacobian, strict=True)),
-        reactions,
-        multipliers,
-    )
+    return ConstraintTerms(coordinates, phi, reactions, multipliers)
 
 
 def _gamma(

@@ -1,12 +1,13 @@
-"""Effects → potential energy, its gradient, generalized forces.
+"""Effects → potential energy and forces.
 
-An expression that another scene of the process has brought is not differentiated again.
+An expression that another scene of the process has brought is not worked on again.
 """
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import sympy
+from sympy.core.relational import Relational
 
 from codegen.declare.body import Body
 from codegen.declare.element import (
@@ -16,11 +17,13 @@ from codegen.declare.element import (
     Sticking,
     friction_law,
     hold,
+    pulling,
     reported,
 )
-from codegen.declare.symbols import Coordinate, kinds, side, t
+from codegen.declare.symbols import SPEED, Coordinate, kinds, side, t
 from codegen.derive.derivative import derivative
 from codegen.derive.switching import as_pieces
+from codegen.elements.forces.along import rate
 
 
 @dataclass(frozen=True)
@@ -65,10 +68,11 @@ class EffectTerms:
     ----------
     potential
         V, J; None without one.
-    gradient
-        (coordinate, ∂V/∂q).
-    forces
-        (coordinate, Q) that have no potential.
+    loads
+        (coordinate, Q) of what is stated as generalized forces.
+    pulls
+        (s, f) of the forces that tend to make a scalar s(q, t) smaller, Q = -f s_q, with `SPEED`
+        in f for ṡ.
     friction
         The force that follows from a joint's reaction, if this is one.
     hold
@@ -78,38 +82,62 @@ class EffectTerms:
     """
 
     potential: sympy.Expr | None
-    gradient: tuple[tuple[Coordinate, sympy.Expr], ...]
-    forces: tuple[tuple[Coordinate, sympy.Expr], ...]
+    loads: tuple[tuple[Coordinate, sympy.Expr], ...]
+    pulls: tuple[tuple[sympy.Expr, sympy.Expr], ...] = ()
     friction: FrictionTerms | None = None
     hold: Sticking | Rigid | None = None
     reported: tuple[tuple[str, str, sympy.Expr], ...] = ()
 
+    @cached_property
+    def gradient(self) -> tuple[tuple[Coordinate, sympy.Expr], ...]:
+        """(coordinate, ∂V/∂q); for reading: the kernels take it from the values of V."""
+        return () if self.potential is None else _gradient(self.potential)
+
+    @cached_property
+    def forces(self) -> tuple[tuple[Coordinate, sympy.Expr], ...]:
+        """(coordinate, Q) of all that has no potential; for reading."""
+        total = dict(self.loads)
+        for s, f in self.pulls:
+            force = f.xreplace({SPEED: rate(s)})
+            for q in kinds(s, Coordinate):
+                total[q] = total.get(q, sympy.S.Zero) - force * derivative(s, q)
+        rows = sorted(total.items(), key=lambda pair: pair[0].name)
+        return tuple((q, force) for q, force in rows if force != 0)
+
 
 def effect_terms(effect: Effect, bodies: tuple[Body, ...]) -> EffectTerms:
-    """Potential, gradient and forces of `effect` in a scene with `bodies`."""
+    """Potential and forces of `effect` in a scene with `bodies`."""
     potential = effect.potential(bodies)
-    gradient: tuple[tuple[Coordinate, sympy.Expr], ...] = ()
     if potential is not None:
-        potential, gradient = _conservative(potential)
+        potential = _conservative(potential)
     given = sorted(effect.forces(bodies).items(), key=lambda pair: pair[0].name)
-    forces = ((q, _pieces(force)) for q, force in given)
-    pushing = tuple((q, f) for q, f in forces if f != 0)
+    loads = tuple((q, f) for q, f in ((q, _pieces(force)) for q, force in given) if f != 0)
+    pulls = tuple((s, _pull(s, f)) for s, f in pulling(effect, bodies) if f != 0)
     told = tuple((part, unit, _pieces(value)) for part, unit, value in reported(effect, bodies))
     holding = hold(effect, bodies)
-    rubbing = _friction(effect, holding)
-    return EffectTerms(potential, gradient, pushing, rubbing, holding, told)
+    return EffectTerms(potential, loads, pulls, _friction(effect, holding), holding, told)
 
 
 _pieces = cache(as_pieces)
 
 
 @cache
-def _conservative(
-    energy: sympy.Expr,
-) -> tuple[sympy.Expr, tuple[tuple[Coordinate, sympy.Expr], ...]]:
-    """V with its kinks as pieces, and (coordinate, ∂V/∂q)."""
-    potential = as_pieces(energy)
-    return potential, tuple((q, derivative(potential, q)) for q in kinds(potential, Coordinate))
+def _conservative(energy: sympy.Expr) -> sympy.Expr:
+    """V with its kinks as pieces."""
+    return as_pieces(energy)
+
+
+@cache
+def _pull(s: sympy.Expr, f: sympy.Expr) -> sympy.Expr:
+    """f with its kinks as pieces, and their conditions by coordinates and velocities."""
+    pieces = as_pieces(f)
+    turns = pieces.atoms(Relational)
+    return pieces.xreplace({c: c.xreplace({SPEED: rate(s)}) for c in turns if c.has(SPEED)})
+
+
+@cache
+def _gradient(potential: sympy.Expr) -> tuple[tuple[Coordinate, sympy.Expr], ...]:
+    return tuple((q, derivative(potential, q)) for q in kinds(potential, Coordinate))
 
 
 def derived_effects() -> int:

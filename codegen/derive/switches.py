@@ -174,6 +174,7 @@ def _same(g: sympy.Expr, among: list[Switch]) -> tuple[int, bool] | None:
 
 
 def _expressions(terms: EffectTerms) -> Iterator[sympy.Expr]:
-    yield from (e for _, e in (*terms.gradient, *terms.forces))
+    yield from (e for pair in terms.pulls for e in pair)
+    yield from (e for _, e in terms.loads)
     if terms.potential is not None:
         yield terms.potential

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from codegen.emit.formula import formula
 from codegen.emit.placement import Path, Placement, place
 from codegen.emit.splines import lookups
+from codegen.emit.turning import NAME as SIN_COS
 from codegen.lower.ledger import operations
 from codegen.lower.program import LEAVES, Input, Kernel, Lookup, Op, Output, Program, Value
 
@@ -38,7 +39,7 @@ RESERVED = {
         "return",
         "in",
     ),
-    *("is", "for", "def", "pass", "del", "as", "WEAK_PIVOT", "OPTIONS"),
+    *("is", "for", "def", "pass", "del", "as", "WEAK_PIVOT", "OPTIONS", SIN_COS),
     *dir(builtins),
 }
 TITLES = {
@@ -126,13 +127,32 @@ class KernelText:
             if depth == 1 and value.serves != serves:
                 serves = value.serves
                 yield f"{indent}# {TITLES.get(serves, serves)}"
-            if value.op is Op.SELECT:
+            if number in self.plan.pairs:
+                if number not in self.names:
+                    yield from self._pair(number, indent)
+            elif value.op is Op.SELECT:
                 self.names[number] = self._name(value)
                 yield from self._choice(number, self.names[number], depth)
             else:
                 text = self._expression(number)
                 self.names[number] = self._name(value)
                 yield from _fitted(f"{indent}{self.names[number]} = ", text)
+
+    def _pair(self, number: int, indent: str) -> Iterator[str]:
+        """The line that takes sine and cosine of an angle."""
+        both = sorted((number, self.plan.pairs[number]), key=self._is_cosine)
+        angle = self._text(self.program.values[number].args[0], NOTHING)
+        for one in both:
+            self.names[one] = self._name(self.program.values[one])
+        sine, cosine = (self.names[one] for one in both)
+        head = f"{indent}{sine}, {cosine} = {SIN_COS}("
+        if len(head) + len(angle) < PAGE:
+            yield f"{head}{angle})"
+        else:
+            yield from (head, f"{indent}    {angle}", f"{indent})")
+
+    def _is_cosine(self, number: int) -> bool:
+        return self.program.values[number].op is Op.COS
 
     def _choice(self, number: int, name: str, depth: int) -> Iterator[str]:
         """Lines that set `name` to the value of a choice."""

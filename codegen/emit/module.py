@@ -9,6 +9,7 @@ from codegen.emit.formula import formula
 from codegen.emit.kernel import KernelText
 from codegen.emit.literals import assignment
 from codegen.emit.splines import lookups, spline_lines
+from codegen.emit.turning import turning_lines
 from codegen.lower.kernels import Lowered
 from codegen.lower.ledger import operations
 from codegen.lower.program import Program
@@ -65,8 +66,10 @@ def laid_out(
         'OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}}',
     ]
     lines += spline_lines(program)
-    for kernel in program.kernels:
-        lines += ["", "", *KernelText(program, kernel, declared).lines()]
+    texts = [KernelText(program, kernel, declared) for kernel in program.kernels]
+    lines += turning_lines(any(text.plan.pairs for text in texts))
+    for text in texts:
+        lines += ["", "", *text.lines()]
     return signed("\n".join(lines) + "\n")
 
 

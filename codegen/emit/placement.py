@@ -28,11 +28,14 @@ class Placement:
         Value → the branch that it stands in.
     inlined
         Values written inside their only user; a choice inside another is a branch of it.
+    pairs
+        Sine of an angle → its cosine, and the other way round, where both stand in one branch.
     """
 
     numbers: tuple[int, ...]
     home: dict[int, Path]
     inlined: frozenset[int]
+    pairs: dict[int, int]
 
 
 def place(program: Program, kernel: Kernel) -> Placement:
@@ -41,7 +44,23 @@ def place(program: Program, kernel: Kernel) -> Placement:
     hoisted = set(program.constants) if kernel.name != "constants" else set()
     uses = _uses(program, kernel, numbers, hoisted)
     home = _homes(program, numbers, hoisted, uses)
-    return Placement(numbers, home, _inlined(program, kernel, numbers, hoisted, home))
+    pairs = {} if kernel.name == "constants" else _pairs(program, numbers, hoisted, home)
+    return Placement(numbers, home, _inlined(program, kernel, numbers, hoisted, home, pairs), pairs)
+
+
+def _pairs(
+    program: Program, numbers: tuple[int, ...], hoisted: set[int], home: dict[int, Path]
+) -> dict[int, int]:
+    """Sines and cosines of the same angle in the same branch."""
+    found: dict[int, int] = {}
+    first: dict[tuple[int, Path], int] = {}
+    for number in numbers:
+        value = program.values[number]
+        if value.op in (Op.SIN, Op.COS) and number not in hoisted:
+            other = first.setdefault((value.args[0], home[number]), number)
+            if other != number:
+                found[other], found[number] = number, other
+    return found
 
 
 def _operands(program: Program, number: int, hoisted: set[int]) -> tuple[int, ...]:
@@ -114,6 +133,7 @@ def _inlined(
     numbers: tuple[int, ...],
     hoisted: set[int],
     home: dict[int, Path],
+    pairs: dict[int, int],
 ) -> frozenset[int]:
     uses = _uses(program, kernel, numbers, hoisted)
     watched = {v for check in kernel.checks for v in (check.pivot, check.reference)}
@@ -138,7 +158,7 @@ def _inlined(
         sign = value.op is Op.NEG and program.values[value.args[0]].op in LEAVES
         if value.op in LOGICAL or sign:
             inlined.add(number)
-        elif len(users) == 1 and number not in watched:
+        elif len(users) == 1 and number not in watched and number not in pairs:
             user = users[0]
             if user is not None and program.values[user].op is Op.SELECT:
                 if home[number] != home[user]:  # the last line of one of its sides

@@ -1,11 +1,11 @@
-"""Value numbering: builds values, each once, folding constants and structural zeros on the way."""
+"""Values built from values, folding constants and structural zeros on the way."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 
-from codegen.errors import ModelError
-from codegen.lower.program import COMMUTATIVE, Input, Lookup, Op, Value
+from codegen.lower.numbering import Numbering
+from codegen.lower.program import Lookup, Op
 from codegen.tables import Table
 
 UNARY: dict[Op, Callable[[float], float]] = {
@@ -27,96 +27,12 @@ ODD = frozenset({Op.SIN, Op.TAN, Op.ASIN, Op.ATAN, Op.SINH, Op.TANH})
 EVEN = frozenset({Op.COS, Op.COSH})
 
 
-class Graph:
-    """A growing list of values in which equal values are one value.
+class Graph(Numbering):
+    """Arithmetic on numbered values.
 
-    Signs are carried outside: -a is represented once, so that entries of Φ_q that differ in sign
-    only share their work.
-
-    Attributes
-    ----------
-    values
-        In order of their numbers.
-    settled
-        For each value, whether numbers and parameters alone determine it.
+    Signs are carried outside: -a is represented once, and of a - b and b - a one and its opposite,
+    so that entries of Φ_q that differ in sign only share their work.
     """
-
-    def __init__(self) -> None:
-        self.values: list[Value] = []
-        self.settled: list[bool] = []
-        self._numbers: dict[tuple[Op, tuple[int, ...], object], int] = {}
-        self._serves = ""
-        self.zero = self.constant(0.0)
-        self.one = self.constant(1.0)
-
-    @classmethod
-    def of(cls, values: Iterable[Value]) -> "Graph":
-        """A graph that goes on from the values of a program, under the numbers that they have."""
-        graph = cls()
-        for value in values:
-            with graph.serving(value.serves):
-                graph._add(value.op, value.args, value.literal)
-        return graph
-
-    @contextmanager
-    def serving(self, name: str) -> Iterator[None]:
-        """Values first needed inside are credited to `name`."""
-        before, self._serves = self._serves, name
-        try:
-            yield
-        finally:
-            self._serves = before
-
-    def _add(
-        self, op: Op, args: tuple[int, ...], literal: float | int | Input | Lookup | None = None
-    ) -> int:
-        if op in COMMUTATIVE:
-            args = tuple(sorted(args))
-        key = (op, args, literal)
-        if key not in self._numbers:
-            self._numbers[key] = len(self.values)
-            self.values.append(Value(op, args, literal, self._serves))
-            self.settled.append(
-                literal.array == "p"
-                if isinstance(literal, Input)
-                else op is not Op.MODE and all(self.settled[a] for a in args)
-            )
-        return self._numbers[key]
-
-    # -- leaves ------------------------------------------------------------------------------
-
-    def constant(self, number: float) -> int:
-        """A number.
-
-        Raises
-        ------
-        ModelError
-            If it is not finite: the model multiplies or adds beyond all bounds.
-        """
-        if not math.isfinite(number):
-            where = f" of '{self._serves}'" if self._serves else ""
-            raise ModelError(
-                f"an expression{where} comes to {number} when its numbers are multiplied out; "
-                "give numbers that a float can hold."
-            )
-        return self._add(Op.CONST, (), float(number) + 0.0)  # no negative zero
-
-    def input(self, array: str, index: int, name: str) -> int:
-        """A slot of an argument."""
-        return self._add(Op.INPUT, (), Input(array, index, name))
-
-    def mode(self, index: int) -> int:
-        """Whether the condition of switching function `index` holds."""
-        return self._add(Op.MODE, (), index)
-
-    def held(self, index: int) -> int:
-        """Whether switching function `index` is held, by a force that the caller gives."""
-        return self._add(Op.HELD, (self.mode(index),))
-
-    def number(self, a: int) -> float | None:
-        """The number that `a` is, or None if it is only known at run time."""
-        value = self.values[a]
-        return value.literal if value.op is Op.CONST else None  # type: ignore[return-value]
 
     # -- arithmetic --------------------------------------------------------------------------
 
@@ -127,8 +43,6 @@ class Graph:
             return self.constant(-self.number(a))  # type: ignore[operator]
         if value.op is Op.NEG:
             return value.args[0]
-        if value.op is Op.SUB:
-            return self.sub(value.args[1], value.args[0])
         return self._add(Op.NEG, (a,))
 
     def add(self, a: int, b: int) -> int:
@@ -148,7 +62,23 @@ class Graph:
             return self.sub(a, self.values[b].args[0])
         if self.values[a].op is Op.NEG:
             return self.sub(b, self.values[a].args[0])
+        if self.values[a].op is Op.SELECT:
+            merged = self._merged(self.add, a, b)
+            if merged is not None:
+                return merged
         return self._add(Op.ADD, (a, b))
+
+    def _merged(self, combine: Callable[[int, int], int], a: int, b: int) -> int | None:
+        """The sum of two choices by one condition that are zero on the same side, as one choice."""
+        if self.values[b].op is not Op.SELECT:
+            return None
+        (condition, *one), (other, *two) = self.values[a].args, self.values[b].args
+        for k in (0, 1):
+            if condition == other and one[k] == two[k] == self.zero:
+                sides = [self.zero, self.zero]
+                sides[1 - k] = combine(one[1 - k], two[1 - k])
+                return self.select(condition, *sides)
+        return None
 
     def sub(self, a: int, b: int) -> int:
         """a - b."""
@@ -169,6 +99,13 @@ class Graph:
             return self.add(a, self.values[b].args[0])
         if self.values[a].op is Op.NEG:
             return self.neg(self.add(self.values[a].args[0], b))
+        if self.values[a].op is Op.SELECT:
+            merged = self._merged(self.sub, a, b)
+            if merged is not None:
+                return merged
+        known = ((Op.SUB, pair, None) in self._numbers for pair in ((a, b), (b, a)))
+        if tuple(known) == (False, True):
+            return self.neg(self._add(Op.SUB, (b, a)))
         return self._add(Op.SUB, (a, b))
 
     def mul(self, a: int, b: int) -> int:
@@ -193,7 +130,19 @@ class Graph:
         for one, other in ((a, b), (b, a)):
             if self.values[one].op is Op.NEG:
                 return self.neg(self.mul(self.values[one].args[0], other))
+        for one, other in ((a, b), (b, a)):
+            if (inside := self._inside(one, other)) is not None:
+                return inside
         return self._add(Op.MUL, (a, b))
+
+    def _inside(self, choice: int, factor: int) -> int | None:
+        """A product with what is zero on one side, as a choice: it is computed on the other."""
+        if self.values[choice].op is not Op.SELECT:
+            return None
+        condition, yes, no = self.values[choice].args
+        if self.zero in (yes, no) and (self.settled[factor] or self.one in (yes, no)):
+            return self.select(condition, self.mul(yes, factor), self.mul(no, factor))
+        return None
 
     def div(self, a: int, b: int) -> int:
         """a / b; a division by what is known before the run becomes a product."""
@@ -260,6 +209,21 @@ class Graph:
             result = self.add(result, term)
         return result
 
+    def indicates(self, a: int) -> bool:
+        """Whether `a` is ±1 where a condition holds and 0 where not, or the other way round."""
+        value = self.values[a]
+        if value.op is Op.NEG:
+            return self.indicates(value.args[0])
+        return value.op is Op.SELECT and set(value.args[1:]) == {self.zero, self.one}
+
+    def has_product(self, a: int, b: int) -> bool:
+        """Whether a b is there already."""
+        return (Op.MUL, tuple(sorted((a, b))), None) in self._numbers
+
+    def _negative(self, a: int) -> bool:
+        number = self.number(a)
+        return self.values[a].op is Op.NEG if number is None else number < 0.0
+
     # -- choice ------------------------------------------------------------------------------
 
     def negation(self, a: int) -> int:
@@ -276,5 +240,7 @@ class Graph:
         if yes == no:
             return yes
         if self.values[condition].op is Op.NOT:
-            return self._add(Op.SELECT, (self.values[condition].args[0], no, yes))
+            return self.select(self.values[condition].args[0], no, yes)
+        if self.zero in (yes, no) and self._negative(no if yes == self.zero else yes):
+            return self.neg(self.select(condition, self.neg(yes), self.neg(no)))
         return self._add(Op.SELECT, (condition, yes, no))

@@ -1,7 +1,10 @@
 """What parameters alone determine is moved out of the kernels, into one that runs once a run."""
 
+from collections import Counter
+from dataclasses import replace
+
 from codegen.lower.graph import Graph
-from codegen.lower.program import Input, Kernel, Output, Program
+from codegen.lower.program import Input, Kernel, Op, Output, Program, Value
 
 WEAK_PIVOT = 1e-9
 """A pivot of S below this part of its diagonal is weak: two constraints agree to 3e-5 rad."""
@@ -13,7 +16,7 @@ def with_constants(graph: Graph, kernels: tuple[Kernel, ...], declared: int) -> 
     These values stand in ``p`` behind the declared parameters and are computed once a run. Before
     them stand the forces of what is held, which a run sets as it goes.
     """
-    bare = Program(tuple(graph.values), kernels, (), WEAK_PIVOT)
+    bare = Program(turned_about(graph, kernels), kernels, (), WEAK_PIVOT)
     hoisted: dict[int, None] = {}
     given: set[int] = set()
     for kernel in kernels:
@@ -35,7 +38,27 @@ def with_constants(graph: Graph, kernels: tuple[Kernel, ...], declared: int) -> 
         ("p",),
         tuple(Output("p", declared + k, number) for k, number in enumerate(hoisted)),
     )
-    return Program(tuple(graph.values), (first, *kernels), (*forces, *hoisted), WEAK_PIVOT)
+    return Program(bare.values, (first, *kernels), (*forces, *hoisted), WEAK_PIVOT)
+
+
+def turned_about(graph: Graph, kernels: tuple[Kernel, ...]) -> tuple[Value, ...]:
+    """The graph's values, signs put into differences that nothing else needs.
+
+    In the graph a - b and b - a are one value and its opposite, so that what contains them is
+    shared. Where only the opposite is left, the difference is written the other way round.
+    """
+    values = list(graph.values)
+    everything = Program(tuple(values), kernels, (), WEAK_PIVOT)
+    reached = {number for kernel in kernels for number in everything.reachable(kernel)}
+    uses = Counter(a for number in reached for a in values[number].args)
+    for kernel in kernels:
+        uses.update(out.value for out in kernel.outputs)
+        uses.update(v for check in kernel.checks for v in (check.pivot, check.reference))
+    for number in sorted(reached):
+        value = values[number]
+        if value.op is Op.NEG and values[value.args[0]].op is Op.SUB and uses[value.args[0]] == 1:
+            values[number] = replace(value, op=Op.SUB, args=values[value.args[0]].args[::-1])
+    return tuple(values)
 
 
 def _is_given(graph: Graph, number: int) -> bool:

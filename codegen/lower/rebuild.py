@@ -64,20 +64,22 @@ def _again(graph: Graph, value: Value, args: tuple[int, ...]) -> int:
 def turned(graph: Graph, op: Op, angle: int) -> int:
     """sin or cos of an angle; of a sum with a constant angle by the angle's own."""
     value = graph.values[angle]
+    if value.op is Op.NEG:
+        same = turned(graph, op, value.args[0])
+        return graph.neg(same) if op is Op.SIN else same
     if value.op not in (Op.ADD, Op.SUB) or graph.settled[angle]:
         return graph.function(op, angle)
-    first, second = value.args
-    sign = -1 if value.op is Op.SUB else 1
-    if graph.settled[first]:
-        if sign < 0:  # sin(α - x) = -sin(x - α)
-            back = turned(graph, op, graph.sub(second, first))
-            return graph.neg(back) if op is Op.SIN else back
-        first, second = second, first
-    if not graph.settled[second]:
+    moving, fixed = value.args
+    turns, offset = 1, -1 if value.op is Op.SUB else 1
+    if graph.settled[moving]:
+        moving, fixed, turns, offset = fixed, moving, offset, 1
+    if not graph.settled[fixed]:
         return graph.function(op, angle)
-    s, c = turned(graph, Op.SIN, first), turned(graph, Op.COS, first)
-    fixed_s, fixed_c = graph.function(Op.SIN, second), graph.function(Op.COS, second)
-    if sign < 0:
+    s, c = turned(graph, Op.SIN, moving), turned(graph, Op.COS, moving)
+    fixed_s, fixed_c = graph.function(Op.SIN, fixed), graph.function(Op.COS, fixed)
+    if turns < 0:
+        s = graph.neg(s)
+    if offset < 0:
         fixed_s = graph.neg(fixed_s)
     if op is Op.SIN:
         return graph.add(graph.mul(fixed_c, s), graph.mul(fixed_s, c))

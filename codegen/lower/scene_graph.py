@@ -4,9 +4,11 @@ from typing import NamedTuple
 
 import sympy
 
-from codegen.declare.symbols import Acceleration, Coordinate, Parameter, t
-from codegen.derive.effects import FrictionTerms
+from codegen.declare.symbols import SPEED, Acceleration, Parameter, t
+from codegen.derive.effects import EffectTerms, FrictionTerms
 from codegen.derive.equations import Equations
+from codegen.lower.directional import Direction
+from codegen.lower.gradient import Slopes
 from codegen.lower.graph import Graph
 from codegen.lower.translate import Translator
 
@@ -53,6 +55,8 @@ class SceneGraph:
         Diagonal of M; empty in kinematic scenes.
     potential, gradient, applied
         V, ∂V/∂q, and Q with the forces of the potential.
+    slopes, moving, motion
+        Derivatives by q and t, along q̇ with t held, and along q̇ and t.
     powers
         (effect, power) of the effects without a potential.
     working
@@ -85,6 +89,11 @@ class SceneGraph:
         laws = (e.terms.friction for e in equations.effects)
         self._rubbing = {law.joint for law in laws if law}
         self._pressing: dict[tuple[str, str], dict[int, int]] = {}
+        self.time = graph.input("t", 0, "t")
+        self.slopes = Slopes(graph, (*self.q, self.time))
+        velocities = dict(zip(self.q, self.v, strict=True))
+        self.moving = Direction(graph, velocities, order=1)
+        self.motion = Direction(graph, {**velocities, self.time: graph.one})
         self._constraints()
         self._effects()
 
@@ -151,18 +160,8 @@ class SceneGraph:
                 inner[multiplier] = self.lam[first + k]
             with self.graph.serving(element.name):
                 translate = self.translate.scoped(inner)
-                for phi, nu, gamma, row in zip(
-                    terms.phi, terms.nu, terms.gamma, terms.jacobian, strict=True
-                ):
-                    for place, entry in zip(terms.coordinates, row, strict=True):
-                        column = columns.get(bindings.get(place, place))
-                        if column is not None:
-                            key = (len(self.phi), column)
-                            before = self.jacobian.get(key, self.graph.zero)
-                            self.jacobian[key] = self.graph.add(before, translate(entry))
-                    self.phi.append(translate(phi))
-                    self.nu.append(translate(nu))
-                    self.gamma.append(self.graph.zero if still else translate(gamma))
+                for phi in terms.phi:
+                    self._row(translate(phi), still)
                 for component, unit, reaction in terms.reactions:
                     value = translate(reaction)
                     self.reactions.append((element.name, component, unit, value))
@@ -171,50 +170,80 @@ class SceneGraph:
                             first + k: translate(sympy.diff(reaction, lam))
                             for k, lam in enumerate(terms.multipliers)
                         }
-        self.jacobian = {k: v for k, v in sorted(self.jacobian.items()) if v != self.graph.zero}
+        self.jacobian = dict(sorted(self.jacobian.items()))
+
+    def _row(self, phi: int, still: bool) -> None:
+        """Φ of one constraint, and what follows from it."""
+        graph = self.graph
+        slopes = self.slopes.gradient({phi: graph.one})
+        for k, q in enumerate(self.q):
+            if q in slopes:
+                self.jacobian[len(self.phi), k] = slopes[q]
+        self.nu.append(graph.neg(slopes.get(self.time, graph.zero)))
+        bend = graph.zero if still else self.motion.jet(phi).second.scaled(-1.0).value()
+        self.gamma.append(bend)
+        self.phi.append(phi)
 
     def _effects(self) -> None:
         graph, equations = self.graph, self.equations
-        columns = {q: k for k, q in enumerate(equations.coordinates)}
         self.potential = graph.zero
         self.gradient = [graph.zero] * self.n
-        self.forces = [graph.zero] * self.n
+        self.applied = [graph.zero] * self.n
         self.powers: list[tuple[str, int]] = []
         self.working: dict[str, int] = {}
         self.frictions: list[Friction] = []
         asked = {*(equations.scene.outputs or ())}
         idle = {contact.effect for contact in equations.contacts if not contact.moving}
         for effect in equations.effects:
+            terms = effect.terms
             with graph.serving(effect.name):
-                if effect.terms.potential is not None:
-                    own = self.translate(effect.terms.potential)
-                    self.potential = graph.add(self.potential, own)
-                for q, slope in effect.terms.gradient:
-                    k = columns[q]
-                    self.gradient[k] = graph.add(self.gradient[k], self.translate(slope))
-                power = graph.zero
-                for q, force in effect.terms.forces:
-                    k, value = columns[q], self.translate(force)
-                    self.forces[k] = graph.add(self.forces[k], value)
-                    power = graph.add(power, graph.mul(value, self.v[k]))
-                if effect.terms.forces and effect.name not in idle:
+                energy = graph.zero
+                if terms.potential is not None:
+                    energy = self.translate(terms.potential)
+                    self.potential = graph.add(self.potential, energy)
+                    self._gather(self.gradient, {energy: graph.one})
+                power = self._exerted(terms, energy)
+                if (terms.loads or terms.pulls) and effect.name not in idle:
                     self.powers.append((effect.name, power))
                 if asked & {"works", f"work({effect.name})"}:
-                    self.working[effect.name] = self._working(effect.terms.gradient, power)
-                for part, unit, value in effect.terms.reported:
+                    stored = self.moving.jet(energy).first.value()
+                    self.working[effect.name] = graph.sub(power, stored)
+                for part, unit, value in terms.reported:
                     self.reactions.append((effect.name, part, unit, self.translate(value)))
-                if effect.terms.friction:
-                    self._friction(effect.name, effect.terms.friction)
+                if terms.friction:
+                    self._friction(effect.name, terms.friction)
         with graph.serving("masses"):
             self.masses = [self.translate(m) for m in equations.masses]
-        self.applied = [graph.sub(f, g) for f, g in zip(self.forces, self.gradient, strict=True)]
 
-    def _working(self, gradient: tuple[tuple[Coordinate, sympy.Expr], ...], power: int) -> int:
-        """Power of the forces, less what goes into the potential."""
+    def _exerted(self, terms: EffectTerms, energy: int) -> int:
+        """Add all forces of an effect to `applied`; the power of those without a potential.
+
+        Those of the potential and those along scalars are gathered in one walk back: a spring and
+        the damper beside it pull along one line.
+        """
         graph = self.graph
         columns = {q: k for k, q in enumerate(self.equations.coordinates)}
-        stored = [graph.mul(self.translate(slope), self.v[columns[q]]) for q, slope in gradient]
-        return graph.sub(power, graph.total(stored))
+        weights = {energy: graph.constant(-1.0)}
+        power = graph.zero
+        for scalar, force in terms.pulls:
+            s = self.translate(scalar)
+            speed = {SPEED: self.motion.jet(s).first.value()} if force.has(SPEED) else {}
+            f = graph.neg((self.translate.scoped(speed) if speed else self.translate)(force))
+            weights[s] = graph.add(weights.get(s, graph.zero), f)
+            power = graph.add(power, graph.mul(f, self.moving.jet(s).first.value()))
+        self._gather(self.applied, weights)
+        for q, load in terms.loads:
+            k, value = columns[q], self.translate(load)
+            self.applied[k] = graph.add(self.applied[k], value)
+            power = graph.add(power, graph.mul(value, self.v[k]))
+        return power
+
+    def _gather(self, totals: list[int], weights: dict[int, int]) -> None:
+        """Add Σ weight ∂value/∂q to the totals, one a coordinate."""
+        slopes = self.slopes.gradient(weights)
+        for k, q in enumerate(self.q):
+            if q in slopes:
+                totals[k] = self.graph.add(totals[k], slopes[q])
 
     def _friction(self, name: str, terms: FrictionTerms) -> None:
         """The force itself, from the multipliers as inputs, its power, and what solves for it."""

@@ -79,11 +79,16 @@ def _tangent(graph: Graph, number: int, value: Value, known: Mapping[int, int]) 
         case Op.DIV:
             rest = graph.sub(parts[0], graph.mul(number, parts[1]))
             return graph.mul(graph.div(graph.one, value.args[1]), rest)
-        case Op.POW if parts[1] == graph.zero:
-            return graph.mul(_power_slope(graph, value), parts[0])
-    slopes = SLOPES[value.op](graph, number, value)
-    terms = zip(slopes, parts, strict=True)
+    terms = zip(slopes_of(graph, number), parts, strict=True)
     return graph.total([graph.mul(s, part) for s, part in terms if part != graph.zero])
+
+
+def slopes_of(graph: Graph, number: int) -> tuple[int, ...]:
+    """Derivatives of an operation by each of its arguments; zero by an exponent that is fixed."""
+    value = graph.values[number]
+    if value.op is Op.POW and graph.settled[value.args[1]]:
+        return _power_slope(graph, value), graph.zero
+    return SLOPES[value.op](graph, number, value)
 
 
 def _product(graph: Graph, number: int, value: Value) -> tuple[int, ...]:

@@ -82,7 +82,7 @@ class Translator:
         if node.is_number:
             return graph.constant(float(node.evalf(25)))
         if node.is_Add:
-            return graph.total(self._in_order([self(a) for a in node.args]))
+            return self._sum([self(a) for a in node.args])
         if node.is_Mul:
             return self._product(node)
         if node.is_Pow:
@@ -102,6 +102,26 @@ class Translator:
             f"the function {node.func} in {node} cannot be compiled; "
             f"known are {', '.join(sorted(str(f) for f in FUNCTIONS))}, powers and Piecewise."
         )
+
+    def _sum(self, terms: list[int]) -> int:
+        """Terms that turn with one angle first, so that the components of A s are values."""
+        graph = self.graph
+        groups: dict[tuple[bool, int], list[int]] = {}
+        for number in self._in_order(terms):
+            angle = self._angle(number)
+            key = (False, graph.movers[number]) if angle is None else (True, angle)
+            groups.setdefault(key, []).append(number)
+        return graph.total([graph.total(group) for group in groups.values()])
+
+    def _angle(self, number: int) -> int | None:
+        """The angle θ of a term a cos θ or a sin θ; of two the first."""
+        values = self.graph.values
+        value = values[number]
+        if value.op is Op.NEG:
+            return self._angle(value.args[0])
+        factors = value.args if value.op is Op.MUL else (number,)
+        turning = [values[k].args[0] for k in factors if values[k].op in (Op.SIN, Op.COS)]
+        return min(turning, default=None)
 
     def _product(self, node: sympy.Mul) -> int:
         numerator, denominator = [], []
@@ -153,8 +173,8 @@ class Translator:
         )
 
     def _in_order(self, numbers: list[int]) -> list[int]:
-        """By how often the values change, then by number, which follows the declaration."""
-        return sorted(numbers, key=lambda n: (self._rank(n), n))
+        """By how often the values change, by what moves them, by number: by the declaration."""
+        return sorted(numbers, key=lambda n: (self._rank(n), self.graph.movers[n], n))
 
     def _rank(self, number: int) -> int:
         if number not in self._ranks:

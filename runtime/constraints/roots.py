@@ -34,7 +34,7 @@ from runtime.integrate.views import floats_at, integers_at
 _ITERATIONS = 40
 _KEEP = 5  # iterations with the same second derivatives, but for the first one's
 _CONVERGED = 1e-12
-_FAR = 1.0  # scaled: a root so far from where it was looked for is another
+_FAR = 0.5  # of a coordinate's size: a root so far from where it was looked for is another
 _FLAT = 1e-6  # what is left of the complement at a singular position
 
 
@@ -158,8 +158,8 @@ def root(
             z[j] += step[s]
             moved += step[s] ** 2
             size += z[j] ** 2
-            away += (z[j] - origin[j]) ** 2
-        if not away < _FAR**2:
+            away = max(away, abs(z[j] - origin[j]))
+        if not (away < _FAR and moved < np.inf):
             return -1.0
         if moved < (_CONVERGED * (1.0 + np.sqrt(size))) ** 2:
             break

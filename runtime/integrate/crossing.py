@@ -108,13 +108,15 @@ class Crossings:
         q, v = run.state
         motion = taylor(float(self.r["t"]), q, v, np.zeros_like(v))
         found = self.positions.near(motion, 0.0)
-        if found is None or found.gap > self.leaps.rounding(q) or not found.rate > 0.0:
+        if found is None or found.gap > self.leaps.rounding(q):
             return False
         if found.astray > max(_ASTRAY, float(self.r["rtol"])):
             self.note = (
                 f"The machine starts at, or too near to be told from it, a position in which its "
                 f"motions cross; its velocity is off them by {found.astray:.1e} of itself."
             )
+            return False
+        if not found.rate > 0.0:
             return False
         v += found.veer
         self.found = found

@@ -10,8 +10,9 @@ from benchmarks.counting import cost, operations
 from benchmarks.hand import drivers, forces, joints
 from codegen.elements.registry import kinds_of_elements
 
-MOST = 4
-"""A generated kernel needs at most so many times the operations of a hand-written one."""
+MOST, SIGNS = 1.3, 3
+"""A generated kernel needs at most so many times the operations of a hand-written one, and signs,
+which the ledger counts."""
 
 
 @pytest.fixture(scope="session")
@@ -37,7 +38,7 @@ def test_operations_are_counted(sample: elements.Sample, folder: Path) -> None:
         counted, weighted = twin.generated.counts[twin.kernel]
         assert counted == dict(twin.generated.module.OPERATIONS)[twin.kernel]
         assert operations(twin.hand) <= cost(twin.hand)
-        assert counted <= MOST * operations(twin.hand)
+        assert counted <= MOST * operations(twin.hand) + SIGNS
         assert weighted <= MOST * cost(twin.hand)
 
 

@@ -41,6 +41,29 @@ def test_an_import_loads_no_more_than_it_needs(
     assert not loaded & absent
 
 
+COMPILER = {"codegen.artefact", "codegen.errors"}
+
+FIRST = """
+from runtime import load
+run = load("slider_crank", scene="compressor").simulate(0.01)
+import json, sys
+print(json.dumps(sorted(sys.modules)))
+"""
+
+
+def test_a_first_result_loads_no_more_than_it_needs(root: Path) -> None:
+    loaded = set(
+        json.loads(fresh("import runtime, json, sys\nprint(json.dumps(sorted(sys.modules)))", root))
+    )
+    assert not loaded & {"numpy", "numba", "scipy", "rich", "typer"}
+    loaded = set(json.loads(fresh(FIRST, root)))
+    assert not loaded & {"sympy", "pandas", "xarray", "matplotlib", "netCDF4", "rich", "typer"}
+    # Numba looks for the routines of linear algebra in SciPy; nothing else is asked of it.
+    rooms = {name.split(".")[1] for name in loaded if name.startswith("scipy.")}
+    assert not rooms & {"integrate", "interpolate", "optimize", "signal", "sparse", "stats"}
+    assert not any(name.startswith("codegen.") for name in loaded - COMPILER)
+
+
 @pytest.mark.parametrize("first", ["import codegen", "import codegen.driver", "import codegen.cli"])
 def test_build_is_the_function_whatever_was_imported_first(root: Path, first: str) -> None:
     code = f"{first}\nfrom codegen import build\nprint(callable(build))"

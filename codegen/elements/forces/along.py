@@ -12,23 +12,6 @@ def rate(s: sympy.Expr) -> sympy.Expr:
     return sympy.Add(*slopes, sympy.diff(s, t))
 
 
-def against(s: sympy.Expr, f: sympy.Expr) -> dict[Coordinate, sympy.Expr]:
-    """Generalized forces of a force `f` that tends to make `s` smaller.
-
-    Its virtual work is -f δs, so Q = -f s_q. With s a length this is Haug's Q of a tension (6.1).
-    """
-    return {q: -f * sympy.diff(s, q) for q in kinds(s, Coordinate)}
-
-
-def gathered(*parts: dict[Coordinate, sympy.Expr]) -> dict[Coordinate, sympy.Expr]:
-    """The sum of several sets of generalized forces."""
-    total: dict[Coordinate, sympy.Expr] = {}
-    for part in parts:
-        for q, force in part.items():
-            total[q] = total.get(q, sympy.S.Zero) + force
-    return total
-
-
 def without_angle(where: str, *bodies: Body) -> list[str]:
     """Particles among the bodies, which nothing can turn."""
     return [

@@ -36,9 +36,11 @@ class AppliedForce:
         body, fx, fy = self.point.body, self.fx, self.fy
         x, y, phi = body.pose
         if self.frame == "body":
+            torque = self.point.sx * fy - self.point.sy * fx
             c, s = sympy.cos(phi), sympy.sin(phi)
             fx, fy = c * fx - s * fy, s * fx + c * fy
-        torque = (self.point.x - x) * fy - (self.point.y - y) * fx
+        else:
+            torque = (self.point.x - x) * fy - (self.point.y - y) * fx
         turning = {} if torque == 0 else {body.phi: torque}
         return {body.x: fx, body.y: fy, **turning}
 

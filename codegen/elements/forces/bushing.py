@@ -6,9 +6,8 @@ from typing import ClassVar
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.symbols import Coordinate
-from codegen.elements.forces.along import against, constant, gathered, negative, rate, without_angle
-from codegen.elements.forces.line import Line
+from codegen.declare.symbols import SPEED, Coordinate
+from codegen.elements.forces.along import constant, negative, without_angle
 from codegen.elements.forces.torsion_spring import turn
 from codegen.elements.registry import element
 
@@ -52,11 +51,11 @@ class Bushing:
     @property
     def displacements(self) -> Triple:
         """Along x' and y' of body i, m, and about the normal, rad."""
-        dx, dy = Line(self.i, self.j).d
-        phi = self.i.body.pose[2]
+        x, y, phi = self.i.body.pose
+        dx, dy = self.j.x - x, self.j.y - y  # from the centre: point i is fixed in its axes
         c, s = sympy.cos(phi), sympy.sin(phi)
         angle = turn(self.i.body, self.j.body) - self.free_angle
-        return c * dx + s * dy, c * dy - s * dx, angle
+        return c * dx + s * dy - self.i.sx, c * dy - s * dx - self.i.sy, angle
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
         """V of the springs."""
@@ -66,13 +65,14 @@ class Bushing:
         return sympy.Add(*(k * s**2 / 2 for k, s in pairs))
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
-        """Q of the dampers, and of springs that vary."""
+        """None but those along the displacements."""
+        return {}
+
+    def pulls(self, bodies: tuple[Body, ...]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
+        """The dampers along the displacements, and springs that vary."""
         rows = zip(self.stiffness, self.damping, self.displacements, strict=True)
-        parts = []
-        for k, c, s in rows:
-            force = c * rate(s) + (0 if self._conservative else k * s)
-            parts.append(against(s, force) if force != 0 else {})
-        return gathered(*parts)
+        pairs = ((s, c * SPEED + (0 if self._conservative else k * s)) for k, c, s in rows)
+        return tuple((s, force) for s, force in pairs if force != 0)
 
     def problems(self) -> list[str]:
         """A body against itself, and numbers that no bushing has."""

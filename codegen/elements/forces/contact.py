@@ -6,8 +6,8 @@ from typing import ClassVar
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.symbols import Coordinate, Time, Velocity, kinds
-from codegen.elements.forces.along import against, constant, gathered, negative, rate
+from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
+from codegen.elements.forces.along import constant, negative
 from codegen.elements.forces.line import Line
 from codegen.elements.registry import element
 
@@ -21,15 +21,16 @@ def gap_between(
     point j has come closer than ℓ0 or gone past; without one it is g = ℓ - ℓ0, as between two
     discs whose radii add up to ℓ0.
     """
-    line = Line(i, j)
     if direction is None:
-        return line.length - free_length
+        return Line(i, j).length - free_length
     ux, uy = direction
     size = sympy.sqrt(ux**2 + uy**2)
-    phi = i.body.pose[2]
+    ux, uy = ux / size, uy / size
+    x, y, phi = i.body.pose
     c, s = sympy.cos(phi), sympy.sin(phi)
-    dx, dy = line.d
-    return ((ux * c - uy * s) * dx + (ux * s + uy * c) * dy) / size - free_length
+    dx, dy = j.x - x, j.y - y  # from the centre: what point i adds along u is constant
+    gap: sympy.Expr = (ux * c - uy * s) * dx + (ux * s + uy * c) * dy
+    return gap - (ux * i.sx + uy * i.sy + free_length)
 
 
 def gap_problems(where: str, gap: sympy.Expr, bodies: tuple[Body, ...]) -> list[str]:
@@ -84,15 +85,18 @@ class Contact:
         return self._closed(self.stiffness * self.gap**2 / 2)
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
-        """Q of the damper, and of a spring that varies."""
+        """None but those along the gap."""
+        return {}
+
+    def pulls(self, bodies: tuple[Body, ...]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
+        """The damper along the gap, and a spring that varies."""
         push = self.stiffness * self.gap
-        drag = self.damping * rate(self.gap)
+        drag = self.damping * SPEED
         if not self.may_pull and drag != 0:
             # Where the damper would pull it takes back what the spring pushes, and no more.
             drag = sympy.Piecewise((drag, push + drag < 0), (-push, True))
-        parts = [drag] if self._conservative else [push, drag]
-        wanted = [against(self.gap, self._closed(f)) for f in parts if f != 0]
-        return gathered(*wanted)
+        force = drag if self._conservative else push + drag
+        return () if force == 0 else ((self.gap, self._closed(force)),)
 
     def problems(self) -> list[str]:
         """A gap that never changes or that is no position, and numbers that no contact has."""

@@ -8,7 +8,6 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import Rigid
 from codegen.declare.symbols import Coordinate, side
-from codegen.elements.forces.along import against
 from codegen.elements.forces.contact import gap_problems
 from codegen.elements.registry import element
 
@@ -51,8 +50,12 @@ class RigidContact:
         return None
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
-        """Q of the reaction F0, where the gap is not open."""
-        return against(self.gap, -side(self.name) * self._scale(bodies))
+        """None but that along the gap."""
+        return {}
+
+    def pulls(self, bodies: tuple[Body, ...]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
+        """The reaction F0, where the gap is not open: it pushes."""
+        return ((self.gap, -side(self.name) * self._scale(bodies)),)
 
     def hold(self, bodies: tuple[Body, ...]) -> Rigid:
         """What stays closed."""

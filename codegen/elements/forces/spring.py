@@ -6,7 +6,7 @@ from typing import ClassVar
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.symbols import Coordinate
+from codegen.declare.symbols import SPEED, Coordinate
 from codegen.elements.forces.along import constant, negative
 from codegen.elements.forces.line import Line
 from codegen.elements.registry import element
@@ -60,11 +60,15 @@ class Spring:
         return self.stiffness * (self.line.length - self.free_length) ** 2 / 2
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
-        """Q of the damper and the actuator, and of a spring that varies."""
-        tension = self.damping * self.line.rate + self.actuator
+        """None but those along the line."""
+        return {}
+
+    def pulls(self, bodies: tuple[Body, ...]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
+        """The tension of the damper and the actuator, and of a spring that varies."""
+        tension = self.damping * SPEED + self.actuator
         if not self._conservative:
             tension += self.stiffness * (self.line.length - self.free_length)
-        return self.line.pulled(tension) if tension != 0 else {}
+        return () if tension == 0 else ((self.line.length, tension),)
 
     def problems(self) -> list[str]:
         """Two points that keep their distance, and numbers that no spring has."""

@@ -6,8 +6,8 @@ from typing import ClassVar
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.symbols import Coordinate
-from codegen.elements.forces.along import against, constant, negative, rate, without_angle
+from codegen.declare.symbols import SPEED, Coordinate
+from codegen.elements.forces.along import constant, negative, without_angle
 from codegen.elements.registry import element
 
 
@@ -54,12 +54,16 @@ class TorsionSpring:
         return self.stiffness * (turn(self.i, self.j) - self.free_angle) ** 2 / 2
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
-        """Q of the damper and the actuator, and of a spring that varies."""
+        """None but those that turn."""
+        return {}
+
+    def pulls(self, bodies: tuple[Body, ...]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
+        """The torque of the damper and the actuator, and of a spring that varies."""
         angle = turn(self.i, self.j)
-        torque = self.damping * rate(angle) + self.actuator
+        torque = self.damping * SPEED + self.actuator
         if not self._conservative:
             torque += self.stiffness * (angle - self.free_angle)
-        return against(angle, torque) if torque != 0 else {}
+        return () if torque == 0 else ((angle, torque),)
 
     def problems(self) -> list[str]:
         """A body against itself, and numbers that no spring has."""

@@ -53,8 +53,8 @@ class CamFlatFollower:
         profile = self.cam.at(AT)
         normal = J.A * NORMAL
         phi = (
-            normal.dot(I.r + I.A * profile - J.point),
-            normal.dot(I.A * profile.diff(AT)) / self.cam.pace,
+            normal.dot(I.r + I.A * profile - J.r) - NORMAL.dot(J.s),
+            normal.dot(I.A * (profile.diff(AT) / self.cam.pace)),
         )
         length = sympy.sqrt(self.axis[0] ** 2 + self.axis[1] ** 2)
         ux, uy = AXIS

@@ -56,16 +56,16 @@ class CamFollower:
         """Three equations and two coordinates."""
         on_cam, on_follower = self.cam.at(AT_I), self.follower.at(AT_J)
         tangent = on_cam.diff(AT_I)
-        normal = sympy.Matrix([-tangent[1], tangent[0]])
+        normal = sympy.Matrix([-tangent[1], tangent[0]]) / self.cam.pace
         arm = J.A * on_follower
         apart = I.A.T * (J.r + arm - I.r) - on_cam
-        slope = I.A.T * J.A * on_follower.diff(AT_J)
+        slope = I.A.T * (J.A * on_follower.diff(AT_J) / self.follower.pace)
         bindings = I.bind(self.cam.body.at(0, 0)) | J.bind(self.follower.body.at(0, 0))
         bindings |= {AT_I: self.alpha, AT_J: self.beta}
         direction = I.A * tangent / sympy.sqrt(tangent.dot(tangent))
-        along, across = (axis.dot(apart) / self.cam.pace for axis in (tangent, normal))
+        along, across = (axis.dot(apart) for axis in (tangent / self.cam.pace, normal))
         return Statement(
-            (along, across, normal.dot(slope) / (self.cam.pace * self.follower.pace)),
+            (along, across, normal.dot(slope)),
             ("along", "across", "slope"),
             JointReaction(direction, arm=arm),
             bindings,

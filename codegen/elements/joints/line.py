@@ -2,18 +2,21 @@
 
 `ALONG` and `ACROSS` are the components u_iᵀ d_ij and (u_i⊥)ᵀ d_ij of d_ij = r_j^P - r_i^P, with the
 unit vector u_i = A_i u'_i and u_i⊥ turned from it by +π/2: point j lies ahead of point i where
-`ALONG` is positive, and to the left of the line where `ACROSS` is.
+`ALONG` is positive, and to the left of the line where `ACROSS` is. Written from the centre of body
+i, since what s'_i adds is constant: u_iᵀ A_i s'_i = u'_iᵀ s'_i.
 """
 
 import sympy
 
 from codegen.declare.element import I, J
-from codegen.elements.joints.translational import AXIS, NORMAL
+from codegen.declare.symbols import given
 
 Axis = tuple[sympy.Expr, sympy.Expr]
+AXIS = sympy.Matrix([given("i_ux"), given("i_uy")])
+NORMAL = sympy.Matrix([-AXIS[1], AXIS[0]])
 DIRECTION = I.A * AXIS
-ALONG = DIRECTION.dot(J.point - I.point)
-ACROSS = (I.A * NORMAL).dot(J.point - I.point)
+ALONG = DIRECTION.dot(J.point - I.r) - AXIS.dot(I.s)
+ACROSS = (I.A * NORMAL).dot(J.point - I.r) - NORMAL.dot(I.s)
 
 
 def bind_axis(axis: Axis) -> dict[sympy.Symbol, sympy.Expr]:

@@ -48,11 +48,11 @@ class PointFollower:
         profile = self.curve.at(AT)
         tangent = profile.diff(AT)
         apart = I.A.T * (J.point - I.r) - profile
-        across = tangent[0] * apart[1] - tangent[1] * apart[0]
+        tx, ty = tangent / self.curve.pace
         direction = I.A * tangent / sympy.sqrt(tangent.dot(tangent))
         bindings = I.bind(self.curve.body.at(0, 0)) | J.bind(self.point) | {AT: self.alpha}
         return Statement(
-            (tangent.dot(apart) / self.curve.pace, across / self.curve.pace),
+            (tx * apart[0] + ty * apart[1], tx * apart[1] - ty * apart[0]),
             ("along", "across"),
             JointReaction(direction),
             bindings,

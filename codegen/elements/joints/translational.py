@@ -8,12 +8,11 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import I, J, JointReaction, Statement
 from codegen.declare.symbols import given
+from codegen.elements.joints.line import ACROSS, AXIS, DIRECTION
 from codegen.elements.registry import element
 
-AXIS = sympy.Matrix([given("i_ux"), given("i_uy")])
-NORMAL = sympy.Matrix([-AXIS[1], AXIS[0]])
 OFFSET = given("angle_offset")
-PHI = ((I.A * NORMAL).dot(J.point - I.point), J.phi - I.phi - OFFSET)
+PHI = (ACROSS, J.phi - I.phi - OFFSET)
 
 
 @element
@@ -44,7 +43,7 @@ class Translational:
         ux, uy = AXIS
         bindings = I.bind(self.i) | J.bind(self.j)
         bindings |= {ux: self.axis[0] / length, uy: self.axis[1] / length, OFFSET: self.angle}
-        return Statement(PHI, ("normal", "angle"), JointReaction(I.A * AXIS), bindings)
+        return Statement(PHI, ("normal", "angle"), JointReaction(DIRECTION), bindings)
 
     def problems(self) -> list[str]:
         """A zero axis has no direction."""

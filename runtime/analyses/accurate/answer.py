@@ -63,8 +63,8 @@ class Accuracy:
     asked
         The relative global error that was asked for.
     estimated
-        The largest error of the quantities, estimated from above; of all the time that was asked
-        for, also where the result ends at the horizon.
+        The largest error of the quantities, to a factor of ten or so; of all the time that was
+        asked for, also where the result ends at the horizon.
     quantities
         The estimate of each, the worst first.
     method, formulation, rtol
@@ -106,9 +106,8 @@ class Accuracy:
     def sentences(self) -> list[str]:
         """What a person is told."""
         worst = self.quantities[0]
-        limit = "at most" if self.reached else "about"
         error = (
-            f"Global error estimated as {limit} {self.estimated:.1e}, {self.asked:.1e} asked; the "
+            f"Global error estimated as about {self.estimated:.1e}, {self.asked:.1e} asked; the "
             f"largest is that of {worst.name} at t = {worst.time:.6g} s."
         )
         cost = (

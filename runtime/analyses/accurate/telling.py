@@ -22,7 +22,7 @@ class Pair:
     found
         Their difference.
     share
-        How much of it is the error of the result at most.
+        How much of it the error of the result is taken to be.
     """
 
     other: Trial
@@ -103,7 +103,7 @@ def _means(pair: Pair, reasons: Sequence[str]) -> str:
         f"{other.rtol:.1e} and {delivered.rtol:.1e}"
     )
     if pair.share < 1.0:
-        text += f", of which the tighter one errs by {pair.share:.2g} times that at most"
+        text += f", and the tighter one is taken to err by {pair.share:.2g} times that"
     if other.events != delivered.events:
         text += f"; they have {other.events} and {delivered.events} events"
     for reason in reasons:

@@ -1,0 +1,117 @@
+"""Value numbering: leaves and operations, each once, and what each depends on."""
+
+import math
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import Self
+
+from codegen.errors import ModelError
+from codegen.lower.program import COMMUTATIVE, Input, Lookup, Op, Value
+
+
+class Numbering:
+    """A growing list of values in which equal values are one value.
+
+    Attributes
+    ----------
+    values
+        In order of their numbers.
+    settled
+        For each value, whether numbers and parameters alone determine it.
+    movers
+        For each value, the inputs but parameters that it depends on: a set of bits, see `place_of`.
+    """
+
+    def __init__(self) -> None:
+        self.values: list[Value] = []
+        self.settled: list[bool] = []
+        self.movers: list[int] = []
+        self._places: dict[int, int] = {}
+        self._numbers: dict[tuple[Op, tuple[int, ...], object], int] = {}
+        self._serves = ""
+        self.zero = self.constant(0.0)
+        self.one = self.constant(1.0)
+        self.minus_one = self.constant(-1.0)
+
+    @classmethod
+    def of(cls, values: Iterable[Value]) -> Self:
+        """A graph that goes on from the values of a program, under the numbers that they have."""
+        graph = cls()
+        for value in values:
+            with graph.serving(value.serves):
+                graph._add(value.op, value.args, value.literal)
+        return graph
+
+    @contextmanager
+    def serving(self, name: str) -> Iterator[None]:
+        """Values first needed inside are credited to `name`."""
+        before, self._serves = self._serves, name
+        try:
+            yield
+        finally:
+            self._serves = before
+
+    def _add(
+        self, op: Op, args: tuple[int, ...], literal: float | int | Input | Lookup | None = None
+    ) -> int:
+        if op in COMMUTATIVE:
+            args = tuple(sorted(args))
+        key = (op, args, literal)
+        if key not in self._numbers:
+            self._numbers[key] = len(self.values)
+            self.values.append(Value(op, args, literal, self._serves))
+            self.settled.append(
+                literal.array == "p"
+                if isinstance(literal, Input)
+                else op is not Op.MODE and all(self.settled[a] for a in args)
+            )
+            self.movers.append(self._moved(self._numbers[key]))
+        return self._numbers[key]
+
+    def _moved(self, number: int) -> int:
+        value = self.values[number]
+        if isinstance(value.literal, Input) and not self.settled[number]:
+            return 1 << self.place_of(number)
+        found = 0
+        for a in value.args:
+            found |= self.movers[a]
+        return found
+
+    def place_of(self, number: int) -> int:
+        """The bit of an input in `movers`."""
+        return self._places.setdefault(number, len(self._places))
+
+    # -- leaves ------------------------------------------------------------------------------
+
+    def constant(self, number: float) -> int:
+        """A number.
+
+        Raises
+        ------
+        ModelError
+            If it is not finite: the model multiplies or adds beyond all bounds.
+        """
+        if not math.isfinite(number):
+            where = f" of '{self._serves}'" if self._serves else ""
+            raise ModelError(
+                f"an expression{where} comes to {number} when its numbers are multiplied out; "
+                "give numbers that a float can hold."
+            )
+        return self._add(Op.CONST, (), float(number) + 0.0)  # no negative zero
+
+    def input(self, array: str, index: int, name: str) -> int:
+        """A slot of an argument."""
+        return self._add(Op.INPUT, (), Input(array, index, name))
+
+    def mode(self, index: int) -> int:
+        """Whether the condition of switching function `index` holds."""
+        return self._add(Op.MODE, (), index)
+
+    def held(self, index: int) -> int:
+        """Whether switching function `index` is held, by a force that the caller gives."""
+        return self._add(Op.HELD, (self.mode(index),))
+
+    def number(self, a: int) -> float | None:
+        """The number that `a` is, or None if it is only known at run time."""
+        value = self.values[a]
+        return value.literal if value.op is Op.CONST else None  # type: ignore[return-value]

@@ -1,0 +1,101 @@
+"""Walks back and forward through values, against complex steps and against each other."""
+
+import math
+
+import pytest
+
+from codegen.lower.directional import Direction
+from codegen.lower.gradient import Slopes
+from codegen.lower.graph import Graph
+from codegen.lower.hoist import turned_about
+from codegen.lower.interpret import evaluate
+from codegen.lower.ledger import operations
+from codegen.lower.program import Kernel, Op, Output, Program, store
+from codegen.lower.tangent import differentiate
+from tests.codegen.lower.test_tangent import ANALYTIC, EVERY, IN_MODES
+from tests.codegen.workbench import STEP
+
+DIRECTION = (0.8, -1.7)
+TWICE = sorted(EVERY.keys() - {"spline 2", "spline 3"})
+"""Splines have a third derivative that jumps, and none after it."""
+
+
+def derivatives(name: str) -> Program:
+    """f, its slopes, and its first and second derivative along DIRECTION."""
+    graph = Graph()
+    x, y = (graph.input("q", k, letter) for k, letter in enumerate("xy"))
+    value = graph.mul(graph.constant(1.5), EVERY[name](graph, x, y))
+    slopes = Slopes(graph, (x, y)).gradient({value: graph.constant(-2.0)})
+    rates = {x: graph.constant(DIRECTION[0]), y: graph.constant(DIRECTION[1])}
+    jet = Direction(graph, rates).jet(value)
+    (tangent,) = differentiate(graph, [value], rates)
+    named = {
+        "f": [value],
+        "slopes": [slopes.get(k, graph.zero) for k in (x, y)],
+        "jet": [jet.first.value(), jet.second.value()],
+        "tangent": [tangent],
+    }
+    kernels = tuple(
+        Kernel(kernel, "", ("q", "modes", "out"), store("out", values, [""] * len(values)))
+        for kernel, values in named.items()
+    )
+    return Program(tuple(graph.values), kernels, (), 1e-9)
+
+
+def out(program: Program, kernel: str, q: list[complex], functions: object = math) -> list[complex]:
+    found = evaluate(program, kernel, {"q": q, "modes": IN_MODES}, functions)["out"]
+    return [found[k] for k in range(len(found))]
+
+
+@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("at", [(0.7, 0.9), (0.35, 1.4), (0.95, 0.2)])
+def test_slopes_of_every_operation(name: str, at: tuple[float, float]) -> None:
+    program = derivatives(name)
+    for k, got in enumerate(out(program, "slopes", list(at))):
+        moved = [a + 1j * STEP * (j == k) for j, a in enumerate(at)]
+        (value,) = out(program, "f", moved, ANALYTIC)
+        assert got == pytest.approx(-2.0 * complex(value).imag / STEP, rel=1e-13, abs=1e-13)
+
+
+@pytest.mark.parametrize("name", TWICE)
+@pytest.mark.parametrize("at", [(0.7, 0.9), (0.35, 1.4), (0.95, 0.2)])
+def test_both_derivatives_along_a_line(name: str, at: tuple[float, float]) -> None:
+    program = derivatives(name)
+    first, second = out(program, "jet", list(at))
+    moved = [a + 1j * STEP * d for a, d in zip(at, DIRECTION, strict=True)]
+    (value,), (tangent,) = (out(program, k, moved, ANALYTIC) for k in ("f", "tangent"))
+    assert first == pytest.approx(complex(value).imag / STEP, rel=1e-13, abs=1e-13)
+    assert second == pytest.approx(complex(tangent).imag / STEP, rel=1e-12, abs=1e-12)
+
+
+def turning_twice() -> tuple[Graph, int, list[int], list[int]]:
+    """x component of A(φ) A(θ) s."""
+    graph = Graph()
+    phi, theta = (graph.input("q", k, f"q_{k}") for k in range(2))
+    rates = [graph.input("v", k, f"v_{k}") for k in range(2)]
+    (c, s), (d, e) = ((graph.function(Op.COS, k), graph.function(Op.SIN, k)) for k in (phi, theta))
+    value = graph.sub(graph.mul(c, d), graph.mul(s, e))
+    return graph, value, [phi, theta], rates
+
+
+def test_two_turns_are_one_by_the_sum_of_their_rates() -> None:
+    graph, value, angles, rates = turning_twice()
+    second = Direction(graph, dict(zip(angles, rates, strict=True))).jet(value).second.value()
+    kernel = Kernel("f", "", ("q", "v"), (Output("out", 0, value), Output("out", 1, second)))
+    program = Program(tuple(graph.values), (kernel,), (), 1e-9)
+    # 4 functions, 2 products and a difference; then the sum, its square, a product, a sign
+    assert operations(program, kernel) == 11
+    found = evaluate(program, "f", {"q": [0.3, 1.1], "v": [2.0, -0.5]}, math)["out"]
+    assert found[1] == pytest.approx(-(1.5**2) * math.cos(1.4), rel=1e-14)
+
+
+def test_a_difference_that_only_its_opposite_needs_is_turned_about() -> None:
+    graph = Graph()
+    x, y = (graph.input("q", k, letter) for k, letter in enumerate("xy"))
+    opposite = graph.neg(graph.sub(x, y))
+    for outputs, expected in (([opposite], 1), ([opposite, graph.sub(x, y)], 2)):
+        kernel = Kernel("f", "", ("q", "out"), store("out", outputs, [""] * len(outputs)))
+        program = Program(turned_about(graph, (kernel,)), (kernel,), (), 1e-9)
+        assert operations(program, kernel) == expected
+        found = evaluate(program, "f", {"q": [3.0, 5.0]}, math)["out"]
+        assert [found[k] for k in range(len(outputs))] == [2.0, -2.0][: len(outputs)]

@@ -1,0 +1,130 @@
+"""Singular positions near a motion: what is found, against dense linear algebra and by hand."""
+
+import numpy as np
+import pytest
+
+from models.hard.n_four_bar import n_four_bar
+from runtime import Machine, load
+from runtime.analyses.equations import Equations
+from runtime.constraints.frames import Frames, weak_values
+from runtime.constraints.layout import unit_entries
+from runtime.constraints.motion import Motion, hermite, nearest, taylor
+from runtime.constraints.ordering import ordered
+from runtime.constraints.scaled import ScaledConstraints
+from runtime.constraints.search import Search
+from runtime.constraints.singular import Positions
+
+LOOPS = 3
+TURNING = -5.0  # rad/s
+
+
+@pytest.fixture(scope="module")
+def machine(request: pytest.FixtureRequest) -> Machine:
+    """A row of three four-bars."""
+    return load(n_four_bar(LOOPS), "fall", folder=request.config.cache.mkdir("hard-machines"))
+
+
+@pytest.fixture(scope="module")
+def scaled(machine: Machine) -> ScaledConstraints:
+    equations = Equations(machine, machine.parameter_values())
+    scale = 1.0 / np.sqrt(np.diag(equations.mass(np.zeros(equations.n))))
+    return equations.scaled(scale, np.arange(equations.m))
+
+
+def parallel(machine: Machine, angle: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """q, v and a with all cranks at one angle, turning at a constant speed."""
+    q, v, a = np.zeros((3, len(machine.coordinates)))
+    c, s = np.cos(angle), np.sin(angle)
+    for j, row in enumerate(machine.coordinates):
+        body, axis = row.name.split(".")
+        kind, number = body.split("_")
+        reach, foot = (0.5, float(number)) if kind == "crank" else (1.0, int(number) - 0.5)
+        if axis == "x":
+            q[j], v[j], a[j] = foot + reach * c, -reach * s * TURNING, -reach * c * TURNING**2
+        elif axis == "y":
+            q[j], v[j], a[j] = reach * s, reach * c * TURNING, -reach * s * TURNING**2
+        elif kind == "crank":
+            q[j], v[j] = angle, TURNING
+    return q, v, a
+
+
+@pytest.mark.parametrize("angle", [0.4, 0.1, 0.01, np.pi + 0.2])
+def test_the_level_position_is_found_where_it_is(
+    machine: Machine, scaled: ScaledConstraints, angle: float
+) -> None:
+    """Every loop loses one constraint there, the motion is on its branch, and nothing is missed."""
+    level = 0.0 if angle < 1.0 else np.pi
+    ahead = (level - angle) / TURNING
+    found = Positions(scaled).near(taylor(0.0, *parallel(machine, angle)), 1.02 * ahead)
+    assert found is not None
+    np.testing.assert_allclose(found.q, parallel(machine, level)[0], rtol=0.0, atol=1e-12)
+    assert found.lost == LOOPS
+    assert found.gap < 1e-13
+    assert found.rate > 0.0
+    # The cubic in time that the motion is continued by lacks as much.
+    assert abs(found.t - ahead) < 2.0 * abs(ahead) ** 3 * TURNING**2
+    assert found.astray < 0.1 * (TURNING * ahead) ** 2 + 1e-9
+
+
+def test_the_rate_is_that_of_the_smallest_singular_value(
+    machine: Machine, scaled: ScaledConstraints
+) -> None:
+    """Also per second, and between vectors of unit length."""
+    at_level = parallel(machine, 0.0)
+    found = Positions(scaled).near(taylor(0.0, *at_level), 0.0)
+    assert found is not None
+    span = 1e-5
+    values = []
+    for s in (-span, span):
+        q = parallel(machine, TURNING * s)[0]
+        values.append(np.linalg.svd(scaled.all_rows(0.0, q), compute_uv=False)[-1])
+    assert found.rate == pytest.approx((values[0] + values[1]) / (2.0 * span), rel=1e-3)
+
+
+def test_weak_rows_are_those_of_small_singular_values(
+    machine: Machine, scaled: ScaledConstraints
+) -> None:
+    """Within an angle of the level position that tells, and nowhere far from it."""
+    for angle, weak in ((0.2, LOOPS), (0.02, LOOPS), (1.5, 0)):
+        search = Search(scaled, Frames(scaled), taylor(0.0, *parallel(machine, angle)), 5.0)
+        entries = np.empty(scaled.places[0].size)
+        unit_entries(search.table, 5.0, search.series[0], entries)
+        values = np.linalg.svd(scaled.dense(entries), compute_uv=False)
+        assert search.weak(0.0) == weak_values(values) == weak
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_full_pivoting_factors_a_sparse_matrix(seed: int) -> None:
+    """P A Q = L U with pivots that nothing left is larger than; equal entries go by their place."""
+    random = np.random.default_rng(seed)
+    dense = np.where(random.random((9, 11)) < 0.3, random.integers(-2, 3, (9, 11)), 0).astype(float)
+    dense[4] = dense[2] - dense[7]
+    rows, columns = (np.ascontiguousarray(places) for places in np.nonzero(dense))
+    a, row_order, column_order = np.zeros((9, 11)), np.zeros(9, np.int64), np.zeros(11, np.int64)
+    entries = np.ascontiguousarray(dense[rows, columns])
+    rank = ordered(entries, rows, columns, 1e-10, a, row_order, column_order)
+    assert rank == np.linalg.matrix_rank(dense)
+    lower = np.tril(a[:, :rank], -1) + np.eye(9, rank)
+    upper = np.triu(a[:rank])
+    np.testing.assert_allclose(lower @ upper, dense[row_order][:, column_order], atol=1e-12)
+    assert np.abs(lower).max() <= 1.0 + 1e-8
+    assert np.all(np.abs(np.diag(upper)) * (1.0 + 1e-8) >= np.abs(upper).max(axis=1))
+    largest = np.abs(dense).max()
+    first = np.argwhere(np.abs(dense) == largest)[0]
+    assert (row_order[0], column_order[0]) == tuple(first)
+
+
+def test_a_quintic_has_what_both_ends_have() -> None:
+    """And is nearest to a place that it passes when it passes it."""
+    t, h = 2.0, 0.3
+    series = np.random.default_rng(1).normal(size=(6, 4))
+
+    def state(s: float) -> tuple[np.ndarray, ...]:
+        derivatives = [np.polynomial.polynomial.polyder(series, k) for k in range(3)]
+        return tuple(np.polynomial.polynomial.polyval(s, one) for one in derivatives)
+
+    made = hermite(t, h, state(0.0), state(h))
+    np.testing.assert_allclose(made.series, series, rtol=1e-10, atol=1e-10)
+    passed = Motion(t, series).scaled(np.ones(4), 1.0)
+    z = np.append(state(0.1)[0], 0.0)
+    assert nearest(passed, 0.11, z) == pytest.approx(0.1, abs=1e-6)
