@@ -29,7 +29,9 @@ def solve(
         for state, slope in zip(states, slopes, strict=True)
     ]
     for tolerance in (*TOLERANCES, 1e-14, 1e-15):
-        integrator = heyoka.taylor_adaptive(system, list(start), tol=tolerance, compact_mode=False)
+        integrator = heyoka.taylor_adaptive(
+            system, list(start), tol=tolerance, compact_mode=len(start) > 8
+        )
 
         def run(integrator: Any = integrator) -> Any:
             integrator.time = 0.0
