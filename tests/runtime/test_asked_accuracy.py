@@ -265,3 +265,22 @@ def test_what_is_no_number_in_one_run_only_is_a_difference(thrown: Machine) -> N
     found = difference(t, np.array([[nan], [1.0]]), np.array([[nan], [nan]]), chosen)
     assert found.scaled[0, 0] == 0.0
     assert np.isinf(found.scaled[1, 0])
+
+
+def test_an_instant_without_a_number_hides_no_other(thrown: Machine) -> None:
+    """Reactions are nan at a singular position; the instants around it are compared as ever."""
+    chosen = columns(thrown.description, ("hinge.fx",), np.ones(6))
+    t, first = np.array([0.0, 1.0, 2.0]), np.array([[8.0], [np.nan], [5.0]])
+    found = difference(t, first, first + 2.0, chosen)
+    np.testing.assert_allclose(found.scaled[:, 0], [0.1, 0.0, 2.0 / 17.0])
+    whole = difference(t, first, first + 2.0, chosen, np.array([90.0]))
+    np.testing.assert_allclose(whole.scaled[:, 0], [0.02, 0.0, 2.0 / 97.0])
+
+
+def test_parts_of_a_force_are_measured_by_the_force(thrown: Machine) -> None:
+    result = thrown.simulate(0.5, [0.25, 0.5], progress=False)
+    most = [np.abs(result.series(f"hinge.{part}")[0]).max() for part in ("fx", "fy")]
+    assert max(most) > min(most) > 0.0
+    chosen = columns(thrown.description, ("hinge.fx", "hinge.fy", "total"), np.ones(6))
+    energies = np.abs(result.samples.energy).max()
+    np.testing.assert_allclose(chosen.wholes(result), [max(most), max(most), energies])

@@ -60,11 +60,12 @@ _MOST_RUNS = 8
 
 @dataclass(frozen=True)
 class _Run:
-    """A run, its options, its values, and the processor time that it took."""
+    """A run, its options, its values, what they are parts of, and the processor time it took."""
 
     options: Options
     path: Trajectory
     values: FloatArray
+    wholes: FloatArray
     seconds: float
 
     @property
@@ -198,7 +199,7 @@ class _Search:
         """A tighter run, and its difference from the last one."""
         new = self._run(choice, rtol)
         count = min(len(old.t), len(new.t))
-        found = difference(new.t[:count], old.values, new.values, self.of)
+        found = difference(new.t[:count], old.values, new.values, self.of, new.wholes)
         self._note(choice, new, found.largest)
         return new, found
 
@@ -213,9 +214,11 @@ class _Search:
         path = self.ready.run(choice.taken, options, self.progress)
         seconds = clock.process_time() - began
         if self.of.of_state:
-            return _Run(options, path, self.of.of_run(path.q, path.v), seconds)
+            values = self.of.of_run(path.q, path.v)
+            return _Run(options, path, values, np.zeros(values.shape[1]), seconds)
         made = finished(self.ready, choice.taken, options, clock.perf_counter(), silent, path)
-        return _Run(options, path, self.of.of_result(made)[: len(path.t)], seconds)
+        values = self.of.of_result(made)[: len(path.t)]
+        return _Run(options, path, values, self.of.wholes(made), seconds)
 
     def _note(self, choice: Choice, run: _Run, gap: float | None) -> None:
         counts = run.path.statistics
