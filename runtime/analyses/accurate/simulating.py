@@ -56,6 +56,7 @@ _NEXT = 0.01  # rtol of the next run by that of the last, where nothing can be t
 _GRAIN = 2e-13  # rtol from which on rounding keeps errors from falling any further
 _ROUGH = 0.1  # least share of a difference that is counted upon where the motion parts later
 _MOST_RUNS = 8
+_ORDER, _ORDERS = 5, {"dop853": 8}  # powers of the step with which errors fall
 
 
 @dataclass(frozen=True)
@@ -168,6 +169,8 @@ class _Search:
             share = falls**_SURE if known else 1.0
             if found.largest >= LOST:
                 share = max(share, _ROUGH)
+            if found.largest <= _GRAIN:  # rounding, in both runs alike
+                share = 1.0
             enough = known and found.largest < LOST and share * found.largest <= self.asked
             if enough or unable or rtol <= _TIGHTEST or len(self.trials) >= _MOST_RUNS:
                 break
@@ -208,6 +211,7 @@ class _Search:
             self.options,
             method=cast(Literal["dop853"], choice.method),
             rtol=rtol,
+            h_max=self._longest(choice, rtol),
             correction=choice.taken.correction,
         )
         began = clock.process_time()
@@ -219,6 +223,17 @@ class _Search:
         made = finished(self.ready, choice.taken, options, clock.perf_counter(), silent, path)
         values = self.of.of_result(made)[: len(path.t)]
         return _Run(options, path, values, self.of.wholes(made), seconds)
+
+    def _longest(self, choice: Choice, rtol: float) -> float | None:
+        """The longest step: where it is what bounds the error, it has to fall as tolerances do.
+
+        Else all runs are one, and do not differ by what they all have wrong.
+        """
+        longest = self.options.h_max
+        if longest is None or not self.trials:
+            return longest
+        order = _ORDERS.get(choice.method, _ORDER)
+        return longest * float(min(rtol / self.trials[0].rtol, 1.0) ** (1.0 / order))
 
     def _note(self, choice: Choice, run: _Run, gap: float | None) -> None:
         counts = run.path.statistics
