@@ -12,7 +12,6 @@ import sympy
 from sympy.core.relational import Relational
 
 from codegen.declare.interpolant import Interpolant
-from codegen.declare.symbols import Acceleration, Coordinate, Multiplier, Parameter, Velocity
 from codegen.derive.switching import switching_function
 from codegen.errors import ModelError
 from codegen.lower.graph import Graph
@@ -32,7 +31,6 @@ FUNCTIONS = {
     sympy.exp: Op.EXP,
     sympy.log: Op.LOG,
 }
-RANKS = (Parameter, Coordinate, Velocity, Acceleration, Multiplier)
 
 
 class Translator:
