@@ -5,8 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from codegen.errors import AnalysisError
 from runtime.analyses.accurate.comparing import Difference, columns, difference, tenfold
 from runtime.machine import Machine
+from runtime.outcomes import Outcome
 from tests.runtime.test_asked_accuracy import of
 
 
@@ -87,6 +89,29 @@ def test_what_the_longest_step_bounds_is_estimated_too(
         for x, y in [(found.series(row.name)[0], exact.series(row.name)[0])]
     )
     assert worst / 10.0 < told.estimated < 0.1
+
+
+def test_what_was_not_compared_is_not_told(root: Path, workshop: Path) -> None:
+    """The tighter run uses its steps up before the looser one: what follows is not delivered."""
+    pendulum = of(root, workshop, "hard/pendulum", "point")
+    for steps in (160, 250):
+        found = pendulum.simulate(20.0, accuracy=1e-5, max_steps=steps, progress=False)
+        checked = pendulum.simulate(
+            20.0, rtol=found.accuracy.runs[-1].rtol, max_steps=steps, progress=False
+        )
+        assert checked.outcome is Outcome.MAX_STEPS
+        assert found.outcome is Outcome.INACCURATE
+        assert found.t[-1] <= checked.t[-1]
+        assert found.accuracy.horizon == found.t[-1]
+        assert "ends before (MAX_STEPS)" in found.message
+
+
+def test_an_instant_that_is_right_is_kept_though_it_is_the_only_one(thrown: Machine) -> None:
+    found = thrown.simulate(30.0, [10.0, 30.0], accuracy=1e-6, progress=False)
+    assert found.outcome is Outcome.INACCURATE
+    assert found.t.tolist() == [10.0]
+    with pytest.raises(AnalysisError, match=r"first instant, t = 30 s"):
+        thrown.simulate(30.0, [30.0], accuracy=1e-6, progress=False)
 
 
 def test_rounding_is_not_taken_to_fall(thrown: Machine) -> None:

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from codegen.errors import AnalysisError
 from runtime.analyses.accurate.answer import Accuracy, Estimate, Trial
 from runtime.analyses.accurate.comparing import LOST, Columns, Difference, tenfold
@@ -58,7 +60,9 @@ def told(
     found, share, delivered = pair.found, pair.share, pair.delivered
     of_all = share if found.largest < LOST else 1.0
     count = found.within(min(asked / share, LOST))
-    reached = len(made.t) if made.outcome is Outcome.OK else len(found.t)
+    reached = len(made.t)
+    if made.outcome is not Outcome.OK and reached - len(found.t) <= 1:
+        reached = len(found.t)  # both end by themselves, on either side of an instant
     whole = count >= min(reached, len(found.t)) and len(found.t) >= reached
     accuracy = Accuracy(
         asked=asked,
@@ -75,7 +79,8 @@ def told(
     )
     made.accuracy = accuracy
     if not whole:
-        if count < 2:
+        nothing = 1 if found.scaled[:1].any() else 2  # the start alone is no motion
+        if count < nothing:
             raise AnalysisError(_refusal(made, accuracy, found))
         _cut(made, count)
         made.message = _ends(made, accuracy, found)
@@ -106,6 +111,9 @@ def _means(pair: Pair, reasons: Sequence[str]) -> str:
         text += f", and the tighter one is taken to err by {pair.share:.2g} times that"
     if other.events != delivered.events:
         text += f"; they have {other.events} and {delivered.events} events"
+    for trial in (other, delivered):
+        if trial.outcome != Outcome.OK.name:
+            text += f"; that at rtol = {trial.rtol:.1e} ends before ({trial.outcome})"
     for reason in reasons:
         text += f"; {reason}"
     return f"{text}."
@@ -122,17 +130,24 @@ def _ends(made: Result, accuracy: Accuracy, found: Difference) -> str:
     return (
         f"The accuracy of {accuracy.asked:.1e} is had up to t = {accuracy.horizon:.6g} s. Over all "
         f"{found.t[-1] - found.t[0]:.6g} s the error would be about {accuracy.estimated:.1e} at "
-        f"rtol = {accuracy.rtol:.1e}.{growth} {Outcome.INACCURATE.advice}"
+        f"rtol = {accuracy.rtol:.1e}.{growth} {accuracy.means} {Outcome.INACCURATE.advice}"
     )
 
 
 def _refusal(made: Result, accuracy: Accuracy, found: Difference) -> str:
     worst = accuracy.quantities[0]
     return (
-        f"{made.description.title}: an accuracy of {accuracy.asked:.1e} cannot be had, not even at "
-        f"the beginning: at rtol = {accuracy.rtol:.1e} the error of {worst.name} is estimated as "
-        f"{worst.error:.1e}, over all the time asked. {accuracy.means} Ask for no less than that."
+        f"{made.description.title}: an accuracy of {accuracy.asked:.1e} cannot be had, not even up "
+        f"to the first instant, t = {_first(made, found):.6g} s: at rtol = {accuracy.rtol:.1e} "
+        f"the error of {worst.name} is estimated as {worst.error:.1e}, over all the time "
+        f"asked. {accuracy.means} Ask for no less than that."
     )
+
+
+def _first(made: Result, found: Difference) -> float:
+    """The first instant at which the runs differ, s; of a run that was not compared, its first."""
+    differs = np.flatnonzero(found.over_time > 0.0)
+    return float(found.t[differs[0]] if len(differs) else made.t[0])
 
 
 def _cut(made: Result, count: int) -> None:
