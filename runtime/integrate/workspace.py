@@ -58,6 +58,8 @@ _FLOATS = [
     "rtol",
     "error",  # of the last trial step, over the tolerance
     "error_old",  # of the last accepted step
+    "remembered",  # error of the last step, as it counts for the next one's length; 0: none
+    "length_old",  # of that step
     "exponent",  # of the step control, 1 over the order of the error
     "beta",
     "safety",
