@@ -115,7 +115,7 @@ _INTEGERS = [
     "logged_repartitions",  # rows of the partition log written
     "rank",  # of the Jacobian
     "check_in",  # steps to the next probe of the partition
-    "probe",  # independent coordinate whose turn it is
+    "probe",  # how often the partition was probed
     "weak",  # accepted states in a row with a weak pivot
     "weak_row",  # 1 + constraint of the weak pivot
     "reason",  # why the last trial step was rejected
