@@ -28,9 +28,7 @@ from runtime.outcomes import Outcome
 from runtime.results.singular import SingularPosition
 
 _CHUNK = 4096
-_KNOWN = (
-    1e-9  # of a zone's reach: within that its instant is known, and an end there is no crossing
-)
+_KNOWN = 1e-9  # of a zone's reach: how well its instant is known
 _SAME = 1e-8  # scaled: positions that are one but for rounding near a singular position
 
 
