@@ -18,6 +18,9 @@ from codegen.lower.tangent import slopes_of
 PLANE = frozenset({Op.CONST, Op.INPUT, Op.ADD, Op.SUB, Op.NEG, Op.MUL, Op.SIN, Op.COS})
 """What vectors in a plane are made of."""
 
+BREAKING = frozenset({Op.DIV, Op.SQRT, Op.POW, Op.LOG, Op.TAN, Op.ASIN, Op.ACOS, Op.ATAN2})
+"""Operations that have no finite value or slope everywhere."""
+
 
 class Slopes:
     """Partial derivatives by walks back.
@@ -64,6 +67,9 @@ class Slopes:
                 if self._ends(number):
                     for mover in self._movers(number):
                         found[mover] = found[mover].plus(self._leaf(share.single(), number, mover))
+                elif graph.values[number].op is Op.SELECT and self._breaks(number):
+                    for mover, slope in self._chosen(number).items():
+                        found[mover] = found[mover].plus(share.times(slope))
                 else:
                     self._back(waiting, number, share.single())
         totals = {k: parts.value() for k, parts in found.items() if parts}
@@ -90,6 +96,27 @@ class Slopes:
             return True
         two = movers.bit_count() == 2 and graph.values[number].op in (Op.ADD, Op.SUB)
         return two and all(graph.values[k].op in PLANE for k in reached(graph, [number]))
+
+    def _breaks(self, number: int) -> bool:
+        """Whether a side of a choice may have no slope where it does not hold."""
+        graph = self.graph
+        _, *sides = graph.values[number].args
+        inside = reached(graph, sides)
+        return any(graph.values[k].op in BREAKING and not graph.settled[k] for k in inside)
+
+    def _chosen(self, number: int) -> dict[int, int]:
+        """Slopes of a choice, each of the side that holds.
+
+        A weight of zero for the other side would not do: zero times nan, which is the slope of
+        δ^1.5 without contact, is nan.
+        """
+        graph = self.graph
+        condition, *sides = graph.values[number].args
+        yes, no = (self.gradient({side: graph.one}) for side in sides)
+        return {
+            mover: graph.select(condition, yes.get(mover, graph.zero), no.get(mover, graph.zero))
+            for mover in sorted({*yes, *no})
+        }
 
     def _hand(self, waiting: dict[int, Parts], number: int, share: Parts) -> None:
         if self.graph.movers[number] & self._all:
@@ -191,9 +218,9 @@ def rotation(graph: Graph, number: int) -> tuple[int, int, tuple[tuple[int, int]
     if len(found) < 2 or len(angles) > 1:
         return None
     (c, a), (s, b) = found[Op.COS], found[Op.SIN]
-    first_is_cosine = graph.values[value.args[0]].args.count(c) > 0
     cosine, sine = graph.one, graph.one
     if value.op is Op.SUB:
+        first_is_cosine = next(iter(found)) is Op.COS  # the other may have a cosine as well
         cosine, sine = (cosine, graph.neg(sine)) if first_is_cosine else (graph.neg(cosine), sine)
     slope = graph.sub(graph.mul(sine, graph.mul(b, c)), graph.mul(cosine, graph.mul(a, s)))
     return angles.pop(), slope, ((a, graph.mul(cosine, c)), (b, graph.mul(sine, s)))

@@ -1,6 +1,7 @@
 """Walks back and forward through values, against complex steps and against each other."""
 
 import math
+from types import SimpleNamespace
 
 import pytest
 
@@ -16,6 +17,8 @@ from tests.codegen.lower.test_tangent import ANALYTIC, EVERY, IN_MODES
 from tests.codegen.workbench import STEP
 
 DIRECTION = (0.8, -1.7)
+NO_ERROR = SimpleNamespace(sqrt=lambda x: math.sqrt(x) if x >= 0.0 else math.nan)
+"""As machine code has it."""
 TWICE = sorted(EVERY.keys() - {"spline 2", "spline 3"})
 """Splines have a third derivative that jumps, and none after it."""
 
@@ -99,3 +102,49 @@ def test_a_difference_that_only_its_opposite_needs_is_turned_about() -> None:
         assert operations(program, kernel) == expected
         found = evaluate(program, "f", {"q": [3.0, 5.0]}, math)["out"]
         assert [found[k] for k in range(len(outputs))] == [2.0, -2.0][: len(outputs)]
+
+
+@pytest.mark.parametrize("sine_first", [True, False])
+@pytest.mark.parametrize("turned", [True, False])
+def test_a_difference_of_products_with_sine_and_cosine_in_both(
+    sine_first: bool, turned: bool
+) -> None:
+    """sin θ cos θ - x y cos θ is no component of a turned vector's usual form."""
+    graph = Graph()
+    angle, x, y = inputs = [graph.input("q", k, letter) for k, letter in enumerate("axy")]
+    ops = (Op.SIN, Op.COS) if sine_first else (Op.COS, Op.SIN)
+    made = {op: graph.function(op, angle) for op in ops}
+    pair = [
+        graph.mul(made[Op.SIN], made[Op.COS]),
+        graph.mul(made[Op.COS], graph.mul(x, y)),
+    ]
+    value = graph.sub(*(pair[::-1] if turned else pair))
+    slopes = Slopes(graph, inputs).gradient({value: graph.one})
+    kernel = Kernel("f", "", ("q",), store("out", [slopes[k] for k in inputs], [""] * 3))
+    found = evaluate(
+        Program(tuple(graph.values), (kernel,), (), 1e-9), "f", {"q": [0.7, 1.3, -0.4]}, math
+    )["out"]
+    sign = -1.0 if turned else 1.0
+    exact = (
+        math.cos(1.4) + 1.3 * -0.4 * math.sin(0.7),
+        0.4 * math.cos(0.7),
+        -1.3 * math.cos(0.7),
+    )
+    assert [found[k] for k in range(3)] == pytest.approx([sign * e for e in exact], rel=1e-14)
+
+
+@pytest.mark.parametrize(("mode", "size"), [(1, 1.0), (0, 0.0)])
+def test_slopes_that_are_no_number_where_a_choice_does_not_hold(mode: int, size: float) -> None:
+    """3 δ^1.5 in contact, 0 without, δ = x y + z below zero: a walk back is no product with nan."""
+    graph = Graph()
+    x, y, z = inputs = [graph.input("q", k, letter) for k, letter in enumerate("xyz")]
+    depth = graph.add(graph.mul(x, y), z)
+    energy = graph.mul(depth, graph.function(Op.SQRT, depth))
+    value = graph.mul(graph.constant(3.0), graph.select(graph.mode(0), energy, graph.zero))
+    slopes = Slopes(graph, inputs).gradient({value: graph.one})
+    kernel = Kernel("f", "", ("q", "modes"), store("out", [slopes[k] for k in inputs], [""] * 3))
+    program = Program(tuple(graph.values), (kernel,), (), 1e-9)
+    arguments = {"q": [2.0, 1.5 if mode else -1.5, 0.25], "modes": [mode]}
+    found = evaluate(program, "f", arguments, NO_ERROR)["out"]
+    force = 4.5 * math.sqrt(3.25) * size
+    assert [found[k] for k in range(3)] == pytest.approx([1.5 * force, 2.0 * force, force])
