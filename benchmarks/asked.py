@@ -256,4 +256,4 @@ def _error(truth: "Result", values: Array, of: "Columns") -> float:
     from runtime.analyses.accurate.comparing import difference
 
     count = len(values)
-    return difference(truth.t[:count], values, of.of_result(truth), of).largest
+    return difference(truth.t[:count], values, of.of_result(truth), of, of.wholes(truth)).largest

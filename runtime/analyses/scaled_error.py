@@ -16,8 +16,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from runtime.results.result import ENERGIES
+
 if TYPE_CHECKING:
     from runtime.description import Description
+    from runtime.results.result import Result
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -74,14 +77,40 @@ class Errors:
     each: dict[str, float]
 
 
+def kindred(result: "Result", name: str) -> float:
+    """Largest magnitude in a run of what a series is a part of; 0 of one that stands alone.
+
+    The total energy of a machine without losses is zero or nearly so where the potential is counted
+    from a convenient height, and a bearing may bear nothing in one direction: what is left there is
+    rounding, and no measure of itself.
+    """
+    told = result.description
+    if name in ENERGIES:
+        return _largest(result.samples.energy)
+    for row in told.reactions:
+        if name == f"{row.element}.{row.component}":
+            return max(
+                _largest(result.reaction(other.element, other.component))
+                for other in told.reactions
+                if (other.element, other.unit) == (row.element, row.unit)
+            )
+    return 0.0
+
+
+def _largest(values: FloatArray) -> float:
+    """Largest magnitude of the finite ones."""
+    return float(np.abs(np.where(np.isfinite(values), values, 0.0)).max(initial=0.0))
+
+
 def scales(
     names: Sequence[str], units: Sequence[str], told: "Description", sizes: FloatArray,
-    reference: FloatArray,
+    reference: FloatArray, whole: Sequence[float] | None = None,
 ) -> tuple[Scale, ...]:  # fmt: skip
     """The scale of each quantity.
 
     Positions have the machine's typical sizes: 1 rad, and a length. Velocities and all else have
-    the largest magnitude in the reference, velocities at rest the typical size a second.
+    the largest magnitude in the reference, velocities at rest the typical size a second, parts of
+    a joint's force that of the force, energies that of all.
 
     Parameters
     ----------
@@ -90,8 +119,12 @@ def scales(
     sizes : (n,)
         Typical sizes of the coordinates: `runtime.analyses.magnitudes`.
     reference : (k, j)
+    whole : (j,)
+        What each is a part of: see `kindred`.
     """
-    largest = np.abs(reference).max(axis=0, initial=0.0)
+    largest = np.array([_largest(column) for column in reference.T])
+    if whole is not None:
+        largest = np.maximum(largest, whole)
     size_of = {row.name: float(size) for row, size in zip(told.coordinates, sizes, strict=True)}
     rate_of = {row.velocity: size_of[row.name] for row in told.coordinates}
     found = []
@@ -107,10 +140,14 @@ def scales(
 
 
 def scaled(found: FloatArray, reference: FloatArray, by: Sequence[Scale]) -> FloatArray:
-    """e_j(t), (k, j); infinite where the run has no finite number."""
+    """e_j(t), (k, j); infinite where the run has no finite number, 0 where the reference has none.
+
+    At a singular position there are no accelerations and no reactions.
+    """
     size = np.array([scale.value for scale in by])
     error = np.abs(found - reference) / (size + np.abs(reference))
-    return np.where(np.isfinite(error), error, np.inf)
+    error = np.where(np.isfinite(error), error, np.inf)
+    return np.where(np.isfinite(reference), error, 0.0)
 
 
 def errors(found: FloatArray, reference: FloatArray, by: Sequence[Scale]) -> Errors:
@@ -123,7 +160,8 @@ def errors(found: FloatArray, reference: FloatArray, by: Sequence[Scale]) -> Err
     """
     e = scaled(found, reference, by)
     size = np.array([scale.value for scale in by])
-    relative = e * (size + np.abs(reference)) / np.maximum(size, np.abs(reference))
+    r = np.where(np.isfinite(reference), np.abs(reference), 0.0)
+    relative = e * (size + r) / np.maximum(size, r)
     moving = np.array([scale.group in MOTION for scale in by])
     counts = moving if moving.any() else ~moving
     groups: dict[str, float] = {}

@@ -12,7 +12,6 @@ from typer.testing import CliRunner
 from codegen.errors import InputError
 from codegen.write import write_if_changed
 from runtime import load
-from runtime.analyses.accurate.comparing import Difference, columns, difference, tenfold
 from runtime.cli import app
 from runtime.machine import Machine
 from runtime.outcomes import Outcome
@@ -227,41 +226,3 @@ def test_command_line(thrown: Machine, workshop: Path, monkeypatch: pytest.Monke
     done = CliRunner().invoke(app, [*command, "--rtol", "1e-8"])
     assert done.exit_code == 2
     assert "Leave one of them out" in done.stderr
-
-
-# The difference of two runs
-
-
-def of_growth(error: np.ndarray, t: np.ndarray) -> Difference:
-    return Difference(t, error[:, None], np.ones(1))
-
-
-def test_exponential_growth_is_told_from_powers_of_time() -> None:
-    t = np.linspace(0.0, 10.0, 401)
-    wave = 1.0 + 0.5 * np.sin(30.0 * t)
-    assert tenfold(of_growth(1e-11 * 10.0 ** (t / 1.5) * wave, t)) == pytest.approx(1.5, rel=0.1)
-    for power in (0, 1, 2, 3):
-        assert tenfold(of_growth(1e-8 * t**power * wave, t)) is None
-    assert tenfold(of_growth(np.zeros(401), t)) is None
-
-
-def test_errors_are_scaled_by_size_and_value(thrown: Machine) -> None:
-    told = thrown.description
-    sizes = np.full(len(told.coordinates), 2.0)
-    chosen = columns(told, ("upper.x", "hinge.fx"), sizes)
-    assert not chosen.of_state
-    t = np.array([0.0, 1.0])
-    first, second = np.array([[1.0, 8.0], [1.0, 0.0]]), np.array([[1.5, 10.0], [1.0, 0.0]])
-    found = difference(t, first, second, chosen)
-    np.testing.assert_allclose(found.scaled, [[0.5 / 3.5, 2.0 / 20.0], [0.0, 0.0]])
-    np.testing.assert_allclose(found.scales, [2.0, 10.0])
-    assert found.within(0.2) == 2
-    assert found.within(0.1) == 0
-
-
-def test_what_is_no_number_in_one_run_only_is_a_difference(thrown: Machine) -> None:
-    chosen = columns(thrown.description, ("hinge.fx",), np.ones(6))
-    t, nan = np.array([0.0, 1.0]), np.nan
-    found = difference(t, np.array([[nan], [1.0]]), np.array([[nan], [nan]]), chosen)
-    assert found.scaled[0, 0] == 0.0
-    assert np.isinf(found.scaled[1, 0])

@@ -1,8 +1,9 @@
 """How accurate a simulation is found to be, and by what means."""
 
-import math
 from dataclasses import asdict, dataclass
 from typing import Any
+
+from runtime.analyses.plain import plain
 
 
 @dataclass(frozen=True)
@@ -122,15 +123,5 @@ class Accuracy:
 
     def facts(self) -> dict[str, Any]:
         """All of it as JSON knows it; what is no finite number becomes null."""
-
-        def plain(value: Any) -> Any:
-            if isinstance(value, dict):
-                return {name: plain(inner) for name, inner in value.items()}
-            if isinstance(value, list | tuple):
-                return [plain(inner) for inner in value]
-            if isinstance(value, float) and not math.isfinite(value):
-                return None
-            return value
-
         found: dict[str, Any] = plain(asdict(self))
         return {**found, "reached": self.reached, "chaotic": self.chaotic}

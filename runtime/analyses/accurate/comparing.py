@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
+from runtime.analyses.scaled_error import kindred
 
 if TYPE_CHECKING:
     from runtime.description import Description
@@ -33,7 +34,7 @@ class Columns:
     names
         Of the series.
     scales : (c,)
-        Their typical sizes; NaN: the largest value of the run.
+        Their typical sizes; NaN: the largest value of the run, of a part that of the whole.
     places : (c,)
         Columns of [q, v] in which they stand; -1: a series of a result, such as a reaction.
     """
@@ -56,6 +57,14 @@ class Columns:
         """The values, (k, c)."""
         columns = [result.series(name)[0] for name in self.names]
         return np.stack(columns, axis=1) if columns else np.zeros((len(result.t), 0))
+
+    def wholes(self, result: "Result") -> FloatArray:
+        """Largest magnitudes of what the series are parts of, (c,); 0 of those with a size."""
+        found = [
+            kindred(result, name) if np.isnan(scale) else 0.0
+            for name, scale in zip(self.names, self.scales.tolist(), strict=True)
+        ]
+        return np.array(found)
 
 
 def columns(told: "Description", names: Sequence[str] | None, sizes: FloatArray) -> Columns:
@@ -119,7 +128,13 @@ class Difference:
         return int(np.searchsorted(self.over_time, limit, side="right"))
 
 
-def difference(t: FloatArray, first: FloatArray, second: FloatArray, of: Columns) -> Difference:
+def difference(
+    t: FloatArray,
+    first: FloatArray,
+    second: FloatArray,
+    of: Columns,
+    wholes: FloatArray | None = None,
+) -> Difference:
     """Compare two runs at their common instants.
 
     Parameters
@@ -128,10 +143,15 @@ def difference(t: FloatArray, first: FloatArray, second: FloatArray, of: Columns
         Instants of the shorter run, with which both begin.
     first, second : (≥ k, c)
         Their values.
+    wholes : (c,)
+        What series without a size of their own are parts of: see `Columns.wholes`.
     """
     count = len(t)
     old, new = first[:count], second[:count]
-    scales = np.where(np.isnan(of.scales), np.abs(new).max(axis=0, initial=0.0), of.scales)
+    # Reactions are no numbers at a singular position, and have a size for all that.
+    largest = np.abs(np.where(np.isnan(new), 0.0, new)).max(axis=0, initial=0.0)
+    largest = largest if wholes is None else np.maximum(largest, wholes)
+    scales = np.where(np.isnan(of.scales), largest, of.scales)
     gap, base = np.abs(old - new), scales + np.abs(new)
     # A series that is zero all the time in both runs has no size, and no error.
     scaled = np.divide(gap, base, out=np.zeros_like(gap), where=gap > 0.0)

@@ -56,15 +56,17 @@ _NEXT = 0.01  # rtol of the next run by that of the last, where nothing can be t
 _GRAIN = 2e-13  # rtol from which on rounding keeps errors from falling any further
 _ROUGH = 0.1  # least share of a difference that is counted upon where the motion parts later
 _MOST_RUNS = 8
+_ORDER, _ORDERS = 5, {"dop853": 8}  # powers of the step with which errors fall
 
 
 @dataclass(frozen=True)
 class _Run:
-    """A run, its options, its values, and the processor time that it took."""
+    """A run, its options, its values, what they are parts of, and the processor time it took."""
 
     options: Options
     path: Trajectory
     values: FloatArray
+    wholes: FloatArray
     seconds: float
 
     @property
@@ -167,6 +169,8 @@ class _Search:
             share = falls**_SURE if known else 1.0
             if found.largest >= LOST:
                 share = max(share, _ROUGH)
+            if found.largest <= _GRAIN:  # rounding, in both runs alike
+                share = 1.0
             enough = known and found.largest < LOST and share * found.largest <= self.asked
             if enough or unable or rtol <= _TIGHTEST or len(self.trials) >= _MOST_RUNS:
                 break
@@ -198,7 +202,7 @@ class _Search:
         """A tighter run, and its difference from the last one."""
         new = self._run(choice, rtol)
         count = min(len(old.t), len(new.t))
-        found = difference(new.t[:count], old.values, new.values, self.of)
+        found = difference(new.t[:count], old.values, new.values, self.of, new.wholes)
         self._note(choice, new, found.largest)
         return new, found
 
@@ -207,15 +211,29 @@ class _Search:
             self.options,
             method=cast(Literal["dop853"], choice.method),
             rtol=rtol,
+            h_max=self._longest(choice, rtol),
             correction=choice.taken.correction,
         )
         began = clock.process_time()
         path = self.ready.run(choice.taken, options, self.progress)
         seconds = clock.process_time() - began
         if self.of.of_state:
-            return _Run(options, path, self.of.of_run(path.q, path.v), seconds)
+            values = self.of.of_run(path.q, path.v)
+            return _Run(options, path, values, np.zeros(values.shape[1]), seconds)
         made = finished(self.ready, choice.taken, options, clock.perf_counter(), silent, path)
-        return _Run(options, path, self.of.of_result(made)[: len(path.t)], seconds)
+        values = self.of.of_result(made)[: len(path.t)]
+        return _Run(options, path, values, self.of.wholes(made), seconds)
+
+    def _longest(self, choice: Choice, rtol: float) -> float | None:
+        """The longest step: where it is what bounds the error, it has to fall as tolerances do.
+
+        Else all runs are one, and do not differ by what they all have wrong.
+        """
+        longest = self.options.h_max
+        if longest is None or not self.trials:
+            return longest
+        order = _ORDERS.get(choice.method, _ORDER)
+        return longest * float(min(rtol / self.trials[0].rtol, 1.0) ** (1.0 / order))
 
     def _note(self, choice: Choice, run: _Run, gap: float | None) -> None:
         counts = run.path.statistics

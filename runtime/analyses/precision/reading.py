@@ -31,13 +31,23 @@ def time_at(line: Line, error: float) -> float | None:
     """Time in s at which a line reaches a scaled error, None where it does not.
 
     On the straight line between two runs in logarithms, where the first to reach it comes after one
-    that does not; of the run itself where it is the loosest.
+    that does not; of the run itself where it is the loosest. A tighter run that is faster reaches
+    it as well, so that no accuracy takes longer than a better one.
     """
+    found = _first_time(line, error)
+    if found is None:
+        return None
+    better = (p.seconds for p in line.done if p.errors and p.errors.worst <= error)
+    return min(found, *better)
+
+
+def _first_time(line: Line, error: float) -> float | None:
+    """That of the first to reach it, or on the way to it."""
     before: Point | None = None
     for point in line.done:
         assert point.errors is not None
         if point.errors.worst <= error:
-            if before is None or before.errors is None:
+            if before is None or before.errors is None or math.isinf(before.errors.worst):
                 return point.seconds
             far, near = math.log(before.errors.worst), math.log(max(point.errors.worst, 1e-17))
             share = (far - math.log(error)) / (far - near)

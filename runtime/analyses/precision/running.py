@@ -136,11 +136,18 @@ def take_turns(
         if watch.seconds < least:
             watch.times.clear()
     while waiting:
+        lost = []
         for setting, rtol, watch in waiting:
-            runner.run(setting, rtol, watch)
+            _, outcome = runner.run(setting, rtol, watch)
+            if outcome != DONE:
+                # Others had the processor until the limit: that is not the time of a whole run.
+                lost.append(watch)
+                if len(watch.times) > 1:
+                    watch.times.pop()
         waiting = [
             (setting, rtol, watch)
             for setting, rtol, watch in waiting
-            if len(watch.times) < (MOST if sum(watch.times) < least else rounds)
+            if watch not in lost
+            and len(watch.times) < (MOST if sum(watch.times) < least else rounds)
             and watch.seconds < least
         ]

@@ -21,7 +21,7 @@ from runtime.analyses.precision.answer import DONE, Check, Reference, Setting
 from runtime.analyses.precision.asked import Given, columns, named
 from runtime.analyses.precision.grid import TIGHTEST
 from runtime.analyses.precision.running import Runner, Stopwatch
-from runtime.analyses.scaled_error import Errors, Scale, errors, scaled, scales
+from runtime.analyses.scaled_error import Errors, Scale, errors, kindred, scaled, scales
 
 if TYPE_CHECKING:
     from runtime.results.result import Result
@@ -104,12 +104,14 @@ def find_truth(
     setting, best = first
     own = columns(best, names)
     values = own if given is None else given.values
-    units = [best.series(name)[1] for name in named(told, names)]
+    series = named(told, names)
+    units = [best.series(name)[1] for name in series]
     sizes = magnitudes(
         Equations(runner.machine, runner.machine.parameter_values(runner.parameters)),
         runner.begin.t, runner.begin.q,
     )  # fmt: skip
-    by = scales(named(told, names), units, told, sizes, values)
+    whole = [kindred(best, name) for name in series]
+    by = scales(series, units, told, sizes, values, whole)
     title = f"{setting.title}, rtol {TIGHTEST:g}"
     others = [] if given is None else [(title, own)]
     others += [(name, columns(run, names)) for name, run in _checks(patient, setting, progress)]

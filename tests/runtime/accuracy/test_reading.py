@@ -2,12 +2,14 @@
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 from numpy.testing import assert_allclose
 
 from runtime import load
 from runtime.analyses.precision import Accuracy, Check, Choice, Line, Point, Reference, Setting
+from runtime.analyses.precision.answer import DONE, TIMEOUT
 from runtime.analyses.precision.grid import FURTHER, RTOLS
 from runtime.analyses.precision.reading import (
     best_at,
@@ -17,7 +19,8 @@ from runtime.analyses.precision.reading import (
     slope,
     time_at,
 )
-from runtime.analyses.scaled_error import Errors, Scale, errors, scales
+from runtime.analyses.precision.running import Stopwatch, take_turns
+from runtime.analyses.scaled_error import Errors, Scale, errors, kindred, scales
 
 
 def point(rtol: float, worst: float, seconds: float, *, beyond: bool = False) -> Point:
@@ -47,6 +50,10 @@ def test_times_lie_on_lines_in_logarithms() -> None:
     assert time_at(SLOW, 0.5) == 1e-3
     assert time_at(SLOW, 1e-11) is None
     assert time_at(FAST, 1e-9) is None
+    flat = Line(Setting("auto"), (point(1e-3, 1e-3, 3e-3), point(1e-6, 1e-6, 2e-3)))
+    assert time_at(flat, 1e-3) == time_at(flat, 1e-6) == 2e-3
+    lost = Line(Setting("auto"), (point(1e-3, math.inf, 1e-3), point(1e-6, 1e-6, 2e-3)))
+    assert time_at(lost, 1e-3) == 2e-3
     told = study(SLOW, FAST)
     best = best_at(told, 1e-6)
     assert best is not None
@@ -123,9 +130,46 @@ def test_errors_are_those_of_the_formula(rig: str, folder: Path) -> None:
     made = scales(names, ("m",) * 5, machine, sizes, reference)
     assert [scale.value for scale in made] == [1.5, 1.0, 2.5, 1.5, 7.0]
     assert [scale.group for scale in made][2:] == ["velocities", "velocities", "others"]
+    made = scales(names, ("m",) * 5, machine, sizes, reference, (0.0, 0.0, 0.0, 0.0, 20.0))
+    assert [scale.value for scale in made] == [1.5, 1.0, 2.5, 1.5, 20.0]
+
+
+def test_instants_at_which_the_reference_is_no_number_are_not_judged() -> None:
+    """As reactions at a singular position."""
+    true = np.array([[4.0], [np.nan], [-10.0]])
+    sizes = np.ones(0)
+    nothing = SimpleNamespace(coordinates=())
+    by = scales(("A.fx",), ("N",), nothing, sizes, true)  # type: ignore[arg-type]
+    assert by[0].value == 10.0
+    told = errors(true + 2.0, true, by)
+    assert_allclose(told.worst, 2.0 / 14.0)
+    assert_allclose(told.relative, 2.0 / 10.0 * math.sqrt(2.0 / 3.0))
+
+
+def test_a_part_is_measured_by_the_whole(rig: str, folder: Path) -> None:
+    """Rounding in an energy that stays zero is no error of a hundred per cent."""
+    result = load(rig, "swing", folder=folder).simulate(0.5, [0.25, 0.5], progress=False)
+    energies = np.abs(result.samples.energy).max()
+    assert kindred(result, "total") == kindred(result, "kinetic") == energies
+    assert kindred(result, "body.x") == 0.0
 
 
 def test_the_grid_is_that_of_the_definition() -> None:
     assert len(RTOLS) == 17
     assert_allclose((RTOLS[0], RTOLS[1], RTOLS[-1]), (1e-2, 10**-2.5, 1e-10))
     assert_allclose((FURTHER[0], FURTHER[-1]), (10**-10.5, 1e-12))
+
+
+class Interrupted:
+    """A runner of runs of 3 s, of which all but the first are cut short after 2 s."""
+
+    def run(self, setting: Setting, rtol: float, watch: Stopwatch) -> tuple[None, str]:
+        watch.times.append(2.0 if watch.times else 3.0)
+        return None, TIMEOUT if len(watch.times) > 1 else DONE
+
+
+def test_what_the_limit_cut_short_is_no_time_of_a_run() -> None:
+    runner, watch = Interrupted(), Stopwatch()
+    runner.run(Setting("bdf"), 1e-6, watch)
+    take_turns(runner, [(Setting("bdf"), 1e-6, watch)], 5, 100.0)  # type: ignore[arg-type]
+    assert watch.times == [3.0]
