@@ -12,6 +12,7 @@ import sympy
 from codegen.declare.element import ConjugateReaction, Constraint, Frame, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, Multiplier, kinds, t
 from codegen.derive.derivative import derivative
+from codegen.derive.zero import is_zero
 
 
 @dataclass(frozen=True)
@@ -116,7 +117,8 @@ def _joint_reaction(
         -sign * sum(derivative(e, c) * lam for e, lam in zip(phi, multipliers, strict=True))
         for c in (frame.x, frame.y, frame.phi)
     )
-    torque = sympy.expand(couple - (arm[0] * fy - arm[1] * fx))
+    torque = couple - (arm[0] * fy - arm[1] * fx)
+    torque = sympy.S.Zero if is_zero(torque) else sympy.expand(torque)
     ux, uy = direction
     return (
         ("fx", "N", ux * fx + uy * fy),

@@ -28,6 +28,7 @@ from runtime.outcomes import Outcome
 from runtime.results.singular import SingularPosition
 
 _CHUNK = 4096
+_KNOWN = 1e-9  # of a zone's reach: how well its instant is known
 _SAME = 1e-8  # scaled: positions that are one but for rounding near a singular position
 
 
@@ -142,7 +143,7 @@ class Course:
             reached = made.t + side * made.reach
         self.q[:], self.v[:] = made.at(reached)
         self.resume(reached, 0.5 * made.reach)
-        return bool((reached - made.t) * coming >= 0.0)
+        return bool((reached - made.t) * coming > _KNOWN * made.reach)
 
     def resume(self, t: float, step: float) -> None:
         """Let the walk go on from the state as it is now."""

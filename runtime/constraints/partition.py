@@ -155,10 +155,19 @@ def growth(
     """Largest change of a dependent coordinate for a unit change of one independent one, scaled.
 
     This is the largest entry of a column of H in dq_dependent = H dq_independent. It costs two
-    calls of `correction`, and grows without bound where the partition becomes singular.
+    calls of `correction`, and grows without bound where the partition becomes singular. Where
+    `independent` is negative all of them change by a unit, forward or back: columns of H are added
+    with signs that are drawn by this number.
     """
     rest_rate(correction, t, q, p, weights, probe, dq, rest)
-    probe[independent] = scale[independent]
+    if independent >= 0:
+        probe[independent] = scale[independent]
+    else:
+        drawn = -independent
+        for j in range(q.size):
+            drawn = (1103515245 * drawn + 12345) & 0x7FFFFFFF
+            if weights[j] == 0.0:
+                probe[j] = scale[j] if drawn & 0x10000 else -scale[j]
     correction(t, q, probe, p, weights, dq, dv)
     largest = 0.0
     for j in range(q.size):

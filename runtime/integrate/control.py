@@ -11,8 +11,12 @@ from runtime.compiled import compiled, inner
 from runtime.integrate.field import field
 from runtime.integrate.signatures import FIRST_STEP, PROPOSE, Integers, Vector
 from runtime.integrate.views import view
-from runtime.integrate.workspace import ATOL, DELTA, ROWS, SAMPLE, SIZE, Y0, K, Run
+from runtime.integrate.workspace import ATOL, DELTA, FREE, ROWS, SAMPLE, SIZE, Y0, K, Run
 
+_FALL = 0.1
+_COMPARABLE = (
+    2.0  # ratio of two steps' lengths up to which the one's error says something of the other's
+)
 _ROUNDING = 1e-12  # of the typical size: start values that assembling left of zero
 _START = 1e-3  # of the typical size: a start value counts as no smaller
 
@@ -36,8 +40,20 @@ def factor(
 
 @compiled(PROPOSE)
 def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
-    """Ratio of the next step's length to this accepted one's."""
+    """Ratio of the next step's length to this accepted one's.
+
+    Of a motion in few coordinates an estimate passes through zero now and then, and steps that
+    trust it come to be so long that the next estimate is worth nothing. From step to step an error
+    is taken to fall to a tenth of what the lengths of the steps let expect, and no further.
+    """
     r = run[0]
+    if r.plan != FREE:
+        r.remembered = 0.0
+    else:
+        if r.remembered > 0.0 and h <= _COMPARABLE * r.length_old:
+            expected = r.remembered * (h / r.length_old) ** r.order
+            r.error = max(r.error, _FALL * expected)
+        r.remembered, r.length_old = r.error, h
     ratio = factor(r.error, r.error_old, r.exponent, r.beta, r.safety, r.shrink, r.grow)
     return float(min(ratio, 1.0) if r.rejected_before != 0 else ratio)
 

@@ -360,6 +360,7 @@ def advance(
                 r.h = min(h_next, 2.0 * first, _FLIGHT * r.flight)
                 r.rhs += 1
                 r.error_old = 1e-4
+                r.remembered = 0.0
         if r.weak >= WEAK_STATES:
             r.index = r.weak_row - 1
             r.vanishing = 0.0  # where constraints are left there is a position to look for

@@ -1,5 +1,7 @@
 """The choice of independent coordinates in a run: when it is poor, made anew, and logged."""
 
+import numpy as np
+
 from runtime.compiled import compiled, inner
 from runtime.constraints.partition import choose, growth
 from runtime.integrate.signatures import REPARTITION, Integers, Vector
@@ -28,7 +30,7 @@ from runtime.integrate.views import (
 from runtime.integrate.workspace import DELTA, PARTITION, ROWS, UNIT, Y1, Run
 
 GROWTH_LIMIT = 2.0  # entries of H that full pivoting keeps near one
-_CHECK_EVERY = 4  # steps between probes of one independent coordinate
+_CHECK_EVERY = 4  # steps between probes of the independent coordinates
 
 
 @inner
@@ -97,8 +99,9 @@ def poorly_chosen(machine: Integers, t: float, w: Vector, p: Vector, run: Run) -
     """1 where the independent coordinates no longer describe the motion well at Y1, else 0.
 
     Costs nothing where the scaled velocities of dependent coordinates are not large against those
-    of independent ones, except that now and then one independent coordinate is probed. Large
-    velocities alone do not condemn a partition: a driver may cause them.
+    of independent ones, except that now and then the independent ones are probed, all together:
+    one after the other, a chain of ten bars would have hung from its heights for a hundred steps.
+    Large velocities alone do not condemn a partition: a driver may cause them.
     """
     r = run[0]
     n = w.size // (2 * ROWS)
@@ -122,28 +125,26 @@ def poorly_chosen(machine: Integers, t: float, w: Vector, p: Vector, run: Run) -
             held = max(held, speed)
         else:
             carried = max(carried, speed)
-    first, last = r.probe, r.probe
-    if carried > r.ratio_limit * held:
-        first, last = r.rank, n
-    else:
+    free = n - r.rank
+    uneven = carried > r.ratio_limit * held
+    if not uneven:
         r.check_in -= 1
         if r.check_in > 0:
             return 0
         r.check_in = _CHECK_EVERY
-        first = r.rank + r.probe % (n - r.rank)
-        last = first + 1
         r.probe += 1
+        r.corrections += 2
+        together = growth(correction, t, -r.probe, q, p, weights, scale, probe, dq, dv, rest)
+        # Entries of either sign add up to some more than one of them, the more the more they are.
+        return 1 if together > r.growth_limit * np.sqrt(0.75 + 0.25 * free) else 0
     largest = 0.0
-    for position in range(first, last):
+    for position in range(r.rank, n):
+        column = column_order[position]
         largest = max(
-            largest,
-            growth(
-                correction, t, column_order[position], q, p, weights, scale, probe, dq, dv, rest
-            ),
+            largest, growth(correction, t, column, q, p, weights, scale, probe, dq, dv, rest)
         )
         r.corrections += 2
     if largest > r.growth_limit:
         return 1
-    if last - first == n - r.rank and carried > r.ratio_limit * held:
-        r.ratio_limit *= 2.0
+    r.ratio_limit *= 2.0
     return 0

@@ -203,7 +203,8 @@ class _Run:
                 if code == Outcome.OK:
                     code = self.crossings.leave()
         self.gathered.flush(self.r)
-        self._log_first_impacts()
+        if self.s:
+            self._log_first_impacts()
         return code
 
     def _log_first_impacts(self) -> None:

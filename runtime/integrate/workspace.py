@@ -58,6 +58,8 @@ _FLOATS = [
     "rtol",
     "error",  # of the last trial step, over the tolerance
     "error_old",  # of the last accepted step
+    "remembered",  # error of the last step, as it counts for the next one's length; 0: none
+    "length_old",  # of that step
     "exponent",  # of the step control, 1 over the order of the error
     "beta",
     "safety",
@@ -113,7 +115,7 @@ _INTEGERS = [
     "logged_repartitions",  # rows of the partition log written
     "rank",  # of the Jacobian
     "check_in",  # steps to the next probe of the partition
-    "probe",  # independent coordinate whose turn it is
+    "probe",  # how often the partition was probed
     "weak",  # accepted states in a row with a weak pivot
     "weak_row",  # 1 + constraint of the weak pivot
     "reason",  # why the last trial step was rejected
