@@ -7,6 +7,7 @@ import pytest
 import typer
 
 from benchmarks.__main__ import MEASUREMENTS, chosen
+from benchmarks.problems import PROBLEMS
 from benchmarks.report import Report, finish, verdict
 
 REPORT = Report("gears", "gears", ("gear", "ns"), [("spur", "3.0")], ["Good."], [{"ns": 3.0}])
@@ -32,8 +33,14 @@ def test_a_report_is_shown_and_written(tmp_path: Path, capsys: pytest.CaptureFix
 
 
 def test_without_names_everything_is_measured() -> None:
-    assert chosen(None) == tuple(MEASUREMENTS) == chosen([])
-    assert chosen(["machines"]) == ["machines"]
+    assert chosen(None) == (list(MEASUREMENTS), list(PROBLEMS)) == chosen([])
+    assert chosen(["machines"]) == (["machines"], list(PROBLEMS))
+
+
+def test_problems_are_those_of_the_contest() -> None:
+    assert chosen(["peers", "andrews"]) == (["peers"], ["andrews"])
+    with pytest.raises(typer.BadParameter, match="'andrews' is none of"):
+        chosen(["machines", "andrews"])
 
 
 def test_unknown_measurements_are_refused() -> None:
