@@ -122,7 +122,8 @@ class FourBar:
         """ω at φ under a constant torque, from φ = 0 and ω = `start`: the balance of energy."""
         before = 0.5 * self.inertia(0.0)[0] * start**2 + self.potential(0.0)[0]
         kinetic = before + torque * np.asarray(phi) - self.potential(phi)[0]
-        return np.sqrt(2 * kinetic / self.inertia(phi)[0])
+        # At rest a start that is zero to rounding may lie on either side of it.
+        return np.sqrt(2 * np.maximum(kinetic, 0.0) / self.inertia(phi)[0])
 
     def time(self, phi: float, torque: float, start: float) -> float:
         """When the crank is at φ > 0 under a constant torque, s: ∫ dφ/ω by Gauss's rule.

@@ -16,6 +16,7 @@ from runtime.integrate.workspace import DELTA, ROWS, SIZE
 ITERATIONS = 10
 WEAK = 64  # a converged result of WEAK * c + i: i iterations, constraint c - 1 has a weak pivot
 FAILED = -1_000_000  # negative also when iterations of other stages are added to it
+_ROUNDING = 4e-16  # relative change of a position that is none: what rests stays where it is
 _POSITION = 3e-14  # relative change of a position below which the velocities are right too
 _VELOCITY = 1e-8  # relative change of a velocity that one linear solve brings to rounding
 
@@ -50,7 +51,8 @@ def correct(machine: Integers, t: float, index: int, weighing: int, w: Vector, p
         for j in range(n):
             if not np.isfinite(dq[j] + dv[j]):  # which a maximum would pass over
                 return FAILED
-            q[j] += dq[j]
+            if abs(dq[j]) > _ROUNDING * (abs(q[j]) + size[j]):
+                q[j] += dq[j]
             v[j] += dv[j]
             moved = max(moved, abs(dq[j]) / (0.01 * abs(q[j]) + size[j]))
             turned = max(turned, abs(dv[j]) / (abs(v[j]) + size[n + j]))

@@ -59,7 +59,7 @@ def _thrown() -> Reference:
 
 def _landings(run: Result) -> Array:
     """Every time at which the follower leaves or lands, s, and its place at the end, m."""
-    touch = run.description.switches[0]
+    touch = next(row for row in run.description.switches if row.condition.endswith("> 0"))
     name = f"{touch.name}: {touch.condition}"
     # The run starts on the contact's boundary, to rounding: whether it touches there from the first
     # instant on, or from 1e-10 s later, is not asked.
