@@ -21,6 +21,7 @@ from benchmarks.floor import slider_crank as floor_crank
 from benchmarks.precision import Point
 from benchmarks.problems import PROBLEMS, Problem
 from codegen.modelfile import read_model
+from models.hard.andrews import model as squeezer
 from models.hard.n_four_bar import n_four_bar
 from runtime import Machine, load
 
@@ -74,7 +75,7 @@ CRANK = Entry(
 )
 ANDREWS = Entry(
     PROBLEMS["andrews"],
-    lambda folder: load("hard/andrews", "released"),
+    lambda folder: load(squeezer, "released", folder=folder),
     ("K1.phi",),
     start=(("K1.phi", floor_andrews.START[0]), ("K1.omega", 0.0)),
     floors=(

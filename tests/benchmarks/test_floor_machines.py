@@ -14,6 +14,7 @@ from benchmarks.growth import hanging
 from benchmarks.problems import ANDREWS, PROBLEMS, crank_of_loops
 from codegen import build
 from codegen.artefact import companion_path, import_generated
+from models.hard.andrews import model as squeezer
 from models.hard.n_four_bar import n_four_bar
 from runtime import load
 
@@ -82,9 +83,9 @@ def test_ours_come_where_the_floors_do(name: str, formulation: str, tmp_path: Pa
     assert angle == pytest.approx(floor(1e-12)[0][0], abs=2e-8)
 
 
-def test_the_squeezer_needs_few_operations_more_than_by_hand() -> None:
+def test_the_squeezer_needs_few_operations_more_than_by_hand(tmp_path: Path) -> None:
     """One call of ours solves the loops and answers all accelerations."""
-    machine = load("hard/andrews", "released")
+    machine = load(squeezer, "released", folder=tmp_path)
     assert machine.reduced.closures == ()
     counts = dict(import_generated(companion_path(machine.path, "reduced")).OPERATIONS)
     assert 0 < counts["accelerations"] < 2.0 * cost(andrews.equation)
