@@ -99,17 +99,8 @@ def accuracy(
     if as_json:
         print_json({"ok": True, **told.facts()})
         return
-    from textwrap import fill
-
-    from rich.console import Console
-
     from runtime.analyses.precision.reading import sentences
     from runtime.show.accuracy_table import score, work
-    from runtime.show.matters_table import width
+    from runtime.show.screen import show
 
-    screen = Console(width=width(), highlight=False)
-    screen.print(score(told))
-    screen.print(work(told))
-    for line in sentences(told):
-        lines = fill(line, width(), initial_indent="  ", subsequent_indent="    ")
-        screen.print(lines, markup=False)
+    show((score(told), work(told)), sentences(told))

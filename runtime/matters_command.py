@@ -88,14 +88,7 @@ def matters(
     if as_json:
         print_json({"ok": True, **told.facts()})
         return
-    from textwrap import fill
+    from runtime.show.matters_table import sentences, table
+    from runtime.show.screen import show
 
-    from rich.console import Console
-
-    from runtime.show.matters_table import sentences, table, width
-
-    screen = Console(width=width(), highlight=False)
-    screen.print(table(told))
-    for line in sentences(told):
-        lines = fill(line, width(), initial_indent="  ", subsequent_indent="    ")
-        screen.print(lines, markup=False)
+    show((table(told),), sentences(told))

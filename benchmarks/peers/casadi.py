@@ -6,7 +6,7 @@ from typing import Any
 
 import casadi
 
-from benchmarks.floor import andrews, chain, slider_crank
+from benchmarks.equations import solvers
 from benchmarks.floor.arithmetic import in_terms_of
 from benchmarks.peers.telling import TOLERANCES, main, point
 from benchmarks.problems import Problem
@@ -57,17 +57,5 @@ def solve(
             break
 
 
-SOLVERS = {
-    "slider_crank": lambda problem: solve(
-        problem, slider_crank.slope, slider_crank.START, slider_crank.PARAMETERS, lambda y: y[:1]
-    ),
-    "andrews": lambda problem: solve(
-        problem, andrews.with_angles, andrews.START, (andrews.TORQUE,), lambda y: y[:1]
-    ),
-    "chain_10": lambda problem: solve(
-        problem, chain.equation(10), (0.0,) * 20, (chain.GRAVITY,), lambda y: y[:10]
-    ),
-}
-
 if __name__ == "__main__":
-    main(["casadi"], SOLVERS)
+    main(["casadi"], solvers(solve, "slider_crank", "andrews", "chain_10"))

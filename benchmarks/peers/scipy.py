@@ -7,7 +7,7 @@ from typing import Any
 import sympy
 from scipy.integrate import solve_ivp
 
-from benchmarks.floor import andrews, slider_crank
+from benchmarks.equations import solvers
 from benchmarks.floor.arithmetic import in_terms_of
 from benchmarks.peers.telling import TOLERANCES, main, point
 from benchmarks.problems import Problem
@@ -49,14 +49,5 @@ def solve(
         )
 
 
-SOLVERS = {
-    "slider_crank": lambda problem: solve(
-        problem, slider_crank.slope, slider_crank.START, slider_crank.PARAMETERS, lambda y: y[:1]
-    ),
-    "andrews": lambda problem: solve(
-        problem, andrews.with_angles, andrews.START, (andrews.TORQUE,), lambda y: y[:1]
-    ),
-}
-
 if __name__ == "__main__":
-    main(["scipy", "sympy"], SOLVERS)
+    main(["scipy", "sympy"], solvers(solve, "slider_crank", "andrews"))

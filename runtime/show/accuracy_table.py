@@ -13,7 +13,7 @@ from runtime.analyses.precision.reading import (
     slope,
     time_at,
 )
-from runtime.show.matters_table import ROOMY, width
+from runtime.show.screen import padding
 
 COMPARED = 1e-6
 """Scaled error at which the work of runs is told."""
@@ -24,7 +24,7 @@ def score(told: Accuracy) -> Table:
     made = Table(
         title=f"{told.model}/{told.scene}, {told.t_end:g} s: milliseconds for so many digits",
         caption="*: the fastest; slope of error over tolerance; error over tolerance, the median",
-        padding=(0, 1 if width() >= ROOMY else 0),
+        padding=padding(),
     )
     made.add_column("setting", overflow="fold", ratio=1, min_width=14)
     for target in TARGETS:
@@ -65,7 +65,7 @@ def work(told: Accuracy) -> Table:
         title=f"the loosest run with {digits(COMPARED)} digits",
         caption="largest |Φ| over the machine's size, |Φ_q q̇ - ν| over the largest speed, energy "
         f"error over the energy{' (against the reference)' if told.energy == 'reference' else ''}",
-        padding=(0, 1 if width() >= ROOMY else 0),
+        padding=padding(),
     )
     made.add_column("setting", overflow="fold", ratio=1, min_width=14)
     for name in ("rtol", "steps", "rej.", "rhs", "Newton", "J", "LU", "|Φ|", "|Φ̇|", "energy"):

@@ -1,23 +1,14 @@
 """Which effects matter, on a terminal: a row an effect, no wider than a person reads."""
 
 import math
-import shutil
 from collections.abc import Iterator
 
 from rich.table import Table
 
 from runtime.analyses.matters.answer import Costs, Matters, Row, Verdict
+from runtime.show.screen import padding
 
-NARROW, WIDE, UNKNOWN = 80, 140, 120
-"""Columns that a table has at least and at most, and where nothing says how wide the screen is."""
-ROOMY = 96
-"""Columns from which on there is room for blanks beside every number."""
 REASONS = 200
-
-
-def width() -> int:
-    """Columns of the terminal, within what a table is made for."""
-    return min(max(shutil.get_terminal_size((UNKNOWN, 24)).columns, NARROW), WIDE)
 
 
 def table(told: Matters) -> Table:
@@ -27,7 +18,7 @@ def table(told: Matters) -> Table:
     made = Table(
         title=title,
         caption="operations, time, steps, events: in full, then what is spared of them",
-        padding=(0, 1 if width() >= ROOMY else 0),
+        padding=padding(),
     )
     made.add_column("without", overflow="fold", ratio=1, min_width=9)
     for name in ("change", "relative", "acc.", "all", "time", "steps", "events"):

@@ -19,6 +19,7 @@ from runtime.analyses.matters.quantity import quantity
 from runtime.analyses.matters.reading import REDUCTIONS, Series
 from runtime.cli import app
 from runtime.show import matters_picture, matters_table
+from runtime.show.screen import width
 
 MACHINES = {
     "compressor": ("slider_crank", "compressor", "max:crank.omega", 0.5),
@@ -294,7 +295,7 @@ def test_table_fits_a_terminal(
     from rich.console import Console
 
     monkeypatch.setenv("COLUMNS", str(columns))
-    screen = Console(width=matters_table.width(), highlight=False, record=True)
+    screen = Console(width=width(), highlight=False, record=True)
     with screen.capture() as capture:
         screen.print(matters_table.table(swing))
     lines = capture.get().splitlines()
