@@ -20,13 +20,15 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit, types
 from numba.core import cgutils
+from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic
 
 from codegen.artefact import alone
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_tools: Any = cgutils  # numba leaves it untyped
+_tools: Any = cgutils  # numba leaves these untyped
+_Dispatcher: Any = CPUDispatcher
 
 OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}}
 ADDRESSES = types.Array(types.int64, 1, "C")
@@ -48,6 +50,30 @@ def compiled(signature: Any) -> Callable[[F], F]:
 def allocating(signature: Any) -> Callable[[F], F]:
     """As `compiled`, for what makes arrays of its own: no part of the loop over steps."""
     return _for(signature, _COUNTED)
+
+
+def addressed(signature: Any) -> Callable[[F], F]:
+    """As `compiled`, for what compiled code alone calls, by its name or its address.
+
+    Without a way in from Python it compiles in two thirds of the time, and loads in half.
+    """
+
+    def decorate(function: F) -> F:
+        dispatcher: Any = _for(signature, {**_BARE, **_INSIDE})(function)
+        dispatcher.__class__ = _Addressed
+        return cast(F, dispatcher)
+
+    return decorate
+
+
+class _Addressed(_Dispatcher):  # type: ignore[misc]
+    """A function that has no way in from Python: numba would jump to nowhere."""
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        raise TypeError(
+            f"{self.py_func.__module__}.{self.__name__} is called by compiled code alone: "
+            "call it from a function of your own that numba compiles."
+        )
 
 
 def inner(function: F) -> F:

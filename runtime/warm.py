@@ -8,7 +8,13 @@ from importlib import import_module
 
 from runtime.integrate.tables import METHODS, function_table
 
-ALWAYS = ("runtime.integrate.run", "runtime.analyses.outputs", "runtime.analyses.walking")
+ALWAYS = (
+    "runtime.integrate.run",
+    "runtime.analyses.outputs",
+    "runtime.analyses.walking",
+    "runtime.constraints.roots",
+    "runtime.constraints.bending",
+)
 SOMETIMES = ("runtime.analyses.settling",)
 
 

@@ -11,7 +11,7 @@ from runtime.analyses.asked import carried
 from runtime.analyses.assembly import Assembly
 from runtime.analyses.equations import Equations, FloatArray
 from runtime.analyses.formulations import Coordinates
-from runtime.analyses.kinematics import instants
+from runtime.analyses.instants import instants
 from runtime.analyses.meeting import passed
 from runtime.analyses.outputs import evaluate
 from runtime.analyses.prepared import Prepared

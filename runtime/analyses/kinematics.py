@@ -9,9 +9,8 @@ import numpy.typing as npt
 from codegen.errors import AnalysisError
 from runtime.analyses.assemble import assemble, start_values
 from runtime.analyses.assembly import Assembly
-from runtime.analyses.door import shown
-from runtime.analyses.equations import FloatArray
 from runtime.analyses.following import follow
+from runtime.analyses.instants import instants
 from runtime.analyses.outputs import evaluate
 from runtime.analyses.redundant import sound, spared
 from runtime.analyses.surfaces import require_no_rigid
@@ -94,27 +93,6 @@ def _event(row: SingularPosition) -> Event:
     assert row.q is not None
     assert row.v is not None
     return Event(row.title, row.time, _DIRECTIONS[row.kind], row.q, row.v)
-
-
-def instants(t_eval: npt.ArrayLike) -> FloatArray:
-    """The output instants as an array, checked."""
-    try:
-        given = np.asarray(t_eval)
-    except (TypeError, ValueError):
-        given = np.asarray(None)
-    if given.dtype.kind not in "iuf":
-        raise AnalysisError(f"t_eval is {shown(t_eval)}; it must be instants in s.")
-    times = np.atleast_1d(given.astype(np.float64))
-    if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all():
-        raise AnalysisError("t_eval must be at least one finite instant in s, in one dimension.")
-    backwards = np.flatnonzero(np.diff(times) <= 0.0)
-    if len(backwards):
-        place = int(backwards[0])
-        raise AnalysisError(
-            f"t_eval must increase: instant {place + 1} is {times[place + 1]:g} s "
-            f"after {times[place]:g} s. Sort it and drop repetitions."
-        )
-    return times
 
 
 def require_driven(machine: "Machine", start: Assembly, analysis: str) -> None:

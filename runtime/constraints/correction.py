@@ -7,7 +7,7 @@ the steps, where the partition may be singular, are projected in the metric of t
 
 import numpy as np
 
-from runtime.compiled import compiled
+from runtime.compiled import addressed
 from runtime.integrate.signatures import CORRECT, Integers, Vector
 from runtime.integrate.slots import correction_of
 from runtime.integrate.views import view
@@ -21,7 +21,7 @@ _POSITION = 3e-14  # relative change of a position below which the velocities ar
 _VELOCITY = 1e-8  # relative change of a velocity that one linear solve brings to rounding
 
 
-@compiled(CORRECT)
+@addressed(CORRECT)
 def correct(machine: Integers, t: float, index: int, weighing: int, w: Vector, p: Vector) -> int:
     """Bring the state in row `index` of the workspace onto the constraints at time `t`.
 

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from runtime.constraints.layout import COLUMN_ORDER, ROW_ORDER
 from runtime.constraints.ordering import ordered
-from runtime.constraints.roots import weak_part
 from runtime.constraints.scaled import ScaledConstraints
 
 FloatArray = NDArray[np.float64]
@@ -55,6 +54,8 @@ class Frames:
         strong = ordered(entries, *places, _STRONG, a, *orders)
         values = np.ones(rows)
         if strong < rows:
+            from runtime.constraints.roots import weak_part  # loaded where something is singular
+
             weak, free = rows - strong, wide - strong
             left, null = np.empty((rows, weak)), np.empty((wide, free))
             if weak_part(table, a, left, null, np.empty((weak, weak)), np.empty((free, free))):

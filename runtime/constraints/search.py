@@ -22,7 +22,6 @@ from runtime.constraints.layout import (
     unit_entries,
 )
 from runtime.constraints.motion import Motion, moved, nearest
-from runtime.constraints.roots import root
 from runtime.constraints.scaled import ScaledConstraints
 
 FloatArray = NDArray[np.float64]
@@ -93,6 +92,8 @@ class Search:
 
     def _root(self, z: FloatArray, frame: Frame, weak: int) -> Root | None:
         """A position where `weak` constraints are lost; None where none is near z."""
+        from runtime.constraints.roots import root  # loaded where something is singular
+
         arrays = self.arrays
         rows, wide = frame.row_order.size, frame.column_order.size
         arrays[ROW_ORDER][:], arrays[COLUMN_ORDER][:] = frame.row_order, frame.column_order

@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.constraints.bending import branch
 from runtime.constraints.frames import Frames
 from runtime.constraints.motion import Motion, distance, nearest
 from runtime.constraints.scaled import ScaledConstraints
@@ -183,6 +182,8 @@ def _of_all(search: Search, root: Root, direction: FloatArray) -> tuple[int, Flo
 
 def _directions(search: Search, root: Root, rate: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The rate of what is lost along a motion, (k, c), and what its dz/ds lacks to a branch."""
+    from runtime.constraints.bending import branch  # loaded where something is singular
+
     (wide, free), weak = root.null.shape, root.left.shape[1]
     passing, x = np.empty((weak, free)), np.empty(free)
     branch(

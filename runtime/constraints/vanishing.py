@@ -8,7 +8,7 @@ pivot that changes sign in between announces a singular position.
 
 import numpy as np
 
-from runtime.compiled import compiled, inner
+from runtime.compiled import addressed, inner
 from runtime.constraints.elimination import REDUNDANT, fill, reduce, smallest
 from runtime.constraints.replay import draw_up, replay
 from runtime.integrate.signatures import VANISHING, Integers, Vector
@@ -85,7 +85,7 @@ def announced(now: Vector, later: Vector, span: float, ahead: float) -> bool:
     return False
 
 
-@compiled(VANISHING)
+@addressed(VANISHING)
 def vanishing(
     machine: Integers, t: float, h: float, state: int, w: Vector, run: Run, p: Vector
 ) -> float:

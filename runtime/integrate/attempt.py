@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from runtime.compiled import compiled, inner
+from runtime.compiled import addressed, inner
 from runtime.constraints.correction import FAILED, WEAK
 from runtime.integrate.bent import STEP
 from runtime.integrate.field import field
@@ -134,7 +134,7 @@ def returned(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> int
     return DONE
 
 
-@compiled(ATTEMPT)
+@addressed(ATTEMPT)
 def attempt(
     machine: Integers,
     t: float,

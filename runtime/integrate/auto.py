@@ -9,7 +9,7 @@ less than an implicit method would permit itself. After that has been so for man
 method is due, and the run changes over; see `successor`.
 """
 
-from runtime.compiled import compiled
+from runtime.compiled import addressed, compiled
 from runtime.integrate import dop853
 from runtime.integrate.dop853 import (
     BETA,
@@ -81,7 +81,7 @@ def successor(name: str, freedoms: int, rtol: float) -> str:
     return "bdf" if freedoms >= _MANY and rtol >= _LOOSE else "radau5"
 
 
-@compiled(STAGES)
+@addressed(STAGES)
 def stages(
     machine: Integers,
     t: float,

@@ -13,7 +13,7 @@ this is solved.
 
 import numpy as np
 
-from runtime.compiled import compiled, inner
+from runtime.compiled import addressed, compiled, inner
 from runtime.constraints.correction import FAILED
 from runtime.integrate.bdf_history import (
     AHEAD,
@@ -102,7 +102,7 @@ def share(rtol: float) -> float:
     return float(_SHARE * rtol**0.2)
 
 
-@compiled(STAGES)
+@addressed(STAGES)
 def stages(
     machine: Integers,
     t: float,
@@ -160,7 +160,7 @@ def stages(
     return FAILED
 
 
-@compiled(ERROR)
+@addressed(ERROR)
 def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
     return float(floats(machine, w.size // (2 * ROWS))[STEP_ERROR])
@@ -177,7 +177,7 @@ def permitted(memory: Vector, k: int, h: float) -> bool:
     return bool(memory[DAMPING] >= _DAMPED[k] or turn < _RESOLVED or turn > _PASSED)
 
 
-@compiled(PROPOSE)
+@addressed(PROPOSE)
 def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
     """Choose the next order; ratio of the next step's length to this accepted one's.
 

@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from runtime.compiled import compiled, inner
+from runtime.compiled import addressed, inner
 from runtime.integrate.memory import (
     CHANGE,
     EQUAL,
@@ -173,7 +173,7 @@ def foresee(memory: Vector, notes: Integers, w: Vector) -> None:
         y1[i] = start[i] + ahead[i]
 
 
-@compiled(DENSE)
+@addressed(DENSE)
 def dense(
     machine: Integers,
     t: float,

@@ -6,7 +6,7 @@ with α = β = 1/τ). Accelerations depend on the right side of Φ_q q̈ = γ by
 corrections of `correction` in the metric of the masses on theirs, so no kernel is needed for it.
 """
 
-from runtime.compiled import compiled, inner
+from runtime.compiled import addressed, inner
 from runtime.integrate.field import field
 from runtime.integrate.held import CANCELLED, shares, units
 from runtime.integrate.signatures import FIELD, SLOPE, Integers, Vector
@@ -51,7 +51,7 @@ def beyond(value: Vector, change: Vector, size: Vector) -> float:
     return 1.0 - rounded / moved if moved > rounded else 0.0
 
 
-@compiled(FIELD)
+@addressed(FIELD)
 def bent(
     machine: Integers,
     t: float,
@@ -106,7 +106,7 @@ def bent(
     return weak
 
 
-@compiled(SLOPE)
+@addressed(SLOPE)
 def bent_slope(
     machine: Integers,
     t: float,

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from runtime.integrate.auto import successor
 from runtime.integrate.slots import Slot
 from runtime.integrate.tables import function_table, method
 from runtime.integrate.workspace import PARTITION, ROWS
@@ -32,6 +31,8 @@ def change_method(run: "_Run") -> None:
 
     Each change doubles the number of steps that have to speak for the next one.
     """
+    from runtime.integrate.auto import successor  # most runs need none of its functions
+
     r = run.r
     free = run.w.reshape(ROWS, 2, run.n)[PARTITION, 0] == 0.0
     freedoms = int(np.count_nonzero(free)) if run.m else run.n

@@ -7,7 +7,7 @@ section II.4.
 
 import numpy as np
 
-from runtime.compiled import compiled, inner
+from runtime.compiled import addressed, compiled, inner
 from runtime.integrate.field import field
 from runtime.integrate.signatures import FIRST_STEP, PROPOSE, Integers, Vector
 from runtime.integrate.views import view
@@ -38,7 +38,7 @@ def factor(
     return float(max(shrink, min(grow, 1.0 / change)))
 
 
-@compiled(PROPOSE)
+@addressed(PROPOSE)
 def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
     """Ratio of the next step's length to this accepted one's.
 

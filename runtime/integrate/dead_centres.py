@@ -11,7 +11,7 @@ once the turn is resolved.
 
 import numpy as np
 
-from runtime.compiled import compiled
+from runtime.compiled import addressed
 from runtime.integrate.codes import SINGULAR
 from runtime.integrate.problem import System
 from runtime.integrate.signatures import PASSED, Integers, Matrix, Vector
@@ -43,7 +43,7 @@ def numbers_for(loops: int) -> int:
     return 5 * loops + 1
 
 
-@compiled(PASSED)
+@addressed(PASSED)
 def passed(machine: Integers, t: float, h: float, w: Vector, run: Run, p: Vector) -> int:
     """Judge a step from Y0 to Y1: 0, `AGAIN` and shorter, or the code of an outcome.
 

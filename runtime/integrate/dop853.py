@@ -9,7 +9,7 @@ the derivative at the end of the step and the first of the next.
 
 import numpy as np
 
-from runtime.compiled import compiled
+from runtime.compiled import addressed
 from runtime.integrate import dop853_coefficients as c
 from runtime.integrate.control import propose
 from runtime.integrate.dense import hermite_rows
@@ -45,7 +45,7 @@ NODES = (
 SHRINK, GROW = 0.333, 6.0  # limits of the change of a step's length
 
 
-@compiled(STAGES)
+@addressed(STAGES)
 def stages(
     machine: Integers,
     t: float,
@@ -157,7 +157,7 @@ def stages(
     return taken
 
 
-@compiled(ERROR)
+@addressed(ERROR)
 def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
     length = w.size // ROWS
@@ -209,7 +209,7 @@ def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
     return float(h * fifth / np.sqrt(both * length))
 
 
-@compiled(DENSE)
+@addressed(DENSE)
 def dense(
     machine: Integers,
     t: float,

@@ -12,7 +12,7 @@ than a thousandth: at looser tolerances accuracy alone does not keep a vibration
 
 import numpy as np
 
-from runtime.compiled import compiled, inner
+from runtime.compiled import addressed, compiled, inner
 from runtime.integrate import control
 from runtime.integrate.dense import hermite_rows
 from runtime.integrate.field import slope
@@ -74,7 +74,7 @@ def loose(rtol: float, length: int) -> bool:
     return bool(rtol * np.sqrt(length) > _EDGE)
 
 
-@compiled(STAGES)
+@addressed(STAGES)
 def stages(
     machine: Integers,
     t: float,
@@ -117,7 +117,7 @@ def stages(
     return taken
 
 
-@compiled(ERROR)
+@addressed(ERROR)
 def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
     length = w.size // ROWS
@@ -140,7 +140,7 @@ def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
     return float(np.sqrt(total / length))
 
 
-@compiled(PROPOSE)
+@addressed(PROPOSE)
 def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
     """Ratio of the next step's length to this accepted one's."""
     ratio = _propose(machine, h, w, run)
@@ -155,7 +155,7 @@ def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
     return int(forget(floats_at(machine, MEMORY, FLOATS)))
 
 
-@compiled(DENSE)
+@addressed(DENSE)
 def dense(
     machine: Integers,
     t: float,

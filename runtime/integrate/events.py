@@ -6,7 +6,7 @@ output evaluated: at equal distances, and between them at the lowest points, so 
 crossings is not stepped over.
 """
 
-from runtime.compiled import compiled, inner
+from runtime.compiled import addressed, inner
 from runtime.integrate.arrays import mode_numbers, parameters, surfaces, workspace
 from runtime.integrate.dense import interpolate
 from runtime.integrate.held import HELD_MODE
@@ -65,7 +65,7 @@ def suspects(h: float, sw: Vector, modes: Integers) -> int:
     return count
 
 
-@compiled(SAMPLED)
+@addressed(SAMPLED)
 def sampled(machine: Integers, t: float, h: float, x: float, k: int, dense_rows: int) -> float:
     """Function `k` on the dense output at fraction `x` of the step; all of them in row TRIAL."""
     w, sw = workspace(machine), surfaces(machine)
@@ -171,7 +171,7 @@ def last_due(t: float, sw: Vector, modes: Integers) -> int:
     return -1
 
 
-@compiled(LOCATE)
+@addressed(LOCATE)
 def locate(machine: Integers, t: float, h: float, dense_rows: int, found: Integers) -> float:
     """Fraction of the step at which a marked function first crosses, or `NOWHERE`.
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from runtime.compiled import compiled, inner
+from runtime.compiled import addressed, inner
 from runtime.integrate.dependent import least, solve
 from runtime.integrate.held import CANCELLED, HELD_MODE, shares, units
 from runtime.integrate.signatures import IMPACT, RETURN_HELD, Integers, Vector
@@ -71,7 +71,7 @@ def free_gap(
     return float(gaps[rigid[first]])
 
 
-@compiled(IMPACT)
+@addressed(IMPACT)
 def impact(
     machine: Integers,
     first: int,
@@ -181,7 +181,7 @@ def impact(
     return -float(max(flight, 1e-300) / (1.0 - share))
 
 
-@compiled(RETURN_HELD)
+@addressed(RETURN_HELD)
 def return_held(
     machine: Integers,
     t: float,

@@ -4,7 +4,7 @@ Rows of reactions that a mode decides mix as the accelerations do, each mode wit
 multipliers; the others follow from the mixed multipliers.
 """
 
-from runtime.compiled import compiled, inner
+from runtime.compiled import addressed, inner
 from runtime.integrate.signatures import LIMIT, Integers, Vector
 from runtime.integrate.slots import (
     CONSTRAINT_COUNT,
@@ -58,7 +58,7 @@ def mix(machine: Integers, t: float, q: Vector, v: Vector, p: Vector, lam: Vecto
     exert(machine, p, count)
 
 
-@compiled(LIMIT)
+@addressed(LIMIT)
 def limited(
     machine: Integers, t: float, q: Vector, v: Vector, p: Vector, lam: Vector, k: int
 ) -> float:

@@ -10,7 +10,7 @@ both fields must push onto the surface.
 
 import numpy as np
 
-from runtime.compiled import compiled, inner
+from runtime.compiled import addressed, inner
 from runtime.integrate.combinations import MOST, MOST_THREE, exhaustively, in_turn
 from runtime.integrate.consistency import CONSISTENT, GIVEN, MISSED, carry, hold
 from runtime.integrate.field import field
@@ -43,7 +43,7 @@ TOUCHING = 1e-9  # of the machine's lengths: a gap at the start is assembled no 
 _TOLD = 1e-12  # of the largest velocity: an impact at the start that is none
 
 
-@compiled(SETTLE)
+@addressed(SETTLE)
 def settle(
     machine: Integers,
     first: int,
@@ -162,7 +162,7 @@ def go_on(
     hold(machine, modes)
 
 
-@compiled(SETTLE)
+@addressed(SETTLE)
 def begin(
     machine: Integers,
     first: int,

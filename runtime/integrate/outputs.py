@@ -1,6 +1,6 @@
 """Samples of a run: at the instants asked for, or at the end of every step."""
 
-from runtime.compiled import compiled, inner
+from runtime.compiled import addressed, inner
 from runtime.constraints.correction import FAILED, WEAK
 from runtime.integrate.dense import interpolate
 from runtime.integrate.signatures import EMIT, IntegerMatrix, Integers, Matrix, Vector
@@ -33,7 +33,7 @@ def record(
     r.samples += 1
 
 
-@compiled(EMIT)
+@addressed(EMIT)
 def emit(
     machine: Integers,
     t: float,

@@ -11,7 +11,7 @@ tolerance gives errors that shrink faster than it. As in Hairer's program the to
 therefore mapped: what the estimate is held to is `share` times what was asked.
 """
 
-from runtime.compiled import compiled, inner
+from runtime.compiled import addressed, compiled, inner
 from runtime.constraints.correction import FAILED
 from runtime.integrate.dense import hermite_rows
 from runtime.integrate.memory import (
@@ -75,7 +75,7 @@ def share(rtol: float) -> float:
     return float(0.1 * rtol**-0.2)
 
 
-@compiled(STAGES)
+@addressed(STAGES)
 def stages(
     machine: Integers,
     t: float,
@@ -123,13 +123,13 @@ def stages(
     return FAILED
 
 
-@compiled(ERROR)
+@addressed(ERROR)
 def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
     return float(floats(machine, w.size // (2 * ROWS))[STEP_ERROR])
 
 
-@compiled(PROPOSE)
+@addressed(PROPOSE)
 def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
     """Ratio of the next step's length to this accepted one's.
 
@@ -182,7 +182,7 @@ def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
     return 0
 
 
-@compiled(DENSE)
+@addressed(DENSE)
 def dense(
     machine: Integers,
     t: float,

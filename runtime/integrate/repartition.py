@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from runtime.compiled import compiled, inner
+from runtime.compiled import addressed, inner
 from runtime.constraints.partition import choose, growth
 from runtime.integrate.signatures import REPARTITION, Integers, Vector
 from runtime.integrate.slots import (
@@ -49,7 +49,7 @@ def log_partition(machine: Integers, t: float, w: Vector, run: Run) -> None:
     r.repartitions += 1
 
 
-@compiled(REPARTITION)
+@addressed(REPARTITION)
 def repartition(machine: Integers, t: float, state: int, w: Vector, run: Run, p: Vector) -> int:
     """Choose the independent coordinates anew at the state in row `state`; log a change.
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from runtime.compiled import compiled, inlined, inner
+from runtime.compiled import addressed, inlined, inner
 from runtime.integrate.arrays import (
     mode_numbers,
     multipliers,
@@ -76,7 +76,7 @@ def margin(
     return float(room) if np.isfinite(room) else -1.0
 
 
-@compiled(MARGINS)
+@addressed(MARGINS)
 def margins(machine: Integers, t: float, state: int, slot: int) -> None:
     """Write the margins of what is held over its functions in row `slot` of `sw`."""
     n, s = machine[COORDINATES], machine[SWITCHES]

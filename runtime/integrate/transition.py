@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from runtime.compiled import compiled, inner
+from runtime.compiled import addressed, inner
 from runtime.integrate.consistency import CONSISTENT, GIVEN, MISSED, hold
 from runtime.integrate.dependent import same
 from runtime.integrate.field import field
@@ -170,7 +170,7 @@ def together(
             sw[PREFERRED * s + k] = side + GIVEN
 
 
-@compiled(TRANSITION)
+@addressed(TRANSITION)
 def transition(
     machine: Integers,
     crossing: int,

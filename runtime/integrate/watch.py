@@ -9,7 +9,7 @@ near, the step is too long.
 
 import numpy as np
 
-from runtime.compiled import compiled, inner
+from runtime.compiled import addressed, inner
 from runtime.integrate.events import suspects
 from runtime.integrate.signatures import WATCH, Integers, Vector
 from runtime.integrate.surfaces import functions, measure
@@ -119,7 +119,7 @@ def bearable(h: float, sw: Vector, modes: Integers) -> float:
     return allowed
 
 
-@compiled(WATCH)
+@addressed(WATCH)
 def watch(
     machine: Integers,
     t: float,

@@ -4,10 +4,11 @@ import re
 from pathlib import Path
 
 import numpy as np
+import pytest
 from numba import types
 
 import runtime.compiled
-from runtime.compiled import ADDRESSES, addresses, at, compiled
+from runtime.compiled import ADDRESSES, addressed, addresses, at, compiled
 
 F8 = types.float64
 BINARY = types.FunctionType(F8(F8, F8))
@@ -21,6 +22,11 @@ def plus(a: float, b: float) -> float:
 @compiled(F8(F8, F8))
 def times(a: float, b: float) -> float:
     return a * b
+
+
+@addressed(F8(F8, F8))
+def less(a: float, b: float) -> float:
+    return a - b
 
 
 first_of = at(BINARY, 0)
@@ -37,6 +43,12 @@ def test_functions_are_found_by_their_addresses() -> None:
     assert both(addresses((times, plus)), 3.0, 4.0) == 1207.0
 
 
+def test_what_has_an_address_alone_is_called_by_compiled_code_alone() -> None:
+    assert both(addresses((less, less)), 7.0, 4.0) == 303.0
+    with pytest.raises(TypeError, match=r"less is called by compiled code alone"):
+        less(7.0, 4.0)
+
+
 def test_a_new_table_compiles_nothing() -> None:
     before = len(both.signatures)
     both(addresses((plus, plus)), 1.0, 1.0)
@@ -47,7 +59,11 @@ def test_every_file_with_compiled_code_counts_in_the_stamp() -> None:
     root = Path(runtime.compiled.__file__).parent
     for path in root.rglob("*.py"):
         text = path.read_text()
-        if re.search(r"^@(compiled|inner|njit)|numba\.njit\(", text, re.MULTILINE):
+        if re.search(
+            r"^@(compiled|addressed|allocating|inner|inlined|fetched|njit)|numba\.njit\(",
+            text,
+            re.MULTILINE,
+        ):
             assert "runtime.compiled" in text, path
 
 

@@ -27,7 +27,7 @@ from runtime.analyses.accurate.choosing import Choice, after, choose
 from runtime.analyses.accurate.comparing import LOST, Columns, Difference, columns, difference
 from runtime.analyses.accurate.telling import Pair, told
 from runtime.analyses.dynamics import finished
-from runtime.analyses.kinematics import instants
+from runtime.analyses.instants import instants
 from runtime.analyses.prepared import Prepared
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory

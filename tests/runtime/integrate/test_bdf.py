@@ -4,6 +4,7 @@ from math import comb
 
 import numpy as np
 import pytest
+from numba import njit
 
 from runtime.integrate import driver
 from runtime.integrate.attempt import attempt
@@ -23,6 +24,11 @@ OMEGA = 2.0
 
 def oscillator(t):
     return np.array([np.cos(OMEGA * t), -OMEGA * np.sin(OMEGA * t)])
+
+
+@njit
+def _attempt(table, t, h, w, record, p, modes, lam):
+    return attempt(table, t, h, w, record, p, modes, lam)
 
 
 class Stepper:
@@ -48,7 +54,7 @@ class Stepper:
     def step(self):
         w, _, record, p, modes, _, lam, _ = self.run.fixed_arrays
         table = self.run.wiring.table
-        attempt(table, self.t, self.h, w, record, p, modes, lam)
+        _attempt(table, self.t, self.h, w, record, p, modes, lam)
         accepted(table, self.t, self.h, w, record)
         self.t += self.h
         rows = w.reshape(ROWS, 2)
