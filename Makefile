@@ -23,8 +23,8 @@ BENCH = $(PY) -m benchmarks
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install demo test test-oldest lint format types imports check build gallery figures hard \
-	notebooks bench lock clean
+.PHONY: help install demo compiled test test-oldest lint format types imports check build gallery \
+	figures hard notebooks bench lock clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -41,6 +41,11 @@ $(READY): pyproject.toml constraints.txt
 
 demo: $(READY) ## build the compressor, simulate it, print the table, draw into figures/
 	$(DEMO)
+
+# Collecting imports what the tests import.
+compiled: $(READY) ## compile the runtime into numba's cache, where it is not there yet
+	$(PY) -c 'from runtime.warm import warm; warm()'
+	$(PY) -m pytest --collect-only -qq
 
 test: $(READY) ## run the tests; every warning is an error
 	$(PY) $(PYTEST)

@@ -9,6 +9,7 @@ import sysconfig
 import traceback
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from codegen.declare.names import nearest
@@ -114,28 +115,43 @@ def local_files(path: Path) -> list[Path]:
     """
     found: dict[Path, None] = {}
     waiting = [path.resolve()]
-    packages = {
-        Path(file).resolve(): str(module.__package__ or "")
-        for module in list(sys.modules.values())
-        if (file := getattr(module, "__file__", None))
-    }
     while waiting:
         current = waiting.pop(0)
         if current in found:
             continue
         found[current] = None
-        for name in _imported_names(current, packages.get(current, "")):
+        for name in _imported_names(current, _package(current)):
             file = getattr(sys.modules.get(name), "__file__", None)
             if file and _is_local(Path(file).resolve()):
                 waiting.append(Path(file).resolve())
     return list(found)
 
 
+def _package(path: Path) -> str:
+    """The package of the loaded module that a resolved file is; "" where it is none.
+
+    Thousands of modules may be loaded, and to resolve a path asks the disk: names are compared
+    before.
+    """
+    found = ""
+    for module in list(sys.modules.values()):
+        file = getattr(module, "__file__", None)
+        if file and file.endswith(path.name) and Path(file).resolve() == path:
+            found = str(module.__package__ or "")
+    return found
+
+
 def _is_local(file: Path) -> bool:
     """Whether a file belongs to the user or the library of models, rather than to a package."""
     ours = (library_folder() / name for name in ("codegen", "runtime", "generated"))
-    installed = map(Path, (sysconfig.get_paths()[key] for key in ("stdlib", "purelib", "platlib")))
-    return not any(file.is_relative_to(folder) for folder in (*ours, *installed))
+    return not any(file.is_relative_to(folder) for folder in (*ours, *_installed()))
+
+
+@cache
+def _installed() -> tuple[Path, ...]:
+    """Where packages lie."""
+    folders = sysconfig.get_paths()
+    return tuple(Path(folders[key]) for key in ("stdlib", "purelib", "platlib"))
 
 
 def _imported_names(path: Path, package: str) -> list[str]:

@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -17,6 +18,30 @@ settings.register_profile("ci", deadline=None, derandomize=True, database=None)
 settings.load_profile("ci" if os.environ.get("CI") else "developer")
 
 ROOT = Path(__file__).resolve().parent.parent
+
+# A file's tests share studies, scenes and loaded machines that cost seconds to make: one worker
+# runs them all. These files read the same scenes, so one worker runs the three.
+SCENES = "tests/codegen/conftest.py"
+TOGETHER = {
+    "tests/codegen/emit/test_kernels.py": SCENES,
+    "tests/codegen/emit/test_module.py": SCENES,
+    "tests/codegen/test_legal.py": SCENES,
+}
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """As `--dist=loadfile`, with the files of `TOGETHER` taken for one."""
+    if config.getoption("dist") != "loadfile":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    class Sharing(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            file = super()._split_scope(nodeid)
+            return TOGETHER.get(file, file)
+
+    return Sharing(config, log)
 
 
 @pytest.fixture(scope="session")

@@ -14,9 +14,7 @@ from benchmarks.growth import hanging
 from benchmarks.problems import ANDREWS, PROBLEMS, crank_of_loops
 from codegen import build
 from codegen.artefact import companion_path, import_generated
-from models.hard.andrews import model as squeezer
 from models.hard.n_four_bar import n_four_bar
-from runtime import load
 
 STARTED = 14222.4439199541138705911625887
 """β'' at the start, rad/s², as the Test Set for IVP Solvers prints it."""
@@ -70,11 +68,18 @@ def test_the_four_bars_follow_an_elliptic_function(root: Path, loops: int) -> No
     assert np.allclose(found, table[:, 1], rtol=0.0, atol=1e-10)
 
 
+@pytest.fixture(scope="module")
+def folder(request: pytest.FixtureRequest) -> Path:
+    """A folder whose compiled scenes outlive a run."""
+    made: Path = request.config.cache.mkdir("floor-machines")
+    return made
+
+
 @pytest.mark.parametrize("name", ["slider_crank", "andrews"])
 @pytest.mark.parametrize("formulation", ours.FORMULATIONS)
-def test_ours_come_where_the_floors_do(name: str, formulation: str, tmp_path: Path) -> None:
+def test_ours_come_where_the_floors_do(name: str, formulation: str, folder: Path) -> None:
     entry = ours.ENTRIES[name]
-    run, took = ours.simulated(entry, entry.declare(tmp_path), formulation, 1e-12)
+    run, took = ours.simulated(entry, ours.machine_of(entry, folder), formulation, 1e-12)
     angle = float(run.q(entry.angles[0])[-1])
     ((_, floor), *_) = entry.floors
     assert not run.failed
@@ -83,9 +88,9 @@ def test_ours_come_where_the_floors_do(name: str, formulation: str, tmp_path: Pa
     assert angle == pytest.approx(floor(1e-12)[0][0], abs=2e-8)
 
 
-def test_the_squeezer_needs_few_operations_more_than_by_hand(tmp_path: Path) -> None:
+def test_the_squeezer_needs_few_operations_more_than_by_hand(folder: Path) -> None:
     """One call of ours solves the loops and answers all accelerations."""
-    machine = load(squeezer, "released", folder=tmp_path)
+    machine = ours.machine_of(ours.ANDREWS, folder)
     assert machine.reduced.closures == ()
     counts = dict(import_generated(companion_path(machine.path, "reduced")).OPERATIONS)
     assert 0 < counts["accelerations"] < 2.0 * cost(andrews.equation)
@@ -94,7 +99,7 @@ def test_the_squeezer_needs_few_operations_more_than_by_hand(tmp_path: Path) -> 
 def test_operations_grow_linearly_with_the_loops(tmp_path: Path) -> None:
     counted = []
     for loops in (2, 3, 4):
-        made = build(n_four_bar(loops), "fall", tmp_path, compile=False)
-        counted.append(dict(import_generated(made.paths[0]).OPERATIONS)["accelerations"])
+        (made,) = build(n_four_bar(loops), "fall", tmp_path, compile=False).scenes
+        counted.append(made.operations["accelerations"])
     first, second = np.diff(counted)
     assert second <= 1.1 * first

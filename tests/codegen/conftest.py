@@ -42,17 +42,18 @@ def texts(scenes: Scenes) -> dict[str, str]:
 def compiled(root: Path, request: pytest.FixtureRequest) -> dict[str, object]:
     """Modules of all scenes of the slider-crank and of an odd machine, in machine code.
 
-    They stay in pytest's cache: what has not changed is not compiled again.
+    The library's are compiled where they lie, as whoever loads them does; the odd one stays in
+    pytest's cache.
     """
+    library = build(root / "models" / "slider_crank.py", check=True)
+    assert not library.stale, "run: python -m codegen build slider_crank"
     folder: Path = request.config.cache.mkdir("codegen-compiled")
     odd = folder / "names.py"
     odd.write_text(
         "from tests.codegen.machines import names_like_arguments as declare\n\nmodel = declare()\n"
     )
-    reports = [build(root / "models" / "slider_crank.py", out=folder / "generated")]
-    reports.append(build(odd, out=folder / "generated"))
     return {
         (s.scene if s.model == "slider_crank" else f"{s.model}.{s.scene}"): import_generated(s.path)
-        for report in reports
+        for report in (library, build(odd, out=folder / "generated"))
         for s in report.scenes
     }

@@ -15,9 +15,17 @@ from tests.codegen.workbench import Interpreted
 MASS, LENGTH = 3.0, 1.6
 
 
-def slider_crank(inertia: float) -> Model:
+@pytest.fixture(scope="module")
+def folder(request: pytest.FixtureRequest) -> Path:
+    """A folder whose compiled scenes outlive a run."""
+    made: Path = request.config.cache.mkdir("couplers")
+    return made
+
+
+def slider_crank() -> Model:
     """A free-running slider-crank under gravity, its rod a coupler."""
     model = Model("slider_crank", gravity=(0, -9.81))
+    inertia = model.parameter("J", 0.2, unit="kg m^2")
     crank = model.body("crank", mass=2.0, inertia=0.4)
     slider = model.body("slider", mass=1.0, inertia=0.1)
     model.revolute("A", model.ground.at(0, 0), crank.at(0, 0))
@@ -32,31 +40,31 @@ def slider_crank(inertia: float) -> Model:
     return model
 
 
-def run(tmp_path: Path, inertia: float, scene: str) -> Result:
-    machine = load(slider_crank(inertia), scene, folder=tmp_path)
-    found = machine.simulate(1.5, np.linspace(0, 1.5, 31), rtol=1e-11, atol=1e-11)
+def run(folder: Path, scene: str, **inertia: float) -> Result:
+    machine = load(slider_crank(), scene, folder=folder)
+    instants = np.linspace(0, 1.5, 31)
+    found = machine.simulate(1.5, instants, rtol=1e-11, atol=1e-11, parameters=inertia)
     total = found.data["energy"].sel(part="total")
     assert_allclose(total, float(total[0]), rtol=1e-9)
     return found
 
 
-def test_lumped_rod_moves_as_a_body_with_its_mass_at_the_ends(tmp_path: Path) -> None:
-    whole = run(tmp_path, MASS * LENGTH**2 / 4, "whole")
-    lumped = run(tmp_path, MASS * LENGTH**2 / 4, "lumped")
+def test_lumped_rod_moves_as_a_body_with_its_mass_at_the_ends(folder: Path) -> None:
+    whole, lumped = run(folder, "whole", J=MASS * LENGTH**2 / 4), run(folder, "lumped")
     for name in ("crank.phi", "slider.x"):
         assert_allclose(lumped.q(name), whole.q(name), atol=1e-9)
     assert_allclose(lumped.reaction("A", "fx"), whole.reaction("A", "fx"), atol=1e-6)
     assert len(lumped.data.coordinate) == 10
 
 
-def test_massless_link_leaves_the_mass_out(tmp_path: Path) -> None:
-    link, whole = run(tmp_path, 0.2, "link"), run(tmp_path, 0.2, "whole")
+def test_massless_link_leaves_the_mass_out(folder: Path) -> None:
+    link, whole = run(folder, "link"), run(folder, "whole")
     assert len(link.data.coordinate) == 6
     assert abs(link.q("crank.phi") - whole.q("crank.phi")).max() > 0.1
 
 
 def test_lumped_mass_costs_little_more_than_the_link() -> None:
-    model = slider_crank(0.2)
+    model = slider_crank()
     operations = {}
     for scene in ("whole", "link", "lumped"):
         lowered = Interpreted(model, scene).lowered
@@ -67,7 +75,7 @@ def test_lumped_mass_costs_little_more_than_the_link() -> None:
     assert operations["link"] < operations["lumped"] < 2 * operations["link"]
 
 
-def test_coupler_may_end_on_the_ground(tmp_path: Path) -> None:
+def test_coupler_may_end_on_the_ground(folder: Path) -> None:
     model = Model("rocker", gravity=(0, -9.81))
     disc = model.body("disc", mass=1.0, inertia=0.2)
     model.coupler("arm", model.ground.at(0, 0), disc, 2.0, mass=1.0, inertia=1.0)
@@ -77,7 +85,7 @@ def test_coupler_may_end_on_the_ground(tmp_path: Path) -> None:
     model.scene("lumped", ["gravity"], couplers={"arm": "lumped"}, start={disc.x: 0.7}, guess=guess)
     ends = []
     for scene in ("whole", "lumped"):
-        machine = load(model, scene, folder=tmp_path)
+        machine = load(model, scene, folder=folder)
         ends.append(machine.simulate(1.0, rtol=1e-11, atol=1e-11).q("disc.x")[-1])
     assert_allclose(*ends, atol=1e-9)
 

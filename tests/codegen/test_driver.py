@@ -217,13 +217,6 @@ def test_second_scene_that_is_wrong_keeps_the_first_from_being_written(tmp_path:
     assert not (tmp_path / "generated").exists()
 
 
-def test_library_files_are_those_that_the_models_give(root: Path) -> None:
-    for path in sorted((root / "models").glob("[!_]*.py")):
-        report = build(path, check=True)
-        assert report.scenes, path
-        assert not report.stale, f"run: python -m codegen build {path.stem}"
-
-
 def test_reports_are_plain_data(model: Path, tmp_path: Path) -> None:
     from dataclasses import asdict
 

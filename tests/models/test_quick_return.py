@@ -126,7 +126,7 @@ def test_the_torque_of_the_inverse_run_drives_the_same_motion(tmp_path: Path) ->
     declared = runpy.run_path(str(MODEL))
     model, crank, slider = (declared[name] for name in ("model", "crank", "slider"))
     model.torque("fed", on=crank, value=fed)
-    model.scene("turn", ["gravity", "cut", "fed"],
+    model.scene("turn", ["gravity", "cut", "fed"], outputs=[],
                 start={slider.x: -4.0, crank.omega: SPEED}, guess=declared["running"])  # fmt: skip
     instants = np.linspace(0.0, 1.0, 201)
     free = load(model, "turn", folder=tmp_path).simulate(1.0, instants, rtol=1e-11)

@@ -4,7 +4,6 @@ import math
 from typing import Any
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from codegen.emit.turning import NAME as SIN_COS
@@ -98,7 +97,6 @@ def test_constants_follow_the_parameters(scenes: Scenes, texts: dict[str, str]) 
     assert p[len(machine.p) :] == [slots[k] for k in range(len(machine.p), len(p))]
 
 
-@pytest.mark.xdist_group("compiled")
 def test_machine_code_computes_what_the_program_says(
     scenes: Scenes, slider_crank: Scenes, compiled: dict[str, Any]
 ) -> None:
@@ -107,7 +105,6 @@ def test_machine_code_computes_what_the_program_says(
         assert compare(scenes[name], vars(module), exact=False) > 20
 
 
-@pytest.mark.xdist_group("compiled")
 def test_kernels_have_one_signature_each(compiled: dict[str, Any]) -> None:
     for module in compiled.values():
         for name, _ in module.OPERATIONS:
@@ -116,7 +113,6 @@ def test_kernels_have_one_signature_each(compiled: dict[str, Any]) -> None:
             assert kernel.stats.cache_path.endswith("__pycache__")
 
 
-@pytest.mark.xdist_group("compiled")
 def test_lock_up_is_told_by_the_return_value(scenes: Scenes, compiled: dict[str, Any]) -> None:
     module, machine = compiled["compressor"], scenes["compressor"]
     p = np.array([*machine.p, *[0.0] * len(module.CONSTANTS)])
