@@ -213,9 +213,7 @@ def explained(path: Path, scene: str | None, **options: Any) -> tuple[Ledger, ..
 
 
 @pytest.mark.parametrize("columns", [80, 100, 140])
-def test_tables_fit_the_terminal(
-    root: Path, monkeypatch: pytest.MonkeyPatch, columns: int
-) -> None:
+def test_tables_fit_the_terminal(root: Path, monkeypatch: pytest.MonkeyPatch, columns: int) -> None:
     monkeypatch.setenv("COLUMNS", str(columns))
     monkeypatch.setattr("codegen.explain.explain", explained)
     path = str(root / "models" / "valve_lifter.py")

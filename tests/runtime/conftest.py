@@ -9,7 +9,10 @@ from typing import Any
 
 import pytest
 
+from codegen.modelfile import file_hash
+from codegen.write import write_if_changed
 from runtime import load
+from runtime.companions import Origin
 from runtime.machine import Machine
 
 
@@ -37,6 +40,26 @@ def workshop(request: pytest.FixtureRequest) -> Path:
     """A folder of models and their generated modules; numba's cache beside them outlives a run."""
     folder: Path = request.config.cache.mkdir("runtime-mechanisms")
     return folder
+
+
+@pytest.fixture(scope="session")
+def library(root: Path, workshop: Path) -> Callable[[str, str], Machine]:
+    """Load a machine of the library: library("hard/n_four_bar", "fall").
+
+    Its equations are compiled where all load them; reduced equations, which the library does not
+    keep, are built beside a copy of its model in the tests' own folder.
+    """
+
+    def loaded(name: str, scene: str) -> Machine:
+        machine = load(root / "models" / f"{name}.py", scene)
+        copied = workshop / "library"
+        model = copied / "models" / f"{name}.py"
+        write_if_changed(model, (root / "models" / f"{name}.py").read_text(encoding="utf-8"))
+        path = copied / "generated" / machine.path.name
+        origin = Origin(model, scene, path, file_hash(machine.path))
+        return Machine(machine.description, machine.kernels, machine.path, origin)
+
+    return loaded
 
 
 @pytest.fixture(scope="session")

@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -30,8 +31,8 @@ def of(root: Path, workshop: Path, name: str, scene: str) -> Machine:
 
 
 @pytest.fixture(scope="module")
-def compressor(root: Path, workshop: Path) -> Machine:
-    machine = of(root, workshop, "slider_crank", "compressor")
+def compressor(library: Callable[[str, str], Machine]) -> Machine:
+    machine = library("slider_crank", "compressor")
     assert machine.reduced.kept.size  # built, so that the program may choose it
     return machine
 
@@ -131,8 +132,10 @@ def test_any_series_can_be_meant(compressor: Machine) -> None:
     assert sizes["B.fx"] > 1e3
 
 
-def test_a_dead_centre_that_ends_the_reduced_run_is_passed(root: Path, workshop: Path) -> None:
-    machine = of(root, workshop, "hard/n_four_bar", "fall")
+def test_a_dead_centre_that_ends_the_reduced_run_is_passed(
+    library: Callable[[str, str], Machine],
+) -> None:
+    machine = library("hard/n_four_bar", "fall")
     assert machine.reduced.branches
     run = machine.simulate(1.0, accuracy=1e-5, progress=False)
     assert run.accuracy is not None

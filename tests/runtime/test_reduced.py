@@ -1,5 +1,6 @@
 """Runs in reduced coordinates: the same results under the same names, and what they refuse."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -19,21 +20,17 @@ TIGHT = 1e-12
 SAME = 1e-10
 
 
-def of(root: Path, workshop: Path, name: str, scene: str) -> Machine:
-    """A machine of the library, built in the tests' own folder."""
-    path = workshop / "models" / f"library_{Path(name).name}.py"
-    write_if_changed(path, (root / "models" / f"{name}.py").read_text())
-    return load(path, scene, folder=workshop)
+Library = Callable[[str, str], Machine]
 
 
 @pytest.fixture(scope="module")
-def compressor(root: Path, workshop: Path) -> Machine:
-    return of(root, workshop, "slider_crank", "compressor")
+def compressor(library: Library) -> Machine:
+    return library("slider_crank", "compressor")
 
 
 @pytest.fixture(scope="module")
-def parallelogram(root: Path, workshop: Path) -> Machine:
-    return of(root, workshop, "hard/n_four_bar", "fall")
+def parallelogram(library: Library) -> Machine:
+    return library("hard/n_four_bar", "fall")
 
 
 def both(machine: Machine, t_end: float, **options: object) -> tuple[Result, Result]:
@@ -72,20 +69,20 @@ def test_a_run_with_events(compressor: Machine) -> None:
     assert less.stats["corrections"] == 0
 
 
-def test_constraints_that_are_left(root: Path, workshop: Path) -> None:
-    machine = of(root, workshop, "gear_slider", "train_running")
+def test_constraints_that_are_left(library: Library) -> None:
+    machine = library("gear_slider", "train_running")
     assert machine.reduced.closures
     assert_same(machine, *both(machine, 0.5))
 
 
-def test_rigid_contact_that_bounces(root: Path, workshop: Path) -> None:
-    machine = of(root, workshop, "hard/contact_follower", "touching")
+def test_rigid_contact_that_bounces(library: Library) -> None:
+    machine = library("hard/contact_follower", "touching")
     whole, less = both(machine, 0.5)
     assert_same(machine, whole, less, 1e-9)
 
 
-def test_friction_from_reactions(root: Path, workshop: Path) -> None:
-    machine = of(root, workshop, "hard/guide_friction", "creeping")
+def test_friction_from_reactions(library: Library) -> None:
+    machine = library("hard/guide_friction", "creeping")
     assert_same(machine, *both(machine, 0.5))
 
 
@@ -99,8 +96,8 @@ def test_every_method(compressor: Machine, method: str) -> None:
     assert less.outcome is Outcome.OK
 
 
-def test_whole_turns_between_two_samples(root: Path, workshop: Path) -> None:
-    machine = of(root, workshop, "quick_return", "shaper")
+def test_whole_turns_between_two_samples(library: Library) -> None:
+    machine = library("quick_return", "shaper")
     values = {"progress": False, "rtol": 1e-10, "formulation": "reduced"}
     dense = machine.simulate(3.0, np.linspace(0.0, 3.0, 2001), **values)
     sparse = machine.simulate(3.0, [0.0, 3.0], **values)
@@ -110,7 +107,7 @@ def test_whole_turns_between_two_samples(root: Path, workshop: Path) -> None:
         assert sparse.q(row.name)[-1] == pytest.approx(dense.q(row.name)[-1], abs=1e-6)
 
 
-def test_angles_that_turn_are_followed_over_a_hundred_turns(root: Path, workshop: Path) -> None:
+def test_angles_that_turn_are_followed_over_a_hundred_turns(workshop: Path) -> None:
     # A drag-link: ground is the shortest link, so that all bars turn with the crank.
     text = (
         "from codegen import Model\n"
@@ -136,8 +133,8 @@ def test_angles_that_turn_are_followed_over_a_hundred_turns(root: Path, workshop
     assert_same(machine, whole, less, 1e-8)
 
 
-def test_partitions_are_named_by_what_is_kept(root: Path, workshop: Path) -> None:
-    machine = of(root, workshop, "gear_slider", "train_running")
+def test_partitions_are_named_by_what_is_kept(library: Library) -> None:
+    machine = library("gear_slider", "train_running")
     less = machine.simulate(0.1, formulation="reduced", progress=False)
     kept = {machine.coordinates.names[k] for k in machine.reduced.kept}
     assert less.partitions
@@ -217,8 +214,8 @@ def test_start_at_a_dead_centre_is_refused(workshop: Path) -> None:
 # Refusals
 
 
-def test_all_that_is_wrong_is_told_at_once(root: Path, workshop: Path) -> None:
-    machine = of(root, workshop, "hard/parallel_linkage", "fall")
+def test_all_that_is_wrong_is_told_at_once(library: Library) -> None:
+    machine = library("hard/parallel_linkage", "fall")
     with pytest.raises(InputError) as caught:
         machine.simulate(0.1, formulation="reduced", correction="baumgarte", progress=False)
     problems = caught.value.problems
@@ -228,14 +225,14 @@ def test_all_that_is_wrong_is_told_at_once(root: Path, workshop: Path) -> None:
     assert all('formulation="cartesian"' in problem for problem in problems)
 
 
-def test_friction_that_sticks_is_refused(root: Path, workshop: Path) -> None:
-    machine = of(root, workshop, "hard/guide_friction", "running_down")
+def test_friction_that_sticks_is_refused(library: Library) -> None:
+    machine = library("hard/guide_friction", "running_down")
     with pytest.raises(InputError, match="stick by the force of a reaction"):
         machine.simulate(0.1, formulation="reduced", progress=False)
 
 
-def test_nothing_left_to_integrate_is_refused(root: Path, workshop: Path) -> None:
-    machine = of(root, workshop, "slider_crank", "inverse_dynamics")
+def test_nothing_left_to_integrate_is_refused(library: Library) -> None:
+    machine = library("slider_crank", "inverse_dynamics")
     with pytest.raises(InputError, match="nothing is left to integrate"):
         machine.simulate(0.1, formulation="reduced", progress=False)
 
@@ -254,10 +251,10 @@ def test_machine_without_its_model(compressor: Machine) -> None:
 # The command line
 
 
-def test_command_line(workshop: Path, compressor: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_command_line(workshop: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rocking(workshop, "swing")
     monkeypatch.chdir(workshop)
-    path = workshop / "models" / "library_slider_crank.py"
-    arguments = ["simulate", str(path), "--t-end", "0.01", "--scene", "compressor", "--points", "3"]
+    arguments = ["simulate", "rocking", "--t-end", "0.01", "--scene", "swing", "--points", "3"]
     done = CliRunner().invoke(app, [*arguments, "--formulation", "reduced"])
     assert done.exit_code == 0, done.output
     refused = CliRunner().invoke(app, [*arguments, "--formulation", "polar"])

@@ -12,7 +12,6 @@ import codegen
 from codegen.artefact import tangents_path
 from codegen.errors import AnalysisError, GeneratedFileError, SupersededError
 from codegen.modelfile import read_model
-from codegen.write import write_if_changed
 from runtime import load
 from runtime.compiled import ADDRESSES, compiled
 from runtime.integrate.slots import accelerations_tangent_of, correction_tangent_of
@@ -54,12 +53,11 @@ def slope(tangents: Tangents, machine: Machine, x: float) -> float:
 
 
 @pytest.fixture(scope="module", params=["slider_crank compressor", "valve_lifter free_follower"])
-def pair(root: Path, workshop: Path, request: pytest.FixtureRequest) -> tuple[Machine, Interpreted]:
+def pair(root: Path, request: pytest.FixtureRequest) -> tuple[Machine, Interpreted]:
     """A machine of the library in machine code, and interpreted."""
     name, scene = request.param.split()
-    path = workshop / "models" / f"library_{name}.py"
-    write_if_changed(path, (root / "models" / f"{name}.py").read_text())
-    return load(path, scene, folder=workshop), Interpreted(read_model(path).model, scene)
+    path = root / "models" / f"{name}.py"
+    return load(path, scene), Interpreted(read_model(path).model, scene)
 
 
 def test_compiled_derivatives_are_those_of_the_complex_step(
