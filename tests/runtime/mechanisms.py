@@ -226,7 +226,6 @@ def slider_crank(
     masses: bool = True,
     gas: bool = False,
     twice: bool = False,
-    start: list[tuple[str, float, str]] | None = None,
 ) -> Mechanism:
     """The book's slider-crank compressor; `twice` guides the slider's angle a second time."""
     machine = Mechanism(
@@ -265,7 +264,7 @@ def slider_crank(
         machine.drive("crank_drive", "crank.phi", "phi0", "omega0")
     if gas:
         machine.load("gas", "slider.x", "push", "slider.vx")
-    machine.start = start or [
+    machine.start = [
         ("crank.phi", 0.8, "guess"),
         ("rod.x", 3.0, "guess"),
         ("rod.phi", -0.4, "guess"),

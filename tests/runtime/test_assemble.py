@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from codegen.errors import AssemblyError, RedundancyError
+from runtime.description import StartValue, Table
 from runtime.machine import Machine
+
+
+def starting(machine: Machine, *start: tuple[str, float, str]) -> Machine:
+    """The machine with another start in its scene; the kernels know of none."""
+    description = machine.description._replace(start=Table(StartValue(*row) for row in start))
+    return Machine(description, machine.kernels, machine.path)
 
 
 def _slider(phi: float, rod: float = 3.5) -> float:
@@ -43,26 +50,22 @@ def test_guess_chooses_the_branch(driven: Machine, guess: dict[str, float], sign
     assert x == pytest.approx(np.sqrt(2.0) + sign * root, abs=1e-13)
 
 
-def test_assembly_from_nothing_but_a_crank_angle(make: Callable[..., Machine]) -> None:
-    machine = make("slider_crank", "lonely", start=[("crank.phi", 2.0, "fixed")])
-    start = machine.assemble()
+def test_assembly_from_nothing_but_a_crank_angle(free: Machine) -> None:
+    start = starting(free, ("crank.phi", 2.0, "fixed")).assemble()
     assert start["crank.phi"] == 2.0
     assert abs(start["slider.x"] - 2.0 * np.cos(2.0)) == pytest.approx(
         np.sqrt(3.5**2 - 4.0 * np.sin(2.0) ** 2), abs=1e-13
     )
 
 
-def test_fixed_velocity_is_held_and_the_others_follow(make: Callable[..., Machine]) -> None:
+def test_fixed_velocity_is_held_and_the_others_follow(free: Machine) -> None:
     """The book's start of the compressor."""
-    machine = make(
-        "slider_crank",
-        "dynamic",
-        start=[
-            ("crank.phi", np.pi, "fixed"),
-            ("rod.x", -0.25, "guess"),
-            ("slider.x", 1.5, "guess"),
-            ("crank.omega", 30.0, "fixed"),
-        ],
+    machine = starting(
+        free,
+        ("crank.phi", np.pi, "fixed"),
+        ("rod.x", -0.25, "guess"),
+        ("slider.x", 1.5, "guess"),
+        ("crank.omega", 30.0, "fixed"),
     )
     start = machine.assemble()
     assert start["crank.omega"] == 30.0
@@ -72,11 +75,9 @@ def test_fixed_velocity_is_held_and_the_others_follow(make: Callable[..., Machin
     assert start.degrees_of_freedom == 1
 
 
-def test_fixed_positions_that_contradict_the_joints(make: Callable[..., Machine]) -> None:
-    machine = make(
-        "slider_crank",
-        "torn",
-        start=[("crank.phi", 0.0, "fixed"), ("slider.x", 5.0, "fixed"), ("rod.x", 3.0, "guess")],
+def test_fixed_positions_that_contradict_the_joints(free: Machine) -> None:
+    machine = starting(
+        free, ("crank.phi", 0.0, "fixed"), ("slider.x", 5.0, "fixed"), ("rod.x", 3.0, "guess")
     )
     with pytest.raises(AssemblyError) as caught:
         machine.assemble()
@@ -87,17 +88,14 @@ def test_fixed_positions_that_contradict_the_joints(make: Callable[..., Machine]
     assert machine.assemble({"slider.x": 5.5})["slider.x"] == 5.5
 
 
-def test_fixed_velocities_that_contradict_the_joints(make: Callable[..., Machine]) -> None:
-    machine = make(
-        "slider_crank",
-        "hasty",
-        start=[
-            ("crank.phi", 1.0, "fixed"),
-            ("slider.x", 4.1, "guess"),
-            ("rod.x", 2.6, "guess"),
-            ("crank.omega", 1.0, "fixed"),
-            ("slider.vx", 5.0, "fixed"),
-        ],
+def test_fixed_velocities_that_contradict_the_joints(free: Machine) -> None:
+    machine = starting(
+        free,
+        ("crank.phi", 1.0, "fixed"),
+        ("slider.x", 4.1, "guess"),
+        ("rod.x", 2.6, "guess"),
+        ("crank.omega", 1.0, "fixed"),
+        ("slider.vx", 5.0, "fixed"),
     )
     with pytest.raises(AssemblyError) as caught:
         machine.assemble()
@@ -107,8 +105,8 @@ def test_fixed_velocities_that_contradict_the_joints(make: Callable[..., Machine
     assert "misses by" in text
 
 
-def test_fixed_value_against_a_driver(make: Callable[..., Machine]) -> None:
-    machine = make("slider_crank", "stubborn", driven=True, start=[("crank.phi", 0.5, "fixed")])
+def test_fixed_value_against_a_driver(driven: Machine) -> None:
+    machine = starting(driven, ("crank.phi", 0.5, "fixed"))
     with pytest.raises(AssemblyError, match=r"driver crank_drive misses by 0\.2854 rad"):
         machine.assemble()
 
