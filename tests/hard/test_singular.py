@@ -4,12 +4,11 @@ On the branch of continuous velocity all cranks stay parallel, and the machine i
 turns over: its angle is known in closed form, and from a reference that is not ours.
 """
 
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from models.hard.n_four_bar import n_four_bar
+from models.hard.cases import find
 from models.hard.suite.case import ROOT, table
 from models.hard.suite.linkages import crank_angle, crank_growth, equal_rods_angle
 from runtime import Machine, Outcome, Result, load
@@ -18,13 +17,9 @@ EXPLICIT = ("dop853", "dopri5")
 
 
 @pytest.fixture(scope="module")
-def machines(request: pytest.FixtureRequest) -> dict[int, Machine]:
+def machines() -> dict[int, Machine]:
     """Rows of one loop and of two."""
-    folder: Path = request.config.cache.mkdir("hard-machines")
-    return {
-        1: load(n_four_bar(1), "fall", folder=folder),
-        2: load("hard/n_four_bar", "fall", folder=ROOT),
-    }
+    return {loops: find(f"n_four_bar_{loops}").machine() for loops in (1, 2)}
 
 
 @pytest.fixture(scope="module")

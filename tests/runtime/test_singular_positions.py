@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from models.hard.n_four_bar import n_four_bar
-from runtime import Machine, load
+from models.hard.cases import find
+from runtime import Machine
 from runtime.analyses.equations import Equations
 from runtime.constraints.frames import Frames, weak_values
 from runtime.constraints.layout import unit_entries
@@ -14,14 +14,14 @@ from runtime.constraints.scaled import ScaledConstraints
 from runtime.constraints.search import Search
 from runtime.constraints.singular import Positions
 
-LOOPS = 3
+LOOPS = 2
 TURNING = -5.0  # rad/s
 
 
 @pytest.fixture(scope="module")
-def machine(request: pytest.FixtureRequest) -> Machine:
-    """A row of three four-bars."""
-    return load(n_four_bar(LOOPS), "fall", folder=request.config.cache.mkdir("hard-machines"))
+def machine() -> Machine:
+    """A row of two four-bars."""
+    return find(f"n_four_bar_{LOOPS}").machine()
 
 
 @pytest.fixture(scope="module")
