@@ -4,7 +4,6 @@ On the branch of continuous velocity all cranks stay parallel, and the machine i
 turns over: its angle is known in closed form, and from a reference that is not ours.
 """
 
-
 import numpy as np
 import pytest
 
