@@ -92,8 +92,10 @@ def test_it_takes_two_or_three_runs(compressor: Machine, asked: float) -> None:
     assert sum(run.evaluations for run in told.runs) <= 3 * last.evaluations
 
 
-def test_a_long_smooth_motion_is_judged_by_a_looser_run(root: Path, workshop: Path) -> None:
-    chain = of(root, workshop, "hard/spring_chain", "struck")
+def test_a_long_smooth_motion_is_judged_by_a_looser_run(
+    library: Callable[[str, str], Machine],
+) -> None:
+    chain = library("hard/spring_chain", "struck")
     run = chain.simulate(20.0, accuracy=1e-9, method="dop853", progress=False)
     told = run.accuracy
     assert told is not None
