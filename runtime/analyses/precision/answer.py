@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 from runtime.analyses.plain import plain
 from runtime.analyses.scaled_error import Errors, Scale
+from runtime.integrate.tables import IMPLICIT
 
 DONE = "OK"
 TIMEOUT = "TIMEOUT"
@@ -24,6 +25,13 @@ class Setting(NamedTuple):
     def title(self) -> str:
         """``dop853, reduced``, or ``dop853, cartesian, every stage``."""
         return f"{self.method}, {self.formulation}{_WAYS.get(self.correction, self.correction)}"
+
+    @property
+    def companion(self) -> str:
+        """The file beside the scene's own that it takes: "reduced", "tangents", or "" for none."""
+        if self.formulation == "reduced":
+            return "reduced"
+        return "tangents" if self.method in IMPLICIT else ""
 
 
 @dataclass(frozen=True)

@@ -94,7 +94,8 @@ def accuracy(
     beside
         Further scenes of the model that stand for the same machine, judged in the same way.
     building
-        Whether the scene is built anew, to tell what that takes; not if `quick`, unless given.
+        Whether the scene is built anew, to tell what that takes; not if `quick`, unless given. Only
+        files that a method and formulation take are built.
     quick
         Four tolerances, and few runs a time.
     limit, steps
@@ -141,13 +142,13 @@ def accuracy(
         f"{told.title}: at most {limit:g} s and {steps:g} steps a run, {PATIENCE * limit:g} s for "
         "a reference"
     )
+    tried = settings(tuple(methods), tuple(formulations))
     costs = {}
     if building if building is not None else not quick:
         progress(f"{told.title}: built anew")
-        costs = build_costs(*found)
-    truth = find_truth(runner, names, given, progress)
+        costs = build_costs(*found, {setting.companion for setting in tried})
+    truth = find_truth(runner, names, given, progress, tried)
     rounds, least = (QUICK_ROUNDS, QUICK_SECONDS) if quick else (ROUNDS, SECONDS)
-    tried = settings(tuple(methods), tuple(formulations))
     made = lines(runner, truth, tried, tolerances, further, rounds, least, progress)
     others: tuple[Choice, ...] = ()
 
