@@ -24,11 +24,12 @@ import numpy.typing as npt
 
 from runtime.analyses.accurate.answer import Trial
 from runtime.analyses.accurate.choosing import Choice, after, choose
-from runtime.analyses.accurate.comparing import LOST, Columns, Difference, columns, difference
+from runtime.analyses.accurate.comparing import PARTED, Columns, Difference, columns, difference
 from runtime.analyses.accurate.telling import Pair, told
 from runtime.analyses.dynamics import finished
 from runtime.analyses.instants import instants
 from runtime.analyses.prepared import Prepared
+from runtime.analyses.scaled_error import require_numbers
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.outcomes import Outcome
@@ -118,6 +119,8 @@ def simulate_to(
     ------
     AnalysisError
         If not even the beginning can be had so accurately.
+    InputError
+        If a quantity is no series, or has no value at any instant.
     """
     began = clock.perf_counter()
     ready = Prepared(
@@ -167,11 +170,11 @@ class _Search:
             known = not unable and not self._lost(old, new)
             falls = max(rtol, _GRAIN) / max(old.options.rtol, _GRAIN)
             share = falls**_SURE if known else 1.0
-            if found.largest >= LOST:
+            if found.largest >= PARTED:
                 share = max(share, _ROUGH)
             if found.largest <= _GRAIN:  # rounding, in both runs alike
                 share = 1.0
-            enough = known and found.largest < LOST and share * found.largest <= self.asked
+            enough = known and found.largest < PARTED and share * found.largest <= self.asked
             if enough or unable or rtol <= _TIGHTEST or len(self.trials) >= _MOST_RUNS:
                 break
             rtol, old = self._tighter(found, old, new), new
@@ -222,6 +225,7 @@ class _Search:
             return _Run(options, path, values, np.zeros(values.shape[1]), seconds)
         made = finished(self.ready, choice.taken, options, clock.perf_counter(), silent, path)
         values = self.of.of_result(made)[: len(path.t)]
+        require_numbers(made.description, self.of.names, values)
         return _Run(options, path, values, self.of.wholes(made), seconds)
 
     def _longest(self, choice: Choice, rtol: float) -> float | None:
@@ -259,7 +263,7 @@ class _Search:
     def _tighter(self, found: Difference, old: _Run, new: _Run) -> float:
         """rtol of the next run, so that its estimate should be what is asked, less a margin."""
         rtol = new.options.rtol
-        if found.largest >= LOST or self._lost(old, new):
+        if found.largest >= PARTED or self._lost(old, new):
             return float(max(_TIGHTEST, _NEXT * rtol))
         off = found.largest * (rtol / old.options.rtol) ** _FALLS
         wanted = (_MARGIN * self.asked / off) ** (1.0 / _SURE)

@@ -4,9 +4,9 @@ import math
 from dataclasses import asdict, dataclass, field
 from typing import Any, NamedTuple
 
-from runtime.analyses.plain import plain
 from runtime.analyses.scaled_error import Errors, Scale
 from runtime.integrate.tables import IMPLICIT
+from runtime.plain import plain
 
 DONE = "OK"
 TIMEOUT = "TIMEOUT"
@@ -163,7 +163,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Accuracy:
+class WorkPrecision:
     """What the accuracy of a scene's motion costs.
 
     Attributes
@@ -215,7 +215,7 @@ class Accuracy:
         from runtime.analyses.precision.reading import sentences
 
         facts: dict[str, Any] = plain(_named(asdict(self)))
-        return {**facts, "sentences": list(sentences(self))}
+        return {**facts, "sentences": list(sentences(self, whole=True))}
 
 
 def _named(facts: dict[str, Any]) -> dict[str, Any]:

@@ -22,7 +22,15 @@ from runtime.analyses.precision.asked import Given, columns, named
 from runtime.analyses.precision.grid import FORMULATIONS, METHODS, TIGHTEST
 from runtime.analyses.precision.grid import settings as every
 from runtime.analyses.precision.running import Runner, Stopwatch
-from runtime.analyses.scaled_error import Errors, Scale, errors, kindred, scaled, scales
+from runtime.analyses.scaled_error import (
+    Errors,
+    Scale,
+    errors,
+    kindred,
+    require_numbers,
+    scaled,
+    scales,
+)
 
 if TYPE_CHECKING:
     from runtime.results.result import Result
@@ -31,7 +39,7 @@ FloatArray = npt.NDArray[np.float64]
 
 PATIENCE = 6.0
 """Times the limit of a run that one for the reference may take."""
-LOST = 1e-6
+DOUBTFUL = 1e-6
 """Scaled error above which a reference is no longer known."""
 _ROUNDING = 1e-15
 _KEPT = 1e-9
@@ -103,7 +111,7 @@ def find_truth(
     Raises
     ------
     LinkwrightError
-        If no run reaches the end, or nothing confirms the one that does.
+        If no run reaches the end, nothing confirms the one that does, or a quantity has no value.
     """
     patient = replace(runner, limit=PATIENCE * runner.limit, steps=20 * runner.steps)
     told = runner.machine.description
@@ -118,6 +126,7 @@ def find_truth(
         )
     setting, best = first
     own = columns(best, names)
+    require_numbers(told, names, own)
     values = own if given is None else given.values
     series = named(told, names)
     units = [best.series(name)[1] for name in series]
@@ -140,7 +149,7 @@ def find_truth(
     apart = [errors(found, values, by).worst for _, found in others]
     checks = [Check(name, error) for (name, _), error in zip(others, apart, strict=True)]
     nearest = min(apart)
-    parted = scaled(others[apart.index(nearest)][1], values, by).max(axis=1) > LOST
+    parted = scaled(others[apart.index(nearest)][1], values, by).max(axis=1) > DOUBTFUL
     horizon = float(runner.instants[int(np.argmax(parted))]) if parted.any() else None
     source = title if given is None else str(given.path)
     total, energy = _energy(best)

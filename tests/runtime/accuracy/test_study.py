@@ -12,13 +12,14 @@ import pytest
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
 from runtime import accuracy, companions, load
-from runtime.analyses.precision import Accuracy, Setting, study
+from runtime.analyses.precision import Setting, WorkPrecision, study
 from runtime.analyses.precision.building import build_costs
 from runtime.analyses.precision.grid import settings
 from runtime.analyses.precision.measuring import lines
 from runtime.analyses.precision.reading import best_at, sentences
 from runtime.analyses.precision.running import Runner, Stopwatch, take_turns
 from runtime.analyses.precision.truth import find_truth
+from runtime.results.result import Result
 from runtime.show import accuracy_picture
 
 
@@ -36,7 +37,7 @@ def exact(path: Path) -> Path:
     return table(path, ("body.x", "body.vx"), t, x, v)
 
 
-def test_every_setting_is_run_at_every_tolerance(swing: Accuracy) -> None:
+def test_every_setting_is_run_at_every_tolerance(swing: WorkPrecision) -> None:
     assert [line.setting for line in swing.lines] == list(
         settings(("dop853", "dopri5", "radau5", "bdf", "auto"), ("cartesian", "reduced"))
     )
@@ -69,7 +70,7 @@ def test_every_setting_is_run_at_every_tolerance(swing: Accuracy) -> None:
 
 
 def test_self_made_reference_agrees_with_the_closed_form(
-    swing: Accuracy, rig: str, folder: Path, tmp_path: Path, about: dict[str, Any]
+    swing: WorkPrecision, rig: str, folder: Path, tmp_path: Path, about: dict[str, Any]
 ) -> None:
     path = exact(tmp_path / "exact.csv")
     given = accuracy(rig, "swing", folder=folder, reference=path, **{**about, "t_end": None})
@@ -207,6 +208,28 @@ def test_what_meets_the_limit_of_time_is_not_tried_for_ever(rig: str, folder: Pa
     take_turns(runner, [(Setting("dop853"), 1e-3, watch)], 4, 100.0)
     assert len(watch.times) == 30
     assert watch.seconds == min(watch.times)
+
+
+def test_a_quantity_counts_once(rig: str, folder: Path, few: dict[str, Any]) -> None:
+    names = ("body.x", "sled.x|body.x", "body.vx", "body.x")
+    told = accuracy(rig, "swing", quantities=names, folder=folder, modelling=False, **few)
+    assert [scale.name for scale in told.quantities] == ["body.x", "body.vx"]
+
+
+def test_what_has_no_value_has_no_error(
+    rig: str, folder: Path, few: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = Result.series
+
+    def series(self: Result, name: str) -> tuple[np.ndarray, str]:
+        values, unit = real(self, name)
+        return (np.full_like(values, np.nan) if name == "guide.fy" else values), unit
+
+    monkeypatch.setattr(Result, "series", series)
+    about = {**few, "quantities": ("body.x", "guide.fy")}
+    with pytest.raises(InputError, match=r"guide\.fy is no number at any of the 40") as caught:
+        accuracy(rig, "swing", folder=folder, modelling=False, **about)
+    assert len(caught.value.problems) == 1
 
 
 @pytest.mark.parametrize(
