@@ -21,7 +21,7 @@ import numpy.typing as npt
 from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
-    from runtime.analyses.accurate import Accuracy
+    from runtime.analyses.accurate import ReachedAccuracy
     from runtime.analyses.accurate.comparing import Columns
     from runtime.analyses.prepared import Prepared
     from runtime.machine import Machine
@@ -179,7 +179,7 @@ def _of_scene(
 
 def _accurate(
     machine: "Machine", t_end: float, t: Array, accuracy: float
-) -> tuple["Result", "Accuracy"] | None:
+) -> tuple["Result", "ReachedAccuracy"] | None:
     try:
         result = machine.simulate(t_end, t, accuracy=accuracy, progress=False)
     except LinkwrightError:

@@ -78,7 +78,6 @@ class KernelText:
         self._lookups = lookups(program)
         self._taken: set[str] = {*RESERVED, *kernel.arguments, *self._lookups.values()}
         self._counts: dict[str, int] = {}
-        self._wanted = {out.value for out in kernel.outputs}
 
     def lines(self) -> list[str]:
         """The function, line by line."""
