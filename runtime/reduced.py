@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime import kernels
+from runtime.compiled import addresses
 from runtime.description import Description
 from runtime.integrate.problem import System
 from runtime.kernels import Kernel
@@ -62,6 +63,10 @@ class Reduced:
             loop_rows=tuple(m + row for _, row in self.branches),
             **self.tangents._asdict(),
         )
+
+    @cached_property
+    def _expanding(self) -> IntArray:
+        return addresses([self.expand])
 
     def row(self, index: int) -> int:
         """The machine's constraint that `index` of an outcome or a crossing means."""
@@ -139,7 +144,7 @@ class Reduced:
         all_q, all_v = np.zeros((count, n)), np.zeros((count, n))
         begun, first = start
         follow(
-            self.expand,
+            self._expanding,
             self.angles,
             begun,
             np.ascontiguousarray(first),

@@ -4,13 +4,14 @@ import numpy as np
 import numpy.typing as npt
 from numba import types
 
-from runtime.compiled import allocating
-from runtime.kernels import MATRIX, SCALAR, VECTOR, Kernel
+from runtime.compiled import ADDRESSES, allocating, at
+from runtime.kernels import MATRIX, SCALAR, VECTOR
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 _EXPAND = types.FunctionType(types.none(SCALAR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR))
+_expand = at(_EXPAND, 0)
 _STRIDE = 0.5  # rad, or of a length's size: between two places of which angles are followed
 _FAR = 1.0  # rad by which an angle may move from one place to the next
 _FINEST = 1e-4  # of such a stride: no shorter ones are tried
@@ -19,7 +20,7 @@ _TURN = 2.0 * np.pi
 
 @allocating(
     types.none(
-        _EXPAND,
+        ADDRESSES,
         types.int64[::1],
         SCALAR,
         VECTOR,
@@ -34,7 +35,7 @@ _TURN = 2.0 * np.pi
     )
 )
 def follow(
-    expand: Kernel,
+    table: IntArray,
     angles: IntArray,
     begun: float,
     first: FloatArray,
@@ -47,7 +48,14 @@ def follow(
     all_q: FloatArray,
     all_v: FloatArray,
 ) -> None:
-    """Fill `all_q` and `all_v`; `here` is where the walk stands, and moves."""
+    """Fill `all_q` and `all_v`; `here` is where the walk stands, and moves.
+
+    Parameters
+    ----------
+    table
+        The address of `expand`.
+    """
+    expand = _expand(table)
     count, n = angles.size, here.size
     turns, none = np.zeros(count), np.zeros(count)
     at, still = np.zeros(n), np.zeros(n)

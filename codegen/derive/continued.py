@@ -7,6 +7,7 @@ the switch. So where b is zero at the switch, it is written, n = ⌊e⌋, as
     b^e = b^n (b² + ε²)^((e - n)/2)
 
 which is b^e to rounding from b = 1e-92 on, has a number on either side, and derivatives at b = 0.
+Where e follows from parameters, n = 1, which does for all that are positive.
 """
 
 import math
@@ -42,12 +43,14 @@ def continued(expression: sympy.Expr) -> sympy.Expr:
 def _ends(power: sympy.Pow) -> bool:
     """Whether a power has no number where its base is negative, and one where it is zero."""
     e = power.exp
+    if not e.is_number:
+        return not kinds(e, Coordinate, Velocity, Time)
     return bool(e.is_number and e.is_real and e > 0 and float(e) != math.floor(float(e)))
 
 
 def _past(power: sympy.Pow) -> sympy.Expr:
     b, e = power.as_base_exp()
-    whole = math.floor(float(e))
+    whole = math.floor(float(e)) if e.is_number else 1
     return b**whole * (b**2 + _EPSILON_SQUARED) ** ((e - whole) / 2)
 
 

@@ -69,6 +69,7 @@ from runtime.integrate.workspace import (
 GOING = -1  # the run is not over
 LOOK = -2  # nor is this: a singular position has to be looked at, see `crossing`
 CHANGE = -3  # nor is this: another method is due
+UNFINISHED = (GOING, LOOK, CHANGE)
 
 _FLIGHT = 0.6  # of the time between two impacts: a first step that meets none
 _RETAKES = 5

@@ -42,7 +42,7 @@ from runtime.outcomes import Outcome
 Progress = Callable[[float, int], None]
 """Called between chunks with the time reached and the steps taken."""
 
-_FIRST_CHUNK = 512
+_FIRST_CHUNK = 128  # steps, within which an interrupt ends the run as it does before it
 _LONGEST_CHUNK = 16384
 _CHUNK_SECONDS = 0.05
 _SHOWN = (Slot.WORKSPACE, Slot.SURFACES, Slot.PARAMETERS, Slot.MODES, Slot.MULTIPLIERS)
@@ -234,6 +234,8 @@ class _Run:
                 )
                 took = time.perf_counter() - before
                 self.gathered.flush(self.r)
+                if code in driver.UNFINISHED:
+                    interrupts.watch()
                 if code == driver.CHANGE:
                     change_method(self)
                     code = driver.GOING

@@ -91,6 +91,29 @@ def test_it_takes_two_or_three_runs(compressor: Machine, asked: float) -> None:
     assert sum(run.evaluations for run in told.runs) <= 3 * last.evaluations
 
 
+def test_a_long_smooth_motion_is_judged_by_a_looser_run(root: Path, workshop: Path) -> None:
+    chain = of(root, workshop, "hard/spring_chain", "struck")
+    run = chain.simulate(20.0, accuracy=1e-9, method="dop853", progress=False)
+    told = run.accuracy
+    assert told is not None
+    first, second = told.runs
+    assert second.rtol > first.rtol == told.rtol
+    assert second.evaluations < first.evaluations
+    assert told.estimated < second.difference
+    again = chain.simulate(20.0, run.t, rtol=told.rtol, progress=False)
+    np.testing.assert_array_equal(again.samples.q, run.samples.q)
+    assert f"between rtol = {second.rtol:.1e} and {first.rtol:.1e}" in told.means
+    assert f"this one {first.seconds * 1e3:.3g} ms" in told.sentences()[2]
+
+
+def test_where_steps_are_bounded_the_second_run_has_shorter_ones(thrown: Machine) -> None:
+    told = thrown.simulate(8.0, accuracy=1e-6, max_step=0.005, progress=False).accuracy
+    assert told is not None
+    first, second = told.runs[:2]
+    assert second.rtol < first.rtol
+    assert second.steps > first.steps
+
+
 def test_the_result_is_that_of_a_run_with_the_settings_told(
     compressor: Machine, accurate: Result
 ) -> None:

@@ -84,6 +84,8 @@ def test_only_what_ends_at_a_switch_is_continued() -> None:
         sympy.Piecewise((((x - 1) / radius) ** (3 * half), x > 1), (0, True)),
         sympy.Piecewise((0, x < 1), ((3 * x - 3) ** 1.4, True)),
         sympy.Max(x - 1, 0) ** (5 * half),
+        sympy.Piecewise(((x - 1) ** (radius - half), x > 1), (0, True)),
+        sympy.Piecewise(((x - 1) ** (radius / 3), x > 1), (0, True)),
         sympy.Abs(x - 1) ** (half / 2),
     ):
         changed = continued(as_pieces(law))

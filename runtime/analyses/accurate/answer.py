@@ -104,6 +104,11 @@ class ReachedAccuracy:
         """Whether errors grow exponentially."""
         return self.tenfold is not None
 
+    @property
+    def _taken(self) -> Trial:
+        made = self.method, self.formulation, self.rtol
+        return next(one for one in self.runs if (one.method, one.formulation, one.rtol) == made)
+
     def sentences(self) -> list[str]:
         """What a person is told."""
         worst = self.quantities[0]
@@ -112,8 +117,8 @@ class ReachedAccuracy:
             f"largest is that of {worst.name} at t = {worst.time:.6g} s."
         )
         cost = (
-            f"Cost: {self.seconds * 1e3:.3g} ms of integration in {len(self.runs)} runs, the last "
-            f"one {self.runs[-1].seconds * 1e3:.3g} ms. Taken: {self.method}, {self.formulation}, "
+            f"Cost: {self.seconds * 1e3:.3g} ms of integration in {len(self.runs)} runs, this one "
+            f"{self._taken.seconds * 1e3:.3g} ms. Taken: {self.method}, {self.formulation}, "
             f"rtol = {self.rtol:.1e}."
         )
         lines = [error, self.means, cost]

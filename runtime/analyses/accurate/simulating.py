@@ -11,7 +11,9 @@ tells how much tighter the next must be.
 
 A method of order eight costs a third more for a tenth of the tolerance, and less where events cut
 its steps, so that a wide gap between the two costs little. It costs much with an implicit method,
-and in a long smooth motion: there the gap is narrow.
+and in a long smooth motion: there the second run is the looser one, and the first, when it is found
+to be good enough, the result. Where steps are bounded by what was asked, both would be alike, and
+the second is the tighter one.
 """
 
 import time as clock
@@ -46,9 +48,10 @@ FloatArray = npt.NDArray[np.float64]
 POINTS = 501
 """Output instants where none are asked for."""
 
-_FIRST, _SLOPE = 1e-5, 0.8  # rtol of the first run where 1e-3 is asked; its power of what is asked
+_FIRST, _SLOPE = 1e-5, 0.9  # rtol of the first run where 1e-3 is asked; its power of what is asked
 _LOOSEST, _TIGHTEST = 1e-3, 1e-14  # rtol of any run
-_WIDE, _NARROW = 3e-3, 0.03  # rtol of the second run by that of the first
+_WIDE = 3e-3  # rtol of the second run by that of the first
+_NARROW = 0.03  # the same in long motions, or of the first by that of the second
 _LONG = 5000  # evaluations between two events from which on a motion is long
 _NEAR, _FAR = 0.3, 1e-6  # rtol of later runs by that of the last
 _FALLS, _SURE = 0.85, 0.75  # power of rtol with which errors fall: expected, and counted upon
@@ -62,8 +65,9 @@ _ORDER, _ORDERS = 5, {"dop853": 8}  # powers of the step with which errors fall
 
 @dataclass(frozen=True)
 class _Run:
-    """A run, its options, its values, what they are parts of, and the processor time it took."""
+    """A run: which one, its options, values, what these are parts of, its processor time in s."""
 
+    number: int
     options: Options
     path: Trajectory
     values: FloatArray
@@ -73,6 +77,34 @@ class _Run:
     @property
     def t(self) -> FloatArray:
         return self.path.t
+
+
+@dataclass(frozen=True)
+class _Compared:
+    """Two runs, the second with the tighter tolerance, and by how much they differ."""
+
+    loose: _Run
+    tight: _Run
+    found: Difference
+
+    @property
+    def unable(self) -> bool:
+        """Whether the tighter one ends before, by something else than its end."""
+        return self.tight.path.outcome is not Outcome.OK and len(self.tight.t) < len(self.loose.t)
+
+    @property
+    def known(self) -> bool:
+        """Whether all of the tighter one was compared."""
+        return not self.unable and len(self.loose.t) >= len(self.tight.t)
+
+    @property
+    def share(self) -> float:
+        """How much of the difference the error of the tighter one is taken to be."""
+        if not self.known or self.found.largest <= _GRAIN:  # rounding, in both runs alike
+            return 1.0
+        loose, tight = (max(run.options.rtol, _GRAIN) for run in (self.loose, self.tight))
+        share: float = (tight / loose) ** _SURE
+        return max(share, _ROUGH) if self.found.largest >= PARTED else share
 
 
 def simulate_to(
@@ -161,35 +193,14 @@ class _Search:
     def result(self, choice: Choice, began: float) -> Result:
         """Run until it is accurate enough, or cannot be."""
         rtol = _FIRST * (self.asked / 1e-3) ** _SLOPE
-        rtol = min(max(rtol, _TIGHTEST / _WIDE), _LOOSEST)
-        old, choice = self._first(choice, rtol)
-        rtol *= self._gap(old)
-        while True:
-            new, found = self._next(choice, rtol, old)
-            unable = new.path.outcome is not Outcome.OK and len(new.t) < len(old.t)
-            known = not unable and not self._lost(old, new)
-            falls = max(rtol, _GRAIN) / max(old.options.rtol, _GRAIN)
-            share = falls**_SURE if known else 1.0
-            if found.largest >= PARTED:
-                share = max(share, _ROUGH)
-            if found.largest <= _GRAIN:  # rounding, in both runs alike
-                share = 1.0
-            enough = known and found.largest < PARTED and share * found.largest <= self.asked
-            if enough or unable or rtol <= _TIGHTEST or len(self.trials) >= _MOST_RUNS:
-                break
-            rtol, old = self._tighter(found, old, new), new
-        kept = old if unable else new
+        first, choice = self._first(choice, min(max(rtol, _TIGHTEST / _WIDE), _LOOSEST))
+        pair = self._compared(choice, self._second(first), first)
+        while not self._over(pair):
+            pair = self._compared(choice, self._tighter(pair), pair.tight)
+        kept, other = (pair.loose, pair.tight) if pair.unable else (pair.tight, pair.loose)
         made = finished(self.ready, choice.taken, kept.options, began, silent, kept.path)
-        *_, before, last = self.trials
-        pair = Pair(last, before, found, share) if unable else Pair(before, last, found, share)
-        return told(made, self.asked, self.of, self.trials, pair, choice.reasons)
-
-    @staticmethod
-    def _gap(first: _Run) -> float:
-        """rtol of the second run by that of the first."""
-        counts = first.path.statistics
-        long = counts.rhs > _LONG * (counts.events + 1)
-        return _NARROW if long or len(first.path.methods) > 1 else _WIDE
+        told_of = Pair(self.trials[other.number], self.trials[kept.number], pair.found, pair.share)
+        return told(made, self.asked, self.of, self.trials, told_of, choice.reasons)
 
     def _first(self, choice: Choice, rtol: float) -> tuple[_Run, Choice]:
         """The first run that can be compared with others, and what the second one takes."""
@@ -201,13 +212,41 @@ class _Search:
                 return run, then
             choice = then
 
-    def _next(self, choice: Choice, rtol: float, old: _Run) -> tuple[_Run, Difference]:
-        """A tighter run, and its difference from the last one."""
-        new = self._run(choice, rtol)
-        count = min(len(old.t), len(new.t))
-        found = difference(new.t[:count], old.values, new.values, self.of, new.wholes)
-        self._note(choice, new, found.largest)
-        return new, found
+    def _second(self, first: _Run) -> float:
+        """rtol of the second run."""
+        rtol, counts = first.options.rtol, first.path.statistics
+        long = counts.rhs > _LONG * (counts.events + 1)
+        if not long and len(first.path.methods) == 1:
+            return _WIDE * rtol
+        if first.path.outcome is Outcome.OK and self.options.h_max is None:
+            return rtol / _NARROW
+        return _NARROW * rtol
+
+    def _compared(self, choice: Choice, rtol: float, before: _Run) -> _Compared:
+        """Another run, beside one that was made before."""
+        run = self._run(choice, rtol)
+        loose, tight = (run, before) if rtol > before.options.rtol else (before, run)
+        count = min(len(loose.t), len(tight.t))
+        found = difference(tight.t[:count], loose.values, tight.values, self.of, tight.wholes)
+        self._note(choice, run, found.largest)
+        return _Compared(loose, tight, found)
+
+    def _over(self, pair: _Compared) -> bool:
+        """Whether no further run is needed, or helps."""
+        enough = pair.known and pair.found.largest < PARTED
+        if enough and pair.share * pair.found.largest <= self.asked:
+            return True
+        rtol = pair.tight.options.rtol
+        return pair.unable or rtol <= _TIGHTEST or len(self.trials) >= _MOST_RUNS
+
+    def _tighter(self, pair: _Compared) -> float:
+        """rtol of the next run, so that its estimate should be what is asked, less a margin."""
+        rtol = pair.tight.options.rtol
+        if pair.found.largest >= PARTED or not pair.known:
+            return max(_TIGHTEST, _NEXT * rtol)
+        off = pair.found.largest * (rtol / pair.loose.options.rtol) ** _FALLS
+        wanted = (_MARGIN * self.asked / off) ** (1.0 / _SURE)
+        return float(max(_TIGHTEST, rtol * min(_NEAR, max(_FAR, wanted))))
 
     def _run(self, choice: Choice, rtol: float) -> _Run:
         options = replace(
@@ -217,16 +256,16 @@ class _Search:
             h_max=self._longest(choice, rtol),
             correction=choice.taken.correction,
         )
-        began = clock.process_time()
+        began, number = clock.process_time(), len(self.trials)
         path = self.ready.run(choice.taken, options, self.progress)
         seconds = clock.process_time() - began
         if self.of.of_state:
             values = self.of.of_run(path.q, path.v)
-            return _Run(options, path, values, np.zeros(values.shape[1]), seconds)
+            return _Run(number, options, path, values, np.zeros(values.shape[1]), seconds)
         made = finished(self.ready, choice.taken, options, clock.perf_counter(), silent, path)
         values = self.of.of_result(made)[: len(path.t)]
         require_numbers(made.description, self.of.names, values)
-        return _Run(options, path, values, self.of.wholes(made), seconds)
+        return _Run(number, options, path, values, self.of.wholes(made), seconds)
 
     def _longest(self, choice: Choice, rtol: float) -> float | None:
         """The longest step: where it is what bounds the error, it has to fall as tolerances do.
@@ -254,17 +293,3 @@ class _Search:
                 gap,
             )
         )
-
-    @staticmethod
-    def _lost(old: _Run, new: _Run) -> bool:
-        """Whether the looser run ends before the tighter one, so that they cannot be compared."""
-        return len(old.t) < len(new.t)
-
-    def _tighter(self, found: Difference, old: _Run, new: _Run) -> float:
-        """rtol of the next run, so that its estimate should be what is asked, less a margin."""
-        rtol = new.options.rtol
-        if found.largest >= PARTED or self._lost(old, new):
-            return float(max(_TIGHTEST, _NEXT * rtol))
-        off = found.largest * (rtol / old.options.rtol) ** _FALLS
-        wanted = (_MARGIN * self.asked / off) ** (1.0 / _SURE)
-        return float(max(_TIGHTEST, rtol * min(_NEAR, max(_FAR, wanted))))
