@@ -21,7 +21,7 @@ import numpy.typing as npt
 from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
-    from runtime.analyses.accurate import Accuracy
+    from runtime.analyses.accurate import ReachedAccuracy
     from runtime.analyses.accurate.comparing import Columns
     from runtime.analyses.prepared import Prepared
     from runtime.machine import Machine
@@ -140,7 +140,7 @@ def _of_scene(
     t = np.linspace(0.0, t_end, POINTS)
     of = columns(machine.description, None, _prepared(machine, t).sizes)
     truth, other = _reference(machine, t_end, t)
-    floor = _error(truth, of.of_result(other), of)
+    floor = _apart(truth, other, of)
     single = _single_runs(machine, t, repeats, grid, truth, of)
     for accuracy in asked:
         found = [_accurate(machine, t_end, t, accuracy) for _ in range(repeats + 1)]
@@ -179,7 +179,7 @@ def _of_scene(
 
 def _accurate(
     machine: "Machine", t_end: float, t: Array, accuracy: float
-) -> tuple["Result", "Accuracy"] | None:
+) -> tuple["Result", "ReachedAccuracy"] | None:
     try:
         result = machine.simulate(t_end, t, accuracy=accuracy, progress=False)
     except LinkwrightError:
@@ -188,11 +188,12 @@ def _accurate(
     return result, result.accuracy
 
 
-def _reference(machine: "Machine", t_end: float, t: Array) -> tuple["Result", "Result"]:
+def _reference(machine: "Machine", t_end: float, t: Array) -> tuple["Result", "Result | None"]:
     """Two solutions that have neither the method nor, where it can be, the coordinates in common.
 
-    The first is the one with which all are compared.
+    The first is the one with which all are compared; of the second there may be none.
     """
+    other = None
     tight = machine.simulate(t_end, t, rtol=1e-14, correction="stage", progress=False)
     for formulation in ("reduced", "cartesian"):
         options: dict[str, Any] = {"formulation": formulation, "method": "dopri5"}
@@ -203,6 +204,13 @@ def _reference(machine: "Machine", t_end: float, t: Array) -> tuple["Result", "R
         if not other.failed:
             break
     return tight, other
+
+
+def _apart(truth: "Result", other: "Result | None", of: "Columns") -> float:
+    """By how much two references differ; infinite unless both reach the end."""
+    if other is None or truth.failed or other.failed:
+        return math.inf
+    return _error(truth, of.of_result(other), of)
 
 
 def _single_runs(

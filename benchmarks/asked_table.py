@@ -75,9 +75,9 @@ def report(quick: bool) -> list[Report]:
 
 
 def _plain(rows: Sequence[asked.Row]) -> list[dict[str, Any]]:
-    """The rows as JSON knows them: what is no number is null."""
+    """The rows as JSON knows them: what is no finite number is null."""
 
     def known(value: Any) -> bool:
-        return not (isinstance(value, float) and math.isnan(value))
+        return not (isinstance(value, float) and not math.isfinite(value))
 
     return [{k: x if known(x) else None for k, x in row.items()} for row in records(rows)]

@@ -62,7 +62,7 @@ class Contest:
     versions
         Of the tools.
     missing
-        Contestant → why it has no points.
+        Contestant → why it has no points, or not all.
     checks
         What else was looked at, by name.
     """
@@ -159,16 +159,19 @@ def ask(name: str, problem: Problem, python: str, contest: Contest) -> None:
             command, cwd=ROOT, env=settings, capture_output=True, timeout=LIMIT, check=False
         )
         said, told = done.stdout, done.stderr.decode(errors="replace").strip()
-        failed = done.returncode != 0
+        failed, late = done.returncode != 0, False
     except subprocess.TimeoutExpired as reason:
-        said, told, failed = reason.stdout or b"", "", False
+        said, told, failed, late = reason.stdout or b"", "", False, True
     hear(said.decode(errors="replace").splitlines(), contest)
     if failed and ("ModuleNotFoundError" in told or "No module named" in told):
         contest.missing[name] = f"not installed: pip install {PEERS[name].package}"
     elif failed:
         contest.missing[name] = told.splitlines()[-1] if told else "its process failed"
+    elif late:
+        what = "tighter settings were not run" if contest.of(name) else "no answer"
+        contest.missing[name] = f"{what} in {LIMIT:g} s"
     elif not contest.of(name):
-        contest.missing[name] = f"no answer in {LIMIT:g} s"
+        contest.missing[name] = "its process ended without an answer"
 
 
 def hear(lines: Sequence[str], contest: Contest) -> None:

@@ -108,7 +108,8 @@ def bars(contest: Contest) -> list[str]:
         if contest.of(name):
             factor = contest.factor(name, OURS, method, target)
             if math.isinf(factor):
-                told.append(f"{name} does not reach {target:.0e}; {method} does.")
+                why = f" ({contest.missing[name]})" if name in contest.missing else ""
+                told.append(f"{name} does not reach {target:.0e}{why}; {method} does.")
             else:
                 holds = "holds" if factor >= bar else "is missed"
                 told.append(
@@ -143,6 +144,11 @@ def conditions(contest: Contest) -> list[str]:
             told.append(f"{what}: {value:.1e} rad, {side}.")
         else:
             told.append(f"error of the {what}: {value:.1e} of its range.")
+    told += [
+        f"{name} has not all its points: {reason}."
+        for name, reason in contest.missing.items()
+        if contest.of(name)
+    ]
     paces = ", ".join(f"{name} {pace:.2f}" for name, pace in contest.paces.items())
     told.append(f"Pace, ms of the slider-crank's floor at 1e-9 about each run: {paces}.")
     tools = ", ".join(f"{name} {version}" for name, version in contest.versions.items())

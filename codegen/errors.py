@@ -42,10 +42,6 @@ class ParameterError(InputError):
     """A parameter does not exist, is not finite, or has the wrong sign."""
 
 
-class UnitError(InputError):
-    """A quantity has another dimension than the place it was given to."""
-
-
 class GeneratedFileError(InputError):
     """A generated module is missing, stale, edited by hand, or cannot be written."""
 

@@ -9,9 +9,8 @@ import sympy
 if TYPE_CHECKING:
     import pint
 
-METRE, KILOGRAM, RADIAN, NEWTON, NEWTON_METRE = "m", "kg", "rad", "N", "N m"
+
 UNIT = re.compile(r"[\w%°^*/ .()+-]*")
-INERTIA, ACCELERATION = "kg m^2", "m/s^2"
 
 
 @lru_cache(maxsize=1)

@@ -21,6 +21,7 @@ from codegen.declare.element import (
     reported,
 )
 from codegen.declare.symbols import SPEED, Coordinate, kinds, side, t
+from codegen.derive.continued import continued
 from codegen.derive.derivative import derivative
 from codegen.derive.switching import as_pieces
 from codegen.elements.forces.along import rate
@@ -118,19 +119,22 @@ def effect_terms(effect: Effect, bodies: tuple[Body, ...]) -> EffectTerms:
     return EffectTerms(potential, loads, pulls, _friction(effect, holding), holding, told)
 
 
-_pieces = cache(as_pieces)
+@cache
+def _pieces(force: sympy.Expr) -> sympy.Expr:
+    """A force with its kinks as pieces."""
+    return continued(as_pieces(force))
 
 
 @cache
 def _conservative(energy: sympy.Expr) -> sympy.Expr:
     """V with its kinks as pieces."""
-    return as_pieces(energy)
+    return continued(as_pieces(energy))
 
 
 @cache
 def _pull(s: sympy.Expr, f: sympy.Expr) -> sympy.Expr:
     """f with its kinks as pieces, and their conditions by coordinates and velocities."""
-    pieces = as_pieces(f)
+    pieces = continued(as_pieces(f))
     turns = pieces.atoms(Relational)
     return pieces.xreplace({c: c.xreplace({SPEED: rate(s)}) for c in turns if c.has(SPEED)})
 

@@ -78,7 +78,6 @@ class KernelText:
         self._lookups = lookups(program)
         self._taken: set[str] = {*RESERVED, *kernel.arguments, *self._lookups.values()}
         self._counts: dict[str, int] = {}
-        self._wanted = {out.value for out in kernel.outputs}
 
     def lines(self) -> list[str]:
         """The function, line by line."""
@@ -92,8 +91,8 @@ class KernelText:
             f"    {count} operation{'' if count == 1 else 's'}.",
             '    """',
         ]
-        loads = list(self._loads())
-        return [*text, *loads, *self._block((), 1), *self._stores(), *self._watch()]
+        before = [*self._loads(), *self._angles()]
+        return [*text, *before, *self._block((), 1), *self._stores(), *self._watch()]
 
     # -- parts -------------------------------------------------------------------------------
 
@@ -115,28 +114,44 @@ class KernelText:
                 self.names[number] = name = self._free(f"mode_{literal}")
                 yield f"    {name} = modes[{literal}]"
 
+    def _angles(self) -> Iterator[str]:
+        """Sines and cosines of what is given: no element's own, they stand above all headings."""
+        for number in self.plan.numbers:
+            value = self.program.values[number]
+            if value.op not in (Op.SIN, Op.COS) or value.args[0] not in self.names:
+                continue
+            if self.plan.home[number] == () and self._has_line(number):
+                yield from self._line(number, 1)
+
+    def _has_line(self, number: int) -> bool:
+        """Whether a value has a line of its own, and not written yet."""
+        leaf = self.program.values[number].op in LEAVES or number in self.constants
+        return not (leaf or number in self.plan.inlined or number in self.names)
+
+    def _line(self, number: int, depth: int) -> Iterator[str]:
+        """The line, or the lines, that compute a value."""
+        value, indent = self.program.values[number], "    " * depth
+        if number in self.plan.pairs:
+            yield from self._pair(number, indent)
+        elif value.op is Op.SELECT:
+            self.names[number] = self._name(value)
+            yield from self._choice(number, self.names[number], depth)
+        else:
+            text = self._expression(number)
+            self.names[number] = self._name(value)
+            yield from _fitted(f"{indent}{self.names[number]} = ", text)
+
     def _block(self, path: Path, depth: int) -> Iterator[str]:
         serves = None
         indent = "    " * depth
         for number in self.plan.numbers:
             value = self.program.values[number]
-            if self.plan.home[number] != path or value.op in LEAVES or number in self.constants:
-                continue
-            if number in self.plan.inlined:
+            if self.plan.home[number] != path or not self._has_line(number):
                 continue
             if depth == 1 and value.serves != serves:
                 serves = value.serves
                 yield f"{indent}# {TITLES.get(serves, serves)}"
-            if number in self.plan.pairs:
-                if number not in self.names:
-                    yield from self._pair(number, indent)
-            elif value.op is Op.SELECT:
-                self.names[number] = self._name(value)
-                yield from self._choice(number, self.names[number], depth)
-            else:
-                text = self._expression(number)
-                self.names[number] = self._name(value)
-                yield from _fitted(f"{indent}{self.names[number]} = ", text)
+            yield from self._line(number, depth)
 
     def _pair(self, number: int, indent: str) -> Iterator[str]:
         """The line that takes sine and cosine of an angle."""

@@ -16,7 +16,7 @@ from runtime.progress import Progress
 _REACH = 0.3  # largest scaled change in one iteration; lengths may go on where K foretells it
 _FORETOLD = 0.1  # share of the force by which the stiffness may err in foretelling the next one
 _ITERATIONS = 300
-LOST = 1e9  # scaled distance from the start at which nothing will bring the machine back
+AWAY = 1e9  # scaled distance from the start at which nothing will bring the machine back
 _TINY = 1e-300
 
 
@@ -86,7 +86,7 @@ def minimise(rest: Rest, q: FloatArray, progress: Progress) -> Found:
         foretold = np.abs(missed).max() <= _FORETOLD * np.abs(slope).max()
         reach = 4.0 * reach if foretold else min(_REACH, 2.0 * reach)
         q = moved
-        if not float(np.abs((q - start) / rest.scale).max()) < LOST:
+        if not float(np.abs((q - start) / rest.scale).max()) < AWAY:
             return here(rest, q, done)
         progress(1.0 - min(1.0, max(0.0, 1.0 + np.log10(share) / 10.0)))
     return polish(rest, q, done)

@@ -15,19 +15,21 @@ def require_masses(machine: "Machine", p: FloatArray) -> None:
     """Refuse masses and inertias that are not positive finite numbers."""
     told = machine.description
     values = _masses(machine, p)
+    bodies = frozenset(told.bodies)
+    wrong: dict[tuple[str, bool], int] = {}
+    for index in np.flatnonzero(~((values > 0.0) & (values < np.inf))).tolist():
+        row = told.coordinates[index]
+        body = row.name.rpartition(".")[0]
+        if body in bodies:  # a coordinate of no body has no mass to refuse
+            wrong.setdefault((body, row.unit == "rad"), index)
     problems = []
-    for body in told.bodies:
+    for body in told.bodies if wrong else ():
         for quantity, unit, angle in (("mass", "kg", False), ("inertia", "kg m^2", True)):
-            places = [
-                index
-                for index, row in enumerate(told.coordinates)
-                if row.name.rpartition(".")[0] == body and (row.unit == "rad") == angle
-            ]
-            wrong = [index for index in places if not 0.0 < values[index] < np.inf]
-            if wrong:
+            if (body, angle) in wrong:
+                index = wrong[body, angle]
                 problems.append(
-                    f"{told.title}: the {quantity} of {body} is {values[wrong[0]]:g} {unit}; it "
-                    f"must be a positive finite number. {_behind(machine, p, wrong[0])}"
+                    f"{told.title}: the {quantity} of {body} is {values[index]:g} {unit}; it "
+                    f"must be a positive finite number. {_behind(machine, p, index)}"
                 )
     if problems:
         raise ParameterError(problems)

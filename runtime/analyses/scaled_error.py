@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from codegen.errors import InputError
 from runtime.results.result import ENERGIES
 
 if TYPE_CHECKING:
@@ -75,6 +76,29 @@ class Errors:
     relative: float
     groups: dict[str, float]
     each: dict[str, float]
+
+
+def require_numbers(told: "Description", names: Sequence[str], values: FloatArray) -> None:
+    """Refuse quantities that have no value at all, and so no error: 0 would be told of them.
+
+    Parameters
+    ----------
+    values : (k, j)
+        Of a run, or of a part of it.
+
+    Raises
+    ------
+    InputError
+        With each that is finite at none of the instants.
+    """
+    finite = np.isfinite(values)
+    lost = [name for j, name in enumerate(names) if not finite[:, j].any()]
+    if lost and len(values):
+        raise InputError(
+            f"{told.title}: {name} is no number at any of the {len(values)} output instants, so "
+            "there is no error of it. Leave it out, or correct what it is made of."
+            for name in lost
+        )
 
 
 def kindred(result: "Result", name: str) -> float:

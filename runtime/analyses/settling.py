@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
-from runtime.analyses.energy import LOST
+from runtime.analyses.energy import AWAY
 from runtime.analyses.equations import FloatArray
 from runtime.analyses.reduced import Rest
 from runtime.compiled import ADDRESSES, compiled
@@ -185,6 +185,6 @@ def settle_down(rest: Rest, q: FloatArray, progress: Progress) -> Settled:
             equations.table, t, equations.p, w, scale, q, v, modes, g, lam, record, work, _CHUNK,
         )  # fmt: skip
         progress(chunk / _CHUNKS)
-        if status != 0 or not float(np.abs((q - start) / scale).max()) < LOST:
+        if status != 0 or not float(np.abs((q - start) / scale).max()) < AWAY:
             break
     return Settled(q, status == 1, int(record[PEAKS]), int(record[STEPS]))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from runtime.analyses.accurate import Accuracy
+    from runtime.analyses.accurate import ReachedAccuracy
     from runtime.machine import Machine
 
 FloatArray = npt.NDArray[np.float64]
@@ -80,7 +80,7 @@ class Result:
         self.works: dict[str, FloatArray] = {}
         self.not_unique = tuple(not_unique)
         self.singular = tuple(singular)
-        self.accuracy: Accuracy | None = None
+        self.accuracy: ReachedAccuracy | None = None
         self.parameters = {
             row.name: float(value) for row, value in zip(machine.parameters, p, strict=False)
         }

@@ -1,8 +1,9 @@
 """A result in a few lines for a person, or as one JSON object for a program."""
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from runtime.plain import plain
 
 if TYPE_CHECKING:
     from runtime.results.result import Result
@@ -49,14 +50,6 @@ def last_values(result: "Result") -> list[str]:
         f"{row.name:<{width}}  {result.samples.q[-1, i]: .9g} {row.unit}"
         for i, row in enumerate(result.description.coordinates)
     ]
-
-
-def plain(value: Any) -> Any:
-    """A number as JSON knows it; not a number becomes null."""
-    number = float(value)
-    if not math.isfinite(number):
-        return None
-    return int(number) if isinstance(value, int) else number
 
 
 def accuracy(result: "Result") -> list[str]:

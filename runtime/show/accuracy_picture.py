@@ -6,7 +6,7 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
-from runtime.analyses.precision.answer import Accuracy, Line
+from runtime.analyses.precision.answer import Line, WorkPrecision
 from runtime.analyses.precision.reading import front, headline
 from runtime.analyses.precision.records import write_records
 
@@ -45,7 +45,7 @@ def check_folder(path: Path) -> None:
         raise InputError(f"--out {path}: the folder {path.resolve().parent} does not exist.")
 
 
-def save(told: Accuracy, folder: Path) -> tuple[Path, Path]:
+def save(told: WorkPrecision, folder: Path) -> tuple[Path, Path]:
     """Write MODEL__SCENE.jsonl and .png into a folder, which is made; returns the paths.
 
     Raises
@@ -65,7 +65,7 @@ def save(told: Accuracy, folder: Path) -> tuple[Path, Path]:
     return records, drawn
 
 
-def figure(told: Accuracy) -> "Figure":
+def figure(told: WorkPrecision) -> "Figure":
     """Colour is the method, style of the line the formulation, stars are modelling choices."""
     try:
         from matplotlib.figure import Figure
@@ -146,14 +146,14 @@ def _line(axes: "Axes", line: Line) -> None:
         )  # fmt: skip
 
 
-def _refused(axes: "Axes", told: Accuracy) -> None:
+def _refused(axes: "Axes", told: WorkPrecision) -> None:
     """Settings that the scene cannot take stand in the legend, so that none is missing."""
     for line in told.lines:
         if line.refused:
             axes.plot([], [], color=GREY, linewidth=0.9, label=f"{line.setting.title}: refused")
 
 
-def _front(axes: "Axes", told: Accuracy) -> None:
+def _front(axes: "Axes", told: WorkPrecision) -> None:
     runs = [point for _, point in front(told.lines)]
     if runs:
         axes.plot(
@@ -162,7 +162,7 @@ def _front(axes: "Axes", told: Accuracy) -> None:
         )  # fmt: skip
 
 
-def _choices(axes: "Axes", told: Accuracy) -> None:
+def _choices(axes: "Axes", told: WorkPrecision) -> None:
     """A star a choice; names beside them, one above the other where stars lie close."""
     drawn = [(choice.title, choice.point) for choice in told.choices if choice.point is not None]
     for _, point in drawn:
@@ -183,7 +183,7 @@ def _choices(axes: "Axes", told: Accuracy) -> None:
         axes.scatter([], [], s=90, marker="*", color=DARK, label="modelled otherwise")
 
 
-def _limits(axes: "Axes", told: Accuracy) -> None:
+def _limits(axes: "Axes", told: WorkPrecision) -> None:
     runs = [point.digits for line in told.lines for point in line.done]
     highest = max([*runs, -math.log10(told.reference.floor), 3.0])
     failed = any(line.failed for line in told.lines)
@@ -192,7 +192,7 @@ def _limits(axes: "Axes", told: Accuracy) -> None:
     axes.set_xticks(range(math.ceil(highest) + 1))
 
 
-def _failures(axes: "Axes", told: Accuracy) -> None:
+def _failures(axes: "Axes", told: WorkPrecision) -> None:
     """A cross a run that failed, at the left, as high as the time until then."""
     failed = [line for line in told.lines if line.failed]
     if not failed:
@@ -213,7 +213,7 @@ def _failures(axes: "Axes", told: Accuracy) -> None:
     )  # fmt: skip
 
 
-def _floor(axes: "Axes", told: Accuracy) -> None:
+def _floor(axes: "Axes", told: WorkPrecision) -> None:
     floor = told.reference.floor
     right = axes.get_xlim()[1]
     axes.axvspan(-math.log10(floor), right, facecolor="#eceff1", edgecolor="#cfd4d9", hatch="///",

@@ -4,7 +4,7 @@ import math
 
 from rich.table import Table
 
-from runtime.analyses.precision.answer import Accuracy, Line, Point
+from runtime.analyses.precision.answer import Line, Point, WorkPrecision
 from runtime.analyses.precision.reading import (
     TARGETS,
     best_at,
@@ -19,7 +19,7 @@ COMPARED = 1e-6
 """Scaled error at which the work of runs is told."""
 
 
-def score(told: Accuracy) -> Table:
+def score(told: WorkPrecision) -> Table:
     """Times at three, six and nine digits, blank where they are not reached; the best marked."""
     made = Table(
         title=f"{told.model}/{told.scene}, {told.t_end:g} s: milliseconds for so many digits",
@@ -59,7 +59,7 @@ def score(told: Accuracy) -> Table:
     return made
 
 
-def work(told: Accuracy) -> Table:
+def work(told: WorkPrecision) -> Table:
     """What the first run of each setting with six digits did, and how well it kept the laws."""
     made = Table(
         title=f"the loosest run with {digits(COMPARED)} digits",
@@ -93,7 +93,7 @@ def _work(point: Point) -> tuple[str, ...]:
     )
 
 
-def _summary(told: Accuracy, line: Line) -> tuple[str, ...]:
+def _summary(told: WorkPrecision, line: Line) -> tuple[str, ...]:
     most = max((point.digits for point in line.known), default=None)
     over = any(point.beyond for point in line.done)
     known = (

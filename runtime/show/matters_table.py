@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from textwrap import shorten
 
 from rich.table import Table
 
@@ -56,8 +57,7 @@ def sentences(told: Matters) -> Iterator[str]:
 def _sentence(told: Matters, row: Row) -> str:
     taken = row.word != "none"
     if row.change is None:
-        reason = row.reason if len(row.reason) <= REASONS else f"{row.reason[:REASONS]} …"
-        return f"{row.title} is {row.verdict}: {reason}"
+        return f"{row.title} is {row.verdict}: {shorten(row.reason, REASONS, placeholder=' …')}"
     share = row.time_share or 0.0
     if row.verdict is Verdict.NONE_SEEN:
         limit = _percent(row.doubt / told.size) if told.size else f"{row.doubt:.1e}"

@@ -4,11 +4,15 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 
 from benchmarks import asked, asked_table
 from runtime import load
+from runtime.analyses.accurate.comparing import Columns
 
 
 @pytest.fixture(scope="module")
@@ -57,3 +61,21 @@ def test_every_scene_that_is_measured_is_there() -> None:
     for model, scene, t_end in asked.SCENES:
         assert t_end > 0.0
         assert load(model, scene).description.has_masses
+
+
+def test_a_reference_that_ends_early_confirms_nothing() -> None:
+    """Up to where it ended the two may agree; of what follows nobody knows."""
+    t = np.linspace(0.0, 1.0, 5)
+    none = np.zeros(0)
+    of = Columns(("x",), np.ones(1), np.zeros(1, dtype=np.int64))
+
+    def run(count: int, failed: bool) -> Any:
+        return SimpleNamespace(
+            t=t[:count], failed=failed, series=lambda name: (np.sin(t[:count]), none)
+        )
+
+    whole, early = run(5, False), run(3, True)
+    assert asked._apart(whole, whole, of) == 0.0
+    assert asked._apart(whole, early, of) == np.inf
+    assert asked._apart(early, whole, of) == np.inf
+    assert asked._apart(whole, None, of) == np.inf

@@ -3,6 +3,7 @@
 import ast
 import json
 import math
+import subprocess
 import sys
 from pathlib import Path
 
@@ -68,6 +69,35 @@ def test_a_tool_that_is_not_there_is_told(monkeypatch: pytest.MonkeyPatch) -> No
     held = Contest("andrews")
     contest.ask("nobody", PROBLEMS["andrews"], sys.executable, held)
     assert held.missing == {"nobody": "not installed: pip install nothing"}
+
+
+ONE = {"contestant": "pydy", "method": "m", "setting": 0.1, "error": 1e-3, "milliseconds": 2.0}
+
+
+@pytest.mark.parametrize(
+    ("said", "reason"),
+    [
+        (b"", "no answer in 240 s"),
+        (
+            json.dumps({"point": ONE}).encode() + b'\n{"poi',
+            "tighter settings were not run in 240 s",
+        ),
+    ],
+)
+def test_a_tool_that_ran_out_of_time_is_told(
+    said: bytes, reason: str, held: Contest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def late(*_: object, **__: object) -> None:
+        raise subprocess.TimeoutExpired("pydy", contest.LIMIT, said)
+
+    monkeypatch.setattr(subprocess, "run", late)
+    held.points = [point for point in held.points if point.contestant != "pydy"]
+    contest.ask("pydy", PROBLEMS["slider_crank"], sys.executable, held)
+    assert held.missing["pydy"] == reason
+    if said:
+        told = "\n".join(contest_report.report(held).verdicts)
+        assert f"pydy does not reach 1e-09 ({reason}); reduced does." in told
+        assert f"pydy has not all its points: {reason}." in told
 
 
 def test_every_tool_has_a_file_with_its_problems(root: Path) -> None:

@@ -217,6 +217,28 @@ def test_wrong_questions_are_refused(
     assert message in str(caught.value)
 
 
+def test_what_has_no_value_has_no_error(thrown: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
+    real = Result.series
+
+    def series(self: Result, name: str) -> tuple[np.ndarray, str]:
+        values, unit = real(self, name)
+        return (np.full_like(values, np.nan) if name == "knee.fx" else values), unit
+
+    monkeypatch.setattr(Result, "series", series)
+    names = ("upper.phi", "knee.fx", "hinge.fx")
+    with pytest.raises(InputError) as caught:
+        thrown.simulate(0.5, accuracy=1e-4, quantities=names, progress=False)
+    (said,) = caught.value.problems
+    assert "knee.fx is no number at any of the 501 output instants" in said
+
+
+def test_a_quantity_counts_once(thrown: Machine) -> None:
+    names = ("upper.phi", "hinge.fx", "upper.phi")
+    told = thrown.simulate(0.5, accuracy=1e-4, quantities=names, progress=False).accuracy
+    assert told is not None
+    assert sorted(row.name for row in told.quantities) == ["hinge.fx", "upper.phi"]
+
+
 # What is told
 
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import sympy
 
 from codegen.declare.body import Point
-from codegen.declare.symbols import Coordinate
 
 
 @dataclass(frozen=True)
@@ -32,21 +31,3 @@ class Line:
         dx, dy = self.d
         i, j = self.i, self.j
         return (dx * (j.vx - i.vx) + dy * (j.vy - i.vy)) / self.length
-
-    def pulled(self, f: sympy.Expr) -> dict[Coordinate, sympy.Expr]:
-        """Generalized forces of a tension f, which pulls the points together.
-
-        Q_i = (f/ℓ) [d, (B_i s_i')ᵀ d] and Q_j the opposite with B_j s_j' (Haug 6.1).
-        """
-        dx, dy = self.d
-        pull = f / self.length
-        found: dict[Coordinate, sympy.Expr] = {}
-        for point, way in ((self.i, pull), (self.j, -pull)):
-            if point.body.fixed:
-                continue
-            body, (x, y, _) = point.body, point.body.pose
-            found |= {body.x: way * dx, body.y: way * dy}
-            arm = (point.x - x) * dy - (point.y - y) * dx
-            if arm != 0:
-                found[body.phi] = way * arm
-        return found

@@ -3,7 +3,7 @@
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from runtime.analyses.plain import plain
+from runtime.plain import plain
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Accuracy:
+class ReachedAccuracy:
     """What was asked of a simulation, and what it reached.
 
     Attributes

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 
-LOST = 0.1
+PARTED = 0.1
 """Difference of runs that have nothing in common any more."""
 
 _LEAST = 1e-13  # difference below which there is nothing but rounding

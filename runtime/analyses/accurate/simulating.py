@@ -26,11 +26,12 @@ import numpy.typing as npt
 
 from runtime.analyses.accurate.answer import Trial
 from runtime.analyses.accurate.choosing import Choice, after, choose
-from runtime.analyses.accurate.comparing import LOST, Columns, Difference, columns, difference
+from runtime.analyses.accurate.comparing import PARTED, Columns, Difference, columns, difference
 from runtime.analyses.accurate.telling import Pair, told
 from runtime.analyses.dynamics import finished
 from runtime.analyses.instants import instants
 from runtime.analyses.prepared import Prepared
+from runtime.analyses.scaled_error import require_numbers
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.outcomes import Outcome
@@ -103,7 +104,7 @@ class _Compared:
             return 1.0
         loose, tight = (max(run.options.rtol, _GRAIN) for run in (self.loose, self.tight))
         share: float = (tight / loose) ** _SURE
-        return max(share, _ROUGH) if self.found.largest >= LOST else share
+        return max(share, _ROUGH) if self.found.largest >= PARTED else share
 
 
 def simulate_to(
@@ -150,6 +151,8 @@ def simulate_to(
     ------
     AnalysisError
         If not even the beginning can be had so accurately.
+    InputError
+        If a quantity is no series, or has no value at any instant.
     """
     began = clock.perf_counter()
     ready = Prepared(
@@ -230,7 +233,7 @@ class _Search:
 
     def _over(self, pair: _Compared) -> bool:
         """Whether no further run is needed, or helps."""
-        enough = pair.known and pair.found.largest < LOST
+        enough = pair.known and pair.found.largest < PARTED
         if enough and pair.share * pair.found.largest <= self.asked:
             return True
         rtol = pair.tight.options.rtol
@@ -239,7 +242,7 @@ class _Search:
     def _tighter(self, pair: _Compared) -> float:
         """rtol of the next run, so that its estimate should be what is asked, less a margin."""
         rtol = pair.tight.options.rtol
-        if pair.found.largest >= LOST or not pair.known:
+        if pair.found.largest >= PARTED or not pair.known:
             return max(_TIGHTEST, _NEXT * rtol)
         off = pair.found.largest * (rtol / pair.loose.options.rtol) ** _FALLS
         wanted = (_MARGIN * self.asked / off) ** (1.0 / _SURE)
@@ -261,6 +264,7 @@ class _Search:
             return _Run(number, options, path, values, np.zeros(values.shape[1]), seconds)
         made = finished(self.ready, choice.taken, options, clock.perf_counter(), silent, path)
         values = self.of.of_result(made)[: len(path.t)]
+        require_numbers(made.description, self.of.names, values)
         return _Run(number, options, path, values, self.of.wholes(made), seconds)
 
     def _longest(self, choice: Choice, rtol: float) -> float | None:

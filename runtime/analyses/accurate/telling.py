@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from codegen.errors import AnalysisError
-from runtime.analyses.accurate.answer import Accuracy, Estimate, Trial
-from runtime.analyses.accurate.comparing import LOST, Columns, Difference, tenfold
+from runtime.analyses.accurate.answer import Estimate, ReachedAccuracy, Trial
+from runtime.analyses.accurate.comparing import PARTED, Columns, Difference, tenfold
 from runtime.outcomes import Outcome
 from runtime.results.result import Result
 from runtime.results.samples import Samples
@@ -41,7 +41,7 @@ def told(
     pair: Pair,
     reasons: Sequence[str],
 ) -> Result:
-    """The result with its `Accuracy`, up to the instant to which it is as accurate as asked.
+    """The result with its `ReachedAccuracy`, up to the instant to which it is as accurate as asked.
 
     Parameters
     ----------
@@ -58,13 +58,13 @@ def told(
         If not even the beginning is.
     """
     found, share, delivered = pair.found, pair.share, pair.delivered
-    of_all = share if found.largest < LOST else 1.0
-    count = found.within(min(asked / share, LOST))
+    of_all = share if found.largest < PARTED else 1.0
+    count = found.within(min(asked / share, PARTED))
     reached = len(made.t)
     if made.outcome is not Outcome.OK and reached - len(found.t) <= 1:
         reached = len(found.t)  # both end by themselves, on either side of an instant
     whole = count >= min(reached, len(found.t)) and len(found.t) >= reached
-    accuracy = Accuracy(
+    accuracy = ReachedAccuracy(
         asked=asked,
         estimated=of_all * found.largest,
         quantities=_estimates(of, found, of_all),
@@ -119,7 +119,7 @@ def _means(pair: Pair, reasons: Sequence[str]) -> str:
     return f"{text}."
 
 
-def _ends(made: Result, accuracy: Accuracy, found: Difference) -> str:
+def _ends(made: Result, accuracy: ReachedAccuracy, found: Difference) -> str:
     """The message of a result that ends at its horizon."""
     growth = (
         f" Errors grow tenfold every {accuracy.tenfold:.3g} s: the motion is chaotic over the time "
@@ -134,7 +134,7 @@ def _ends(made: Result, accuracy: Accuracy, found: Difference) -> str:
     )
 
 
-def _refusal(made: Result, accuracy: Accuracy, found: Difference) -> str:
+def _refusal(made: Result, accuracy: ReachedAccuracy, found: Difference) -> str:
     worst = accuracy.quantities[0]
     return (
         f"{made.description.title}: an accuracy of {accuracy.asked:.1e} cannot be had, not even up "

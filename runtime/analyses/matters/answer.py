@@ -4,7 +4,7 @@ from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
 
-from runtime.analyses.plain import plain
+from runtime.plain import plain
 
 
 class Verdict(StrEnum):

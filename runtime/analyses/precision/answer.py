@@ -4,8 +4,9 @@ import math
 from dataclasses import asdict, dataclass, field
 from typing import Any, NamedTuple
 
-from runtime.analyses.plain import plain
 from runtime.analyses.scaled_error import Errors, Scale
+from runtime.integrate.tables import IMPLICIT
+from runtime.plain import plain
 
 DONE = "OK"
 TIMEOUT = "TIMEOUT"
@@ -24,6 +25,13 @@ class Setting(NamedTuple):
     def title(self) -> str:
         """``dop853, reduced``, or ``dop853, cartesian, every stage``."""
         return f"{self.method}, {self.formulation}{_WAYS.get(self.correction, self.correction)}"
+
+    @property
+    def companion(self) -> str:
+        """The file beside the scene's own that it takes: "reduced", "tangents", or "" for none."""
+        if self.formulation == "reduced":
+            return "reduced"
+        return "tangents" if self.method in IMPLICIT else ""
 
 
 @dataclass(frozen=True)
@@ -155,7 +163,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Accuracy:
+class WorkPrecision:
     """What the accuracy of a scene's motion costs.
 
     Attributes
@@ -207,7 +215,7 @@ class Accuracy:
         from runtime.analyses.precision.reading import sentences
 
         facts: dict[str, Any] = plain(_named(asdict(self)))
-        return {**facts, "sentences": list(sentences(self))}
+        return {**facts, "sentences": list(sentences(self, whole=True))}
 
 
 def _named(facts: dict[str, Any]) -> dict[str, Any]:

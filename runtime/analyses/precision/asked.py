@@ -56,6 +56,20 @@ def named(told: "Description", quantities: Sequence[str]) -> tuple[str, ...]:
     return tuple(found)
 
 
+def distinct(told: "Description", quantities: Sequence[str]) -> tuple[str, ...]:
+    """The quantities as they are written, of those that are one series the first.
+
+    Raises
+    ------
+    InputError
+        As `named`.
+    """
+    found: dict[str, str] = {}
+    for series, text in zip(named(told, quantities), quantities, strict=True):
+        found.setdefault(series, text)
+    return tuple(found.values())
+
+
 def columns(result: "Result", quantities: Sequence[str]) -> FloatArray:
     """The quantities over time, (k, j).
 
@@ -103,7 +117,7 @@ def read_reference(path: Path, quantities: Sequence[str], t_start: float) -> Giv
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"--reference {path}: cannot be read: {error}.") from error
     head = [name.strip() for name in rows[0]] if rows else []
-    wanted = tuple(quantities) or tuple(name for name in head if name != "t")
+    wanted = tuple(quantities) or tuple(name for name in dict.fromkeys(head) if name != "t")
     places, missing = [], []
     for text in ("t", *wanted):
         there = [head.index(name) for name in map(str.strip, text.split(OR)) if name in head]

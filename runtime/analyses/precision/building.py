@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,15 +29,22 @@ sys.stdout.write(repr(time.perf_counter() - began))
 """
 
 
-def build_costs(model: "Model", scene: "Scene") -> dict[str, float]:
+def build_costs(
+    model: "Model", scene: "Scene", companions: Collection[str] = ("tangents", "reduced")
+) -> dict[str, float]:
     """Stage → seconds that pass, in order, from the declared model on.
 
     Derivatives, which implicit methods take, and reduced equations have files of their own; their
     stages are told apart where the scene has them. Files are compiled side by side.
+
+    Parameters
+    ----------
+    companions
+        Which of these files are built beside the scene's own.
     """
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / "generated"
-        report = _built(model, scene, place)
+        report = _built(model, scene, place, companions)
         seconds = {stage: took for stage, took in report.seconds.items() if stage != "read"}
         for companion in report.companions:
             seconds |= {
@@ -46,13 +54,18 @@ def build_costs(model: "Model", scene: "Scene") -> dict[str, float]:
         return seconds | {WARM: _warm(report.path)}
 
 
-def _built(model: "Model", scene: "Scene", place: Path) -> "SceneReport":
+def _built(
+    model: "Model", scene: "Scene", place: Path, companions: Collection[str]
+) -> "SceneReport":
     from codegen import build
 
-    try:
-        return build(model, scene, place, tangents=True, reduced=True).scenes[0]
-    except SceneError:  # frictions that stick by the force of a reaction
-        return build(model, scene, place, tangents=True).scenes[0]
+    tangents = "tangents" in companions
+    if "reduced" in companions:
+        try:
+            return build(model, scene, place, tangents=tangents, reduced=True).scenes[0]
+        except SceneError:  # frictions that stick by the force of a reaction
+            pass
+    return build(model, scene, place, tangents=tangents).scenes[0]
 
 
 def _warm(path: Path) -> float:

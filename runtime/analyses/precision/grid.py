@@ -31,6 +31,23 @@ def settings(methods: Sequence[str], formulations: Sequence[str]) -> tuple[Setti
     return tuple(made)
 
 
+def check_sequences(**given: Sequence[object]) -> None:
+    """Refuse a text where a sequence of names belongs: its letters are none.
+
+    Raises
+    ------
+    InputError
+        With every one, by the name of the argument.
+    """
+    problems = [
+        f"{argument} is {value!r}; it must be a sequence of names, such as ({value!r},)."
+        for argument, value in given.items()
+        if isinstance(value, str)
+    ]
+    if problems:
+        raise InputError(problems)
+
+
 def check_grid(
     methods: Sequence[str], formulations: Sequence[str], rtols: Sequence[float], points: int,
     limit: float, steps: int,

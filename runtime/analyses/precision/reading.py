@@ -1,18 +1,20 @@
 """What the runs say: times at an accuracy, the front, and sentences; all from the runs alone."""
 
 import math
+import textwrap
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from runtime.analyses.precision.answer import Accuracy, Choice, Line, Point, Setting
+from runtime.analyses.precision.answer import Choice, Line, Point, Setting, WorkPrecision
 
 TARGETS = (1e-3, 1e-6, 1e-9)
 """Scaled errors at which times are told; the first is what the IFToMM benchmarks call precise."""
 NOISY = 1.3
 """Spread from which on a time is doubtful."""
-_LONG = 160
+LONG = 160
+"""Characters of a reason on a screen; what is longer ends at a word, and stands in the records."""
 
 
 class Best(NamedTuple):
@@ -57,7 +59,7 @@ def _first_time(line: Line, error: float) -> float | None:
     return None
 
 
-def best_at(told: Accuracy, error: float) -> Best | None:
+def best_at(told: WorkPrecision, error: float) -> Best | None:
     """The fastest line at an accuracy that the reference can tell."""
     if error < told.reference.floor:
         return None
@@ -102,19 +104,20 @@ def effectivity(line: Line) -> float | None:
     return float(np.median(ratios)) if ratios else None
 
 
-def sentences(told: Accuracy) -> Iterator[str]:
-    """What the picture shows, a line each, the most important first."""
+def sentences(told: WorkPrecision, *, whole: bool = False) -> Iterator[str]:
+    """What the picture shows, a line each, the most important first; reasons short or whole."""
+    most = math.inf if whole else LONG
     yield headline(told)
     yield from _methods(told)
     yield from _corrections(told)
     yield from _formulations(told)
-    yield from _choices(told)
+    yield from _choices(told, most)
     yield from _reference(told)
-    yield from _failures(told)
+    yield from _failures(told, most)
     yield from _times(told)
 
 
-def headline(told: Accuracy) -> str:
+def headline(told: WorkPrecision) -> str:
     """What three more digits cost."""
     reached = [(target, best) for target in TARGETS if (best := best_at(told, target))]
     if len(reached) < 2:
@@ -136,12 +139,12 @@ def milliseconds(seconds: float) -> str:
     return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"
 
 
-def _target(told: Accuracy) -> float | None:
+def _target(told: WorkPrecision) -> float | None:
     """The accuracy at which settings are compared: six digits, or three."""
     return next((target for target in (1e-6, 1e-3) if best_at(told, target)), None)
 
 
-def _methods(told: Accuracy) -> Iterator[str]:
+def _methods(told: WorkPrecision) -> Iterator[str]:
     target = _target(told)
     if target is None:
         return
@@ -158,7 +161,7 @@ def _methods(told: Accuracy) -> Iterator[str]:
         )
 
 
-def _corrections(told: Accuracy) -> Iterator[str]:
+def _corrections(told: WorkPrecision) -> Iterator[str]:
     target, base = _target(told), Setting("dop853")
     for way, name in (("stage", "at every stage"), ("projection", "by projection")):
         ratio = _ratio(told, base._replace(correction=way), base, target)
@@ -169,7 +172,7 @@ def _corrections(told: Accuracy) -> Iterator[str]:
             )
 
 
-def _formulations(told: Accuracy) -> Iterator[str]:
+def _formulations(told: WorkPrecision) -> Iterator[str]:
     target, base = _target(told), Setting("dop853")
     other = base._replace(formulation="reduced")
     ratio = _ratio(told, other, base, target)
@@ -180,7 +183,7 @@ def _formulations(told: Accuracy) -> Iterator[str]:
         )
 
 
-def _ratio(told: Accuracy, this: Setting, that: Setting, target: float | None) -> float | None:
+def _ratio(told: WorkPrecision, this: Setting, that: Setting, target: float | None) -> float | None:
     """Time of one setting over that of another at an accuracy; None where one has none."""
     of = {line.setting: line for line in told.lines}
     if target is None or this not in of or that not in of:
@@ -189,16 +192,16 @@ def _ratio(told: Accuracy, this: Setting, that: Setting, target: float | None) -
     return None if over is None or under is None else over / under
 
 
-def _choices(told: Accuracy) -> Iterator[str]:
+def _choices(told: WorkPrecision, most: float) -> Iterator[str]:
     for choice in told.choices:
-        yield choice_sentence(told, choice)
+        yield _choice(told, choice, most)
 
 
-def choice_sentence(told: Accuracy, choice: Choice) -> str:
+def _choice(told: WorkPrecision, choice: Choice, most: float) -> str:
     """What a modelling choice costs in accuracy, and in time beside the scene as it is declared."""
     point = choice.point
     if point is None or point.errors is None or choice.setting is None:
-        return f"{choice.title}: not run. {_short(choice.reason)}"
+        return f"{choice.title}: not run. {_short(choice.reason, most)}"
     error = point.errors.worst
     if point.beyond:
         kept = "all digits that the reference is known to"
@@ -211,7 +214,7 @@ def choice_sentence(told: Accuracy, choice: Choice) -> str:
     return f"{choice.title} keeps {kept}, after {milliseconds(point.seconds)}{beside}."
 
 
-def _reference(told: Accuracy) -> Iterator[str]:
+def _reference(told: WorkPrecision) -> Iterator[str]:
     reference = told.reference
     checks = ", ".join(
         f"{check.title} differs by {check.error:.1e}"
@@ -231,7 +234,7 @@ def _reference(told: Accuracy) -> Iterator[str]:
         )
 
 
-def _failures(told: Accuracy) -> Iterator[str]:
+def _failures(told: WorkPrecision, most: float) -> Iterator[str]:
     reasons: dict[str, list[str]] = {}
     for line in told.lines:
         if line.refused:
@@ -239,12 +242,13 @@ def _failures(told: Accuracy) -> Iterator[str]:
         if line.failed:
             outcomes = ", ".join(dict.fromkeys(point.outcome for point in line.failed))
             count = f"{len(line.failed)} of {len(line.points)} runs did not reach the end"
-            yield f"{line.setting.title}: {count}: {outcomes}. {_short(line.failed[0].message)}"
+            why = _short(line.failed[0].message, most)
+            yield f"{line.setting.title}: {count}: {outcomes}. {why}"
     for reason, titles in reasons.items():
-        yield f"Not tried: {'; '.join(titles)}. {_short(reason)}"
+        yield f"Not tried: {'; '.join(titles)}. {_short(reason, most)}"
 
 
-def _times(told: Accuracy) -> Iterator[str]:
+def _times(told: WorkPrecision) -> Iterator[str]:
     noisy = sum(p.spread > NOISY for line in told.lines for p in line.done)
     runs = sum(len(line.done) for line in told.lines)
     if noisy:
@@ -257,5 +261,5 @@ def _times(told: Accuracy) -> Iterator[str]:
         yield f"Built once, apart from all runs, in s: {parts}."
 
 
-def _short(text: str) -> str:
-    return text if len(text) <= _LONG else f"{text[:_LONG]} …"
+def _short(text: str, most: float) -> str:
+    return text if len(text) <= most else textwrap.shorten(text, int(most), placeholder=" …")

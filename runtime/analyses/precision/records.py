@@ -6,12 +6,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from runtime.analyses.plain import plain
-from runtime.analyses.precision.answer import Accuracy, Point, Setting
+from runtime.analyses.precision.answer import Point, Setting, WorkPrecision
 from runtime.analyses.precision.reading import effectivity, slope
+from runtime.plain import plain
 
 
-def records(told: Accuracy) -> Iterator[dict[str, Any]]:
+def records(told: WorkPrecision) -> Iterator[dict[str, Any]]:
     """One mapping a run; one for a setting that was refused and for a choice that did not run."""
     about = {
         "model": told.model,
@@ -47,7 +47,7 @@ def records(told: Accuracy) -> Iterator[dict[str, Any]]:
         yield plain({**about, "scene_run": choice.scene, **how, **run})
 
 
-def write_records(told: Accuracy, path: Path) -> Path:
+def write_records(told: WorkPrecision, path: Path) -> Path:
     """Write them, a line each; returns the path."""
     lines = (json.dumps(record, allow_nan=False) for record in records(told))
     path.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
@@ -58,7 +58,7 @@ def _how(setting: Setting) -> dict[str, Any]:
     return dict(setting._asdict())
 
 
-def _run(told: Accuracy, point: Point) -> dict[str, Any]:
+def _run(told: WorkPrecision, point: Point) -> dict[str, Any]:
     entries = asdict(point)
     entries["atol"] = {
         scale.name: point.rtol * min(1.0, scale.value)

@@ -12,8 +12,8 @@ import numpy.typing as npt
 from codegen.errors import AnalysisError, InputError
 from runtime.analyses.asked import refuse_massless, require_motion
 from runtime.analyses.matters.trial import Plan
-from runtime.analyses.precision.answer import Accuracy, Choice, Line, Setting
-from runtime.analyses.precision.asked import Given, default_names, named, read_reference
+from runtime.analyses.precision.answer import Choice, Line, Setting, WorkPrecision
+from runtime.analyses.precision.asked import Given, default_names, distinct, named, read_reference
 from runtime.analyses.precision.building import build_costs
 from runtime.analyses.precision.choices import alternatives, choices
 from runtime.analyses.precision.environment import environment
@@ -24,6 +24,7 @@ from runtime.analyses.precision.grid import (
     QUICK,
     RTOLS,
     check_grid,
+    check_sequences,
     settings,
 )
 from runtime.analyses.precision.measuring import lines
@@ -64,7 +65,7 @@ def accuracy(
     guess: Mapping[str, float] | None = None,
     folder: str | os.PathLike[str] | None = None,
     progress: Callable[[str], None] = lambda line: None,
-) -> Accuracy:
+) -> WorkPrecision:
     """What the accuracy of a scene's motion costs: digits against time, by every method.
 
     Parameters
@@ -94,7 +95,8 @@ def accuracy(
     beside
         Further scenes of the model that stand for the same machine, judged in the same way.
     building
-        Whether the scene is built anew, to tell what that takes; not if `quick`, unless given.
+        Whether the scene is built anew, to tell what that takes; not if `quick`, unless given. Only
+        files that a method and formulation take are built.
     quick
         Four tolerances, and few runs a time.
     limit, steps
@@ -117,15 +119,19 @@ def accuracy(
 
     tolerances = tuple(rtols) if rtols is not None else QUICK if quick else RTOLS
     further = () if quick or rtols is not None else FURTHER
+    check_sequences(
+        quantities=quantities, methods=methods, formulations=formulations, beside=beside
+    )
     check_grid(methods, formulations, tolerances, points, limit, steps)
     found = declared(model if not isinstance(model, os.PathLike) else Path(model), scene)
     machine = loaded(model, scene, found, folder)
     _require_integration(machine)
     told = machine.description
+    quantities = distinct(told, quantities)
     given = (
         None if reference is None else _given(machine, Path(reference), quantities, t_start, t_end)
     )
-    names = given.names if given is not None else tuple(quantities) or default_names(told)
+    names = given.names if given is not None else quantities or default_names(told)
     named(told, names)
     alternatives(*found, modelling, beside)
     instants = _instants(machine, t_start, t_end, points) if given is None else given.t
@@ -141,13 +147,13 @@ def accuracy(
         f"{told.title}: at most {limit:g} s and {steps:g} steps a run, {PATIENCE * limit:g} s for "
         "a reference"
     )
+    tried = settings(tuple(methods), tuple(formulations))
     costs = {}
     if building if building is not None else not quick:
         progress(f"{told.title}: built anew")
-        costs = build_costs(*found)
-    truth = find_truth(runner, names, given, progress)
+        costs = build_costs(*found, {setting.companion for setting in tried})
+    truth = find_truth(runner, names, given, progress, tried)
     rounds, least = (QUICK_ROUNDS, QUICK_SECONDS) if quick else (ROUNDS, SECONDS)
-    tried = settings(tuple(methods), tuple(formulations))
     made = lines(runner, truth, tried, tolerances, further, rounds, least, progress)
     others: tuple[Choice, ...] = ()
 
@@ -164,7 +170,7 @@ def accuracy(
             alternatives(*found, modelling, beside), another, runner, plan, truth,
             _for_choices(made), rounds, least, progress,
         )  # fmt: skip
-    return Accuracy(
+    return WorkPrecision(
         told.model, told.scene, float(t_start), float(instants[-1]), len(instants), truth.scales,
         truth.energy, float(limit), int(steps), truth.reference, made, others, costs,
         environment(), told.sources[0][1] if told.sources else "",
@@ -199,8 +205,6 @@ def _given(
     t_end: float | None,
 ) -> Given:
     """The reference that a file holds, up to the end that is asked for."""
-    if quantities:
-        named(machine.description, quantities)
     given = read_reference(path, quantities, t_start)
     if t_end is None:
         return given

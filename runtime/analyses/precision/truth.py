@@ -6,7 +6,7 @@ chance, in the worst of hundreds of instants, are not to be expected. A file is 
 same way, or shown to be that of another machine.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -19,9 +19,18 @@ from runtime.analyses.equations import Equations
 from runtime.analyses.magnitudes import magnitudes
 from runtime.analyses.precision.answer import DONE, Check, Reference, Setting
 from runtime.analyses.precision.asked import Given, columns, named
-from runtime.analyses.precision.grid import TIGHTEST
+from runtime.analyses.precision.grid import FORMULATIONS, METHODS, TIGHTEST
+from runtime.analyses.precision.grid import settings as every
 from runtime.analyses.precision.running import Runner, Stopwatch
-from runtime.analyses.scaled_error import Errors, Scale, errors, kindred, scaled, scales
+from runtime.analyses.scaled_error import (
+    Errors,
+    Scale,
+    errors,
+    kindred,
+    require_numbers,
+    scaled,
+    scales,
+)
 
 if TYPE_CHECKING:
     from runtime.results.result import Result
@@ -30,7 +39,7 @@ FloatArray = npt.NDArray[np.float64]
 
 PATIENCE = 6.0
 """Times the limit of a run that one for the reference may take."""
-LOST = 1e-6
+DOUBTFUL = 1e-6
 """Scaled error above which a reference is no longer known."""
 _ROUNDING = 1e-15
 _KEPT = 1e-9
@@ -82,19 +91,33 @@ class Truth:
 
 
 def find_truth(
-    runner: Runner, names: Sequence[str], given: Given | None, progress: Callable[[str], None]
+    runner: Runner,
+    names: Sequence[str],
+    given: Given | None,
+    progress: Callable[[str], None],
+    tried: Sequence[Setting] = every(METHODS, FORMULATIONS),
 ) -> Truth:
     """The reference, confirmed.
+
+    Parameters
+    ----------
+    given
+        The one from a file, if any.
+    tried
+        Settings that are compared with it. Reduced equations are built for the reference only where
+        they are for one of these; derivatives, which implicit methods take, also where without them
+        there is none, or nothing confirms it.
 
     Raises
     ------
     LinkwrightError
-        If no run reaches the end, or nothing confirms the one that does.
+        If no run reaches the end, nothing confirms the one that does, or a quantity has no value.
     """
     patient = replace(runner, limit=PATIENCE * runner.limit, steps=20 * runner.steps)
     told = runner.machine.description
     failures: list[str] = []
-    runs = _runs(patient, _FIRST, failures, progress)
+    built = frozenset(setting.companion for setting in tried)
+    runs = _runs(patient, _cheap_first(_FIRST, built), failures, progress)
     first = next(runs, None)
     if first is None:
         raise LinkwrightError(
@@ -103,6 +126,7 @@ def find_truth(
         )
     setting, best = first
     own = columns(best, names)
+    require_numbers(told, names, own)
     values = own if given is None else given.values
     series = named(told, names)
     units = [best.series(name)[1] for name in series]
@@ -114,7 +138,9 @@ def find_truth(
     by = scales(series, units, told, sizes, values, whole)
     title = f"{setting.title}, rtol {TIGHTEST:g}"
     others = [] if given is None else [(title, own)]
-    others += [(name, columns(run, names)) for name, run in _checks(patient, setting, progress)]
+    others += [
+        (name, columns(run, names)) for name, run in _checks(patient, setting, built, progress)
+    ]
     if not others:
         raise LinkwrightError(
             f"{told.title}: only {title} reaches t = {runner.instants[-1]:g} s, and a run alone is "
@@ -123,7 +149,7 @@ def find_truth(
     apart = [errors(found, values, by).worst for _, found in others]
     checks = [Check(name, error) for (name, _), error in zip(others, apart, strict=True)]
     nearest = min(apart)
-    parted = scaled(others[apart.index(nearest)][1], values, by).max(axis=1) > LOST
+    parted = scaled(others[apart.index(nearest)][1], values, by).max(axis=1) > DOUBTFUL
     horizon = float(runner.instants[int(np.argmax(parted))]) if parted.any() else None
     source = title if given is None else str(given.path)
     total, energy = _energy(best)
@@ -156,12 +182,21 @@ def _runs(
             failures.append(f"{setting.title}: {outcome}")
 
 
+def _cheap_first(settings: Sequence[Setting], built: Collection[str]) -> list[Setting]:
+    """Those first that take nothing but what is built; no others in reduced coordinates."""
+    there = [setting for setting in settings if setting.companion in {"", *built}]
+    rest = [setting for setting in settings if setting not in there]
+    return there + [setting for setting in rest if setting.formulation != "reduced"]
+
+
 def _checks(
-    runner: Runner, best: Setting, progress: Callable[[str], None]
+    runner: Runner, best: Setting, built: Collection[str], progress: Callable[[str], None]
 ) -> Iterator[tuple[str, "Result"]]:
-    """Runs by other methods; two are enough, and one will do."""
+    """Runs by other methods; two are enough, and one will do where a second has to be built."""
     others = [setting for setting in _OTHERS if setting.method != best.method]
-    for setting, result in islice(_runs(runner, others, [], progress), 2):
+    others = _cheap_first(others, built)
+    enough = 2 if "tangents" in built else 1
+    for setting, result in islice(_runs(runner, others, [], progress), enough):
         yield f"{setting.title}, rtol {TIGHTEST:g}", result
 
 

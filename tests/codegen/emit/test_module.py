@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 from codegen.emit.turning import NAME as SIN_COS
@@ -252,3 +253,16 @@ def test_frozen_scene_offers_no_parameters(texts: Texts) -> None:
     assert found["CONSTANTS"] == ()
     assert "p[" not in texts["folded.shut"].partition("def constraints")[2]
     assert "FOLDED" not in tables(texts["folded.open"])
+
+
+def test_headings_stand_above_lines_of_their_own(texts: Texts) -> None:
+    headings = 0
+    for text in texts.values():
+        lines = text.splitlines()
+        for line, after in pairwise(lines):
+            if not re.match(r"    # \S", line) or line == "    # Outputs":
+                continue
+            headings += 1
+            assert not re.match(r"    # ", after), (line, after)
+            assert not re.search(rf"= {SIN_COS}\(\w+_phi\)", after), (line, after)
+    assert headings > 100

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from runtime import accuracy
-from runtime.analyses.precision import Accuracy
+from runtime.analyses.precision import WorkPrecision
 
 TEXT = """
 from codegen import Model
@@ -54,6 +54,6 @@ def few(about: dict[str, Any]) -> dict[str, Any]:
 
 
 @pytest.fixture(scope="session")
-def swing(rig: str, folder: Path, about: dict[str, Any]) -> Accuracy:
+def swing(rig: str, folder: Path, about: dict[str, Any]) -> WorkPrecision:
     """Every setting at three tolerances."""
     return accuracy(rig, "swing", folder=folder, **about)

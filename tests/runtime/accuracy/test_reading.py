@@ -1,5 +1,6 @@
 """What is read from runs: scaled errors, times at an accuracy, the front, sentences."""
 
+import json
 import math
 from pathlib import Path
 from types import SimpleNamespace
@@ -8,7 +9,7 @@ import numpy as np
 from numpy.testing import assert_allclose
 
 from runtime import load
-from runtime.analyses.precision import Accuracy, Check, Choice, Line, Point, Reference, Setting
+from runtime.analyses.precision import Check, Choice, Line, Point, Reference, Setting, WorkPrecision
 from runtime.analyses.precision.answer import DONE, TIMEOUT
 from runtime.analyses.precision.grid import FURTHER, RTOLS
 from runtime.analyses.precision.reading import (
@@ -28,10 +29,10 @@ def point(rtol: float, worst: float, seconds: float, *, beyond: bool = False) ->
     return Point(rtol, "OK", "", found, beyond, seconds, 1.0, 5)
 
 
-def study(*made: Line, floor: float = 1e-12, choices: tuple[Choice, ...] = ()) -> Accuracy:
+def study(*made: Line, floor: float = 1e-12, choices: tuple[Choice, ...] = ()) -> WorkPrecision:
     reference = Reference("dop853", False, (Check("radau5", floor),), floor)
     scale = Scale("x", "m", "positions", 1.0)
-    return Accuracy("m", "s", 0.0, 1.0, 10, (scale,), "", 1.0, 10, reference, made, choices)
+    return WorkPrecision("m", "s", 0.0, 1.0, 10, (scale,), "", 1.0, 10, reference, made, choices)
 
 
 SLOW = Line(
@@ -104,6 +105,25 @@ def test_sentences_follow_from_the_runs() -> None:
     assert "Stopped." in next(line for line in said if "1 of 3 runs did not" in line)
     nothing = study(Line(Setting("bdf"), (point(1e-2, 0.02, 1.0),)))
     assert next(sentences(nothing)).startswith("No run has more than 1.7 digits")
+
+
+def test_long_reasons_end_at_a_word_on_a_screen_and_nowhere_in_records() -> None:
+    reason = " ".join(f"reason{k}" for k in range(60))
+    told = study(
+        SLOW,
+        Line(Setting("radau5"), refused=reason),
+        Line(Setting("bdf"), (point(1e-2, 1e-2, 1e-3), Point(1e-4, "SINGULAR", reason))),
+        choices=(Choice("ring as lumped", "coupler", "s3", reason=reason),),
+    )
+    cut = [line for line in sentences(told) if "reason0" in line]
+    assert len(cut) == 3
+    for line in cut:
+        *_, last, dots = line.split()
+        assert dots == "…"
+        assert last in reason.split()
+        assert len(line[line.index("reason0") :]) <= 160
+    facts = json.loads(json.dumps(told.facts(), allow_nan=False))
+    assert sum(line.endswith(reason) for line in facts["sentences"]) == 3
 
 
 def test_errors_are_those_of_the_formula(rig: str, folder: Path) -> None:

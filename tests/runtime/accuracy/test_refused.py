@@ -14,6 +14,10 @@ from runtime import accuracy
     [
         ("swing", {"quantities": ("body.fi",)}, "There is no series 'body.fi'; nearest: body.phi"),
         ("swing", {"quantities": ("a.x|b.x",)}, "There is no series 'a.x'"),
+        ("swing", {"quantities": "body.x"}, "quantities is 'body.x'; it must be a sequence"),
+        ("swing", {"methods": "dop853"}, "methods is 'dop853'; it must be a sequence"),
+        ("swing", {"formulations": "reduced"}, "formulations is 'reduced'; it must be a sequence"),
+        ("swing", {"beside": "rubbing"}, "beside is 'rubbing'; it must be a sequence"),
         ("swing", {"t_end": None}, "t_end is missing"),
         ("swing", {"t_end": -1.0}, "from 0 to -1 s must be finite and positive"),
         ("swing", {"methods": ("dop85",)}, "There is no method 'dop85'; nearest: dop853"),

@@ -10,14 +10,14 @@ from click.testing import Result
 from numpy.testing import assert_allclose
 from typer.testing import CliRunner
 
-from runtime.analyses.precision import Accuracy
+from runtime.analyses.precision import WorkPrecision
 from runtime.analyses.precision.reading import sentences
 from runtime.analyses.precision.records import records
 from runtime.cli import app
 from runtime.show import accuracy_picture, accuracy_table
 
 
-def test_a_row_is_written_for_every_run(swing: Accuracy, tmp_path: Path) -> None:
+def test_a_row_is_written_for_every_run(swing: WorkPrecision, tmp_path: Path) -> None:
     rows = [json.loads(json.dumps(row, allow_nan=False)) for row in records(swing)]
     assert len(rows) == 36
     first = rows[0]
@@ -39,7 +39,7 @@ def test_a_row_is_written_for_every_run(swing: Accuracy, tmp_path: Path) -> None
         swing["euler, cartesian"]
 
 
-def test_picture_has_a_line_a_setting_and_the_floor(swing: Accuracy) -> None:
+def test_picture_has_a_line_a_setting_and_the_floor(swing: WorkPrecision) -> None:
     axes = accuracy_picture.figure(swing).axes[0]
     labels = axes.get_legend_handles_labels()[1]
     assert labels[0] == "nothing is faster (Pareto)"
@@ -52,7 +52,7 @@ def test_picture_has_a_line_a_setting_and_the_floor(swing: Accuracy) -> None:
 
 @pytest.mark.parametrize("columns", [80, 110, 140])
 def test_tables_fit_a_terminal(
-    columns: int, swing: Accuracy, monkeypatch: pytest.MonkeyPatch
+    columns: int, swing: WorkPrecision, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from rich.cells import cell_len
     from rich.console import Console

@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,14 +11,15 @@ import pytest
 
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
-from runtime import accuracy, load
-from runtime.analyses.precision import Accuracy, Setting
+from runtime import accuracy, companions, load
+from runtime.analyses.precision import Setting, WorkPrecision, study
 from runtime.analyses.precision.building import build_costs
 from runtime.analyses.precision.grid import settings
 from runtime.analyses.precision.measuring import lines
 from runtime.analyses.precision.reading import best_at, sentences
 from runtime.analyses.precision.running import Runner, Stopwatch, take_turns
 from runtime.analyses.precision.truth import find_truth
+from runtime.results.result import Result
 from runtime.show import accuracy_picture
 
 
@@ -36,7 +37,7 @@ def exact(path: Path) -> Path:
     return table(path, ("body.x", "body.vx"), t, x, v)
 
 
-def test_every_setting_is_run_at_every_tolerance(swing: Accuracy) -> None:
+def test_every_setting_is_run_at_every_tolerance(swing: WorkPrecision) -> None:
     assert [line.setting for line in swing.lines] == list(
         settings(("dop853", "dopri5", "radau5", "bdf", "auto"), ("cartesian", "reduced"))
     )
@@ -69,7 +70,7 @@ def test_every_setting_is_run_at_every_tolerance(swing: Accuracy) -> None:
 
 
 def test_self_made_reference_agrees_with_the_closed_form(
-    swing: Accuracy, rig: str, folder: Path, tmp_path: Path, about: dict[str, Any]
+    swing: WorkPrecision, rig: str, folder: Path, tmp_path: Path, about: dict[str, Any]
 ) -> None:
     path = exact(tmp_path / "exact.csv")
     given = accuracy(rig, "swing", folder=folder, reference=path, **{**about, "t_end": None})
@@ -209,11 +210,98 @@ def test_what_meets_the_limit_of_time_is_not_tried_for_ever(rig: str, folder: Pa
     assert watch.seconds == min(watch.times)
 
 
-def test_building_is_timed_stage_by_stage() -> None:
+def test_a_quantity_counts_once(rig: str, folder: Path, few: dict[str, Any]) -> None:
+    names = ("body.x", "sled.x|body.x", "body.vx", "body.x")
+    told = accuracy(rig, "swing", quantities=names, folder=folder, modelling=False, **few)
+    assert [scale.name for scale in told.quantities] == ["body.x", "body.vx"]
+
+
+def test_what_has_no_value_has_no_error(
+    rig: str, folder: Path, few: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = Result.series
+
+    def series(self: Result, name: str) -> tuple[np.ndarray, str]:
+        values, unit = real(self, name)
+        return (np.full_like(values, np.nan) if name == "guide.fy" else values), unit
+
+    monkeypatch.setattr(Result, "series", series)
+    about = {**few, "quantities": ("body.x", "guide.fy")}
+    with pytest.raises(InputError, match=r"guide\.fy is no number at any of the 40") as caught:
+        accuracy(rig, "swing", folder=folder, modelling=False, **about)
+    assert len(caught.value.problems) == 1
+
+
+@pytest.mark.parametrize(
+    ("methods", "formulations", "built"),
+    [
+        (("dop853", "dopri5"), ("cartesian",), set()),
+        (("dop853",), ("reduced",), {"reduced"}),
+        (("dop853", "radau5"), ("cartesian",), {"tangents"}),
+    ],
+)
+def test_nothing_is_built_that_no_setting_takes(
+    methods: tuple[str, ...],
+    formulations: tuple[str, ...],
+    built: set[str],
+    rig: str,
+    folder: Path,
+    about: dict[str, Any],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[str] = []
+    real = companions.load_companion
+
+    def load_companion(origin: Any, kind: Any, *rest: Any) -> Any:
+        asked.append(kind)
+        return real(origin, kind, *rest)
+
+    monkeypatch.setattr(companions, "load_companion", load_companion)
+    wanted: list[Collection[str]] = []
+    monkeypatch.setattr(study, "build_costs", lambda *given: wanted.append(given[2]) or {})
+    told = accuracy(
+        rig, "swing", folder=folder, modelling=False, building=True,
+        methods=methods, formulations=formulations, **about,
+    )  # fmt: skip
+    assert set(asked) == built
+    assert {kind for kind in wanted[0] if kind} == built
+    assert told.reference.floor < 1e-11
+    assert told.reference.checks
+
+
+def test_derivatives_are_built_where_nothing_else_confirms(
+    rig: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    machine = load(rig, "swing", folder=folder)
+    runner = Runner(machine, machine.assemble(), np.array([1.0, 2.0]), {}, 60.0, 10**6)
+    real = Runner.run
+
+    def run(self: Runner, setting: Setting, rtol: float, watch: Stopwatch) -> Any:
+        if setting.method == "dopri5":
+            raise LinkwrightError("too stiff")
+        return real(self, setting, rtol, watch)
+
+    monkeypatch.setattr(Runner, "run", run)
+    truth = find_truth(runner, ("body.x",), None, lambda line: None, (Setting("dop853"),))
+    assert truth.reference.source == "dop853, cartesian, rtol 1e-13"
+    assert [check.title for check in truth.reference.checks] == ["radau5, cartesian, rtol 1e-13"]
+
+
+def speck() -> Model:
     model = Model("speck")
     ball = model.particle("ball", mass=1.0)
     model.force("wind", on=ball, fx=1.0)
     model.scene("fly", ["wind"], start={ball.x: 0.0, ball.vx: 0.0})
+    return model
+
+
+def test_building_leaves_out_what_is_not_asked_for() -> None:
+    found = build_costs(speck(), speck().scenes["fly"], ())
+    assert list(found) == ["derive", "lower", "examine", "emit", "compile", "load, warm"]
+
+
+def test_building_is_timed_stage_by_stage() -> None:
+    model = speck()
     found = build_costs(model, model.scenes["fly"])
     assert list(found) == [
         "derive", "lower", "examine", "emit", "compile", "differentiate", "compile derivatives",

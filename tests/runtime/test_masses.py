@@ -1,0 +1,72 @@
+"""Masses that parameter values make impossible: who is refused, and what the question costs."""
+
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from codegen.errors import ParameterError
+from runtime.analyses import masses
+
+
+class Row(NamedTuple):
+    name: str
+    unit: str
+
+
+class Counted(tuple[Row, ...]):
+    """Rows that count how many of them are looked at."""
+
+    looked = 0
+
+    def __getitem__(self, index: Any) -> Any:
+        Counted.looked += 1
+        return super().__getitem__(index)
+
+    def __iter__(self) -> Any:
+        for row in super().__iter__():
+            Counted.looked += 1
+            yield row
+
+
+def machine_of(bodies: int) -> Any:
+    units = (("x", "m"), ("y", "m"), ("phi", "rad"))
+    rows = Counted(Row(f"b{k}.{c}", unit) for k in range(bodies) for c, unit in units)
+    told = SimpleNamespace(
+        title="m/s", bodies=tuple(f"b{k}" for k in range(bodies)), coordinates=rows
+    )
+    return SimpleNamespace(description=told, coordinates=rows)
+
+
+@pytest.fixture
+def of(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Diagonals of M in place of a machine's."""
+
+    def given(diagonal: np.ndarray) -> None:
+        monkeypatch.setattr(masses, "_masses", lambda machine, p: diagonal)
+        monkeypatch.setattr(masses, "_behind", lambda machine, p, place: f"[{place}]")
+
+    return given
+
+
+def test_each_impossible_mass_and_inertia_is_refused_by_its_body(of: Any) -> None:
+    diagonal = np.ones(9)
+    diagonal[[3, 4]], diagonal[5], diagonal[8] = -2.0, 0.0, np.nan
+    of(diagonal)
+    with pytest.raises(ParameterError) as caught:
+        masses.require_masses(machine_of(3), np.zeros(0))
+    assert caught.value.problems == (
+        "m/s: the mass of b1 is -2 kg; it must be a positive finite number. [3]",
+        "m/s: the inertia of b1 is 0 kg m^2; it must be a positive finite number. [5]",
+        "m/s: the inertia of b2 is nan kg m^2; it must be a positive finite number. [8]",
+    )
+
+
+def test_a_large_machine_is_looked_through_once(of: Any) -> None:
+    count = 200
+    of(np.ones(3 * count))
+    made = machine_of(count)
+    Counted.looked = 0
+    masses.require_masses(made, np.zeros(0))
+    assert Counted.looked <= 2 * 3 * count

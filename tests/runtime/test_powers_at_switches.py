@@ -1,0 +1,98 @@
+"""Laws such as δ^(3/2) of a Hertzian contact, which have no number past their own switch."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sympy
+from numpy.testing import assert_allclose
+
+from codegen import Model
+from codegen.declare.symbols import kinds
+from codegen.derive.continued import continued
+from codegen.derive.switching import as_pieces
+from runtime import load
+from runtime.machine import Machine
+from runtime.outcomes import Outcome
+
+TEXT = """
+import sympy
+from codegen import Model
+
+model = Model("hertz", gravity=(0, -9.81))
+ball = model.particle("ball", mass=2.0)
+depth = -ball.y
+energy = 4e4 * depth ** sympy.Rational(5, 2)
+model.potential("floor", sympy.Piecewise((energy, depth > 0), (0, True)))
+model.force("wall", on=ball, fx=-1e5 * sympy.Max(ball.x - 1, 0) ** 1.5)
+start = {ball.x: 0.0, ball.y: 0.1, ball.vy: 0.0}
+model.scene("drop", ["gravity", "floor"], start={**start, ball.vx: 0.0})
+model.scene("throw", ["wall"], start={**start, ball.vx: 5.0})
+"""
+_DEPTH = sympy.Symbol("d", positive=True)
+STIFFNESS, MASS, G, HEIGHT = 1e5, 2.0, 9.81, 0.1
+
+
+@pytest.fixture(scope="module")
+def drop(workshop: Path) -> Machine:
+    path = workshop / "models" / "hertz.py"
+    if not path.is_file() or path.read_text(encoding="utf-8") != TEXT:
+        path.write_text(TEXT, encoding="utf-8")
+    return load(path, "drop", folder=workshop)
+
+
+@pytest.mark.parametrize("method", ["dopri5", "dop853", "radau5"])
+def test_energy_is_kept_during_and_after_a_hertzian_contact(drop: Machine, method: str) -> None:
+    t = np.linspace(0.0, 1.0, 4001)
+    run = drop.simulate(1.0, t, rtol=1e-10, method=method, progress=False)  # type: ignore[arg-type]
+    assert run.outcome is Outcome.OK
+    assert len(run.events) == 6
+    energy, y = run.energy(), run.q("ball.y")
+    whole = MASS * G * HEIGHT
+    assert_allclose(energy, whole, rtol=0.0, atol=1e-7 * whole)
+    assert (y < 0.0).sum() > 100
+    # m g (h + d) = 2/5 k d^(5/2) at the deepest, where the samples are within half a step of it.
+    balance = MASS * G * (HEIGHT + _DEPTH) - 0.4 * STIFFNESS * _DEPTH**2.5
+    deepest = float(sympy.nsolve(balance, _DEPTH, 0.02))
+    assert_allclose(-y.min(), deepest, rtol=1e-4)
+    assert_allclose(run.events[0].time, np.sqrt(2.0 * HEIGHT / G), rtol=1e-9)
+
+
+def test_a_force_that_is_cut_off_by_max_goes_on_past_its_switch(
+    drop: Machine, workshop: Path
+) -> None:
+    machine = load(workshop / "models" / "hertz.py", "throw", folder=workshop)
+    run = machine.simulate(0.5, rtol=1e-10, progress=False)
+    assert run.outcome is Outcome.OK
+    assert_allclose(run.v("ball.vx")[-1], -5.0, rtol=1e-8)
+
+
+def test_only_what_ends_at_a_switch_is_continued() -> None:
+    model = Model("m")
+    ball = model.particle("ball", mass=1.0)
+    x, radius = ball.x, model.parameter("R", 2.0)
+    half = sympy.Rational(1, 2)
+
+    def kept(expression: sympy.Expr) -> bool:
+        return continued(as_pieces(expression)) == as_pieces(expression)
+
+    assert kept(sympy.sqrt(x - 1))
+    assert kept(sympy.Piecewise((sympy.sqrt(x + 3), x > 1), (0, True)))
+    assert kept(sympy.Piecewise(((x - 1) ** 2, x > 1), (0, True)))
+    assert kept(sympy.Piecewise(((x - 1) ** -half, x > 1), (0, True)))
+    for law in (
+        sympy.Piecewise((((x - 1) / radius) ** (3 * half), x > 1), (0, True)),
+        sympy.Piecewise((0, x < 1), ((3 * x - 3) ** 1.4, True)),
+        sympy.Max(x - 1, 0) ** (5 * half),
+        sympy.Piecewise(((x - 1) ** (radius - half), x > 1), (0, True)),
+        sympy.Piecewise(((x - 1) ** (radius / 3), x > 1), (0, True)),
+        sympy.Abs(x - 1) ** (half / 2),
+    ):
+        changed = continued(as_pieces(law))
+        assert changed != as_pieces(law)
+        values = {radius: 2.0, **dict.fromkeys(kinds(law, type(radius)), 2.0)}
+        for place in (1.0 + 1e-9, 1.5, 7.0):
+            at = {**values, x: place}
+            assert_allclose(float(changed.subs(at)), float(as_pieces(law).subs(at)), rtol=1e-12)
+            slopes = [float(sympy.diff(f, x).subs(at)) for f in (changed, as_pieces(law))]
+            assert_allclose(slopes[0], slopes[1], rtol=1e-12)
