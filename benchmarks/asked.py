@@ -8,22 +8,21 @@ half decades of tolerance: a choice that only one who knows the solution can mak
 
 import math
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
+from functools import partial
 from pathlib import Path
-from time import process_time
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from benchmarks.single import GRID, LONG, Single, error_of, prepared, single_runs
 from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
     from runtime.analyses.accurate import ReachedAccuracy
     from runtime.analyses.accurate.comparing import Columns
-    from runtime.analyses.prepared import Prepared
     from runtime.machine import Machine
     from runtime.results.result import Result
 
@@ -48,12 +47,10 @@ SCENES = (
 """Model, scene and time of the run, s."""
 
 ASKED = tuple(10.0**-k for k in range(3, 11))
-METHODS = ("dop853", "dopri5", "radau5", "bdf")
-FORMULATIONS = ("reduced", "cartesian")
-GRID = tuple(10.0 ** (-0.5 * k) for k in range(2, 27))
-"""rtol of single runs, 1e-1 … 1e-13."""
-LONG = 0.1
-"""Processor time from which on a run is not repeated, s."""
+RIVALS = 3
+"""Of the cheapest single runs that are accurate enough, that take turns with ours."""
+TURNS = 3
+"""Turns by the repeats of a single run."""
 POINTS = 501
 TRUSTED = 0.3
 """Of the accuracy asked, that the reference may be off by; beyond it no ratio is counted."""
@@ -138,24 +135,27 @@ def _of_scene(
     from runtime.analyses.accurate.comparing import columns
 
     t = np.linspace(0.0, t_end, POINTS)
-    of = columns(machine.description, None, _prepared(machine, t).sizes)
+    of = columns(machine.description, None, prepared(machine, t).sizes)
     truth, other = _reference(machine, t_end, t)
     floor = _apart(truth, other, of)
-    single = _single_runs(machine, t, repeats, grid, truth, of)
+    single = single_runs(machine, t, repeats, grid, truth, of)
     for accuracy in asked:
-        found = [_accurate(machine, t_end, t, accuracy) for _ in range(repeats + 1)]
-        good = [one for one in found if one is not None]
-        if not good:
+        first = _accurate(machine, t_end, t, accuracy)
+        if first is None:
             yield Row(model, machine.scene, accuracy, "REFUSED", 0.0, math.nan, math.nan,
                       floor, math.nan, 0, "", "", math.nan, math.nan, math.nan, "",
                       math.nan)  # fmt: skip
             continue
-        result, told = good[0]
-        # The least of each run over the repeats: what else runs on the machine is left out.
-        seconds = sum(min(one[1].runs[k].seconds for one in good) for k in range(len(told.runs)))
-        true = _error(truth, of.of_result(result), of)
-        able = [(time, setting) for time, error, setting in single if error <= accuracy]
-        time, setting = min(able, default=(math.nan, ""))
+        result, told = first
+        true = error_of(truth, of.of_result(result), of)
+        rivals = sorted(
+            (one for one in single if one.error <= accuracy), key=lambda one: one.seconds
+        )
+        seconds, time, setting = _in_turns(
+            partial(_accurate, machine, t_end, t, accuracy),
+            rivals[:RIVALS],
+            TURNS * repeats,
+        )
         yield Row(
             model,
             machine.scene,
@@ -175,6 +175,35 @@ def _of_scene(
             setting,
             seconds / time,
         )
+
+
+def _in_turns(
+    asked: Callable[[], "tuple[Result, ReachedAccuracy] | None"],
+    rivals: Sequence[Single],
+    turns: int,
+) -> tuple[float, float, str]:
+    """Seconds of all runs that are made when asked, of the cheapest rival, and its setting.
+
+    They take turns, as the machine is not always equally fast; the least of each run counts.
+    """
+    ours: dict[int, float] = {}
+    theirs = [math.inf] * len(rivals)
+    for turn in range(turns + 1):
+        found = asked()
+        assert found is not None
+        again = [one.timed()[0] for one in rivals]
+        if turn == 0:  # for caches
+            continue
+        for k, run in enumerate(found[1].runs):
+            ours[k] = min(ours.get(k, math.inf), run.seconds)
+        theirs = list(map(min, theirs, again))
+        if sum(ours.values()) > LONG:
+            break
+    seconds = sum(ours.values())
+    if not rivals:
+        return seconds, math.nan, ""
+    best = int(np.argmin(theirs))
+    return seconds, theirs[best], rivals[best].setting
 
 
 def _accurate(
@@ -210,58 +239,4 @@ def _apart(truth: "Result", other: "Result | None", of: "Columns") -> float:
     """By how much two references differ; infinite unless both reach the end."""
     if other is None or truth.failed or other.failed:
         return math.inf
-    return _error(truth, of.of_result(other), of)
-
-
-def _single_runs(
-    machine: "Machine",
-    t: Array,
-    repeats: int,
-    grid: Sequence[float],
-    truth: "Result",
-    of: "Columns",
-) -> list[tuple[float, float, str]]:
-    """Processor time in s, error and setting of every single run that reached its end."""
-    from runtime.integrate.problem import Options
-    from runtime.outcomes import Outcome
-    from runtime.progress import silent
-
-    ready = _prepared(machine, t)
-    found, longest = [], 0.0
-    for formulation, method in product(FORMULATIONS, METHODS):
-        try:
-            taken = ready.coordinates(cast(Any, formulation), method, "step")
-        except LinkwrightError:
-            continue
-        for rtol in grid:
-            options = Options(method=cast(Any, method), rtol=rtol, t_eval=t)
-            seconds = math.inf
-            for _ in range(repeats):
-                began = process_time()
-                run = ready.run(taken, options, silent)
-                seconds = min(seconds, process_time() - began)
-                if seconds > LONG:
-                    break
-            if method == METHODS[0]:
-                longest = max(longest, seconds)
-            elif seconds > longest:
-                break  # no tighter run of this method can be the cheapest
-            if run.outcome is Outcome.OK:
-                error = _error(truth, of.of_run(run.q, run.v), of)
-                found.append((seconds, error, f"{method}, {formulation}, {rtol:.0e}"))
-    return found
-
-
-def _prepared(machine: "Machine", t: Array) -> "Prepared":
-    from runtime.analyses.prepared import Prepared
-
-    end = float(t[-1])
-    return Prepared(machine, end, t_start=0.0, parameters=None, guess=None, start=None)
-
-
-def _error(truth: "Result", values: Array, of: "Columns") -> float:
-    """Largest |y - r| / (s + |r|) at the instants that `values` has."""
-    from runtime.analyses.accurate.comparing import difference
-
-    count = len(values)
-    return difference(truth.t[:count], values, of.of_result(truth), of, of.wholes(truth)).largest
+    return error_of(truth, of.of_result(other), of)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks import asked, asked_table
+from benchmarks import asked, asked_table, single
 from runtime import load
 from runtime.analyses.accurate.comparing import Columns
 
@@ -20,9 +20,9 @@ def rows(request: pytest.FixtureRequest) -> list[asked.Row]:
     """A bar that swings, built in a folder of its own."""
     folder: Path = request.config.cache.mkdir("benchmarks-asked")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(asked, "METHODS", ("dop853", "dopri5"))
+        patch.setattr(single, "METHODS", ("dop853", "dopri5"))
         scenes = [("hard/pendulum", "bar", 10.0)]
-        return list(asked.measure(scenes, (1e-3, 1e-6, 1e-9), folder, 1, asked.GRID[2:20:2]))
+        return list(asked.measure(scenes, (1e-3, 1e-6, 1e-9), folder, 1, single.GRID[2:20:2]))
 
 
 def test_true_errors_are_below_what_was_asked(rows: list[asked.Row]) -> None:
@@ -40,7 +40,7 @@ def test_the_cheapest_run_is_one_that_is_as_accurate(rows: list[asked.Row]) -> N
     row = rows[1]
     method, formulation, rtol = row.setting.split(", ")
     assert method in {"dop853", "dopri5"}
-    assert formulation in asked.FORMULATIONS
+    assert formulation in single.FORMULATIONS
     assert 1e-13 <= float(rtol) <= 1e-4
 
 

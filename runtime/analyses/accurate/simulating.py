@@ -10,10 +10,10 @@ from falling. Where this is below what was asked, the second run is the result; 
 tells how much tighter the next must be.
 
 A method of order eight costs a third more for a tenth of the tolerance, and less where events cut
-its steps, so that a wide gap between the two costs little. It costs much with an implicit method,
-and in a long smooth motion: there the second run is the looser one, and the first, when it is found
-to be good enough, the result. Where steps are bounded by what was asked, both would be alike, and
-the second is the tighter one.
+its steps, so that a wide gap between the two costs little. With an implicit method it costs much,
+and the gap is narrow. In a long smooth motion the second run is the looser one, and the first, when
+it is found to be good enough, the result. Where steps are bounded by what was asked, both would be
+alike, and the second is the tighter one.
 """
 
 import time as clock
@@ -52,6 +52,7 @@ _FIRST, _SLOPE = 1e-5, 0.9  # rtol of the first run where 1e-3 is asked; its pow
 _LOOSEST, _TIGHTEST = 1e-3, 1e-14  # rtol of any run
 _WIDE = 3e-3  # rtol of the second run by that of the first
 _NARROW = 0.03  # the same in long motions, or of the first by that of the second
+_STIFF = 0.1  # the same where an implicit method takes part
 _LONG = 5000  # evaluations between two events from which on a motion is long
 _NEAR, _FAR = 0.3, 1e-6  # rtol of later runs by that of the last
 _FALLS, _SURE = 0.85, 0.75  # power of rtol with which errors fall: expected, and counted upon
@@ -215,12 +216,10 @@ class _Search:
     def _second(self, first: _Run) -> float:
         """rtol of the second run."""
         rtol, counts = first.options.rtol, first.path.statistics
-        long = counts.rhs > _LONG * (counts.events + 1)
-        if not long and len(first.path.methods) == 1:
-            return _WIDE * rtol
-        if first.path.outcome is Outcome.OK and self.options.h_max is None:
-            return rtol / _NARROW
-        return _NARROW * rtol
+        if counts.rhs > _LONG * (counts.events + 1):
+            free = first.path.outcome is Outcome.OK and self.options.h_max is None
+            return rtol / _NARROW if free else _NARROW * rtol
+        return rtol * (_WIDE if len(first.path.methods) == 1 else _STIFF)
 
     def _compared(self, choice: Choice, rtol: float, before: _Run) -> _Compared:
         """Another run, beside one that was made before."""

@@ -1,0 +1,107 @@
+"""Single runs of a scene at one tolerance each, over methods, formulations and tolerances."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import product
+from time import process_time
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.errors import LinkwrightError
+
+if TYPE_CHECKING:
+    from runtime.analyses.accurate.comparing import Columns
+    from runtime.analyses.formulations import Coordinates
+    from runtime.analyses.prepared import Prepared
+    from runtime.integrate.problem import Options
+    from runtime.integrate.trajectory import Trajectory
+    from runtime.machine import Machine
+    from runtime.results.result import Result
+
+Array = npt.NDArray[np.float64]
+
+METHODS = ("dop853", "dopri5", "radau5", "bdf")
+FORMULATIONS = ("reduced", "cartesian")
+GRID = tuple(10.0 ** (-0.5 * k) for k in range(2, 27))
+"""rtol of single runs, 1e-1 … 1e-13."""
+LONG = 0.1
+"""Processor time from which on a run is not repeated, s."""
+
+
+@dataclass(frozen=True)
+class Single:
+    """A run at one tolerance: its processor time in s, its error, and how to run it again."""
+
+    seconds: float
+    error: float
+    setting: str
+    timed: Callable[[], "tuple[float, Trajectory]"]
+
+
+def single_runs(
+    machine: "Machine",
+    t: Array,
+    repeats: int,
+    grid: Sequence[float],
+    truth: "Result",
+    of: "Columns",
+) -> list[Single]:
+    """Every single run that reached its end."""
+    from runtime.integrate.problem import Options
+    from runtime.outcomes import Outcome
+
+    ready = prepared(machine, t)
+    found, longest = [], 0.0
+    for formulation, method in product(FORMULATIONS, METHODS):
+        try:
+            taken = ready.coordinates(cast(Any, formulation), method, "step")
+        except LinkwrightError:
+            continue
+        for rtol in grid:
+            options = Options(method=cast(Any, method), rtol=rtol, t_eval=t)
+            again = partial(_timed, ready, taken, options)
+            seconds = math.inf
+            for _ in range(repeats):
+                took, run = again()
+                seconds = min(seconds, took)
+                if seconds > LONG:
+                    break
+            if method == METHODS[0]:
+                longest = max(longest, seconds)
+            elif seconds > longest:
+                break  # no tighter run of this method can be the cheapest
+            if run.outcome is Outcome.OK:
+                error = error_of(truth, of.of_run(run.q, run.v), of)
+                setting = f"{method}, {formulation}, {rtol:.0e}"
+                found.append(Single(seconds, error, setting, again))
+    return found
+
+
+def _timed(
+    ready: "Prepared", taken: "Coordinates", options: "Options"
+) -> tuple[float, "Trajectory"]:
+    """A run, and its processor time in s."""
+    from runtime.progress import silent
+
+    began = process_time()
+    run = ready.run(taken, options, silent)
+    return process_time() - began, run
+
+
+def prepared(machine: "Machine", t: Array) -> "Prepared":
+    from runtime.analyses.prepared import Prepared
+
+    end = float(t[-1])
+    return Prepared(machine, end, t_start=0.0, parameters=None, guess=None, start=None)
+
+
+def error_of(truth: "Result", values: Array, of: "Columns") -> float:
+    """Largest |y - r| / (s + |r|) at the instants that `values` has."""
+    from runtime.analyses.accurate.comparing import difference
+
+    count = len(values)
+    return difference(truth.t[:count], values, of.of_result(truth), of, of.wholes(truth)).largest
