@@ -3,7 +3,7 @@
 import math
 
 from benchmarks.contest import FLOOR, LOOPS, OURS, PEERS, TARGETS, Contest
-from benchmarks.precision import series, time_to
+from benchmarks.precision import reliable, series, time_to
 from benchmarks.problems import PROBLEMS
 from benchmarks.report import Report, verdict
 
@@ -108,14 +108,27 @@ def bars(contest: Contest) -> list[str]:
         if contest.of(name):
             factor = contest.factor(name, OURS, method, target)
             if math.isinf(factor):
-                why = f" ({contest.missing[name]})" if name in contest.missing else ""
-                told.append(f"{name} does not reach {target:.0e}{why}; {method} does.")
+                told.append(not_reached(contest, name, method, target))
             else:
                 holds = "holds" if factor >= bar else "is missed"
                 told.append(
                     f"{name} to {target:.0e}, in times of {method}: {factor:.0f}; the bar of "
                     f"{bar:g} {holds}."
                 )
+    return told
+
+
+def not_reached(contest: Contest, name: str, method: str, target: float) -> str:
+    """That a tool stays short of an error, and what the least that it reaches costs it."""
+    why = f" ({contest.missing[name]})" if name in contest.missing else ""
+    told = f"{name} does not reach {target:.0e}{why}; {method} does."
+    least = min(
+        (error for line in series(contest.of(name)).values() for error, _ in reliable(line)),
+        default=math.inf,
+    )
+    factor = contest.factor(name, OURS, method, least) if math.isfinite(least) else math.inf
+    if math.isfinite(factor):
+        told += f" To {least:.0e}, its least error, it takes {factor:.0f} times as long."
     return told
 
 

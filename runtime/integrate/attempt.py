@@ -134,6 +134,69 @@ def returned(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> int
     return DONE
 
 
+@inner
+def strained(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> int:
+    """Return Y1 by other coordinates where it went further than the tolerance; 1 where it did.
+
+    All coordinates are integrated as well as the tolerance asks, so that the return moves the
+    dependent ones by less, unless the independent ones determine them badly: within two steps a
+    partition can go from good to singular, which the probes now and then do not see.
+    """
+    r = run[0]
+    if machine[CORRECTING] != BY_PARTITION or FREE < r.plan < MISSING:
+        return 0
+    length = w.size // ROWS
+    y1 = view(w, Y1 * length, length)
+    predicted = view(w, PREDICTED * length, length)
+    atol = view(w, ATOL * length, length)
+    far = False
+    for j in range(length):
+        far = far or abs(y1[j] - predicted[j]) > atol[j] + r.rtol * abs(y1[j])
+    if not far:
+        return 0
+    kept = view(w, SAMPLE * length, length)
+    for j in range(length):
+        kept[j] = y1[j]
+        y1[j] = predicted[j]
+    growth, ratio = r.growth_limit, r.ratio_limit
+    if repartition_of(machine)(machine, t, Y1, w, run, p) == 0:
+        r.growth_limit, r.ratio_limit = growth, ratio
+        for j in range(length):
+            y1[j] = kept[j]
+        return 0
+    result = correct_of(machine)(machine, t, Y1, PARTITION, w, p)
+    r.newton += 1
+    if result == FAILED:
+        return FAILED
+    r.corrections += result % WEAK
+    return 1
+
+
+@inner
+def judged(
+    machine: Integers,
+    t: float,
+    h: float,
+    w: Vector,
+    run: Run,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+) -> None:
+    """The derivative at Y1, and the error of the step."""
+    r = run[0]
+    length = w.size // ROWS
+    n = length // 2
+    slope = view(w, (K + r.last) * length, n)
+    a = view(w, (K + r.last) * length + n, n)
+    v = view(w, Y1 * length + n, n)
+    r.weak_row = field(machine, t, view(w, Y1 * length, n), v, p, modes, a, lam)
+    r.rhs += 1
+    for j in range(n):
+        slope[j] = v[j]
+    r.error = error_of(machine)(machine, h, r.rtol, w)
+
+
 @addressed(ATTEMPT)
 def attempt(
     machine: Integers,
@@ -150,8 +213,6 @@ def attempt(
     Returns `DONE`, or why the step cannot be accepted.
     """
     r = run[0]
-    length = w.size // ROWS
-    n = length // 2
     floats_at(machine, SETTINGS, 2)[STEP] = h
     taken = stages_of(machine)(machine, t, h, w, run, p, modes, lam)
     r.rhs += r.stage_calls
@@ -164,16 +225,17 @@ def attempt(
             return code
     if machine[HELD] != 0:
         return_held_of(machine)(machine, t + h, Y1, w, p, modes, lam)
-    slope = view(w, (K + r.last) * length, n)
-    a = view(w, (K + r.last) * length + n, n)
-    v = view(w, Y1 * length + n, n)
-    r.weak_row = field(machine, t + h, view(w, Y1 * length, n), v, p, modes, a, lam)
-    r.rhs += 1
-    for j in range(n):
-        slope[j] = v[j]
-    r.error = error_of(machine)(machine, h, r.rtol, w)
+    judged(machine, t + h, h, w, run, p, modes, lam)
     if not np.isfinite(r.error):
         return NOT_FINITE
     if r.error > r.permitted and r.fixed == 0:
         return TOO_LARGE
+    if lam.size > 0 and machine[HELD] == 0:
+        again = strained(machine, t + h, w, run, p)
+        if again == FAILED:
+            return NEWTON
+        if again == 1:
+            judged(machine, t + h, h, w, run, p, modes, lam)
+            if not np.isfinite(r.error):
+                return NOT_FINITE
     return DONE

@@ -42,7 +42,7 @@ from runtime.outcomes import Outcome
 Progress = Callable[[float, int], None]
 """Called between chunks with the time reached and the steps taken."""
 
-_FIRST_CHUNK = 128  # steps, within which an interrupt ends the run as it does before it
+_FIRST_CHUNK = 128  # steps before which an interrupt is raised, as before the run
 _LONGEST_CHUNK = 16384
 _CHUNK_SECONDS = 0.05
 _SHOWN = (Slot.WORKSPACE, Slot.SURFACES, Slot.PARAMETERS, Slot.MODES, Slot.MULTIPLIERS)
@@ -71,7 +71,8 @@ def integrate(
         Method, tolerances, samples.
     progress
         Called now and then with the time reached and the number of steps taken. A
-        `KeyboardInterrupt`, here or from the keyboard, ends the run with what was computed.
+        `KeyboardInterrupt`, here or, after 128 steps, from the keyboard, ends the run with
+        what was computed; one from the keyboard before that is raised.
 
     Returns
     -------

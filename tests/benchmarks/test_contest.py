@@ -98,6 +98,8 @@ def test_a_tool_that_ran_out_of_time_is_told(
         told = "\n".join(contest_report.report(held).verdicts)
         assert f"pydy does not reach 1e-09 ({reason}); reduced does." in told
         assert f"pydy has not all its points: {reason}." in told
+        factor = held.factor("pydy", "linkwright", "reduced", 1e-3)
+        assert f"To 1e-03, its least error, it takes {factor:.0f} times as long." in told
 
 
 def test_every_tool_has_a_file_with_its_problems(root: Path) -> None:

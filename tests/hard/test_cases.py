@@ -43,6 +43,14 @@ def test_pendulum_after_2000_seconds() -> None:
     assert np.abs(place[-1] - case.reference().values[-1]).max() < 1e-6
 
 
+@pytest.mark.parametrize("rtol", [1e-6, 1e-9])
+def test_no_step_is_far_worse_than_its_tolerance(rtol: float) -> None:
+    """Where the bars come into line, coordinates that were independent two steps ago are not."""
+    run = load("hard/double_pendulum", "thrown").simulate(8.0, rtol=rtol, progress=False)
+    total = run.series("total")[0]
+    assert np.abs(np.diff(total)).max() < 100.0 * rtol * np.abs(total).max()
+
+
 @pytest.mark.parametrize("scene", ["point", "bar"])
 def test_energy_of_a_long_run_drifts_as_the_time_and_not_as_its_square(scene: str) -> None:
     """An eighth of the drift after an eighth of the time; a quadratic one would leave 1/64."""

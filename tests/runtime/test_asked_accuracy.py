@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 from codegen.errors import InputError
 from codegen.write import write_if_changed
 from runtime import load
+from runtime.analyses.accurate.comparing import Columns, difference, resolved
 from runtime.cli import app
 from runtime.machine import Machine
 from runtime.outcomes import Outcome
@@ -115,6 +116,16 @@ def test_where_steps_are_bounded_the_second_run_has_shorter_ones(thrown: Machine
     first, second = told.runs[:2]
     assert second.rtol < first.rtol
     assert second.steps > first.steps
+
+
+def test_what_the_looser_run_lost_tells_nothing() -> None:
+    t = np.linspace(0.0, 1.0, 101)
+    trembling = 0.01 * np.sin(40.0 * t)[:, None]
+    of = Columns(("rod.y",), np.array([1.0]), np.array([1]))
+    for lost, told in ((1.0, False), (0.05, True)):
+        found = difference(t, (1.0 - lost) * trembling, trembling, of)
+        assert resolved(found, trembling, 1e-4) is told
+        assert resolved(found, trembling, 0.02)  # more than all of it
 
 
 def test_the_result_is_that_of_a_run_with_the_settings_told(

@@ -41,7 +41,7 @@ class Trial:
     outcome
         How it ended.
     difference
-        Largest scaled difference from the run before; None of the first.
+        Largest scaled difference from the run that it was compared with; None of the first.
     """
 
     method: str

@@ -159,6 +159,23 @@ def difference(
     return Difference(t, np.where(np.isnan(scaled), 0.0, scaled), scales)
 
 
+def resolved(found: Difference, values: FloatArray, asked: float) -> bool:
+    """Whether no difference that counts is of the size of the motion itself.
+
+    Parameters
+    ----------
+    values : (k, c)
+        Those of the second run.
+    asked
+        Differences below this do not count.
+    """
+    if not len(values):
+        return True
+    spans = np.ptp(np.nan_to_num(values), axis=0)
+    gaps = found.scaled.max(axis=0)
+    return not bool(np.any((gaps > asked) & (gaps * found.scales > PARTED * spans)))
+
+
 def tenfold(found: Difference) -> float | None:
     """Time in which a small difference grows tenfold, s; None unless it grows exponentially.
 

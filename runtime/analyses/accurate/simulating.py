@@ -10,15 +10,15 @@ from falling. Where this is below what was asked, the second run is the result; 
 tells how much tighter the next must be.
 
 A method of order eight costs a third more for a tenth of the tolerance, and less where events cut
-its steps, so that a wide gap between the two costs little. With an implicit method it costs much,
-and the gap is narrow. In a long smooth motion the second run is the looser one, and the first, when
-it is found to be good enough, the result. Where steps are bounded by what was asked, both would be
-alike, and the second is the tighter one.
+its steps, so that a wide gap between the two costs little. In a long smooth motion it costs more:
+the second run is the looser one, and the first, when it is found to be good enough, the result;
+unless steps are bounded by what was asked, as both would be alike. Else with an implicit method,
+where it costs much, the gap is narrow.
 """
 
 import time as clock
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, cast
 
 import numpy as np
@@ -26,14 +26,20 @@ import numpy.typing as npt
 
 from runtime.analyses.accurate.answer import Trial
 from runtime.analyses.accurate.choosing import Choice, after, choose
-from runtime.analyses.accurate.comparing import PARTED, Columns, Difference, columns, difference
+from runtime.analyses.accurate.compared import SURE, Compared, Run
+from runtime.analyses.accurate.comparing import (
+    PARTED,
+    Columns,
+    columns,
+    difference,
+    resolved,
+)
 from runtime.analyses.accurate.telling import Pair, told
 from runtime.analyses.dynamics import finished
 from runtime.analyses.instants import instants
 from runtime.analyses.prepared import Prepared
 from runtime.analyses.scaled_error import require_numbers
 from runtime.integrate.problem import Options
-from runtime.integrate.trajectory import Trajectory
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
 from runtime.results.result import Result
@@ -53,59 +59,14 @@ _LOOSEST, _TIGHTEST = 1e-3, 1e-14  # rtol of any run
 _WIDE = 3e-3  # rtol of the second run by that of the first
 _NARROW = 0.03  # the same in long motions, or of the first by that of the second
 _STIFF = 0.1  # the same where an implicit method takes part
+_IMPLICIT = ("radau5", "bdf")
 _LONG = 5000  # evaluations between two events from which on a motion is long
 _NEAR, _FAR = 0.3, 1e-6  # rtol of later runs by that of the last
-_FALLS, _SURE = 0.85, 0.75  # power of rtol with which errors fall: expected, and counted upon
+_FALLS = 0.85  # power of rtol with which errors are expected to fall
 _MARGIN = 0.7  # of what is asked, that a run is laid out for
 _NEXT = 0.01  # rtol of the next run by that of the last, where nothing can be told from it
-_GRAIN = 2e-13  # rtol from which on rounding keeps errors from falling any further
-_ROUGH = 0.1  # least share of a difference that is counted upon where the motion parts later
 _MOST_RUNS = 8
 _ORDER, _ORDERS = 5, {"dop853": 8}  # powers of the step with which errors fall
-
-
-@dataclass(frozen=True)
-class _Run:
-    """A run: which one, its options, values, what these are parts of, its processor time in s."""
-
-    number: int
-    options: Options
-    path: Trajectory
-    values: FloatArray
-    wholes: FloatArray
-    seconds: float
-
-    @property
-    def t(self) -> FloatArray:
-        return self.path.t
-
-
-@dataclass(frozen=True)
-class _Compared:
-    """Two runs, the second with the tighter tolerance, and by how much they differ."""
-
-    loose: _Run
-    tight: _Run
-    found: Difference
-
-    @property
-    def unable(self) -> bool:
-        """Whether the tighter one ends before, by something else than its end."""
-        return self.tight.path.outcome is not Outcome.OK and len(self.tight.t) < len(self.loose.t)
-
-    @property
-    def known(self) -> bool:
-        """Whether all of the tighter one was compared."""
-        return not self.unable and len(self.loose.t) >= len(self.tight.t)
-
-    @property
-    def share(self) -> float:
-        """How much of the difference the error of the tighter one is taken to be."""
-        if not self.known or self.found.largest <= _GRAIN:  # rounding, in both runs alike
-            return 1.0
-        loose, tight = (max(run.options.rtol, _GRAIN) for run in (self.loose, self.tight))
-        share: float = (tight / loose) ** _SURE
-        return max(share, _ROUGH) if self.found.largest >= PARTED else share
 
 
 def simulate_to(
@@ -195,15 +156,15 @@ class _Search:
         """Run until it is accurate enough, or cannot be."""
         rtol = _FIRST * (self.asked / 1e-3) ** _SLOPE
         first, choice = self._first(choice, min(max(rtol, _TIGHTEST / _WIDE), _LOOSEST))
-        pair = self._compared(choice, self._second(first), first)
+        pair = self._beside(choice, self._second(first), first)
         while not self._over(pair):
-            pair = self._compared(choice, self._tighter(pair), pair.tight)
+            pair = self._beside(choice, self._tighter(pair), pair.tight)
         kept, other = (pair.loose, pair.tight) if pair.unable else (pair.tight, pair.loose)
         made = finished(self.ready, choice.taken, kept.options, began, silent, kept.path)
         told_of = Pair(self.trials[other.number], self.trials[kept.number], pair.found, pair.share)
         return told(made, self.asked, self.of, self.trials, told_of, choice.reasons)
 
-    def _first(self, choice: Choice, rtol: float) -> tuple[_Run, Choice]:
+    def _first(self, choice: Choice, rtol: float) -> tuple[Run, Choice]:
         """The first run that can be compared with others, and what the second one takes."""
         while True:
             run = self._run(choice, rtol)
@@ -213,24 +174,26 @@ class _Search:
                 return run, then
             choice = then
 
-    def _second(self, first: _Run) -> float:
+    def _second(self, first: Run) -> float:
         """rtol of the second run."""
         rtol, counts = first.options.rtol, first.path.statistics
         if counts.rhs > _LONG * (counts.events + 1):
             free = first.path.outcome is Outcome.OK and self.options.h_max is None
-            return rtol / _NARROW if free else _NARROW * rtol
-        return rtol * (_WIDE if len(first.path.methods) == 1 else _STIFF)
+            looser = rtol / _NARROW
+            return looser if free and looser <= _LOOSEST else _NARROW * rtol
+        stiff = any(method in _IMPLICIT for _, method in first.path.methods)
+        return rtol * (_STIFF if stiff else _WIDE)
 
-    def _compared(self, choice: Choice, rtol: float, before: _Run) -> _Compared:
+    def _beside(self, choice: Choice, rtol: float, before: Run) -> Compared:
         """Another run, beside one that was made before."""
         run = self._run(choice, rtol)
         loose, tight = (run, before) if rtol > before.options.rtol else (before, run)
         count = min(len(loose.t), len(tight.t))
         found = difference(tight.t[:count], loose.values, tight.values, self.of, tight.wholes)
         self._note(choice, run, found.largest)
-        return _Compared(loose, tight, found)
+        return Compared(loose, tight, found, resolved(found, tight.values[:count], self.asked))
 
-    def _over(self, pair: _Compared) -> bool:
+    def _over(self, pair: Compared) -> bool:
         """Whether no further run is needed, or helps."""
         enough = pair.known and pair.found.largest < PARTED
         if enough and pair.share * pair.found.largest <= self.asked:
@@ -238,16 +201,16 @@ class _Search:
         rtol = pair.tight.options.rtol
         return pair.unable or rtol <= _TIGHTEST or len(self.trials) >= _MOST_RUNS
 
-    def _tighter(self, pair: _Compared) -> float:
+    def _tighter(self, pair: Compared) -> float:
         """rtol of the next run, so that its estimate should be what is asked, less a margin."""
         rtol = pair.tight.options.rtol
         if pair.found.largest >= PARTED or not pair.known:
             return max(_TIGHTEST, _NEXT * rtol)
         off = pair.found.largest * (rtol / pair.loose.options.rtol) ** _FALLS
-        wanted = (_MARGIN * self.asked / off) ** (1.0 / _SURE)
+        wanted = (_MARGIN * self.asked / off) ** (1.0 / SURE)
         return float(max(_TIGHTEST, rtol * min(_NEAR, max(_FAR, wanted))))
 
-    def _run(self, choice: Choice, rtol: float) -> _Run:
+    def _run(self, choice: Choice, rtol: float) -> Run:
         options = replace(
             self.options,
             method=cast(Literal["dop853"], choice.method),
@@ -260,11 +223,12 @@ class _Search:
         seconds = clock.process_time() - began
         if self.of.of_state:
             values = self.of.of_run(path.q, path.v)
-            return _Run(number, options, path, values, np.zeros(values.shape[1]), seconds)
+            return Run(number, options, path, values, np.zeros(values.shape[1]), seconds)
         made = finished(self.ready, choice.taken, options, clock.perf_counter(), silent, path)
         values = self.of.of_result(made)[: len(path.t)]
-        require_numbers(made.description, self.of.names, values)
-        return _Run(number, options, path, values, self.of.wholes(made), seconds)
+        if path.outcome is Outcome.OK:  # else another one may go further
+            require_numbers(made.description, self.of.names, values)
+        return Run(number, options, path, values, self.of.wholes(made), seconds)
 
     def _longest(self, choice: Choice, rtol: float) -> float | None:
         """The longest step: where it is what bounds the error, it has to fall as tolerances do.
@@ -277,7 +241,7 @@ class _Search:
         order = _ORDERS.get(choice.method, _ORDER)
         return longest * float(min(rtol / self.trials[0].rtol, 1.0) ** (1.0 / order))
 
-    def _note(self, choice: Choice, run: _Run, gap: float | None) -> None:
+    def _note(self, choice: Choice, run: Run, gap: float | None) -> None:
         counts = run.path.statistics
         self.trials.append(
             Trial(

@@ -74,6 +74,20 @@ def test_second_model_compiles_nothing():
         assert len(function.nopython_signatures) == 1
 
 
+def test_a_short_run_takes_over_no_signal(monkeypatch):
+    monkeypatch.setattr(signal, "signal", lambda *_: pytest.fail("the signal was taken over"))
+    r = integrate(PENDULUM, pendulum_problem(np.pi, 0.0, 1.0), Options())
+    assert r.outcome == Outcome.OK
+    assert r.statistics.steps < 128
+
+
+def test_the_signal_is_handed_back():
+    before = signal.getsignal(signal.SIGINT)
+    r = integrate(PENDULUM, pendulum_problem(np.pi, 0.0, 100.0), Options())
+    assert r.statistics.steps > 128
+    assert signal.getsignal(signal.SIGINT) is before
+
+
 def test_interrupt_keeps_what_was_computed():
     seen = []
 
