@@ -138,12 +138,14 @@ def returned(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> int
 def strained(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> int:
     """Return Y1 by other coordinates where it went further than the tolerance; 1 where it did.
 
-    All coordinates are integrated as well as the tolerance asks, so that the return moves the
-    dependent ones by less, unless the independent ones determine them badly: within two steps a
-    partition can go from good to singular, which the probes now and then do not see.
+    Explicit methods integrate all coordinates as well as the tolerance asks, so that the return
+    moves the dependent ones by less, unless the independent ones determine them badly: within two
+    steps a partition can go from good to singular, which the probes now and then do not see. With
+    implicit methods the independent ones alone are right.
     """
     r = run[0]
-    if machine[CORRECTING] != BY_PARTITION or FREE < r.plan < MISSING:
+    implicit = r.stage_calls == 0
+    if implicit or machine[CORRECTING] != BY_PARTITION or FREE < r.plan < MISSING:
         return 0
     length = w.size // ROWS
     y1 = view(w, Y1 * length, length)
