@@ -136,7 +136,7 @@ def _package(path: Path) -> str:
     found = ""
     for module in list(sys.modules.values()):
         file = getattr(module, "__file__", None)
-        if file and file.endswith(path.name) and Path(file).resolve() == path:
+        if file and str(file).endswith(path.name) and Path(file).resolve() == path:
             found = str(module.__package__ or "")
     return found
 

@@ -4,11 +4,12 @@ import builtins
 from collections.abc import Iterator
 
 from codegen.emit.formula import formula
+from codegen.emit.lines import PAGE, fitted, note_of, tail
 from codegen.emit.placement import Path, Placement, place
 from codegen.emit.splines import lookups
 from codegen.emit.turning import NAME as SIN_COS
 from codegen.lower.ledger import operations
-from codegen.lower.program import LEAVES, Input, Kernel, Lookup, Op, Output, Program, Value
+from codegen.lower.program import LEAVES, Input, Kernel, Lookup, Op, Program, Value
 
 NOTHING, EITHER, BOTH, NEGATION, SUM, PRODUCT, SIGN = range(7)
 """How tightly a piece of text holds together; looser pieces inside tighter ones take brackets."""
@@ -50,7 +51,6 @@ TITLES = {
     "": "Sums",
 }
 NOTE_WIDTH = 60
-PAGE = 100
 SHORT = {"factorization": "f", "correction": "c", "reduction": "r", "masses": "m", "": "s"}
 
 
@@ -139,7 +139,7 @@ class KernelText:
         else:
             text = self._expression(number)
             self.names[number] = self._name(value)
-            yield from _fitted(f"{indent}{self.names[number]} = ", text)
+            yield from fitted(f"{indent}{self.names[number]} = ", text)
 
     def _block(self, path: Path, depth: int) -> Iterator[str]:
         serves = None
@@ -179,8 +179,8 @@ class KernelText:
             for side, branch in ((True, value.args[1]), (False, value.args[2]))
         )
         if not yes_before and not no_before and len(yes) == len(no) == 1:
-            first = f"({_tail(yes)})" if self._goes_on(value.args[1]) else _tail(yes)
-            short = f"{indent}{name} = {first} if {test} else {_tail(no)}"
+            first = f"({tail(yes)})" if self._goes_on(value.args[1]) else tail(yes)
+            short = f"{indent}{name} = {first} if {test} else {tail(no)}"
             if len(short) <= PAGE:
                 yield short
                 return
@@ -199,7 +199,7 @@ class KernelText:
         if self._goes_on(number):
             return before, list(self._choice(number, name, depth))
         text = self._text(number, NOTHING)
-        return before, list(_fitted(f"{'    ' * depth}{name} = ", text))
+        return before, list(fitted(f"{'    ' * depth}{name} = ", text))
 
     def _goes_on(self, number: int) -> bool:
         """Whether a side of a choice is a further choice, with the same name to set."""
@@ -211,10 +211,10 @@ class KernelText:
             yield "    # Outputs"
         for out in stores:
             text = self._text(out.value, NOTHING)
-            yield from _fitted(f"    {out.array}[{out.slot}] = ", text, _note(out))
+            yield from fitted(f"    {out.array}[{out.slot}] = ", text, note_of(out))
         for out in self.kernel.outputs:
             if out.array == "return":
-                yield from _fitted("    return ", self._text(out.value, NOTHING))
+                yield from fitted("    return ", self._text(out.value, NOTHING))
 
     def _watch(self) -> Iterator[str]:
         if not self.kernel.watched:
@@ -292,23 +292,3 @@ def signature(kernel: Kernel) -> str:
     if any(out.array == "return" for out in kernel.outputs):
         result = "f8"
     return f"{result}({', '.join(kinds.get(a, 'f8[::1]') for a in kernel.arguments)})"
-
-
-def _tail(lines: list[str]) -> str:
-    return lines[-1].partition(" = ")[2]
-
-
-def _fitted(head: str, text: str, note: str = "") -> Iterator[str]:
-    """A statement on one line; where the page is too narrow, its note above, brackets around."""
-    indent = head[: len(head) - len(head.lstrip())]
-    if len(head) + len(text) + len(note) > PAGE and note:
-        yield f"{indent}{note.strip()}"
-        note = ""
-    if len(head) + len(text) <= PAGE:
-        yield f"{head}{text}{note}"
-    else:
-        yield from (f"{head}(", f"{indent}    {text}", f"{indent})")
-
-
-def _note(out: Output) -> str:
-    return f"  # {out.note}" if out.note else ""

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from codegen import Model
+from codegen.declare.body import Body, Point
 from codegen.declare.scene import Scene
 from codegen.derive.equations import derive
 from codegen.driver import sound_scenes
@@ -57,15 +58,37 @@ def never_declared(model: Model, *effects: str) -> Model:
 def with_and_without(path: Path) -> Iterator[tuple[Model, Scene, str, Scene]]:
     model = read_model(path).model
     for scene in sound_scenes(model, None):
-        for effect in unlike(scene.effects):
+        for effect in unlike(model, scene.effects):
             (bare,) = sound_scenes(model, scene.without(effect))
             yield model, scene, effect, bare
 
 
-def unlike(effects: tuple[str, ...]) -> tuple[str, ...]:
-    """Of a long row of equal springs: those at its ends, beside them, and in the middle."""
-    few = len(effects) <= 12
-    return effects if few else (*effects[:2], effects[len(effects) // 2], *effects[-2:])
+def unlike(model: Model, effects: tuple[str, ...]) -> tuple[str, ...]:
+    """All effects; of a long row of equals, those at its ends, beside them and in the middle."""
+    rows: dict[object, list[str]] = {}
+    for name in effects:
+        rows.setdefault(declared(model, name), []).append(name)
+    dropped = {
+        name
+        for row in rows.values()
+        if len(row) > 12
+        for name in set(row) - {*row[:2], row[len(row) // 2], *row[-2:]}
+    }
+    return tuple(name for name in effects if name not in dropped)
+
+
+def declared(model: Model, name: str) -> object:
+    """What an effect declares, but for its name and for the bodies that it acts between."""
+    if name not in model.effects:
+        return name
+    effect = model.effects[name]
+    values = {key: value for key, value in vars(effect).items() if key != "name"}
+    for key, value in values.items():
+        if isinstance(value, Body):
+            values[key] = None
+        elif isinstance(value, Point):
+            values[key] = (value.sx, value.sy)
+    return type(effect), repr(values)
 
 
 MACHINES = [path.stem for path in library(Path(__file__).resolve().parents[2])]

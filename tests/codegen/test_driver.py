@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -82,7 +83,17 @@ def test_edited_helper_and_helpers_of_one_name(tmp_path: Path) -> None:
         assert length == "crank" or any(product in text for product in products)
 
 
+def test_modules_whose_file_is_a_path_object_do_not_stop_a_build(
+    model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    odd = ModuleType("odd")
+    odd.__file__ = Path(tmp_path / "odd.py")  # type: ignore[assignment]
+    monkeypatch.setitem(sys.modules, "odd", odd)
+    assert built(model, tmp_path / "generated", scene="swing").paths[0].is_file()
+
+
 def test_check_finds_what_is_stale_and_writes_nothing(model: Path, tmp_path: Path) -> None:
+    """That the library's own files are not stale, `make check` asks, as a step of `.ci/run`."""
     out = tmp_path / "generated"
     assert built(model, out, check=True).stale == (out / "clock__swing.py", out / "clock__moon.py")
     assert not out.exists()

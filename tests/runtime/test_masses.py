@@ -70,3 +70,14 @@ def test_a_large_machine_is_looked_through_once(of: Any) -> None:
     Counted.looked = 0
     masses.require_masses(made, np.zeros(0))
     assert Counted.looked <= 2 * 3 * count
+
+
+def test_rows_are_looked_at_once_where_all_masses_are_refused(of: Any) -> None:
+    count = 200
+    of(np.zeros(3 * count))
+    made = machine_of(count)
+    Counted.looked = 0
+    with pytest.raises(ParameterError) as caught:
+        masses.require_masses(made, np.zeros(0))
+    assert len(caught.value.problems) == 2 * count
+    assert 3 * count <= Counted.looked <= 2 * 3 * count

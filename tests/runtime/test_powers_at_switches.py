@@ -8,9 +8,9 @@ import sympy
 from numpy.testing import assert_allclose
 
 from codegen import Model
-from codegen.declare.symbols import kinds
+from codegen.declare.symbols import SPEED, kinds
 from codegen.derive.continued import continued
-from codegen.derive.switching import as_pieces
+from codegen.derive.switching import as_pieces, conditions
 from runtime import load
 from runtime.machine import Machine
 from runtime.outcomes import Outcome
@@ -25,9 +25,12 @@ depth = -ball.y
 energy = 4e4 * depth ** sympy.Rational(5, 2)
 model.potential("floor", sympy.Piecewise((energy, depth > 0), (0, True)))
 model.force("wall", on=ball, fx=-1e5 * sympy.Max(ball.x - 1, 0) ** 1.5)
+model.potential("mat", 4e4 * sympy.Max(depth, 0) ** 2.5)
+model.potential("rail", 4e4 * sympy.Max(ball.x - 1, 0) ** model.parameter("n", 2.5))
 start = {ball.x: 0.0, ball.y: 0.1, ball.vy: 0.0}
 model.scene("drop", ["gravity", "floor"], start={**start, ball.vx: 0.0})
 model.scene("throw", ["wall"], start={**start, ball.vx: 5.0})
+model.scene("land", ["gravity", "mat", "rail"], start={**start, ball.vx: 5.0})
 """
 _DEPTH = sympy.Symbol("d", positive=True)
 STIFFNESS, MASS, G, HEIGHT = 1e5, 2.0, 9.81, 0.1
@@ -36,6 +39,7 @@ STIFFNESS, MASS, G, HEIGHT = 1e5, 2.0, 9.81, 0.1
 @pytest.fixture(scope="module")
 def drop(workshop: Path) -> Machine:
     path = workshop / "models" / "hertz.py"
+    path.parent.mkdir(parents=True, exist_ok=True)
     if not path.is_file() or path.read_text(encoding="utf-8") != TEXT:
         path.write_text(TEXT, encoding="utf-8")
     return load(path, "drop", folder=workshop)
@@ -67,6 +71,24 @@ def test_a_force_that_is_cut_off_by_max_goes_on_past_its_switch(
     assert_allclose(run.v("ball.vx")[-1], -5.0, rtol=1e-8)
 
 
+def test_potentials_with_max_have_second_derivatives_where_they_end(
+    drop: Machine, workshop: Path
+) -> None:
+    machine = load(workshop / "models" / "hertz.py", "land", folder=workshop)
+    t = np.linspace(0.0, 1.0, 101)
+    run = machine.simulate(1.0, t, rtol=1e-10, method="radau5", progress=False)
+    assert run.outcome is Outcome.OK
+    whole = MASS * G * HEIGHT + 0.5 * MASS * 25.0
+    assert_allclose(run.energy(), whole, rtol=1e-8)
+    assert_allclose(run.v("ball.vx")[-1], -5.0, rtol=1e-8)
+    # At rest on the switches themselves, where the depth and its square are zero.
+    still = {"ball.x": 1.0, "ball.y": 0.0, "ball.vx": 0.0, "ball.vy": 0.0}
+    level = machine.simulate(0.1, guess=still, rtol=1e-10, method="radau5", progress=False)
+    assert level.outcome is Outcome.OK
+    assert level.q("ball.y").min() < -1e-3
+    assert_allclose(level.energy(), 0.0, atol=1e-8 * whole)
+
+
 def test_only_what_ends_at_a_switch_is_continued() -> None:
     model = Model("m")
     ball = model.particle("ball", mass=1.0)
@@ -96,3 +118,83 @@ def test_only_what_ends_at_a_switch_is_continued() -> None:
             assert_allclose(float(changed.subs(at)), float(as_pieces(law).subs(at)), rtol=1e-12)
             slopes = [float(sympy.diff(f, x).subs(at)) for f in (changed, as_pieces(law))]
             assert_allclose(slopes[0], slopes[1], rtol=1e-12)
+
+
+def test_no_value_changes_where_the_law_has_one() -> None:
+    model = Model("m")
+    ball = model.particle("ball", mass=1.0)
+    x, y, v = ball.x, ball.y, ball.vx
+    n, stiffness, mass = (model.parameter(name, 2.0) for name in ("n", "k", "m"))
+    part = sympy.Piecewise((x, x > 0), (0, True))
+    laws = (
+        sympy.Piecewise((x**n, x > 0), (3 * x**n, True)),
+        x**n / n + part,
+        (sympy.Max(x, 0) - 1) ** n,
+        sympy.Piecewise((2 * x, x > 0), (x, True)) ** n,
+        sympy.Piecewise(((x / stiffness) ** n, x > 0), ((-x / stiffness) ** n, True)),
+        sympy.Piecewise(((stiffness * x) ** n, x < 1), (0, True)),
+        sympy.Piecewise((x**n, sympy.Or(x > 0, y > 0)), (x**n / 2, True)),
+        sympy.Heaviside(x) * x**n + x**n,
+        (stiffness * part) ** n,
+        sympy.Abs(x) ** sympy.Rational(1, 2) * sympy.sign(x),
+        sympy.Max(x, y, 0) ** n,
+        sympy.Piecewise((sympy.sqrt(stiffness**2 * mass**2 + 1) * v, v > 0), (0, True)),
+    )
+    for law in map(as_pieces, laws):
+        changed = continued(law)
+        for place in (-2.0, -0.5, 0.5, 2.0):
+            for slope in (-3.0, 3.0):
+                for side in (2.0, -1.5):
+                    at = {x: place, y: side, n: 2.0, stiffness: slope, mass: 3.0, v: -place}
+                    assert_allclose(float(changed.subs(at)), float(law.subs(at)), rtol=1e-14)
+
+
+def test_what_has_no_value_in_its_piece_gets_none() -> None:
+    model = Model("m")
+    ball = model.particle("ball", mass=1.0)
+    x, n, k = ball.x, model.parameter("n", 2.0), model.parameter("k", 1.0)
+    root = sympy.sqrt(x - 1)
+
+    def value(law: sympy.Expr) -> sympy.Expr:
+        return continued(as_pieces(law)).subs({x: 0.5, n: 1.5, k: -1.0})
+
+    for law in (
+        sympy.Piecewise((x, x > 0), (0, True)) + root,
+        sympy.Piecewise((root, x > 1), (0, True)) + root,
+        sympy.Piecewise((root, x < 1), (0, True)),
+        sympy.Piecewise((2 * root, x > 1), (root, True)),
+        sympy.Piecewise(((x - 1) ** n, x < 1), (0, True)),
+        sympy.Piecewise(((k * x) ** n, x > 0), (0, True)),
+        sympy.sqrt(sympy.Max(x, 0) - 1),
+    ):
+        assert abs(sympy.im(value(law))) > 0.1, law
+    for law in (x**-n, x ** (-n - 1)):
+        piece = sympy.Piecewise((law, x > 0), (0, True))
+        assert continued(piece) == piece
+
+
+def test_what_ends_is_real_past_its_switch() -> None:
+    model = Model("m")
+    ball = model.particle("ball", mass=1.0)
+    x, y, n, k = ball.x, ball.y, model.parameter("n", 1.5), model.parameter("k", 1.0)
+    step = sympy.Piecewise((1, x > 0), (0, True))
+    for law in (
+        sympy.Piecewise(((x / k) ** n, sympy.And(x > 0, y > 0)), (0, True)),
+        sympy.Piecewise((0, sympy.Or(x < 0, y < 0)), (x**1.5, True)),
+        sympy.Piecewise((0, sympy.Not(x > 0)), (x**1.5, True)),
+        (k * sympy.Piecewise((x, x > 0), (0, True))) ** n,
+        k * step * x**1.5,
+        sympy.Max(x, y - 3, 0) ** 1.5,
+        sympy.Max(x, y - 3, y - 5, 0) ** n,
+        sympy.Piecewise((SPEED**1.5 * sympy.sqrt(k), SPEED > 0), (0, True)),
+    ):
+        at = {y: 1.0, n: 1.5, k: 2.0}
+        before, past = ({**at, x: place, SPEED: place} for place in (1e-9, -1e-9))
+        pieces = as_pieces(law)
+        values = [
+            one.xreplace({c: c.subs(before) for c in conditions((one,))}).subs(past)
+            for one in (pieces, continued(pieces))
+        ]
+        assert not values[0].is_real, law
+        assert values[1].is_real, law
+        assert abs(values[1]) < 1e-12

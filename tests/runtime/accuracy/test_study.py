@@ -2,18 +2,16 @@
 
 import dataclasses
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from codegen import Model
 from codegen.errors import InputError, LinkwrightError
-from runtime import accuracy, companions, load
-from runtime.analyses.precision import Setting, WorkPrecision, study
-from runtime.analyses.precision.building import build_costs
+from runtime import accuracy, load
+from runtime.analyses.precision import Setting, WorkPrecision
 from runtime.analyses.precision.grid import settings
 from runtime.analyses.precision.measuring import lines
 from runtime.analyses.precision.reading import best_at, sentences
@@ -230,82 +228,3 @@ def test_what_has_no_value_has_no_error(
     with pytest.raises(InputError, match=r"guide\.fy is no number at any of the 40") as caught:
         accuracy(rig, "swing", folder=folder, modelling=False, **about)
     assert len(caught.value.problems) == 1
-
-
-@pytest.mark.parametrize(
-    ("methods", "formulations", "built"),
-    [
-        (("dop853", "dopri5"), ("cartesian",), set()),
-        (("dop853",), ("reduced",), {"reduced"}),
-        (("dop853", "radau5"), ("cartesian",), {"tangents"}),
-    ],
-)
-def test_nothing_is_built_that_no_setting_takes(
-    methods: tuple[str, ...],
-    formulations: tuple[str, ...],
-    built: set[str],
-    rig: str,
-    folder: Path,
-    about: dict[str, Any],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    asked: list[str] = []
-    real = companions.load_companion
-
-    def load_companion(origin: Any, kind: Any, *rest: Any) -> Any:
-        asked.append(kind)
-        return real(origin, kind, *rest)
-
-    monkeypatch.setattr(companions, "load_companion", load_companion)
-    wanted: list[Collection[str]] = []
-    monkeypatch.setattr(study, "build_costs", lambda *given: wanted.append(given[2]) or {})
-    told = accuracy(
-        rig, "swing", folder=folder, modelling=False, building=True,
-        methods=methods, formulations=formulations, **about,
-    )  # fmt: skip
-    assert set(asked) == built
-    assert {kind for kind in wanted[0] if kind} == built
-    assert told.reference.floor < 1e-11
-    assert told.reference.checks
-
-
-def test_derivatives_are_built_where_nothing_else_confirms(
-    rig: str, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    machine = load(rig, "swing", folder=folder)
-    runner = Runner(machine, machine.assemble(), np.array([1.0, 2.0]), {}, 60.0, 10**6)
-    real = Runner.run
-
-    def run(self: Runner, setting: Setting, rtol: float, watch: Stopwatch) -> Any:
-        if setting.method == "dopri5":
-            raise LinkwrightError("too stiff")
-        return real(self, setting, rtol, watch)
-
-    monkeypatch.setattr(Runner, "run", run)
-    truth = find_truth(runner, ("body.x",), None, lambda line: None, (Setting("dop853"),))
-    assert truth.reference.source == "dop853, cartesian, rtol 1e-13"
-    assert [check.title for check in truth.reference.checks] == ["radau5, cartesian, rtol 1e-13"]
-
-
-def speck() -> Model:
-    model = Model("speck")
-    ball = model.particle("ball", mass=1.0)
-    model.force("wind", on=ball, fx=1.0)
-    model.scene("fly", ["wind"], start={ball.x: 0.0, ball.vx: 0.0})
-    return model
-
-
-def test_building_leaves_out_what_is_not_asked_for() -> None:
-    found = build_costs(speck(), speck().scenes["fly"], ())
-    assert list(found) == ["derive", "lower", "examine", "emit", "compile", "load, warm"]
-
-
-def test_building_is_timed_stage_by_stage() -> None:
-    model = speck()
-    found = build_costs(model, model.scenes["fly"])
-    assert list(found) == [
-        "derive", "lower", "examine", "emit", "compile", "differentiate", "compile derivatives",
-        "reduce", "compile reduced", "load, warm",
-    ]  # fmt: skip
-    assert all(seconds > 0.0 for seconds in found.values())
-    assert found["load, warm"] < found["compile"]
