@@ -40,6 +40,7 @@ from runtime.analyses.instants import instants
 from runtime.analyses.prepared import Prepared
 from runtime.analyses.scaled_error import require_numbers
 from runtime.integrate.problem import Options
+from runtime.integrate.tables import METHODS, function_table
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
 from runtime.results.result import Result
@@ -218,6 +219,8 @@ class _Search:
             h_max=self._longest(choice, rtol),
             correction=choice.taken.correction,
         )
+        if choice.method in METHODS:  # the run refuses what is none
+            function_table(choice.method)  # loaded, or compiled, before time is taken
         began, number = clock.process_time(), len(self.trials)
         path = self.ready.run(choice.taken, options, self.progress)
         seconds = clock.process_time() - began
