@@ -3,10 +3,10 @@
 import math
 from collections.abc import Sequence
 from statistics import median
-from typing import Any
 
 from benchmarks import asked
 from benchmarks.report import Report, records
+from runtime.plain import plain
 
 SHARE, WORST, COST = 0.95, 10.0, 3.0
 """Bars: share of the runs below what was asked, the worst ratio, the cost in times the cheapest."""
@@ -71,13 +71,4 @@ def report(quick: bool) -> list[Report]:
         for row in rows
     ]
     title = "asked for an accuracy: true errors, and the cost beside the cheapest single run"
-    return [Report("accuracy", title, headings, table, sentences(rows), _plain(rows))]
-
-
-def _plain(rows: Sequence[asked.Row]) -> list[dict[str, Any]]:
-    """The rows as JSON knows them: what is no finite number is null."""
-
-    def known(value: Any) -> bool:
-        return not (isinstance(value, float) and not math.isfinite(value))
-
-    return [{k: x if known(x) else None for k, x in row.items()} for row in records(rows)]
+    return [Report("accuracy", title, headings, table, sentences(rows), plain(records(rows)))]

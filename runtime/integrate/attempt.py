@@ -48,6 +48,8 @@ TOO_LARGE = 3  # the error is over the tolerance
 NEVER, BY_PARTITION, BY_PROJECTION, IF_DRIFTED = 0, 1, 2, 3
 """When and how a step is brought back onto the constraints: the number CORRECTING of the table."""
 
+SAME = 0  # no result of `correct`: no coordinates are better
+
 _MANY_ITERATIONS = 4
 
 
@@ -86,13 +88,33 @@ def projected(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> in
 
 
 @inner
+def anew(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> int:
+    """Return Y1 once more from where the step led, by other coordinates.
+
+    Answers as `correct` does; `SAME`, with Y1 as it was, where there are none better.
+    """
+    length = w.size // ROWS
+    y1 = view(w, Y1 * length, length)
+    predicted = view(w, PREDICTED * length, length)
+    kept = view(w, SAMPLE * length, length)
+    for j in range(length):
+        kept[j] = y1[j]
+        y1[j] = predicted[j]
+    if repartition_of(machine)(machine, t, Y1, w, run, p) == 0:
+        for j in range(length):
+            y1[j] = kept[j]
+        return SAME
+    run[0].newton += 1
+    return int(correct_of(machine)(machine, t, Y1, PARTITION, w, p))
+
+
+@inner
 def returned(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> int:
     """Bring Y1 back onto the constraints, with another partition where this one is poor."""
     r = run[0]
     length = w.size // ROWS
     n = length // 2
     correct = correct_of(machine)
-    repartition = repartition_of(machine)
     y1 = view(w, Y1 * length, length)
     predicted = view(w, PREDICTED * length, length)
     finite = True
@@ -112,20 +134,13 @@ def returned(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> int
         r.corrections += result % WEAK
         return DONE
     if poorly_chosen(machine, t, w, p, run) != 0:
-        repartition(machine, t, Y1, w, run, p)
+        repartition_of(machine)(machine, t, Y1, w, run, p)
     result = correct(machine, t, Y1, PARTITION, w, p)
     r.newton += 1
     if result == FAILED or result >= _MANY_ITERATIONS:
-        kept = view(w, SAMPLE * length, length)
-        for j in range(length):
-            kept[j] = y1[j]
-            y1[j] = predicted[j]
-        if repartition(machine, t, Y1, w, run, p) != 0:
-            result = correct(machine, t, Y1, PARTITION, w, p)
-            r.newton += 1
-        else:
-            for j in range(length):
-                y1[j] = kept[j]
+        again = anew(machine, t, w, run, p)
+        if again != SAME:
+            result = again
     if result == FAILED:
         return NEWTON
     r.corrections += result % WEAK
@@ -156,18 +171,11 @@ def strained(machine: Integers, t: float, w: Vector, run: Run, p: Vector) -> int
         far = far or abs(y1[j] - predicted[j]) > atol[j] + r.rtol * abs(y1[j])
     if not far:
         return 0
-    kept = view(w, SAMPLE * length, length)
-    for j in range(length):
-        kept[j] = y1[j]
-        y1[j] = predicted[j]
     growth, ratio = r.growth_limit, r.ratio_limit
-    if repartition_of(machine)(machine, t, Y1, w, run, p) == 0:
+    result = anew(machine, t, w, run, p)
+    if result == SAME:
         r.growth_limit, r.ratio_limit = growth, ratio
-        for j in range(length):
-            y1[j] = kept[j]
         return 0
-    result = correct_of(machine)(machine, t, Y1, PARTITION, w, p)
-    r.newton += 1
     if result == FAILED:
         return FAILED
     r.corrections += result % WEAK

@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 
 from benchmarks import asked, asked_table, single
+from benchmarks.report import records
 from runtime import load
 from runtime.analyses.accurate.comparing import Columns
+from runtime.plain import plain
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +56,7 @@ def test_what_follows_is_said(rows: list[asked.Row]) -> None:
     *_, ended, unknown = asked_table.sentences([rows[0], lost, vague])
     assert "bar at 1e-09 (INACCURATE)" in ended
     assert unknown.endswith("agree no better: 1 of the runs.")
-    assert "null" in json.dumps(asked_table._plain([lost]), allow_nan=False)
+    assert "null" in json.dumps(plain(records([lost])), allow_nan=False)
 
 
 def test_every_scene_that_is_measured_is_there() -> None:

@@ -40,7 +40,7 @@ from runtime.analyses.instants import instants
 from runtime.analyses.prepared import Prepared
 from runtime.analyses.scaled_error import require_numbers
 from runtime.integrate.problem import Options
-from runtime.integrate.tables import METHODS, function_table
+from runtime.integrate.tables import IMPLICIT, METHODS, function_table
 from runtime.outcomes import Outcome
 from runtime.progress import Progress, silent
 from runtime.results.result import Result
@@ -50,8 +50,6 @@ if TYPE_CHECKING:
     from runtime.integrate.problem import Correction, Formulation
     from runtime.machine import Machine, Values
 
-FloatArray = npt.NDArray[np.float64]
-
 POINTS = 501
 """Output instants where none are asked for."""
 
@@ -60,7 +58,6 @@ _LOOSEST, _TIGHTEST = 1e-3, 1e-14  # rtol of any run
 _WIDE = 3e-3  # rtol of the second run by that of the first
 _NARROW = 0.03  # the same in long motions, or of the first by that of the second
 _STIFF = 0.1  # the same where an implicit method takes part
-_IMPLICIT = ("radau5", "bdf")
 _LONG = 5000  # evaluations between two events from which on a motion is long
 _NEAR, _FAR = 0.3, 1e-6  # rtol of later runs by that of the last
 _FALLS = 0.85  # power of rtol with which errors are expected to fall
@@ -182,7 +179,7 @@ class _Search:
             free = first.path.outcome is Outcome.OK and self.options.h_max is None
             looser = rtol / _NARROW
             return looser if free and looser <= _LOOSEST else _NARROW * rtol
-        stiff = any(method in _IMPLICIT for _, method in first.path.methods)
+        stiff = any(method in IMPLICIT for _, method in first.path.methods)
         return rtol * (_STIFF if stiff else _WIDE)
 
     def _beside(self, choice: Choice, rtol: float, before: Run) -> Compared:
