@@ -21,10 +21,10 @@ from benchmarks.single import GRID, LONG, Single, error_of, prepared, single_run
 from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
-    from runtime.analyses.accurate import ReachedAccuracy
-    from runtime.analyses.accurate.comparing import Columns
     from runtime.machine import Machine
     from runtime.results.result import Result
+    from runtime.studies.accuracy_target import ReachedAccuracy
+    from runtime.studies.accuracy_target.run_difference import Columns
 
 Array = npt.NDArray[np.float64]
 
@@ -132,7 +132,7 @@ def _of_scene(
     repeats: int,
     grid: Sequence[float],
 ) -> Iterator[Row]:
-    from runtime.analyses.accurate.comparing import columns
+    from runtime.studies.accuracy_target.run_difference import columns
 
     t = np.linspace(0.0, t_end, POINTS)
     of = columns(machine.description, None, prepared(machine, t).sizes)

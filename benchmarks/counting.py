@@ -12,11 +12,11 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
-from codegen.lower.ledger import WEIGHTS
+from codegen.lower.operation_count import WEIGHTS
 from codegen.lower.program import Op
 
 FUNCTION = 20
-"""Weight of an elementary function, as in `codegen.lower.ledger.cost`."""
+"""Weight of an elementary function, as in `codegen.lower.operation_count.cost`."""
 
 
 def operations(function: Any) -> int:

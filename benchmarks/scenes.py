@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.timing import interleaved, many_solutions, no_solution
-from codegen.modelfile import read_model
+from codegen.model_file import read_model
 from models.coil_spring import machine as spring
 from runtime import Machine, load
 

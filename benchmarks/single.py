@@ -14,13 +14,13 @@ import numpy.typing as npt
 from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
-    from runtime.analyses.accurate.comparing import Columns
-    from runtime.analyses.formulations import Coordinates
-    from runtime.analyses.prepared import Prepared
+    from runtime.dynamics.formulations import Coordinates
+    from runtime.dynamics.prepared_simulation import Prepared
     from runtime.integrate.problem import Options
     from runtime.integrate.trajectory import Trajectory
     from runtime.machine import Machine
     from runtime.results.result import Result
+    from runtime.studies.accuracy_target.run_difference import Columns
 
 Array = npt.NDArray[np.float64]
 
@@ -51,8 +51,8 @@ def single_runs(
     of: "Columns",
 ) -> list[Single]:
     """Every single run that reached its end."""
+    from runtime.core.outcomes import Outcome
     from runtime.integrate.problem import Options
-    from runtime.outcomes import Outcome
 
     ready = prepared(machine, t)
     found, longest = [], 0.0
@@ -85,7 +85,7 @@ def _timed(
     ready: "Prepared", taken: "Coordinates", options: "Options"
 ) -> tuple[float, "Trajectory"]:
     """A run, and its processor time in s."""
-    from runtime.progress import silent
+    from runtime.progress_bar import silent
 
     began = process_time()
     run = ready.run(taken, options, silent)
@@ -93,7 +93,7 @@ def _timed(
 
 
 def prepared(machine: "Machine", t: Array) -> "Prepared":
-    from runtime.analyses.prepared import Prepared
+    from runtime.dynamics.prepared_simulation import Prepared
 
     end = float(t[-1])
     return Prepared(machine, end, t_start=0.0, parameters=None, guess=None, start=None)
@@ -101,7 +101,7 @@ def prepared(machine: "Machine", t: Array) -> "Prepared":
 
 def error_of(truth: "Result", values: Array, of: "Columns") -> float:
     """Largest |y - r| / (s + |r|) at the instants that `values` has."""
-    from runtime.analyses.accurate.comparing import difference
+    from runtime.studies.accuracy_target.run_difference import difference
 
     count = len(values)
     return difference(truth.t[:count], values, of.of_result(truth), of, of.wholes(truth)).largest

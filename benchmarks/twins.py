@@ -15,8 +15,8 @@ from codegen import Model
 from codegen.artefact import import_generated
 from codegen.driver import Clock, origin, read_model, sound_scenes, translate
 from codegen.emit.module import module_text
-from codegen.lower import ledger
-from codegen.write import write_if_changed
+from codegen.generated_files.atomic_write import write_if_changed
+from codegen.lower import operation_count as ledger
 
 Array = npt.NDArray[np.float64]
 Modes = npt.NDArray[np.int64]

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 from codegen.errors import InputError, LinkwrightError, ModelError
 
 if TYPE_CHECKING:
-    from codegen.built import BuildReport
     from codegen.declare.body import Body, Curve, Point
     from codegen.declare.element import ConjugateReaction, I, J, JointReaction, Statement
     from codegen.declare.scene import Scene
     from codegen.declare.symbols import Coordinate, alpha, coordinate, given, t
     from codegen.driver import build
     from codegen.elements.registry import element
+    from codegen.generated_files.build_report import BuildReport
     from codegen.model import Model
 
 __version__ = "0.1.0"
@@ -28,7 +28,7 @@ _ROOMS = {
     "codegen.declare.element": ("ConjugateReaction", "I", "J", "JointReaction", "Statement"),
     "codegen.declare.scene": ("Scene",),
     "codegen.declare.symbols": ("Coordinate", "alpha", "coordinate", "given", "t"),
-    "codegen.built": ("BuildReport",),
+    "codegen.generated_files.build_report": ("BuildReport",),
     "codegen.driver": ("build",),
     "codegen.elements.registry": ("element",),
 }

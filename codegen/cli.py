@@ -185,9 +185,9 @@ def explain(
     as_json: JsonOption = False,
 ) -> None:
     """What is compiled into a scene, what is left out and why, and what each part costs."""
-    from codegen.explain import explain as ledgers_of
-    from codegen.ledger.command import one_question, save, show
-    from codegen.ledger.comparison import compare as side_by_side
+    from codegen.explain.command import one_question, save, show
+    from codegen.explain.ledger import explain as ledgers_of
+    from codegen.explain.scene_comparison import compare as side_by_side
 
     one_question(scene, compare)
     timed = (scene or compare) is not None if measure is None else measure
@@ -226,7 +226,7 @@ def elements(
     ] = False,
 ) -> None:
     """The joints, drivers and forces: a list, the page of one kind, or all pages as files."""
-    from codegen.modelfile import read_model
+    from codegen.model_file import read_model
     from codegen.reference.page import page
     from codegen.reference.pages import chosen_kinds, find_kind, write
 

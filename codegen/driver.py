@@ -1,14 +1,14 @@
 """The driver: a model file in, a generated module a scene out.
 
-read      model file            → Model                   (codegen.modelfile)
-check     Model, Scene          → problems, all at once   (codegen.check)
+read      model file            → Model                   (codegen.model_file)
+check     Model, Scene          → problems, all at once   (codegen.check.declaration)
 derive    Model, Scene          → Equations               (codegen.derive)
 lower     Equations             → Lowered program         (codegen.lower)
-examine   Equations, Lowered    → redundant constraints   (codegen.examine)
+examine   Equations, Lowered    → redundant constraints   (codegen.check.redundancy)
 emit      Lowered               → text                    (codegen.emit)
 accompany Lowered               → text of derivatives, of reduced equations
-                                                          (codegen.companions), if asked for
-write     text                  → file, atomically        (codegen.write)
+                                     (codegen.generated_files.companions), if asked for
+write     text                  → file, atomically        (codegen.generated_files.atomic_write)
 compile   file                  → machine code in numba's cache
 """
 
@@ -18,24 +18,24 @@ from pathlib import Path
 from time import perf_counter
 
 import codegen
-from codegen.built import BuildReport, report
-from codegen.check import check_model, check_scene
-from codegen.companions import COMPANIONS
-from codegen.compiling import compile_modules
+from codegen.check.declaration import check_model, check_scene
+from codegen.check.redundancy import Findings, examine
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
 from codegen.emit.module import Origin, module_text
 from codegen.errors import ModelError, SceneError
-from codegen.examine import Findings, examine
-from codegen.fingerprint import fingerprint
-from codegen.lower.kernels import Lowered, lower
+from codegen.generated_files.atomic_write import is_current, write_if_changed
+from codegen.generated_files.build_clock import Clock, File, Progress
+from codegen.generated_files.build_report import BuildReport, report
+from codegen.generated_files.companions import COMPANIONS
+from codegen.generated_files.fingerprint import fingerprint
+from codegen.generated_files.machine_code import compile_modules
+from codegen.generated_files.parameter_overrides import settled, with_settings
+from codegen.generated_files.paths import default_folder, file_name
+from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.model import Model
-from codegen.modelfile import ModelFile, read_model
-from codegen.placing import default_folder, file_name
-from codegen.settings import settled, with_settings
-from codegen.stages import Clock, File, Progress
-from codegen.write import is_current, write_if_changed
+from codegen.model_file import ModelFile, read_model
 
 
 def build(

@@ -13,18 +13,18 @@ from typing import TYPE_CHECKING, Any
 from runtime.load import load
 
 if TYPE_CHECKING:
-    from runtime.analyses.matters import matters
-    from runtime.analyses.precision import accuracy
+    from runtime.core.outcomes import Outcome
     from runtime.machine import Machine
-    from runtime.outcomes import Outcome
     from runtime.results.result import Result
+    from runtime.studies.effect_ranking import matters
+    from runtime.studies.work_precision import accuracy
 
 _HOMES = {
     "Machine": "runtime.machine",
-    "Outcome": "runtime.outcomes",
+    "Outcome": "runtime.core.outcomes",
     "Result": "runtime.results.result",
-    "accuracy": "runtime.analyses.precision",
-    "matters": "runtime.analyses.matters",
+    "accuracy": "runtime.studies.work_precision",
+    "matters": "runtime.studies.effect_ranking",
 }
 
 __all__ = ["Machine", "Outcome", "Result", "accuracy", "load", "matters"]

@@ -1,6 +1,6 @@
-"""`python -m runtime`: see `runtime.cli`."""
+"""`python -m runtime`: see `runtime.cli.app`."""
 
-from runtime.cli import main
+from runtime.cli.app import main
 
 if __name__ == "__main__":
     main()

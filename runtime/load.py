@@ -58,10 +58,10 @@ def load(
         except SupersededError:
             if attempt == _ATTEMPTS - 1:
                 raise
-    from runtime.companions import Origin
-    from runtime.description import describe
-    from runtime.kernels import gather
+    from runtime.core.kernels import gather
     from runtime.machine import Machine
+    from runtime.mechanism.companion_modules import Origin
+    from runtime.mechanism.description import describe
 
     description = describe(module)
     made = None if scene is None or isinstance(scene, str) else scene

@@ -10,10 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError, ParameterError
-from runtime.analyses.asked import require_energy, require_motion
-from runtime.analyses.door import check
-from runtime.analyses.surfaces import require_sound
-from runtime.description import (
+from runtime.core.kernels import Kernels
+from runtime.mechanism.description import (
     Constraint,
     Coordinate,
     Description,
@@ -21,18 +19,20 @@ from runtime.description import (
     Parameter,
     Table,
 )
-from runtime.kernels import Kernels
-from runtime.parameters import resolved
-from runtime.progress import bar
+from runtime.mechanism.parameters import resolved
+from runtime.progress_bar import bar
+from runtime.validation.arguments import check
+from runtime.validation.contacts import require_sound
+from runtime.validation.scene_support import require_energy, require_motion
 
 if TYPE_CHECKING:
-    from runtime.analyses.assembly import Assembly
-    from runtime.analyses.equilibrium import Equilibrium
-    from runtime.companions import Kind, Origin
+    from runtime.assembly.assembled_state import Assembly
     from runtime.integrate.problem import Correction, Formulation, System
-    from runtime.reduced import Reduced
+    from runtime.mechanism.companion_modules import Kind, Origin
+    from runtime.mechanism.reduced_kernels import Reduced
+    from runtime.mechanism.tangent_kernels import Tangents
     from runtime.results.result import Result
-    from runtime.tangents import Tangents
+    from runtime.statics.equilibrium import Equilibrium
 
 FloatArray = npt.NDArray[np.float64]
 Values = Mapping[str, float]
@@ -69,7 +69,7 @@ class Machine:
 
     @cached_property
     def tangents(self) -> "Tangents":
-        """Exact derivatives of the kernels, for implicit methods: see `runtime.tangents`.
+        """Exact derivatives of the kernels: see `runtime.mechanism.tangent_kernels`.
 
         Their file is built when it is first asked for.
 
@@ -78,8 +78,8 @@ class Machine:
         AnalysisError
             If the scene has no masses, or the machine was not loaded from a model.
         """
-        from runtime.companions import load_companion
-        from runtime.tangents import gather
+        from runtime.mechanism.companion_modules import load_companion
+        from runtime.mechanism.tangent_kernels import gather
 
         if not self.description.has_masses:
             raise AnalysisError(
@@ -91,16 +91,16 @@ class Machine:
 
     @cached_property
     def reduced(self) -> "Reduced":
-        """The equations in reduced coordinates, built when first asked for: `runtime.reduced`."""
-        from runtime.companions import load_companion
-        from runtime.reduced import gather
+        """The equations in reduced coordinates, see `runtime.mechanism.reduced_kernels`."""
+        from runtime.mechanism.companion_modules import load_companion
+        from runtime.mechanism.reduced_kernels import gather
 
         told = self.description
         return gather(load_companion(self._origin, "reduced", told.title, self.path), told)
 
     def offers(self, kind: "Kind") -> bool:
         """Whether a companion of the generated module, "tangents" or "reduced", is built."""
-        from runtime.companions import has_companion
+        from runtime.mechanism.companion_modules import has_companion
 
         return kind in self.__dict__ or has_companion(self._origin, kind)
 
@@ -112,7 +112,7 @@ class Machine:
         independent
             Indices of constraints that suffice.
         """
-        from runtime.analyses.redundant import bearing_kernels
+        from runtime.assembly.redundant_kernels import bearing_kernels
 
         if independent not in self._bearing:
             kernels = bearing_kernels(self.kernels, self.description, len(independent))
@@ -129,7 +129,7 @@ class Machine:
     @cached_property
     def system(self) -> "System":
         """The kernels and sizes that the integrator asks for."""
-        from runtime.systems import system
+        from runtime.mechanism.system import system
 
         told, kernels = self.description, self.kernels
         jacobian = told.jacobian_rows.astype(np.int64), told.jacobian_columns.astype(np.int64)
@@ -231,8 +231,8 @@ class Machine:
         parameters: Values | None = None,
         t: float = 0.0,
     ) -> "Assembly":
-        """Put the machine together at time t: see `runtime.analyses.assemble`."""
-        from runtime.analyses.assemble import assemble
+        """Put the machine together at time t: see `runtime.assembly.assemble`."""
+        from runtime.assembly.assemble import assemble
 
         check(self, guess=guess, parameters=parameters, t=t)
         return assemble(self, guess, parameters, t)
@@ -259,12 +259,12 @@ class Machine:
         max_steps: int = 100_000_000,
         progress: bool = True,
     ) -> "Result":
-        """Motion under the forces that act: see `runtime.analyses.dynamics`.
+        """Motion under the forces that act: see `runtime.dynamics.simulation`.
 
         With `accuracy`, the relative error of the `quantities` that the result may have, in place
-        of tolerances: see `runtime.analyses.accurate`.
+        of tolerances: see `runtime.studies.accuracy_target`.
         """
-        from runtime.analyses.accurate import accuracy_or_tolerances
+        from runtime.studies.accuracy_target import accuracy_or_tolerances
 
         require_motion(self, "simulate")
         given: dict[str, Any] = {
@@ -299,8 +299,8 @@ class Machine:
         t_start: float = 0.0,
         progress: bool = True,
     ) -> "Result":
-        """Motion of a fully driven machine: see `runtime.analyses.kinematics`."""
-        from runtime.analyses.kinematics import kinematics
+        """Motion of a fully driven machine: see `runtime.dynamics.kinematics`."""
+        from runtime.dynamics.kinematics import kinematics
 
         require_motion(self, "kinematics")
         check(self, parameters=parameters, guess=guess, t_start=t_start)
@@ -318,8 +318,8 @@ class Machine:
         t_start: float = 0.0,
         progress: bool = True,
     ) -> "Result":
-        """Forces and torques that a prescribed motion takes: see `runtime.analyses.inverse`."""
-        from runtime.analyses.inverse import inverse_dynamics
+        """Forces and torques of a prescribed motion: see `runtime.dynamics.inverse_dynamics`."""
+        from runtime.dynamics.inverse_dynamics import inverse_dynamics
 
         require_motion(self, "inverse_dynamics")
         check(self, parameters=parameters, guess=guess, t_start=t_start)
@@ -337,8 +337,8 @@ class Machine:
         t: float = 0.0,
         progress: bool = True,
     ) -> "Equilibrium":
-        """Where the machine rests: see `runtime.analyses.equilibrium`."""
-        from runtime.analyses.equilibrium import equilibrium
+        """Where the machine rests: see `runtime.statics.equilibrium`."""
+        from runtime.statics.equilibrium import equilibrium
 
         if method == "settling":
             require_motion(self, 'equilibrium(method="settling")')

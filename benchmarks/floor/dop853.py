@@ -13,8 +13,8 @@ from typing import Any
 
 import numba
 
-from runtime.integrate import dop853_coefficients as table
-from runtime.integrate.dop853 import BETA, GROW, SAFETY, SHRINK
+from runtime.integrate.explicit import dop853_coefficients as table
+from runtime.integrate.explicit.dop853 import BETA, GROW, SAFETY, SHRINK
 
 OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
 

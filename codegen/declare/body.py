@@ -5,8 +5,8 @@ from typing import Any
 
 import sympy
 
-from codegen.declare.quantities import is_quantity, plain_length
 from codegen.declare.symbols import Coordinate, Velocity, alpha, coordinate
+from codegen.declare.units import is_quantity, plain_length
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,8 +9,8 @@ from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.names import nearest
 from codegen.declare.parameter import ParameterDeclaration
-from codegen.declare.reading import Reader
 from codegen.declare.symbols import Coordinate
+from codegen.declare.value_reader import Reader
 
 Names = Iterable["str | Body | Constraint | Effect"]
 Values = Mapping["str | sympy.Symbol", Any]

@@ -12,15 +12,15 @@ import sympy
 from codegen.declare.element import ConjugateReaction, Constraint, Frame, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, Multiplier, kinds, t
 from codegen.derive.derivative import derivative
-from codegen.derive.zero import is_zero
+from codegen.derive.zero_test import is_zero
 
 
 @dataclass(frozen=True)
 class ConstraintTerms:
     """What one element brings, in placeholders or in coordinates of the model.
 
-    The kernels take the derivatives of Φ from its values (`codegen.lower.gradient`,
-    `codegen.lower.directional`); those here
+    The kernels take the derivatives of Φ from its values (`codegen.lower.differentiation.gradient`,
+    `codegen.lower.differentiation.directional`); those here
     are for reading, and are taken when somebody asks.
 
     Attributes

@@ -2,7 +2,7 @@
 
 from codegen.derive.constraints import derived_statements
 from codegen.derive.effects import derived_effects
-from codegen.derive.switches import rate
+from codegen.derive.switching_functions import rate
 
 
 def derivations() -> int:

@@ -21,10 +21,10 @@ from codegen.declare.element import (
     reported,
 )
 from codegen.declare.symbols import SPEED, Coordinate, kinds, side, t
-from codegen.derive.continued import continued
+from codegen.derive.conditions import as_pieces
 from codegen.derive.derivative import derivative
-from codegen.derive.switching import as_pieces
-from codegen.elements.forces.along import rate
+from codegen.derive.power_continuation import continued
+from codegen.elements.forces.scalar_force import rate
 
 
 @dataclass(frozen=True)

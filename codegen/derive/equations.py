@@ -7,12 +7,12 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Element, Statement
 from codegen.declare.parameter import ParameterDeclaration
+from codegen.declare.path_points import TRACKED
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter
-from codegen.declare.tracked import TRACKED
 from codegen.derive.constraints import ConstraintTerms, constraint_terms
 from codegen.derive.effects import EffectTerms, effect_terms
-from codegen.derive.switches import (
+from codegen.derive.switching_functions import (
     HeldSide,
     RigidContact,
     Switch,

@@ -4,11 +4,11 @@ import builtins
 from collections.abc import Iterator
 
 from codegen.emit.formula import formula
-from codegen.emit.lines import PAGE, fitted, note_of, tail
+from codegen.emit.line_wrapping import PAGE, fitted, note_of, tail
 from codegen.emit.placement import Path, Placement, place
-from codegen.emit.splines import lookups
-from codegen.emit.turning import NAME as SIN_COS
-from codegen.lower.ledger import operations
+from codegen.emit.sincos import NAME as SIN_COS
+from codegen.emit.table_lookup import lookups
+from codegen.lower.operation_count import operations
 from codegen.lower.program import LEAVES, Input, Kernel, Lookup, Op, Program, Value
 
 NOTHING, EITHER, BOTH, NEGATION, SUM, PRODUCT, SIGN = range(7)

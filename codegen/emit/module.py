@@ -8,10 +8,10 @@ from codegen.artefact import MARK, UNSIGNED, signed
 from codegen.emit.formula import formula
 from codegen.emit.kernel import KernelText
 from codegen.emit.literals import assignment
-from codegen.emit.splines import lookups, spline_lines
-from codegen.emit.turning import turning_lines
-from codegen.lower.kernels import Lowered
-from codegen.lower.ledger import operations
+from codegen.emit.sincos import turning_lines
+from codegen.emit.table_lookup import lookups, spline_lines
+from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.operation_count import operations
 from codegen.lower.program import Program
 
 

@@ -4,9 +4,9 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 
-from codegen.lower.numbering import Numbering
+from codegen.cubic_spline import Table
 from codegen.lower.program import Lookup, Op
-from codegen.tables import Table
+from codegen.lower.value_numbering import Numbering
 
 UNARY: dict[Op, Callable[[float], float]] = {
     Op.SIN: math.sin,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
-from codegen.tables import Table
+from codegen.cubic_spline import Table
 
 
 class Op(Enum):

@@ -7,10 +7,10 @@ import sympy
 from codegen.declare.symbols import SPEED, Acceleration, Parameter, t
 from codegen.derive.effects import EffectTerms, FrictionTerms
 from codegen.derive.equations import Equations
-from codegen.lower.directional import Direction
-from codegen.lower.gradient import Slopes
+from codegen.lower.differentiation.directional import Direction
+from codegen.lower.differentiation.gradient import Slopes
 from codegen.lower.graph import Graph
-from codegen.lower.translate import Translator
+from codegen.lower.sympy_translation import Translator
 
 
 class Friction(NamedTuple):

@@ -1,133 +1,99 @@
-"""What an elimination leaves: its pivots, through which a right side goes forth and back."""
+"""Values built anew with others in the place of some: substitution in a graph.
 
-from dataclasses import dataclass
+Every operation is asked of the graph again, so that what a substitution makes constant is folded,
+what it makes zero annihilates, and what it makes equal is one value. A sine of a sum whose second
+term does not move, such as the angle of a body that is fixed to another, becomes the sum of
+products of what is known and the sine and cosine of the first.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from codegen.lower.graph import Graph
+from codegen.lower.program import Lookup, Op, Value
 
 
-@dataclass(frozen=True)
-class Single:
-    """An eliminated unknown: x = inverse · right - Σ scaled · x_j."""
-
-    unknown: int
-    inverse: int
-    scaled: dict[int, int]
-    right: tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class Pair:
-    """A coordinate k and a constraint c that gives it: b x_k + Σ b across · x_j = b right_c."""
-
-    k: int
-    c: int
-    a: int
-    over_b: int
-    along: dict[int, int]
-    across: dict[int, int]
-    right_k: tuple[int, ...]
-    right_c: tuple[int, ...]
+def reached(graph: Graph, roots: Iterable[int], stop: Mapping[int, object] = {}) -> set[int]:
+    """Numbers of the values that the roots are made of, not looking below those in `stop`."""
+    waiting, found = list(roots), set[int]()
+    while waiting:
+        number = waiting.pop()
+        if number not in found:
+            found.add(number)
+            if number not in stop:
+                waiting.extend(graph.values[number].args)
+    return found
 
 
-@dataclass(frozen=True)
-class Loop:
-    """Two coordinates and the constraint that closes a loop: entries, minors, 1 / determinant."""
+def rebuilt(graph: Graph, outputs: Sequence[int], replaced: Mapping[int, int]) -> list[int]:
+    """The outputs with values replaced, as values of the same graph.
 
-    i: int
-    j: int
-    c: int
-    u: int
-    v: int
-    minor_i: int
-    minor_j: int
-    area: int
-    inverse: int
-
-    def solve(self, graph: Graph, right: list[int]) -> dict[int, int]:
-        """The three unknowns."""
-        mul, sub = graph.mul, graph.sub
-        r_i, r_j, r_c = right[self.i], right[self.j], right[self.c]
-        across = sub(mul(self.v, r_i), mul(self.u, r_j))
-        x_i = graph.add(mul(self.minor_i, r_c), mul(self.v, across))
-        x_j = sub(mul(self.minor_j, r_c), mul(self.u, across))
-        force = graph.add(mul(self.minor_i, r_i), mul(self.minor_j, r_j))
-        force = sub(force, mul(self.area, r_c))
-        found = {self.i: x_i, self.j: x_j, self.c: force}
-        return {unknown: mul(self.inverse, value) for unknown, value in found.items()}
-
-
-@dataclass(frozen=True)
-class Substitution:
-    """A symmetric system as it was stated, and the pivots that solve it.
-
-    Attributes
+    Parameters
     ----------
-    entries, right
-        (i, j) → value, both triangles; the right sides, one list a column.
-    steps, loop
-        The pivots in order, and what closed the system, if that was a loop.
+    replaced
+        Number of a value, an input or a function of one, → what stands in its place.
     """
+    known = dict(replaced)
+    for number in sorted(reached(graph, outputs, replaced)):
+        if number in known:
+            continue
+        value = graph.values[number]
+        args = tuple(known[a] for a in value.args)
+        if args == value.args:
+            known[number] = number
+            continue
+        with graph.serving(value.serves):
+            known[number] = _again(graph, value, args)
+    return [known[number] for number in outputs]
 
-    graph: Graph
-    entries: dict[tuple[int, int], int]
-    right: list[list[int]]
-    steps: list[Single | Pair]
-    loop: Loop | None
 
-    def back(self, column: int, x: dict[int, int]) -> list[int]:
-        """All unknowns of a right side, from those of the loop in `x`."""
-        rights: list[tuple[int, ...]] = [
-            (step.right[column],) if isinstance(step, Single)
-            else (step.right_k[column], step.right_c[column])
-            for step in self.steps
-        ]  # fmt: skip
-        return self._back(rights, x)
+def _again(graph: Graph, value: Value, args: tuple[int, ...]) -> int:
+    if value.op in ARITHMETIC:
+        return ARITHMETIC[value.op](graph, *args)
+    if value.op in (Op.SIN, Op.COS):
+        return turned(graph, value.op, *args)
+    if value.op is Op.POW:
+        exponent = graph.number(args[1])
+        if exponent is not None:
+            return graph.power(args[0], exponent)
+    if value.op is Op.TABLE:
+        assert isinstance(value.literal, Lookup)
+        return graph.lookup(value.literal.table, value.literal.order, *args)
+    return graph.function(value.op, *args)
 
-    def refined(self, column: int, x: list[int]) -> list[int]:
-        """The unknowns, improved by what the equations as they were stated still lack.
 
-        One such step makes an elimination in an order that knows nothing of the sizes of masses as
-        accurate as the equations themselves (R. D. Skeel, Mathematics of Computation 35, 1980).
-        """
-        graph, lack = self.graph, list(self.right[column])
-        for (i, j), entry in self.entries.items():
-            lack[i] = graph.sub(lack[i], graph.mul(entry, x[j]))
-        change = self._solve(lack)
-        return [graph.add(value, more) for value, more in zip(x, change, strict=True)]
+def turned(graph: Graph, op: Op, angle: int) -> int:
+    """sin or cos of an angle; of a sum with a constant angle by the angle's own."""
+    value = graph.values[angle]
+    if value.op is Op.NEG:
+        same = turned(graph, op, value.args[0])
+        return graph.neg(same) if op is Op.SIN else same
+    if value.op not in (Op.ADD, Op.SUB) or graph.settled[angle]:
+        return graph.function(op, angle)
+    moving, fixed = value.args
+    turns, offset = 1, -1 if value.op is Op.SUB else 1
+    if graph.settled[moving]:
+        moving, fixed, turns, offset = fixed, moving, offset, 1
+    if not graph.settled[fixed]:
+        return graph.function(op, angle)
+    s, c = turned(graph, Op.SIN, moving), turned(graph, Op.COS, moving)
+    fixed_s, fixed_c = graph.function(Op.SIN, fixed), graph.function(Op.COS, fixed)
+    if turns < 0:
+        s = graph.neg(s)
+    if offset < 0:
+        fixed_s = graph.neg(fixed_s)
+    if op is Op.SIN:
+        return graph.add(graph.mul(fixed_c, s), graph.mul(fixed_s, c))
+    return graph.sub(graph.mul(fixed_c, c), graph.mul(fixed_s, s))
 
-    def _solve(self, right: list[int]) -> list[int]:
-        """The unknowns of another right side, which is used up."""
-        graph = self.graph
-        mul, sub = graph.mul, graph.sub
-        rights: list[tuple[int, ...]] = []
-        for step in self.steps:
-            if isinstance(step, Single):
-                r = right[step.unknown]
-                for j, factor in step.scaled.items():
-                    right[j] = sub(right[j], mul(factor, r))
-                rights.append((r,))
-                continue
-            r_k, r_c = right[step.k], mul(step.over_b, right[step.c])
-            inner = sub(r_k, mul(step.a, r_c))
-            for j, along in step.along.items():
-                both = graph.add(mul(along, r_c), mul(step.across[j], inner))
-                right[j] = sub(right[j], both)
-            rights.append((r_k, r_c))
-        return self._back(rights, {} if self.loop is None else self.loop.solve(graph, right))
 
-    def _back(self, rights: list[tuple[int, ...]], x: dict[int, int]) -> list[int]:
-        graph = self.graph
-        for step, right in zip(reversed(self.steps), reversed(rights), strict=True):
-            if isinstance(step, Single):
-                first = graph.mul(step.inverse, right[0])
-                x[step.unknown] = self._less(first, step.scaled, x)
-            else:
-                x[step.k] = self._less(right[1], step.across, x)
-                force = graph.sub(right[0], graph.mul(step.a, x[step.k]))
-                x[step.c] = graph.mul(step.over_b, self._less(force, step.along, x))
-        return [x[i] for i in range(len(x))]
-
-    def _less(self, start: int, row: dict[int, int], x: dict[int, int]) -> int:
-        for j, factor in row.items():
-            start = self.graph.sub(start, self.graph.mul(factor, x[j]))
-        return start
+ARITHMETIC: dict[Op, Callable[..., int]] = {
+    Op.ADD: Graph.add,
+    Op.SUB: Graph.sub,
+    Op.MUL: Graph.mul,
+    Op.DIV: Graph.div,
+    Op.NEG: Graph.neg,
+    Op.NOT: Graph.negation,
+    Op.AND: lambda graph, a, b: graph.logical(Op.AND, a, b),
+    Op.OR: lambda graph, a, b: graph.logical(Op.OR, a, b),
+    Op.SELECT: Graph.select,
+}

@@ -4,7 +4,7 @@ from typing import Any
 
 import sympy
 
-from codegen.declare.reading import Reader
+from codegen.declare.value_reader import Reader
 
 
 def read_axis(read: Reader, axis: Any, name: str) -> tuple[sympy.Expr, sympy.Expr]:

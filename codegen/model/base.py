@@ -10,9 +10,9 @@ from codegen.declare.body import Body, Ground, Point
 from codegen.declare.element import Constraint, Effect, own_coordinates
 from codegen.declare.names import name_problem
 from codegen.declare.parameter import ParameterDeclaration, SignRule
-from codegen.declare.reading import Reader
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, Velocity, kinds
+from codegen.declare.value_reader import Reader
 
 
 class Declarations:

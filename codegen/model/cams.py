@@ -7,16 +7,16 @@ from typing import Any
 
 import sympy
 
+from codegen.cubic_spline import fit
 from codegen.declare.body import Body, Curve, Point
-from codegen.declare.interpolant import FEWEST, TableFunction
-from codegen.declare.profile import pace, profile_problems
+from codegen.declare.cam_profile import pace, profile_problems
 from codegen.declare.symbols import Parameter, alpha
+from codegen.declare.table_function import FEWEST, TableFunction
 from codegen.elements.joints.cam_flat_follower import CamFlatFollower
 from codegen.elements.joints.cam_follower import CamFollower
 from codegen.elements.joints.point_follower import PointFollower
 from codegen.model.axis import read_axis
 from codegen.model.base import Declarations
-from codegen.tables import fit
 
 ROUNDING = 1e-9
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
 from codegen.declare.body import Body, Point
-from codegen.declare.reading import Reader
+from codegen.declare.value_reader import Reader
 from codegen.model.bodies import Bodies
 from codegen.model.joints import Joints
 

@@ -10,8 +10,8 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint
 from codegen.declare.scene_values import UNITS
 from codegen.declare.symbols import Coordinate
+from codegen.elements.drivers.coordinate import Motion
 from codegen.elements.drivers.distance import DistanceDriver
-from codegen.elements.drivers.motion import Motion
 from codegen.elements.drivers.point import PointDriver
 from codegen.elements.drivers.relative import RelativeDriver
 from codegen.elements.drivers.translation import TranslationDriver

@@ -5,8 +5,8 @@ from typing import Any
 
 from codegen.declare.element import Effect
 from codegen.declare.names import nearest
-from codegen.declare.reading import Reader
 from codegen.declare.scene import Scene
+from codegen.declare.value_reader import Reader
 from codegen.model.couplers import FORMS, Couplers
 
 NONE = "none"

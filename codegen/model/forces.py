@@ -8,14 +8,14 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect
 from codegen.declare.symbols import Coordinate
-from codegen.elements.forces.along import rate
 from codegen.elements.forces.applied import AppliedForce, AppliedTorque
 from codegen.elements.forces.bushing import AXES, Bushing, Triple
-from codegen.elements.forces.expression import GeneralizedForce, Potential
 from codegen.elements.forces.gravity import Gravity
-from codegen.elements.forces.line import Line
+from codegen.elements.forces.point_distance import Line
+from codegen.elements.forces.scalar_force import rate
 from codegen.elements.forces.spring import Spring
 from codegen.elements.forces.torsion_spring import TorsionSpring, turn
+from codegen.elements.forces.user_expression import GeneralizedForce, Potential
 from codegen.model.base import Declarations
 
 Characteristic = Callable[[sympy.Expr, sympy.Expr], Any]

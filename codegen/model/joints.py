@@ -8,7 +8,6 @@ from codegen.declare.element import Constraint
 from codegen.declare.scene_values import UNITS
 from codegen.elements.joints.absolute import Absolute
 from codegen.elements.joints.distance import Distance
-from codegen.elements.joints.expression import ExpressionConstraint
 from codegen.elements.joints.gear import Gear
 from codegen.elements.joints.rack_and_pinion import RackAndPinion
 from codegen.elements.joints.relative import Relative
@@ -16,6 +15,7 @@ from codegen.elements.joints.revolute import Revolute
 from codegen.elements.joints.revolute_revolute import RevoluteRevolute
 from codegen.elements.joints.revolute_translational import RevoluteTranslational
 from codegen.elements.joints.translational import Translational
+from codegen.elements.joints.user_expression import ExpressionConstraint
 from codegen.elements.joints.weld import Weld
 from codegen.model.axis import read_axis
 from codegen.model.base import Declarations

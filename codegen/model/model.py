@@ -1,7 +1,7 @@
 """The declaration of a machine: bodies, parameters, joints, drivers, effects and scenes.
 
 A declaration never raises for a wrong element: every problem is noted, and `build` reports all
-of them at once (`codegen.check`).
+of them at once (`codegen.check.declaration`).
 """
 
 from typing import Any
@@ -12,8 +12,8 @@ from codegen.model.cams import Cams
 from codegen.model.contacts import Contacts
 from codegen.model.drivers import Drivers
 from codegen.model.forces import Forces
-from codegen.model.values import Values
-from codegen.model.variations import Variations
+from codegen.model.parameters_and_tables import Values
+from codegen.model.scene_variations import Variations
 
 
 class Model(Values, Variations, Cams, Drivers, Forces, Contacts):

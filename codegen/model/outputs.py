@@ -6,8 +6,8 @@ from typing import Any
 
 from codegen.declare.body import Body, Point
 from codegen.declare.names import nearest
-from codegen.declare.reading import Reader
-from codegen.declare.tracked import TrackedPoint, tracked
+from codegen.declare.path_points import TrackedPoint, tracked
+from codegen.declare.value_reader import Reader
 from codegen.model.base import Declarations
 
 ALL = ("reactions", "energy", "powers")

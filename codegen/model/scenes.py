@@ -10,7 +10,6 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import Located, own_coordinates
 from codegen.declare.names import name_problem, nearest
-from codegen.declare.reading import Reader
 from codegen.declare.scene import ANALYSES, Analysis, Asked, Owner, Scene
 from codegen.declare.scene_values import (
     NamedValues,
@@ -22,6 +21,7 @@ from codegen.declare.scene_values import (
     states,
 )
 from codegen.declare.symbols import Parameter
+from codegen.declare.value_reader import Reader
 from codegen.model.couplers import Form
 from codegen.model.fidelities import NONE, Fidelities
 from codegen.model.outputs import Outputs

@@ -9,8 +9,8 @@ from typing import Any
 import sympy
 from sympy.printing.latex import LatexPrinter, translate
 
-from codegen.declare.interpolant import Interpolant
 from codegen.declare.symbols import RATES, Coordinate, Given, Multiplier, Side, Velocity
+from codegen.declare.table_function import Interpolant
 
 WIDTH = 84
 """Characters of a line that a page shows without scrolling, nearly."""

@@ -8,8 +8,8 @@ from codegen.derive.equations import Equations, derive
 from codegen.driver import sound_scenes
 from codegen.elements.registry import Kind, kinds_of_elements
 from codegen.errors import ModelError
-from codegen.lower.kernels import lower
-from codegen.lower.ledger import by_element
+from codegen.lower.kernels.scene_kernels import lower
+from codegen.lower.operation_count import by_element
 from codegen.model import Model
 from codegen.reference.docstrings import markdown
 from codegen.reference.equations import constraint_sections, effect_sections

@@ -21,7 +21,7 @@ from models.studies.gallery import Shown, markdown
 from models.studies.rows import Row
 
 console = Console(highlight=False)
-WARM = "from runtime.warm import warm; warm('dop853')"
+WARM = "from runtime.precompile import warm; warm('dop853')"
 NAMES = tuple(study.name for study in STUDIES)
 
 

@@ -5,7 +5,7 @@ from typing import Literal
 
 from numpy.typing import ArrayLike
 
-from runtime.integrate.signatures import (
+from runtime.core.signatures import (
     Integers,
     Kernel,
     Vector,

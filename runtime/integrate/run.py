@@ -7,25 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from runtime.integrate import attempt, driver
-from runtime.integrate.bent import TIME_SCALE
-from runtime.integrate.changing import change_method, fill_method
-from runtime.integrate.check import check
-from runtime.integrate.combinations import MOST
-from runtime.integrate.crossing import Crossings
-from runtime.integrate.dead_centres import MET, on_the_way
-from runtime.integrate.gathered import Gathered
-from runtime.integrate.held import HELD_MODE
-from runtime.integrate.interrupts import Interrupts
-from runtime.integrate.problem import Options, Problem, System
-from runtime.integrate.repartition import GROWTH_LIMIT
-from runtime.integrate.signatures import Integers, Vector
-from runtime.integrate.slots import Slot
-from runtime.integrate.start import start
-from runtime.integrate.tables import method, wire
-from runtime.integrate.trajectory import Statistics, Trajectory
-from runtime.integrate.transition import HELD, IMPACT
-from runtime.integrate.workspace import (
+from runtime.constraints.repartitioning import GROWTH_LIMIT
+from runtime.core.function_table import Slot
+from runtime.core.outcomes import Outcome
+from runtime.core.signatures import Integers, Vector
+from runtime.core.workspace import (
     ATOL,
     BAND,
     PARTITION,
@@ -37,7 +23,22 @@ from runtime.integrate.workspace import (
     SWITCH_ROWS,
     Y0,
 )
-from runtime.outcomes import Outcome
+from runtime.hybrid.loop_branch_guard import MET, on_the_way
+from runtime.hybrid.mode_search import MOST
+from runtime.hybrid.mode_transition import HELD, IMPACT
+from runtime.hybrid.sliding_modes import HELD_MODE
+from runtime.hybrid.sliding_rhs import TIME_SCALE
+from runtime.integrate import loop as driver
+from runtime.integrate import step as attempt
+from runtime.integrate.initialization import start
+from runtime.integrate.interrupts import Interrupts
+from runtime.integrate.method_change import change_method, fill_method
+from runtime.integrate.problem import Options, Problem, System
+from runtime.integrate.recording import Gathered
+from runtime.integrate.singular_crossing.crossing import Crossings
+from runtime.integrate.trajectory import Statistics, Trajectory
+from runtime.integrate.validation import check
+from runtime.integrate.wiring import method, wire
 
 Progress = Callable[[float, int], None]
 """Called between chunks with the time reached and the steps taken."""

@@ -12,16 +12,16 @@ import numpy.typing as npt
 
 from codegen import __version__
 from codegen.errors import InputError
-from runtime.description import Description, unknown
-from runtime.outcomes import Outcome
+from runtime.mechanism.description import Description, unknown
+from runtime.core.outcomes import Outcome
 from runtime.results.samples import Samples
-from runtime.results.singular import SingularPosition
+from runtime.results.singular_positions import SingularPosition
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from runtime.analyses.accurate import ReachedAccuracy
+    from runtime.studies.accuracy_target import ReachedAccuracy
     from runtime.machine import Machine
 
 FloatArray = npt.NDArray[np.float64]
@@ -161,7 +161,7 @@ class Result:
         """Work of an effect or driver on the machine since the start in J, shape (k,).
 
         Of all that it exerts, what has a potential included; impacts do none of it. See
-        `runtime.analyses.work`.
+        `runtime.dynamics.work`.
         """
         if source in self.works:
             return self.works[source]

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from runtime.plain import plain
+from runtime.cli.json_values import plain
 
 if TYPE_CHECKING:
     from runtime.results.result import Result

@@ -13,8 +13,8 @@ import pytest
 from benchmarks import asked, asked_table, single
 from benchmarks.report import records
 from runtime import load
-from runtime.analyses.accurate.comparing import Columns
-from runtime.plain import plain
+from runtime.cli.json_values import plain
+from runtime.studies.accuracy_target.run_difference import Columns
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import pytest
 from codegen import build
 from codegen.artefact import import_generated
 from codegen.driver import sound_scenes
-from codegen.modelfile import read_model
+from codegen.model_file import read_model
 from tests.codegen.machines import ODD
 from tests.codegen.workbench import Interpreted
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import qr
 
-from codegen.lower.interpret import evaluate
+from codegen.lower.interpreter import evaluate
 from codegen.lower.program import Program
 from tests.codegen.workbench import STEP, Interpreted, State, plain
 

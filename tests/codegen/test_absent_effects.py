@@ -14,10 +14,10 @@ from codegen.declare.scene import Scene
 from codegen.derive.equations import derive
 from codegen.driver import sound_scenes
 from codegen.emit.module import Origin, module_text
-from codegen.lower.kernels import Lowered, lower
-from codegen.lower.ledger import operations
-from codegen.lower.own import own_operations
-from codegen.modelfile import read_model
+from codegen.explain.marginal_cost import own_operations
+from codegen.lower.kernels.scene_kernels import Lowered, lower
+from codegen.lower.operation_count import operations
+from codegen.model_file import read_model
 
 NAMES = ("MODEL", "SCENE", "LEFT_OUT", "UNUSED")
 """Tables of the header that list names of what is not there."""

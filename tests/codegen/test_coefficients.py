@@ -17,10 +17,10 @@ from codegen.declare.scene import Scene
 from codegen.declare.symbols import Parameter, side
 from codegen.derive.equations import EffectEquations, Equations, derive
 from codegen.driver import sound_scenes
-from codegen.ledger.states import about_the_start, parameters
-from codegen.lower.interpret import evaluate
-from codegen.lower.kernels import Lowered, lower
-from codegen.modelfile import read_model
+from codegen.explain.sample_states import about_the_start, parameters
+from codegen.lower.interpreter import evaluate
+from codegen.lower.kernels.scene_kernels import Lowered, lower
+from codegen.model_file import read_model
 from tests.codegen.test_absent_effects import MACHINES, library
 
 STEPS = 20

@@ -68,7 +68,7 @@ def test_lumped_mass_costs_little_more_than_the_link() -> None:
     operations = {}
     for scene in ("whole", "link", "lumped"):
         lowered = Interpreted(model, scene).lowered
-        from codegen.lower.ledger import operations as count
+        from codegen.lower.operation_count import operations as count
 
         (kernel,) = (k for k in lowered.program.kernels if k.name == "accelerations")
         operations[scene] = count(lowered.program, kernel)

@@ -15,17 +15,18 @@ from codegen.cli import app
 from codegen.derive.equations import derive
 from codegen.driver import sound_scenes
 from codegen.errors import InputError
-from codegen.explain import explain
-from codegen.ledger import clock, timing
-from codegen.ledger.comparison import compare
-from codegen.ledger.growth import counted, grown, operations_of, stages
-from codegen.ledger.picture import figure, page
-from codegen.ledger.sheet import Ledger, Part
-from codegen.ledger.states import about_the_start
-from codegen.ledger.timing import measured
-from codegen.lower.ledger import operations
-from codegen.lower.own import own_operations
-from codegen.modelfile import read_model
+from codegen.explain.evaluation_time import measured
+from codegen.explain.incremental_cost import counted, grown, operations_of, stages
+from codegen.explain.ledger import evaluation_time as timing
+from codegen.explain.ledger import explain
+from codegen.explain.ledger import kernel_timer as clock
+from codegen.explain.ledger_data import Ledger, Part
+from codegen.explain.marginal_cost import own_operations
+from codegen.explain.picture import figure, page
+from codegen.explain.sample_states import about_the_start
+from codegen.explain.scene_comparison import compare
+from codegen.lower.operation_count import operations
+from codegen.model_file import read_model
 from tests.codegen.workbench import write_model
 
 
@@ -215,7 +216,7 @@ def explained(path: Path, scene: str | None, **options: Any) -> tuple[Ledger, ..
 @pytest.mark.parametrize("columns", [80, 100, 140])
 def test_tables_fit_the_terminal(root: Path, monkeypatch: pytest.MonkeyPatch, columns: int) -> None:
     monkeypatch.setenv("COLUMNS", str(columns))
-    monkeypatch.setattr("codegen.explain.explain", explained)
+    monkeypatch.setattr("codegen.explain.ledger.explain", explained)
     path = str(root / "models" / "valve_lifter.py")
     answer = CliRunner().invoke(app, ["explain", path, "--no-measure"])
     assert answer.exit_code == 0

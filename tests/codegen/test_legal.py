@@ -65,7 +65,7 @@ def test_frozen_scene_has_the_numbers_of_the_open_one(scenes: Scenes) -> None:
 
 
 def dict_of(machine: Interpreted) -> dict[str, int]:
-    from codegen.lower.ledger import operations
+    from codegen.lower.operation_count import operations
 
     return {k.name: operations(machine.program, k) for k in machine.program.kernels}
 
@@ -170,7 +170,7 @@ def test_quantities_are_converted_where_they_are_declared(tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("seed", range(20))
 def test_sound_machines_are_not_refused(seed: int) -> None:
-    from codegen.examine import examine
+    from codegen.check.redundancy import examine
     from tests.codegen.workbench import random_machine
 
     machine = Interpreted(random_machine(seed, closed=seed % 2 == 0)[0])

@@ -4,11 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from codegen.derive import constraints, effects, switches
+from codegen.derive import constraints, effects
+from codegen.derive import switching_functions as switches
 from codegen.derive.counting import derivations
 from codegen.derive.equations import derive
 from codegen.driver import sound_scenes
-from codegen.modelfile import read_model
+from codegen.model_file import read_model
 from tests.codegen.workbench import Interpreted
 
 

@@ -12,7 +12,7 @@ from codegen import InputError, Model, build
 from codegen.declare.element import ConjugateReaction, Statement
 from codegen.driver import sound_scenes, with_settings
 from codegen.errors import ModelError
-from codegen.modelfile import read_model
+from codegen.model_file import read_model
 from tests.codegen.complaints import complaints
 from tests.codegen.workbench import Interpreted, State, write_model
 

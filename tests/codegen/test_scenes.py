@@ -10,7 +10,7 @@ from codegen.declare.scene import Scene
 from codegen.derive.equations import derive
 from codegen.driver import sound_scenes
 from codegen.errors import InputError
-from codegen.modelfile import read_model
+from codegen.model_file import read_model
 
 
 def sledge() -> Model:

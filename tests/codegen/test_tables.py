@@ -11,8 +11,8 @@ from numpy.testing import assert_allclose
 from scipy.interpolate import CubicSpline
 
 from codegen import Model, ModelError, t
+from codegen.cubic_spline import fit
 from codegen.driver import sound_scenes
-from codegen.tables import fit
 from runtime import load
 from tests.codegen.workbench import (
     Interpreted,

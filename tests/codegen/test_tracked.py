@@ -5,7 +5,7 @@ import pytest
 from codegen import Model, ModelError
 from codegen.derive.equations import derive
 from codegen.driver import sound_scenes
-from codegen.lower.kernels import lower
+from codegen.lower.kernels.scene_kernels import lower
 from tests.codegen.test_scenes import sledge
 
 

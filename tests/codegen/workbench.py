@@ -13,9 +13,9 @@ from codegen import Model
 from codegen.derive.equations import Equations, derive
 from codegen.driver import sound_scenes
 from codegen.emit.module import Origin, module_text
-from codegen.fingerprint import fingerprint
-from codegen.lower.interpret import evaluate
-from codegen.lower.kernels import Lowered, lower
+from codegen.generated_files.fingerprint import fingerprint
+from codegen.lower.interpreter import evaluate
+from codegen.lower.kernels.scene_kernels import Lowered, lower
 
 STEP = 1e-40
 RETURNED = {"potential", "kinetic_energy"}

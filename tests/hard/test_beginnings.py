@@ -12,7 +12,7 @@ from codegen import Model, t
 from codegen.errors import AnalysisError
 from models.hard.parallel_linkage import parallel_linkage
 from runtime import Machine, Outcome, load
-from runtime.cli import app
+from runtime.cli.app import app
 from tests.hard.driven import STANDING
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from runtime import load
-from runtime.outcomes import Outcome
+from runtime.core.outcomes import Outcome
 from tests.hard.reading import changes, held
 
 METHODS = ("dopri5", "dop853")

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from runtime import load
+from runtime.core.outcomes import Outcome
 from runtime.machine import Machine
-from runtime.outcomes import Outcome
 from tests.hard.reading import changes, held
 
 G = 9.81

@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 
 from codegen import Model, t
 from runtime import load
+from runtime.core.outcomes import Outcome
 from runtime.machine import Machine
-from runtime.outcomes import Outcome
 
 G = 9.81
 ROD, FOOT, TOP = 1.0, 0.1, 5.0  # kg, the rod of 1 m

@@ -8,7 +8,7 @@ from sympy import pi
 
 from codegen import Model, t
 from runtime import load
-from runtime.outcomes import Outcome
+from runtime.core.outcomes import Outcome
 
 WEIGHT, KINETIC = 10.0, 0.2
 

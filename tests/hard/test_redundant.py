@@ -17,7 +17,7 @@ from models.hard.parallel_linkage import parallel_linkage
 from models.hard.suite.case import ROOT
 from models.hard.suite.closed import pendulum
 from runtime import Machine, Outcome, Result, load
-from runtime.analyses.equations import Equations
+from runtime.assembly.dense_equations import Equations
 
 JOINTS = tuple(f"{pin}{k}" for k in range(4) for pin in "AB")
 TIMES = np.linspace(0.0, 5.0, 101)

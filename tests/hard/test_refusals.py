@@ -7,8 +7,8 @@ import pytest
 
 from codegen.errors import AnalysisError, InputError, ParameterError
 from runtime import load
+from runtime.core.outcomes import Outcome
 from runtime.machine import Machine
-from runtime.outcomes import Outcome
 from tests.hard.reading import held
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from models.hard.suite import guide
 from runtime import load
-from runtime.outcomes import Outcome
+from runtime.core.outcomes import Outcome
 from tests.hard.reading import held, work
 
 METHODS = ("dopri5", "dop853")

@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from codegen.modelfile import file_hash
-from codegen.write import write_if_changed
+from codegen.generated_files.atomic_write import write_if_changed
+from codegen.model_file import file_hash
 from runtime import load
-from runtime.companions import Origin
 from runtime.machine import Machine
+from runtime.mechanism.companion_modules import Origin
 
 
 def _mechanisms() -> ModuleType:

@@ -11,15 +11,15 @@ import pytest
 from typer.testing import CliRunner
 
 from codegen.errors import InputError
-from codegen.write import write_if_changed
+from codegen.generated_files.atomic_write import write_if_changed
 from runtime import load
-from runtime.analyses.accurate.comparing import Columns, difference, resolved
-from runtime.cli import app
+from runtime.cli.app import app
+from runtime.core.outcomes import Outcome
 from runtime.machine import Machine
-from runtime.outcomes import Outcome
 from runtime.results.result import Result
 from runtime.results.summary import summary
 from runtime.show.report import page
+from runtime.studies.accuracy_target.run_difference import Columns, difference, resolved
 
 ASKED = (1e-3, 1e-5, 1e-7, 1e-9)
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from codegen.errors import AssemblyError, RedundancyError
-from runtime.description import StartValue, Table
 from runtime.machine import Machine
+from runtime.mechanism.description import StartValue, Table
 
 
 def starting(machine: Machine, *start: tuple[str, float, str]) -> Machine:

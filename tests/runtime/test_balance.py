@@ -10,13 +10,13 @@ import sympy as sp
 from codegen import Model
 from codegen.errors import ParameterError
 from runtime import load
-from runtime.analyses.energy import here, minimise
-from runtime.analyses.equations import Equations
-from runtime.analyses.reduced import Rest
-from runtime.analyses.stability import Stability
+from runtime.assembly.dense_equations import Equations
+from runtime.core.outcomes import Outcome
 from runtime.machine import Machine
-from runtime.outcomes import Outcome
-from runtime.progress import silent
+from runtime.progress_bar import silent
+from runtime.statics.energy_minimisation import here, minimise
+from runtime.statics.reduced_gradient import Rest
+from runtime.statics.stability import Stability
 
 METHODS = pytest.mark.parametrize("method", ["energy", "settling"])
 G = 9.81

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner, Result
 
-from runtime.cli import app
+from runtime.cli.app import app
 from runtime.machine import Machine
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numba import types
 
-import runtime.compiled
-from runtime.compiled import ADDRESSES, addressed, addresses, at, compiled
+import runtime.core.jit
+from runtime.core.jit import ADDRESSES, addressed, addresses, at, compiled
 
 F8 = types.float64
 BINARY = types.FunctionType(F8(F8, F8))
@@ -56,7 +56,7 @@ def test_a_new_table_compiles_nothing() -> None:
 
 
 def test_every_file_with_compiled_code_counts_in_the_stamp() -> None:
-    root = Path(runtime.compiled.__file__).parent
+    root = Path(runtime.core.jit.__file__).parent
     for path in root.rglob("*.py"):
         text = path.read_text()
         if re.search(
@@ -64,13 +64,13 @@ def test_every_file_with_compiled_code_counts_in_the_stamp() -> None:
             text,
             re.MULTILINE,
         ):
-            assert "runtime.compiled" in text, path
+            assert "runtime.core.jit" in text, path
 
 
 def test_the_cache_of_a_function_goes_stale_with_the_stamp() -> None:
     index = plus._cache._cache_file
     own, stamp = index._source_stamp
-    assert stamp == runtime.compiled._STAMP
+    assert stamp == runtime.core.jit._STAMP
     index._source_stamp = (own, "another")
     try:
         assert index._load_index() == {}

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from codegen.errors import AnalysisError
-from runtime.analyses.accurate.comparing import Difference, columns, difference, tenfold
+from runtime.core.outcomes import Outcome
 from runtime.machine import Machine
-from runtime.outcomes import Outcome
+from runtime.studies.accuracy_target.run_difference import Difference, columns, difference, tenfold
 from tests.runtime.test_asked_accuracy import of
 
 

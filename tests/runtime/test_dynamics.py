@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from codegen.errors import AnalysisError, InputError
+from runtime.core.outcomes import Outcome
 from runtime.machine import Machine
-from runtime.outcomes import Outcome
 
 TIGHT = {"rtol": 1e-10, "atol": 1e-10}
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from codegen.errors import AnalysisError
-from runtime.analyses.stability import Stability
+from runtime.core.outcomes import Outcome
 from runtime.machine import Machine
-from runtime.outcomes import Outcome
+from runtime.statics.stability import Stability
 
 BOOK = {"crank.phi": 4.6, "rod.x": 1.2, "rod.y": -1.0, "rod.phi": 0.6, "slider.x": 2.67}
 METHODS = pytest.mark.parametrize("method", ["energy", "settling"])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from codegen.modelfile import find_model_file
+from codegen.model_file import find_model_file
 from runtime import load
 from runtime.machine import Machine
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from codegen.errors import InputError
-from codegen.modelfile import read_model
+from codegen.model_file import read_model
 from runtime import Machine, Result, load
-from runtime.analyses.equations import Equations
-from runtime.analyses.magnitudes import magnitudes
+from runtime.assembly.coordinate_scales import magnitudes
+from runtime.assembly.dense_equations import Equations
+from runtime.core.outcomes import Outcome
 from runtime.integrate.problem import Options
 from runtime.integrate.run import integrate
-from runtime.outcomes import Outcome
 from tests.runtime.integrate.systems import PENDULUM, pendulum_problem
 from tests.runtime.mechanisms import write_whole
 

@@ -7,8 +7,8 @@ import numpy.typing as npt
 import pytest
 
 from codegen.errors import AnalysisError
+from runtime.core.outcomes import Outcome
 from runtime.machine import Machine
-from runtime.outcomes import Outcome
 
 FloatArray = npt.NDArray[np.float64]
 OMEGA = 2.0 * np.pi

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from codegen.errors import ParameterError
-from runtime.analyses import masses
+from runtime.validation import masses
 
 
 class Row(NamedTuple):

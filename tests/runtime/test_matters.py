@@ -12,14 +12,15 @@ from typer.testing import CliRunner
 
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
-from codegen.variants import declared, variants
+from codegen.scene_variants import declared, variants
 from runtime import Result, load, matters
-from runtime.analyses.matters import Matters, Verdict
-from runtime.analyses.matters.quantity import quantity
-from runtime.analyses.matters.reading import REDUCTIONS, Series
-from runtime.cli import app
-from runtime.show import matters_picture, matters_table
-from runtime.show.screen import width
+from runtime.cli.app import app
+from runtime.show.terminal_table import width
+from runtime.studies.effect_ranking import Matters, Verdict
+from runtime.studies.effect_ranking import picture as matters_picture
+from runtime.studies.effect_ranking import terminal_table as matters_table
+from runtime.studies.effect_ranking.quantity import quantity
+from runtime.studies.effect_ranking.series_reductions import REDUCTIONS, Series
 
 MACHINES = {
     "compressor": ("slider_crank", "compressor", "max:crank.omega", 0.5),

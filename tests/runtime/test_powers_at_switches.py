@@ -9,11 +9,11 @@ from numpy.testing import assert_allclose
 
 from codegen import Model
 from codegen.declare.symbols import SPEED, kinds
-from codegen.derive.continued import continued
-from codegen.derive.switching import as_pieces, conditions
+from codegen.derive.conditions import as_pieces, conditions
+from codegen.derive.power_continuation import continued
 from runtime import load
+from runtime.core.outcomes import Outcome
 from runtime.machine import Machine
-from runtime.outcomes import Outcome
 
 TEXT = """
 import sympy

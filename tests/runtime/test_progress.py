@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from runtime import progress
+from runtime import progress_bar as progress
 from runtime.machine import Machine
 
 
@@ -47,7 +47,7 @@ def test_a_bar_can_be_declined(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_analyses_report_their_progress(driven: Machine) -> None:
-    from runtime.analyses.kinematics import kinematics
+    from runtime.dynamics.kinematics import kinematics
 
     seen: list[float] = []
     kinematics(driven, np.linspace(0.0, 1.0, 10001), progress=seen.append)

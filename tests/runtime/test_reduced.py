@@ -9,11 +9,11 @@ from numpy.testing import assert_allclose
 from typer.testing import CliRunner
 
 from codegen.errors import AnalysisError, InputError
-from codegen.write import write_if_changed
+from codegen.generated_files.atomic_write import write_if_changed
 from runtime import load
-from runtime.cli import app
+from runtime.cli.app import app
+from runtime.core.outcomes import Outcome
 from runtime.machine import Machine
-from runtime.outcomes import Outcome
 from runtime.results.result import Result
 
 TIGHT = 1e-12

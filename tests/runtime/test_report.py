@@ -7,7 +7,7 @@ import numpy as np
 from typer.testing import CliRunner
 
 from runtime import load
-from runtime.cli import app
+from runtime.cli.app import app
 from runtime.show.report import page
 
 

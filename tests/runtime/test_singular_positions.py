@@ -5,14 +5,14 @@ import pytest
 
 from models.hard.cases import find
 from runtime import Machine
-from runtime.analyses.equations import Equations
-from runtime.constraints.frames import Frames, weak_values
-from runtime.constraints.layout import unit_entries
-from runtime.constraints.motion import Motion, hermite, nearest, taylor
-from runtime.constraints.ordering import ordered
-from runtime.constraints.scaled import ScaledConstraints
-from runtime.constraints.search import Search
-from runtime.constraints.singular import Positions
+from runtime.assembly.dense_equations import Equations
+from runtime.linalg.full_pivoting import ordered
+from runtime.singularity.local_motion import Motion, hermite, nearest, taylor
+from runtime.singularity.location import Search
+from runtime.singularity.pivot_orders import Frames, weak_values
+from runtime.singularity.scaled_constraints import ScaledConstraints
+from runtime.singularity.search_table import unit_entries
+from runtime.singularity.singular_position import Positions
 
 LOOPS = 2
 TURNING = -5.0  # rad/s

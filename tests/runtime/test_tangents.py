@@ -11,13 +11,13 @@ from numpy.testing import assert_allclose
 import codegen
 from codegen.artefact import tangents_path
 from codegen.errors import AnalysisError, GeneratedFileError, SupersededError
-from codegen.modelfile import read_model
+from codegen.model_file import read_model
 from runtime import load
-from runtime.compiled import ADDRESSES, compiled
-from runtime.integrate.slots import accelerations_tangent_of, correction_tangent_of
-from runtime.integrate.tables import wire
+from runtime.core.function_table import accelerations_tangent_of, correction_tangent_of
+from runtime.core.jit import ADDRESSES, compiled
+from runtime.integrate.wiring import wire
 from runtime.machine import Machine
-from runtime.tangents import Tangents
+from runtime.mechanism.tangent_kernels import Tangents
 from tests.codegen.directions import assembled, by_complex_step, dependent
 from tests.codegen.workbench import Interpreted
 

@@ -8,7 +8,7 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import ConjugateReaction, I, J, Statement
 from codegen.declare.symbols import t
-from codegen.elements.drivers.law import law_problems
+from codegen.elements.drivers.time_law import law_problems
 from codegen.elements.registry import element
 
 # (1e-90 m)² is lost in the rounding of any distance, and keeps d / |d| and its derivative from

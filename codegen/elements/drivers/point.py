@@ -7,7 +7,7 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import ConjugateReaction, J, Statement
-from codegen.elements.drivers.law import COMPONENTS, law_problems
+from codegen.elements.drivers.time_law import COMPONENTS, law_problems
 from codegen.elements.registry import element
 
 DRIVEN = {"x": J.point[0], "y": J.point[1], "phi": J.phi}

@@ -7,7 +7,7 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import ConjugateReaction, I, J, Statement
-from codegen.elements.drivers.law import COMPONENTS, law_problems
+from codegen.elements.drivers.time_law import COMPONENTS, law_problems
 from codegen.elements.joints.relative import DIFFERENCE
 from codegen.elements.registry import element
 

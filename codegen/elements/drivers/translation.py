@@ -7,8 +7,8 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import ConjugateReaction, I, J, Statement
-from codegen.elements.drivers.law import law_problems
-from codegen.elements.joints.line import ALONG, Axis, axis_problems, bind_axis
+from codegen.elements.drivers.time_law import law_problems
+from codegen.elements.joints.body_line import ALONG, Axis, axis_problems, bind_axis
 from codegen.elements.registry import element
 
 

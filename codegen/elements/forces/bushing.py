@@ -7,7 +7,7 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.symbols import SPEED, Coordinate
-from codegen.elements.forces.along import constant, negative, without_angle
+from codegen.elements.forces.scalar_force import constant, negative, without_angle
 from codegen.elements.forces.torsion_spring import turn
 from codegen.elements.registry import element
 

@@ -7,8 +7,8 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
-from codegen.elements.forces.along import constant, negative
-from codegen.elements.forces.line import Line
+from codegen.elements.forces.point_distance import Line
+from codegen.elements.forces.scalar_force import constant, negative
 from codegen.elements.registry import element
 
 

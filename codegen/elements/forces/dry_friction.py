@@ -8,7 +8,7 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import Sticking
 from codegen.declare.symbols import Coordinate, Velocity, kinds, side
-from codegen.elements.forces.along import constant, negative
+from codegen.elements.forces.scalar_force import constant, negative
 from codegen.elements.registry import element
 
 

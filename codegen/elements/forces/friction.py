@@ -8,9 +8,9 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, FrictionLaw, Sticking
 from codegen.declare.symbols import Coordinate
-from codegen.elements.forces.along import rate, without_angle
 from codegen.elements.forces.dry_friction import coefficient_problems
-from codegen.elements.forces.line import Line
+from codegen.elements.forces.point_distance import Line
+from codegen.elements.forces.scalar_force import rate, without_angle
 from codegen.elements.forces.torsion_spring import turn
 from codegen.elements.joints.revolute import Revolute
 from codegen.elements.joints.revolute_translational import RevoluteTranslational

@@ -7,7 +7,7 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.symbols import SPEED, Coordinate
-from codegen.elements.forces.along import constant, negative, without_angle
+from codegen.elements.forces.scalar_force import constant, negative, without_angle
 from codegen.elements.registry import element
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import sympy
 
 from codegen.declare.body import Body, Curve, Point
+from codegen.declare.cam_profile import ALPHAS, places
 from codegen.declare.element import I, J, JointReaction, Statement
-from codegen.declare.profile import ALPHAS, places
 from codegen.declare.symbols import Coordinate, alpha, coordinate, given
 from codegen.elements.registry import element
 

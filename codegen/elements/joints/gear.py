@@ -9,7 +9,7 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import given
-from codegen.elements.joints.bearings import held_apart
+from codegen.elements.joints.common_axle import held_apart
 from codegen.elements.registry import element
 
 ROUNDING = 1e-6

@@ -8,8 +8,8 @@ import numpy as np
 import sympy
 
 from codegen.declare.body import Body, Curve, Point
+from codegen.declare.cam_profile import ALPHAS, in_ground
 from codegen.declare.element import I, J, JointReaction, Statement
-from codegen.declare.profile import ALPHAS, in_ground
 from codegen.declare.symbols import Coordinate, coordinate
 from codegen.elements.registry import element
 

@@ -8,7 +8,7 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import I, J, JointReaction, Statement
 from codegen.declare.symbols import given
-from codegen.elements.joints.line import ACROSS, DIRECTION, Axis, axis_problems, bind_axis
+from codegen.elements.joints.body_line import ACROSS, DIRECTION, Axis, axis_problems, bind_axis
 from codegen.elements.registry import element
 
 DISTANCE = given("distance")

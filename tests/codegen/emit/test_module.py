@@ -9,8 +9,8 @@ import sys
 from itertools import pairwise
 from pathlib import Path
 
-from codegen.emit.turning import NAME as SIN_COS
-from codegen.lower.ledger import by_element, operations
+from codegen.emit.sincos import NAME as SIN_COS
+from codegen.lower.operation_count import by_element, operations
 from tests.codegen.workbench import Interpreted
 
 Scenes = dict[str, Interpreted]
@@ -19,7 +19,7 @@ HASHES = """
 from hashlib import sha256
 from pathlib import Path
 from codegen.driver import sound_scenes
-from codegen.modelfile import read_model
+from codegen.model_file import read_model
 from tests.codegen.machines import ODD
 from tests.codegen.workbench import Interpreted
 for model in (read_model(Path("models/slider_crank.py")).model, *(declare() for declare in ODD)):

@@ -8,7 +8,7 @@ import pytest
 
 from codegen.emit.kernel import KernelText
 from codegen.lower.graph import Graph
-from codegen.lower.interpret import evaluate
+from codegen.lower.interpreter import evaluate
 from codegen.lower.program import Kernel, Op, Output, Program
 
 MODES, STATES = 4, 3

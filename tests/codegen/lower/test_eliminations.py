@@ -6,11 +6,11 @@ from random import Random
 import pytest
 
 from codegen.lower.graph import Graph
-from codegen.lower.interpret import evaluate
-from codegen.lower.loops import Loops
-from codegen.lower.outright import Outright
+from codegen.lower.interpreter import evaluate
 from codegen.lower.program import Kernel, Op, Program, store
-from codegen.lower.rebuild import rebuilt, turned
+from codegen.lower.substitution import rebuilt, turned
+from codegen.reduce.closed_form_loops import Loops
+from codegen.reduce.explicit_coordinates import Outright
 
 
 def value_of(graph: Graph, number: int, **arguments: object) -> float:

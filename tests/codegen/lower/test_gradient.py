@@ -5,14 +5,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from codegen.lower.directional import Direction
-from codegen.lower.gradient import Slopes
+from codegen.lower.constant_hoisting import turned_about
+from codegen.lower.differentiation.directional import Direction
+from codegen.lower.differentiation.gradient import Slopes
+from codegen.lower.differentiation.tangent import differentiate
 from codegen.lower.graph import Graph
-from codegen.lower.hoist import turned_about
-from codegen.lower.interpret import evaluate
-from codegen.lower.ledger import operations
+from codegen.lower.interpreter import evaluate
+from codegen.lower.operation_count import operations
 from codegen.lower.program import Kernel, Op, Output, Program, store
-from codegen.lower.tangent import differentiate
 from tests.codegen.lower.test_tangent import ANALYTIC, EVERY, IN_MODES
 from tests.codegen.workbench import STEP
 

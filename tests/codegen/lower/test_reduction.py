@@ -11,11 +11,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from codegen.driver import sound_scenes, translate
-from codegen.lower.interpret import evaluate
-from codegen.lower.kernels import Lowered
-from codegen.lower.reduction import Reduced, reduce
-from codegen.modelfile import read_model
-from codegen.stages import Clock
+from codegen.generated_files.build_clock import Clock
+from codegen.lower.interpreter import evaluate
+from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.model_file import read_model
+from codegen.reduce.reduced_kernels import Reduced, reduce
 
 MACHINES = [
     ("slider_crank", "compressor"),

@@ -10,13 +10,13 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from codegen.lower.factorization import Strategy
-from codegen.lower.hoist import with_constants
-from codegen.lower.interpret import evaluate
+from codegen.lower.constant_hoisting import with_constants
+from codegen.lower.interpreter import evaluate
+from codegen.lower.kernels.linear_solves import _dynamics
+from codegen.lower.linear.factorization import Strategy
 from codegen.lower.program import Program
 from codegen.lower.scene_graph import SceneGraph
-from codegen.lower.solutions import _dynamics
-from codegen.modelfile import read_model
+from codegen.model_file import read_model
 from tests.codegen.workbench import Interpreted, State, random_machine
 
 FOLDED = 1e-12

@@ -8,12 +8,12 @@ import pytest
 from numpy.testing import assert_allclose
 
 from codegen import Model
-from codegen.lower.factorization import Strategy
-from codegen.lower.hoist import with_constants
-from codegen.lower.interpret import evaluate
+from codegen.lower.constant_hoisting import with_constants
+from codegen.lower.interpreter import evaluate
+from codegen.lower.kernels.linear_solves import _dynamics
+from codegen.lower.linear.factorization import Strategy
 from codegen.lower.scene_graph import SceneGraph
-from codegen.lower.solutions import _dynamics
-from codegen.modelfile import read_model
+from codegen.model_file import read_model
 from tests.codegen.workbench import A, Interpreted, State, plain, python_functions, random_machine
 
 STRATEGIES: tuple[Strategy, ...] = ("substitute", "mixed", "schur")

@@ -8,9 +8,9 @@ from numpy.testing import assert_allclose
 
 from codegen import Model, build
 from codegen.lower.graph import Graph
-from codegen.lower.interpret import evaluate
+from codegen.lower.interpreter import evaluate
+from codegen.lower.kernels.driven_machines import Square
 from codegen.lower.program import Kernel, Program, store
-from codegen.lower.square import Square
 
 
 def solved(

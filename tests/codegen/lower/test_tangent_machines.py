@@ -11,11 +11,11 @@ from numpy.testing import assert_allclose
 
 from codegen import Model
 from codegen.emit.module import Origin
-from codegen.emit.tangents import tangents_text
-from codegen.lower.ledger import operations
+from codegen.emit.tangent_module import tangents_text
+from codegen.lower.differentiation.tangent import tangent_program
+from codegen.lower.operation_count import operations
 from codegen.lower.program import Program
-from codegen.lower.tangent import tangent_program
-from codegen.modelfile import read_model
+from codegen.model_file import read_model
 from tests.codegen.directions import assembled, by_complex_step, by_tangent, dependent
 from tests.codegen.elements.test_friction import rubbing
 from tests.codegen.workbench import STEP, Interpreted, State, plain, python_functions

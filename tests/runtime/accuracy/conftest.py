@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from runtime import accuracy
-from runtime.analyses.precision import WorkPrecision
+from runtime.studies.work_precision import WorkPrecision
 
 TEXT = """
 from codegen import Model

@@ -9,11 +9,12 @@ import pytest
 
 from codegen import Model
 from codegen.errors import LinkwrightError
-from runtime import accuracy, companions, load
-from runtime.analyses.precision import Setting, study
-from runtime.analyses.precision.building import build_costs
-from runtime.analyses.precision.running import Runner, Stopwatch
-from runtime.analyses.precision.truth import find_truth
+from runtime import accuracy, load
+from runtime.mechanism import companion_modules as companions
+from runtime.studies.work_precision import Setting, study
+from runtime.studies.work_precision.build_costs import build_costs
+from runtime.studies.work_precision.reference_solution import find_truth
+from runtime.studies.work_precision.timed_runs import Runner, Stopwatch
 
 
 @pytest.mark.parametrize(

@@ -9,10 +9,18 @@ import numpy as np
 from numpy.testing import assert_allclose
 
 from runtime import load
-from runtime.analyses.precision import Check, Choice, Line, Point, Reference, Setting, WorkPrecision
-from runtime.analyses.precision.answer import DONE, TIMEOUT
-from runtime.analyses.precision.grid import FURTHER, RTOLS
-from runtime.analyses.precision.reading import (
+from runtime.studies.error_norms import Errors, Scale, errors, kindred, scales
+from runtime.studies.work_precision import (
+    Check,
+    Choice,
+    Line,
+    Point,
+    Reference,
+    Setting,
+    WorkPrecision,
+)
+from runtime.studies.work_precision.diagram import DONE, TIMEOUT
+from runtime.studies.work_precision.interpretation import (
     best_at,
     effectivity,
     front,
@@ -20,8 +28,8 @@ from runtime.analyses.precision.reading import (
     slope,
     time_at,
 )
-from runtime.analyses.precision.running import Stopwatch, take_turns
-from runtime.analyses.scaled_error import Errors, Scale, errors, kindred, scales
+from runtime.studies.work_precision.settings_grid import FURTHER, RTOLS
+from runtime.studies.work_precision.timed_runs import Stopwatch, take_turns
 
 
 def point(rtol: float, worst: float, seconds: float, *, beyond: bool = False) -> Point:

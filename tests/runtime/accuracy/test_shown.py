@@ -10,11 +10,12 @@ from click.testing import Result
 from numpy.testing import assert_allclose
 from typer.testing import CliRunner
 
-from runtime.analyses.precision import WorkPrecision
-from runtime.analyses.precision.reading import sentences
-from runtime.analyses.precision.records import records
-from runtime.cli import app
-from runtime.show import accuracy_picture, accuracy_table
+from runtime.cli.app import app
+from runtime.studies.work_precision import WorkPrecision
+from runtime.studies.work_precision import picture as accuracy_picture
+from runtime.studies.work_precision import terminal_table as accuracy_table
+from runtime.studies.work_precision.interpretation import sentences
+from runtime.studies.work_precision.json_records import records
 
 
 def test_a_row_is_written_for_every_run(swing: WorkPrecision, tmp_path: Path) -> None:

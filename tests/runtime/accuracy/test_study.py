@@ -11,14 +11,14 @@ import pytest
 
 from codegen.errors import InputError, LinkwrightError
 from runtime import accuracy, load
-from runtime.analyses.precision import Setting, WorkPrecision
-from runtime.analyses.precision.grid import settings
-from runtime.analyses.precision.measuring import lines
-from runtime.analyses.precision.reading import best_at, sentences
-from runtime.analyses.precision.running import Runner, Stopwatch, take_turns
-from runtime.analyses.precision.truth import find_truth
 from runtime.results.result import Result
-from runtime.show import accuracy_picture
+from runtime.studies.work_precision import Setting, WorkPrecision
+from runtime.studies.work_precision import picture as accuracy_picture
+from runtime.studies.work_precision.interpretation import best_at, sentences
+from runtime.studies.work_precision.measurement import lines
+from runtime.studies.work_precision.reference_solution import find_truth
+from runtime.studies.work_precision.settings_grid import settings
+from runtime.studies.work_precision.timed_runs import Runner, Stopwatch, take_turns
 
 
 def table(path: Path, names: Sequence[str], *columns: np.ndarray) -> Path:

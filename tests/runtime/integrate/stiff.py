@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from runtime.integrate.problem import Problem, System
-from runtime.integrate.signatures import (
+from runtime.core.signatures import (
     ACCELERATIONS,
     ACCELERATIONS_TANGENT,
     CORRECTION_TANGENT,
 )
+from runtime.integrate.problem import Problem, System
 from tests.runtime.integrate.systems import (
     PENDULUM,
     free_correction,

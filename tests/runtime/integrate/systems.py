@@ -3,15 +3,15 @@
 import numpy as np
 from numba import njit
 
-from runtime.integrate.problem import Options, Problem, System
-from runtime.integrate.run import integrate
-from runtime.integrate.signatures import (
+from runtime.core.signatures import (
     ACCELERATIONS,
     CORRECTION,
     JACOBIAN,
     SWITCHING,
     SWITCHING_RATES,
 )
+from runtime.integrate.problem import Options, Problem, System
+from runtime.integrate.run import integrate
 from runtime.integrate.trajectory import Trajectory
 
 

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from numba import njit
 
-from runtime.integrate import driver
-from runtime.integrate.attempt import attempt
-from runtime.integrate.bdf import accepted
-from runtime.integrate.bdf_history import GAMMA, KAPPA, PAST
-from runtime.integrate.memory import H_BASE, LINES, NEXT_ORDER, NUMBERS, STEP_ORDER
+from runtime.core.function_table import Slot
+from runtime.core.outcomes import Outcome
+from runtime.core.workspace import ROWS, Y0, Y1, K
+from runtime.integrate import loop as driver
+from runtime.integrate.implicit.bdf import accepted
+from runtime.integrate.implicit.bdf_history import GAMMA, KAPPA, PAST
+from runtime.integrate.implicit.method_memory import H_BASE, LINES, NEXT_ORDER, NUMBERS, STEP_ORDER
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import _Run, integrate
-from runtime.integrate.slots import Slot
-from runtime.integrate.workspace import ROWS, Y0, Y1, K
-from runtime.outcomes import Outcome
+from runtime.integrate.step import attempt
 from tests.runtime.integrate.stiff import DRAWN, SMOOTH_PENDULUM, one, smooth_relay
 from tests.runtime.integrate.systems import pendulum_problem, run_relay
 

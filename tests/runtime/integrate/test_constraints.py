@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.special import ellipj, ellipk
 
-from runtime.constraints.partition import eliminate
+from runtime.constraints.partitioning import eliminate
+from runtime.core.outcomes import Outcome
+from runtime.core.signatures import ACCELERATIONS
 from runtime.integrate.problem import Options, System
 from runtime.integrate.run import integrate
-from runtime.integrate.signatures import ACCELERATIONS
-from runtime.outcomes import Outcome
 from tests.runtime.integrate.systems import (
     PENDULUM,
     PENDULUM_P,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numba import njit
 
-from runtime.integrate.linear import factor, solve
-from runtime.integrate.nested import nested, nesting
+from runtime.integrate.explicit.newton_form import nested, nesting
+from runtime.linalg.lu import factor, solve
 
 
 @njit

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.outcomes import Outcome
+from runtime.core.outcomes import Outcome
 from tests.runtime.integrate.systems import relay, run_relay
 
 METHODS = ("dopri5", "dop853")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.integrate import radau5_coefficients as c
+from runtime.integrate.implicit import radau5_coefficients as c
 from runtime.integrate.problem import Options
 from runtime.integrate.run import integrate
 from tests.runtime.integrate.stiff import (

@@ -9,20 +9,17 @@ import numpy as np
 import pytest
 
 from codegen.errors import InputError
-from runtime.integrate import (
-    attempt,
-    dop853,
-    dopri5,
-    driver,
-    events,
-    modes,
-    outputs,
-    repartition,
-    start,
-)
+from runtime.constraints import repartitioning as repartition
+from runtime.core.outcomes import Outcome
+from runtime.hybrid import event_location as events
+from runtime.hybrid import mode_selection as modes
+from runtime.integrate import initialization as start
+from runtime.integrate import loop as driver
+from runtime.integrate import sampling as outputs
+from runtime.integrate import step as attempt
+from runtime.integrate.explicit import dop853, dopri5
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
-from runtime.outcomes import Outcome
 from tests.runtime.integrate.systems import PENDULUM, pendulum_problem, relay, run_relay
 
 BALL = ((0.0, 1e4, 0.0, 1.0, 0.0, 0.0, 0.0),)

@@ -6,11 +6,11 @@ import pytest
 from codegen import Model
 from codegen.errors import InputError
 from runtime import load
-from runtime.analyses.equations import Equations
-from runtime.analyses.magnitudes import magnitudes
+from runtime.assembly.coordinate_scales import magnitudes
+from runtime.assembly.dense_equations import Equations
+from runtime.core.outcomes import Outcome
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
-from runtime.outcomes import Outcome
 from tests.runtime.integrate.systems import (
     PENDULUM,
     pendulum_problem,

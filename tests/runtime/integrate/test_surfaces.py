@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from runtime.integrate.held import HELD_MODE
+from runtime.core.outcomes import Outcome
+from runtime.core.signatures import ACCELERATIONS, SWITCHING, SWITCHING_RATES
+from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.integrate.problem import Options, Problem, System
 from runtime.integrate.run import integrate
-from runtime.integrate.signatures import ACCELERATIONS, SWITCHING, SWITCHING_RATES
-from runtime.outcomes import Outcome
 from tests.runtime.integrate.systems import (
     free_correction,
     free_jacobian,

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from runtime.integrate.held import HELD_MODE
+from runtime.core.outcomes import Outcome
+from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.integrate.run import initial_modes
-from runtime.outcomes import Outcome
 from tests.runtime.integrate.systems import relay, run_relay
 
 METHODS = ("dopri5", "dop853")

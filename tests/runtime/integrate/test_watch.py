@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from runtime.core.outcomes import Outcome
+from runtime.core.signatures import SWITCHING, SWITCHING_RATES
 from runtime.integrate.problem import System
-from runtime.integrate.signatures import SWITCHING, SWITCHING_RATES
-from runtime.outcomes import Outcome
 from tests.runtime.integrate.systems import (
     free_correction,
     free_jacobian,

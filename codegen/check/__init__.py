@@ -1,0 +1,1 @@
+"""Everything that can be wrong with a declaration, found before it is compiled."""

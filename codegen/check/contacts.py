@@ -1,0 +1,102 @@
+"""What is wrong with the frictions that stick and the rigid contacts of one scene."""
+
+from collections.abc import Iterator
+
+import sympy
+
+from codegen.check.expressions import all_problems
+from codegen.declare.element import Rigid, Sticking
+from codegen.declare.scene import Scene
+from codegen.declare.symbols import Coordinate, Parameter, Time, Velocity, kinds
+from codegen.derive.effects import effect_terms
+from codegen.derive.switching_functions import Named, Switch, switches
+from codegen.model import Model
+
+
+def hold_problems(model: Model, scene: Scene) -> list[str]:
+    """Numbers that the scene's parameters give, and surfaces that two effects claim."""
+    bodies = tuple(model.bodies[name] for name in scene.bodies)
+    chosen = [] if scene.analysis == "kinematics" else list(model.acting(scene).values())
+    named = [(effect.name, effect_terms(effect, bodies)) for effect in chosen]
+    if not any(terms.hold for _, terms in named):
+        return []
+    values = {p.name: p.value for p in model.parameters.values()} | dict(scene.parameters)
+    numbers = {Parameter(name, real=True): value for name, value in values.items()}
+    found: list[str] = []
+    for effect, (_, terms) in zip(chosen, named, strict=True):
+        where = f"scene '{scene.name}': {effect.kind} '{effect.name}'"
+        if isinstance(terms.hold, Sticking):
+            found += _friction(where, terms.hold, numbers)
+        elif isinstance(terms.hold, Rigid):
+            found += _contact(where, terms.hold, numbers)
+    return [*found, *_shared(scene, named)]
+
+
+Numbers = dict[sympy.Symbol, float]
+
+
+def _friction(where: str, hold: Sticking, numbers: Numbers) -> Iterator[str]:
+    for word, value in (("coefficient", hold.kinetic), ("static coefficient", hold.static)):
+        if value is not None and kinds(value, Coordinate, Velocity, Time):
+            yield (
+                f"{where}: the {word} {value} varies in a run; a friction that sticks takes "
+                "numbers and parameters: give creep= for one that varies."
+            )
+            return
+    if hold.static is None:
+        return
+    kinetic, static = (float(e.subs(numbers)) for e in (hold.kinetic, hold.static))
+    if static < kinetic:
+        yield (
+            f"{where}: the static coefficient {hold.static} is {static:g}, below the kinetic one, "
+            f"{hold.kinetic} = {kinetic:g}; give parameters with which it is not."
+        )
+
+
+def _contact(where: str, hold: Rigid, numbers: Numbers) -> Iterator[str]:
+    for word, value in (("restitution", hold.restitution), ("typical force", hold.scale)):
+        if kinds(value, Coordinate, Velocity, Time):
+            yield f"{where}: the {word} {value} varies in a run; give a number or parameters."
+            return
+    e, scale = (float(x.subs(numbers)) for x in (hold.restitution, hold.scale))
+    if not 0 <= e <= 1:
+        yield (
+            f"{where}: the restitution {hold.restitution} is {e:g}; give parameters with which it "
+            "is from 0 (no rebound) to 1 (no loss)."
+        )
+    if not scale > 0:
+        yield f"{where}: the typical force {hold.scale} is {scale:g} N; make it positive."
+    yield from all_problems(where, [hold.gap], may_switch=False)
+
+
+def _shared(scene: Scene, named: list[Named]) -> Iterator[str]:
+    """A surface g = 0 on which two effects act, where one number cannot say what both do."""
+    where = f"scene '{scene.name}'"
+    met: list[tuple[str, Switch]] = []
+    for name, terms in named:
+        for switch in switches([(name, terms)]):
+            for other, known in met:
+                if switch.g not in (known.g, -known.g):
+                    continue
+                pair = f"'{other}' and '{name}'"
+                if switch.kind == known.kind == "contact":
+                    yield (
+                        f"{where}: {pair} are contacts at the same gap {known.g}, whose reactions "
+                        "no motion tells apart; leave one of them out."
+                    )
+                elif "contact" not in (switch.kind, known.kind) and not _equal(
+                    switch.ratio, known.ratio
+                ):
+                    holds = other if known.ratio is not None else name
+                    yield (
+                        f"{where}: {pair} both change where {known.g} = 0, and '{holds}' has a "
+                        "static coefficient of its own, which holds both; leave static= out, or "
+                        "give both frictions the same coefficients."
+                    )
+            met.append((name, switch))
+
+
+def _equal(one: sympy.Expr | None, other: sympy.Expr | None) -> bool:
+    """Whether two ratios are the same, but for the rounding of their numbers."""
+    difference = (sympy.S.One if one is None else one) - (sympy.S.One if other is None else other)
+    return bool(difference == 0 or (difference.is_number and abs(difference) < 1e-12))

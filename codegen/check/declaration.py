@@ -1,0 +1,299 @@
+"""Everything that can be wrong with a model and a scene, found before anything is derived.
+
+Each finding is a sentence that names the element, shows the numbers and says what to do. All of
+them are reported together.
+"""
+
+import re
+from collections.abc import Iterator
+
+import sympy
+
+from codegen.check.contacts import hold_problems
+from codegen.check.expressions import all_problems, constraint_problems
+from codegen.check.outputs import output_problems
+from codegen.declare.body import Body
+from codegen.declare.element import (
+    ConjugateReaction,
+    Constraint,
+    Effect,
+    I,
+    J,
+    friction_law,
+    hold,
+    own_coordinates,
+    pulling,
+    reported,
+)
+from codegen.declare.names import nearest
+from codegen.declare.scene import Scene
+from codegen.declare.symbols import SPEED, Coordinate, Given, Parameter, Velocity, kinds, side, t
+from codegen.derive.equations import active_joints
+from codegen.model import Model
+
+WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
+
+
+def check_model(model: Model) -> list[str]:
+    """Problems of the declaration, whatever the scene."""
+    found = list(model.problems)
+    if not model.bodies:
+        found.append(f"model '{model.name}' has no body; declare one with model.body(...).")
+    elements: list[Constraint | Effect] = [*model.joints.values(), *model.drivers.values()]
+    effects = _all_effects(model)
+    elements += effects
+    for element in elements:
+        found += _bodies(model, element)
+        found += element.problems()
+        found += _words(element)
+    masses = _masses(model)
+    for constraint in (*model.joints.values(), *model.drivers.values()):
+        if constraint.problems():
+            continue
+        statement = constraint.statement()
+        expressions = (*statement.phi, *statement.bindings.values())
+        for symbol in _strangers(model, constraint, expressions):
+            found.append(_unknown(model, constraint, symbol))
+        found += constraint_problems(constraint)
+        found += _orientations(constraint)
+    for effect in effects:
+        if effect.problems():
+            continue
+        sound = tuple(body for name, body in model.bodies.items() if name not in masses)
+        terms = _effect_expressions(effect, sound)
+        for symbol in _strangers(model, effect, terms):
+            found.append(_unknown(model, effect, symbol))
+        where = f"{effect.kind} '{effect.name}'"
+        found += all_problems(where, terms, may_switch=True)
+    found += [sentence for sentences in masses.values() for sentence in sentences]
+    found += filter(None, (p.problem(p.value) for p in model.parameters.values()))
+    found += _collisions(model)
+    return list(dict.fromkeys(found))
+
+
+def check_scene(model: Model, scene: Scene) -> list[str]:
+    """Problems of one scene of a sound model."""
+    where = f"scene '{scene.name}'"
+    joints = active_joints(model, scene)
+    found = []
+    if not scene.bodies:
+        found.append(
+            f"{where}: no body takes part, so there is no coordinate to compute; leave one of "
+            f"{', '.join(model.bodies)} in."
+        )
+    if scene.analysis != "kinematics":
+        for name in scene.bodies:
+            body = model.bodies[name]
+            words = ("mass", "inertia") if body.turns else ("mass",)
+            missing = [word for word in words if getattr(body, word) is None]
+            if missing:
+                arguments = ", ".join(f"{word}=..." for word in words)
+                found.append(
+                    f"{where}: body '{name}' has no {' and no '.join(missing)}; give it in "
+                    f"model.{'body' if body.turns else 'particle'}('{name}', {arguments}), or "
+                    "declare the scene with analysis='kinematics'."
+                )
+    for kind, names in (("effect", scene.effects), ("driver", scene.drivers)):
+        for name in names:
+            found += [
+                f"{where}: {kind} '{name}' needs {model.kind(owner)} '{owner}', which takes no "
+                f"part; leave '{name}' out, or take '{owner}' in."
+                for owner in _needed(model, scene, name)
+                if owner not in (*scene.bodies, *joints)
+            ]
+    for name, _ in (*scene.start, *scene.guess):
+        owner = name.rpartition(".")[0]
+        if owner not in (*scene.bodies, *joints):
+            found.append(
+                f"{where}: {name} has a start value, but its {model.kind(owner)} takes no part."
+            )
+    found += output_problems(model, scene)
+    found += hold_problems(model, scene)
+    for name, value in scene.parameters:
+        if problem := model.parameters[name].problem(value):
+            found.append(f"{where}: {problem}")
+    return found
+
+
+def _all_effects(model: Model) -> list[Effect]:
+    """The effects in every fidelity that their declaration has the numbers for."""
+    found = list(model.effects.values())
+    for name, forms in model.fidelities.items():
+        others = (form for form in forms.values() if form is not model.effects[name])
+        found += [form for form in others if not isinstance(form, str)]
+    return found
+
+
+def _words(element: Constraint | Effect) -> Iterator[str]:
+    """Texts of a user's own element that go into the generated module as they are."""
+    where = f"element {element.name!r}"
+    if not WORDS.fullmatch(str(element.kind)):
+        yield f"{where}: its kind {element.kind!r} must be a few words of ASCII letters."
+    if not isinstance(element, Constraint) or element.problems():
+        return
+    statement = element.statement()
+    rows, count = statement.rows, len(statement.phi)
+    if len(rows) != count or not all(WORDS.fullmatch(str(row)) for row in rows):
+        yield f"{where}: its rows {rows!r} must be {count} ASCII words, one an equation."
+    if isinstance(statement.reaction, ConjugateReaction):
+        parts = statement.reaction.components
+        texts = [text for pair in parts for text in pair if text]
+        if len(parts) != count or not all(WORDS.fullmatch(str(text)) for text in texts):
+            yield f"{where}: its reactions {parts!r} must be {count} pairs of a word and a unit."
+
+
+def _bodies(model: Model, element: Constraint | Effect) -> Iterator[str]:
+    where = f"{element.kind} '{element.name}'"
+    for body in element.bodies:
+        if body.model is not model.token:
+            yield (
+                f"{where}: body '{body.name}' belongs to another model; "
+                f"use a body of '{model.name}'."
+            )
+        elif not body.fixed and model.bodies.get(body.name) is not body:
+            yield f"{where}: body '{body.name}' is not declared in '{model.name}'."
+    pair = element.bodies if isinstance(element, Constraint) else ()
+    if len(pair) == 2 and pair[0] is pair[1]:
+        yield f"{where} connects body '{pair[0].name}' with itself; give two different bodies."
+
+
+def _orientations(constraint: Constraint) -> Iterator[str]:
+    """Joints that would turn a particle; only its place can be held."""
+    statement = constraint.statement()
+    phi = sympy.Tuple(*statement.phi)
+    for frame in (I, J):
+        held = phi.xreplace(dict.fromkeys(frame.s, sympy.S.Zero))
+        if not held.has(frame.phi):
+            continue
+        body = next((b for b in constraint.bodies if statement.bindings.get(frame.x) == b.x), None)
+        if body and not body.turns:
+            yield (
+                f"{constraint.kind} '{constraint.name}' holds an angle of '{body.name}', which is "
+                "a particle and has none; use a joint that leaves it free to turn, or a body."
+            )
+
+
+def _needed(model: Model, scene: Scene, name: str) -> list[str]:
+    """The bodies, and joints with coordinates, that an effect or driver acts on or looks at."""
+    element: Constraint | Effect = model.drivers.get(name) or model.acting(scene)[name]
+    needed = [body.name for body in element.bodies if not body.fixed]
+    if isinstance(element, Effect):
+        bodies = tuple(model.bodies[b] for b in scene.bodies)
+        if law := friction_law(element):
+            needed.append(law.joint)
+        for expression in _effect_expressions(element, bodies):
+            owners = (s.name.rpartition("_")[0] for s in kinds(expression, Coordinate, Velocity))
+            needed += owners
+    return list(dict.fromkeys(needed))
+
+
+def _effect_expressions(effect: Effect, bodies: tuple[Body, ...]) -> list[sympy.Basic]:
+    potential = effect.potential(bodies)
+    forces = effect.forces(bodies)
+    law = friction_law(effect)
+    found: list[sympy.Basic] = [*forces, *forces.values()]
+    found += [e for pair in pulling(effect, bodies) for e in pair]
+    found += [] if potential is None else [potential]
+    found += [value for _, _, value in reported(effect, bodies)]
+    holding = hold(effect, bodies)
+    if holding is not None:
+        found += [e for e in vars(holding).values() if e is not None]
+    if law is not None:
+        found += [e for e in (law.strength, law.creep, law.along) if e is not None]
+    return found
+
+
+def _strangers(
+    model: Model,
+    element: Constraint | Effect,
+    expressions: list[sympy.Basic] | tuple[sympy.Basic, ...],
+) -> list[sympy.Symbol]:
+    """Symbols that mean nothing in the model."""
+    known: set[sympy.Symbol] = {Parameter(name, real=True) for name in model.parameters}
+    known.add(SPEED)
+    for body in (*model.bodies.values(), *element.bodies):
+        known.update(body.coordinates)
+        known.update(q.rate for q in body.coordinates)
+    for joint in model.joints.values():
+        for q in own_coordinates(joint):
+            known |= {q, q.rate}
+    placeholders: set[sympy.Symbol] = set()
+    if isinstance(element, Constraint):
+        placeholders = set(element.statement().bindings)
+    symbols = set().union(*(e.free_symbols for e in expressions)) - known - placeholders
+    allowed = isinstance(element, Constraint)
+    return sorted(
+        (s for s in symbols - {side(element.name), t} if not (allowed and isinstance(s, Given))),
+        key=lambda s: s.name,
+    )
+
+
+def _unknown(model: Model, element: Constraint | Effect, symbol: sympy.Symbol) -> str:
+    where = f"{element.kind} '{element.name}'"
+    if isinstance(symbol, Coordinate | Velocity):
+        owner = symbol.name.rpartition("_")[0]
+        if owner in model.bodies:
+            return (
+                f"{where} uses {symbol.name}, but {model.kind(owner)} '{owner}' has no such "
+                f"coordinate; it has {', '.join(q.name for q in model.bodies[owner].coordinates)}."
+            )
+        return (
+            f"{where} uses {symbol.name}, but there is no body '{owner}' in '{model.name}'; "
+            f"{nearest(owner, model.bodies)}"
+        )
+    if symbol.name in model.parameters:
+        return (
+            f"{where}: the symbol '{symbol}' has the name of a parameter but is another symbol; "
+            "use the object that model.parameter(...) returned."
+        )
+    if symbol.name == "t":
+        return f"{where}: the symbol 't' is not the time; use the t of 'from codegen import t'."
+    return (
+        f"{where}: unknown symbol '{symbol}'; declare it with model.parameter('{symbol}', ...), "
+        f"or {nearest(symbol.name, model.parameters)}"
+    )
+
+
+def _masses(model: Model) -> dict[str, list[str]]:
+    """Body → what is wrong with its mass and inertia."""
+    found = {body.name: list(_mass_problems(model, body)) for body in model.bodies.values()}
+    return {name: sentences for name, sentences in found.items() if sentences}
+
+
+def _mass_problems(model: Model, body: Body) -> Iterator[str]:
+    defaults = {Parameter(p.name, real=True): p.value for p in model.parameters.values()}
+    for word, unit in (("mass", "kg"), ("inertia", "kg m^2")):
+        value = getattr(body, word)
+        if value is None:
+            continue
+        strangers = [s.name for s in value.free_symbols if s not in defaults]
+        if strangers:
+            yield (
+                f"{word} of body '{body.name}': unknown symbol "
+                f"{', '.join(map(repr, sorted(strangers)))}; "
+                "a mass is a number or an expression of parameters."
+            )
+            continue
+        number = value.subs(defaults)
+        if not (number.is_real and 0 < number < sympy.oo):
+            shown = f"{float(number):g}" if number.is_real else str(number)
+            yield (
+                f"{word} of body '{body.name}' is {shown} {unit}; it must be positive and "
+                "finite (leave it out where the scene is kinematic)."
+            )
+
+
+def _collisions(model: Model) -> Iterator[str]:
+    """Two things that would have one name in the generated text."""
+    owners: dict[str, str] = {"t": "the time"}
+    for body in model.bodies.values():
+        for q in body.coordinates:
+            for symbol in (q, q.rate):
+                owners[symbol.name] = f"a coordinate or velocity of body '{body.name}'"
+    for joint in model.joints.values():
+        for q in own_coordinates(joint):
+            for symbol in (q, q.rate):
+                owners[symbol.name] = f"a coordinate or velocity of joint '{joint.name}'"
+    for name in model.parameters:
+        if name in owners:
+            yield f"parameter '{name}' has the name of {owners[name]}; rename it."

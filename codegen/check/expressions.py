@@ -1,0 +1,100 @@
+"""Whether expressions can be compiled, asked of a declaration before anything is derived."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import sympy
+from sympy.core.relational import Relational
+from sympy.functions.elementary.piecewise import ExprCondPair
+
+from codegen.declare.element import Constraint
+from codegen.declare.symbols import Coordinate, Given, Time, Velocity, kinds
+from codegen.declare.table_function import Interpolant
+from codegen.derive.conditions import KINKED
+from codegen.lower.sympy_translation import FUNCTIONS
+
+KNOWN = ", ".join(sorted(f.__name__ for f in (*FUNCTIONS, *KINKED)))
+ARITHMETIC = (sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow)
+NUMBERLESS = (sympy.I, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
+FINITE = "; give finite real numbers."
+UNDEFINED = f"contains nan{FINITE}"
+
+
+def constraint_problems(constraint: Constraint) -> Iterator[str]:
+    """What in a joint's or driver's equations is not an equation of positions and time."""
+    where = f"{constraint.kind} '{constraint.name}'"
+    statement = constraint.statement()
+    fixed = {k: v for k, v in statement.bindings.items() if isinstance(k, Given)}
+    expressions = (*statement.phi, *fixed.values())
+    yield from all_problems(where, expressions, may_switch=False)
+    for expression in expressions:
+        for symbol in kinds(expression, Velocity):
+            yield (
+                f"{where}: {expression} contains the velocity {symbol}; constraints are equations "
+                "of coordinates, parameters and t."
+            )
+    for meaning in fixed.values():
+        moving = [str(s) for s in kinds(meaning, Time, Coordinate)]
+        if moving:
+            yield (
+                f"{where}: {meaning} depends on {', '.join(moving)}, but points, axes, lengths and "
+                "angles are fixed: give numbers or expressions of parameters, or write the "
+                "equations with model.constraint(...)."
+            )
+
+
+def all_problems(where: str, expressions: Iterable[sympy.Basic], may_switch: bool) -> list[str]:
+    """What is wrong with expressions; an undefined number only where nothing else explains it."""
+    found = [p for e in expressions for p in expression_problems(where, e, may_switch)]
+    telling = [problem for problem in found if not problem.endswith(UNDEFINED)]
+    return telling or found
+
+
+def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -> Iterator[str]:
+    """What in an expression has no smooth pieces, or no meaning to a compiler."""
+    waiting: list[Any] = [expression]
+    while waiting:
+        node = waiting.pop()
+        if node in NUMBERLESS:
+            yield f"{where}: {expression} contains {node}{FINITE}"
+        elif isinstance(node, sympy.Piecewise | ExprCondPair):
+            waiting += [a for a in node.args if a not in (sympy.true, sympy.false)]
+            if isinstance(node, sympy.Piecewise):
+                yield from _piecewise_problems(where, node)
+        elif isinstance(node, Relational):
+            yield from _condition_problems(where, node, may_switch)
+            waiting += node.args
+        elif isinstance(node, sympy.And | sympy.Or | sympy.Not | sympy.ITE):
+            waiting += node.args
+        elif node.func in KINKED and not may_switch:
+            yield f"{where}: {node} has a kink; constraints and motions are smooth expressions."
+        elif isinstance(node, Interpolant):
+            waiting.append(node.at)
+        elif node.func in (*FUNCTIONS, *KINKED) or isinstance(node, ARITHMETIC):
+            waiting += node.args
+        elif not node.is_number:
+            yield f"{where}: {node} cannot be compiled; known are {KNOWN}, powers and Piecewise."
+
+
+def _piecewise_problems(where: str, node: sympy.Piecewise) -> Iterable[str]:
+    for _, condition in node.args:
+        if condition.is_Symbol:
+            yield f"{where}: {condition} is no condition; compare it with something."
+    if node.args[-1].cond != sympy.true:
+        yield (
+            f"{where}: {node} says nothing where none of its conditions holds; "
+            "end it with (value, True)."
+        )
+
+
+def _condition_problems(where: str, node: Relational, may_switch: bool) -> Iterable[str]:
+    if isinstance(node, sympy.Eq | sympy.Ne):
+        yield (
+            f"{where}: the condition {node} is an equality, which no motion meets for a time; "
+            "use an inequality."
+        )
+    if not may_switch:
+        yield (
+            f"{where}: the condition {node} stands where nothing may switch; constraints and "
+            "motions are smooth expressions."
+        )

@@ -1,0 +1,154 @@
+"""A look at a mechanism before it is compiled: whether its constraints can be independent.
+
+The equations are evaluated by the interpreter, near the start values; the constraints are closed
+by Gauss-Newton steps of least norm; then Gaussian elimination with full pivoting finds the rows
+of Φ_q that depend on others (Haug 3.4). Drivers stand last, so that a driver that repeats a
+joint is the one named.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.derive.equations import Equations
+from codegen.lower.interpreter import evaluate
+from codegen.lower.kernels.scene_kernels import Lowered
+
+Array = npt.NDArray[np.float64]
+TOLERANCE = 1e-8
+PROBES = 3
+
+
+class Findings(NamedTuple):
+    """What is to be said about a scene's constraints.
+
+    Attributes
+    ----------
+    problems
+        Drivers that have nothing left to drive.
+    notes
+        Joints that repeat each other: a run bears with them, while their parameters let them agree.
+    independent
+        Number of constraints that do not follow from others.
+    """
+
+    problems: tuple[str, ...]
+    notes: tuple[str, ...]
+    independent: int
+
+
+def examine(equations: Equations, lowered: Lowered) -> Findings:
+    """Look for constraints that are too many near the start values."""
+    rows = [
+        (c.name, c.kind, c.driver, row) for c in equations.constraints for row in c.statement.rows
+    ]
+    n = len(equations.coordinates)
+    if not rows:
+        return Findings((), (), 0)
+    guess = np.zeros(n)
+    for k, q in enumerate(equations.coordinates):
+        owner, _, letter = q.name.rpartition("_")
+        named = dict((*equations.scene.guess, *equations.scene.start))
+        guess[k] = named.get(f"{owner}.{letter}", 0.0)
+    dependent = min(
+        (_dependent_rows(_jacobian_near(equations, lowered, guess, k)) for k in range(PROBES)),
+        key=len,
+    )
+    independent = len(rows) - len(dependent)
+    if not dependent:
+        return Findings((), (), independent)
+    found = [rows[i] for i in dependent]
+    redundant = ", ".join(f"{name}.{row} ({kind})" for name, kind, _, row in found)
+    head = (
+        f"scene '{equations.scene.name}': {len(rows)} constraints on {n} coordinates, of which "
+        f"only {independent} are independent; redundant: {redundant}."
+    )
+    drivers = sorted({name for name, _kind, driver, _row in found if driver})
+    if drivers:
+        blamed = " or ".join(repr(name) for name in drivers)
+        problem = f"{head} Remove or relax {blamed}: no motion is left for them to prevent."
+        return Findings((problem,), (), independent)
+    elements = " or ".join(repr(name) for name in sorted({row[0] for row in found}))
+    note = (
+        f"{head} The scene runs as long as its parameters let them agree, at some cost, and "
+        f"reactions of joints that share a load are not unique. Remove or relax {elements} to "
+        f"avoid both."
+    )
+    return Findings((), (note,), independent)
+
+
+def _jacobian_near(equations: Equations, lowered: Lowered, guess: Array, probe: int) -> Array:
+    """Φ_q in units of the machine's size, where the constraints hold or a few steps near there."""
+    random = np.random.default_rng(probe)
+    unit = _units(equations, _jacobian(equations, lowered, guess))
+    q = guess + (0.0 if probe == 0 else 0.1) * unit * random.standard_normal(len(guess))
+    jacobian = _jacobian(equations, lowered, q)
+    for _ in range(25):
+        if not np.all(np.isfinite(jacobian)):
+            break
+        phi = _flat(equations, lowered, "constraints", "phi", q)
+        step = np.linalg.lstsq(jacobian * unit, -phi, rcond=1e-10)[0]
+        length = float(np.linalg.norm(step))
+        q = q + unit * step / max(1.0, length)
+        jacobian = _jacobian(equations, lowered, q)
+        if length < 1e-12:
+            break
+    if not np.all(np.isfinite(jacobian)):
+        return random.standard_normal(jacobian.shape)
+    return jacobian * unit
+
+
+def _units(equations: Equations, jacobian: Array) -> Array:
+    """A radian for angles; for lengths the longest arm, so that size does not matter."""
+    angles = np.array([q.unit == "rad" for q in equations.coordinates])
+    moved = np.abs(jacobian[:, ~angles]).max(axis=1, initial=0.0)
+    turned = np.abs(jacobian[:, angles]).max(axis=1, initial=0.0)
+    arms = [float(a / b) for a, b in zip(turned, moved, strict=True) if a > 0 and b > 0]
+    longest = max(arms, default=1.0)
+    return np.where(angles, 1.0, longest if math.isfinite(longest) else 1.0)
+
+
+def _jacobian(equations: Equations, lowered: Lowered, q: Array) -> Array:
+    m = sum(len(c.statement.rows) for c in equations.constraints)
+    dense = np.zeros((m, len(equations.coordinates)))
+    pattern = lowered.description.jacobian
+    dense[list(pattern.rows), list(pattern.columns)] = _flat(
+        equations, lowered, "jacobian", "values", q
+    )
+    return dense
+
+
+def _flat(equations: Equations, lowered: Lowered, kernel: str, array: str, q: Array) -> Array:
+    arguments = {
+        "t": 0.0,
+        "q": q.tolist(),
+        "p": [p.value for p in equations.parameters],
+    }
+    try:
+        slots = evaluate(lowered.program, kernel, arguments, math).get(array, {})
+    except (ZeroDivisionError, ValueError, OverflowError):
+        slots = {}
+        (wanted,) = (k for k in lowered.program.kernels if k.name == kernel)
+        return np.full(len(wanted.outputs), np.nan)
+    return np.array([slots[k] for k in range(len(slots))])
+
+
+def _dependent_rows(jacobian: Array) -> Sequence[int]:
+    """Rows that depend on earlier ones, by elimination with pivots from the first rows on."""
+    work = jacobian / np.maximum(np.linalg.norm(jacobian, axis=1, keepdims=True), 1e-300)
+    basis: list[Array] = []
+    dependent = []
+    for i, row in enumerate(work):
+        rest = row.copy()
+        for _ in range(2):
+            for b in basis:
+                rest -= (b @ rest) * b
+        size = float(np.linalg.norm(rest))
+        if size > TOLERANCE:
+            basis.append(rest / size)
+        else:
+            dependent.append(i)
+    return dependent

@@ -1,0 +1,120 @@
+"""Shapes of cams: whether a profile is closed, smooth, and convex where its follower needs it."""
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+import numpy.typing as npt
+import sympy
+
+from codegen.declare.body import Curve
+from codegen.declare.symbols import alpha
+from codegen.declare.table_function import TableAtom
+
+SAMPLES = 720
+ALPHAS = tuple(2 * math.pi * k / SAMPLES for k in range(SAMPLES + 1))
+TOLERANCE = 1e-9
+UNDEFINED = (ArithmeticError, ValueError, TypeError, NameError)
+"""What functions of numbers say where they have no value, or no meaning."""
+
+
+def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Iterator[str]:
+    """What is wrong with x'(α), y'(α), m; numbers only, so parameters have their defaults.
+
+    Only a closed curve has a range of α that is known, and is looked at along all of it.
+    """
+    strangers = profile.free_symbols - {alpha}
+    if strangers:
+        names = ", ".join(sorted(repr(s.name) for s in strangers))
+        yield f"unknown symbol {names}; a profile is written in alpha and parameters."
+        return
+    first, second = profile.diff(alpha), profile.diff(alpha, 2)
+    if first.is_zero_matrix:
+        yield f"{tuple(profile)} is a point, not a curve; write it in alpha."
+        return
+    if not closed:
+        return
+    try:
+        points = _sampled((*profile, *first, *second))
+    except UNDEFINED as error:
+        yield f"the profile {tuple(profile)} cannot be evaluated from α = 0 to 2π: {error}."
+        return
+    if not np.isfinite(points).all():
+        yield f"the profile {tuple(profile)} is not finite everywhere from α = 0 to 2π."
+        return
+    size = max(abs(c) for point in points for c in point[:2]) or 1.0
+    for what, k in (("does not close", 0), ("has a corner where it closes", 2)):
+        gap = max(abs(points[-1][k + i] - points[0][k + i]) for i in (0, 1))
+        if gap > TOLERANCE * size:
+            yield (
+                f"the profile {what}: its {'ends' if k == 0 else 'tangents'} at α = 0 and 2π "
+                f"are {gap:.3g} m apart; give functions of period 2π."
+            )
+            return
+    speeds = [(dx * dx + dy * dy) ** 0.5 for _, _, dx, dy, _, _ in points]
+    slowest = min(range(len(points)), key=speeds.__getitem__)
+    if speeds[slowest] <= TOLERANCE * size:
+        yield (
+            f"the profile has a cusp: at α = {_angle(slowest)} rad its tangent is "
+            f"{speeds[slowest]:.3g} m per rad; give a smooth profile."
+        )
+    elif convex:
+        bends = [dx * y2 - dy * x2 for _, _, dx, dy, x2, y2 in points]
+        turn = 1.0 if sum(bends) > 0 else -1.0
+        least = min(range(len(points)), key=lambda k: turn * bends[k])
+        if turn * bends[least] <= TOLERANCE * size * size:
+            curvature = turn * bends[least] / speeds[least] ** 3
+            yield (
+                f"the profile is not convex: at α = {_angle(least)} rad its curvature is "
+                f"{curvature:.3g} 1/m, and a flat face needs a positive one everywhere; enlarge "
+                "the base circle, or use a roller."
+            )
+
+
+def pace(profile: sympy.Matrix) -> float:
+    """|c'(0)|, m per rad, to three digits, for a curve written in alpha and numbers; else 1."""
+    try:
+        slope = _sampled(tuple(profile.diff(alpha)), at=(0.0,))[0]
+    except UNDEFINED:
+        return 1.0
+    size = math.hypot(*slope)
+    return float(f"{size:.3g}") if 0.0 < size < math.inf else 1.0
+
+
+def places(profile: sympy.Matrix) -> npt.NDArray[np.float64]:
+    """Points of a curve that is written in alpha and numbers, at `ALPHAS`, samples × 2."""
+    return np.array(_sampled(tuple(profile)))
+
+
+def in_ground(curve: Curve, numbers: Mapping[sympy.Symbol, float]) -> npt.NDArray[np.float64]:
+    """Points of a curve in the global frame for coordinates and parameters, samples × 2."""
+    x, y, phi = (float(c.subs(numbers)) for c in curve.body.pose)
+    c, s = math.cos(phi), math.sin(phi)
+    turned = places(curve.at(alpha).subs(numbers)) @ np.array([[c, s], [-s, c]])
+    found: npt.NDArray[np.float64] = turned + np.array([x, y])
+    return found
+
+
+def outward(points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Unit normals of a closed curve at its points, pointing out of it, samples × 2."""
+    tangent = np.gradient(points, axis=0)
+    tangent[0] = tangent[-1] = points[1] - points[-2]
+    x, y = points.T
+    turn = np.sign(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))
+    normal = turn * np.stack([tangent[:, 1], -tangent[:, 0]], axis=1)
+    found: npt.NDArray[np.float64] = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    return found
+
+
+def _sampled(
+    expressions: tuple[sympy.Expr, ...], at: tuple[float, ...] = ALPHAS
+) -> list[tuple[float, ...]]:
+    """Values at parameters of the curve."""
+    tables = {str(a): a.table for e in expressions for a in e.atoms(TableAtom)}
+    tables["Interpolant"] = lambda table, order, at: table(at, order)
+    everything = sympy.lambdify(alpha, expressions, [tables, "math"])
+    return [tuple(map(float, everything(value))) for value in at]
+
+
+def _angle(k: int) -> str:
+    return f"{ALPHAS[k]:.4g}"

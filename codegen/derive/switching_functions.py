@@ -1,0 +1,180 @@
+"""The switching functions of a scene: of conditions, frictions that stick, rigid contacts."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Literal
+
+import sympy
+
+from codegen.declare.element import Rigid, Sticking
+from codegen.declare.symbols import Acceleration, Coordinate, Side, Velocity, kinds, side, t
+from codegen.derive.conditions import conditions, switching_function
+from codegen.derive.derivative import derivative
+from codegen.derive.effects import EffectTerms
+
+Named = tuple[str, EffectTerms]
+
+
+@dataclass(frozen=True)
+class Switch:
+    """A switching function g of an effect and its rate dg/dt along the motion.
+
+    Attributes
+    ----------
+    effect
+        The first effect that switches there.
+    text
+        The condition that holds where g > 0.
+    kind
+        A ``"friction"`` holds g = 0 by forces between those of both modes, a ``"contact"`` by a
+        reaction; all else is a ``"condition"``.
+    ratio
+        Of a friction: μ_s/μ, where it is not 1.
+    """
+
+    effect: str
+    text: str
+    g: sympy.Expr
+    rate: sympy.Expr
+    kind: Literal["condition", "friction", "contact"] = "condition"
+    ratio: sympy.Expr | None = None
+
+
+@dataclass(frozen=True)
+class HeldSide:
+    """The number `symbol` is `above` in mode 1 of a switch and `below` in mode 0."""
+
+    symbol: Side
+    switch: int
+    above: int
+    below: int
+
+
+@dataclass(frozen=True)
+class RigidContact:
+    """A rigid contact in a scene.
+
+    Attributes
+    ----------
+    effect, switch
+        Its name, and the number of its switch.
+    moving
+        Whether the gap changes by itself with the time, so that the contact does work.
+    acceleration
+        d²g/dt² along the motion.
+    restitution, scale
+        e, and the reaction F0 of mode 0, N.
+    """
+
+    effect: str
+    switch: int
+    moving: bool
+    acceleration: sympy.Expr
+    restitution: sympy.Expr
+    scale: sympy.Expr
+
+
+@cache
+def rate(g: sympy.Expr) -> sympy.Expr:
+    """dg/dt = g_t + g_q q̇ + g_q̇ q̈."""
+    terms = [derivative(g, t)]
+    terms += [derivative(g, q) * q.rate for q in kinds(g, Coordinate)]
+    for v in kinds(g, Velocity):
+        terms.append(derivative(g, v) * Acceleration(f"{v.name}_rate", real=True))
+    return sympy.Add(*terms)
+
+
+def switches(effects: Iterable[Named]) -> tuple[Switch, ...]:
+    """Those of the effects of a scene, (name, terms) each.
+
+    One switch a condition: a condition and its opposite share it, and so does a friction whose
+    slip changes sign with them. A contact has its own, since a reaction scales its force alone.
+    """
+    effects = tuple(effects)
+    contacts, others = [], list[Switch]()
+    for name, terms in effects:
+        hold = terms.hold
+        if isinstance(hold, Rigid):
+            g = hold.gap
+            contacts.append(Switch(name, f"{g} > 0", g, rate(g), "contact"))
+        elif isinstance(hold, Sticking) and _same(hold.slip, others) is None:
+            g = hold.slip
+            others.append(Switch(name, f"{g} > 0", g, rate(g), "friction", ratio(hold)))
+    for name, terms in effects:
+        for condition in conditions(_expressions(terms)):
+            g = switching_function(condition)
+            if _same(g, others) is None:
+                others.append(Switch(name, str(condition), g, rate(g)))
+    return (*contacts, *others)
+
+
+def ratio(hold: Sticking) -> sympy.Expr | None:
+    """μ_s/μ, or None for 1."""
+    return None if hold.static is None else hold.static / hold.kinetic
+
+
+def held_sides(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[HeldSide, ...]:
+    """The sides of the effects that hold, in their order."""
+    found = []
+    for name, terms in effects:
+        if isinstance(terms.hold, Rigid):
+            number = next(
+                k for k, s in enumerate(among) if s.kind == "contact" and s.effect == name
+            )
+            found.append(HeldSide(side(name), number, 0, 1))
+        elif isinstance(terms.hold, Sticking):
+            others = [s for s in among if s.kind != "contact"]
+            same = _same(terms.hold.slip, others)
+            assert same is not None
+            one = -1 if same[1] else 1
+            found.append(HeldSide(side(name), among.index(others[same[0]]), one, -one))
+    return tuple(found)
+
+
+def sought(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[tuple[str, int], ...]:
+    """(effect, switch) of the frictions in joints whose force at rest is sought by itself.
+
+    They are those that have their switch for themselves: where a condition or another friction
+    changes with the same slip, all of them are what lies between their two modes.
+    """
+    effects = tuple(effects)
+    others = [s for s in among if s.kind != "contact"]
+    switching = [s.switch for s in held_sides(effects, among)]
+    for _, terms in effects:
+        functions = (switching_function(c) for c in conditions(_expressions(terms)))
+        same = (_same(g, others) for g in functions)
+        switching += [among.index(others[k[0]]) for k in same if k is not None]
+    rubbing = {name for name, terms in effects if terms.friction and terms.friction.sticks}
+    return tuple(
+        (s.effect, k)
+        for k, s in enumerate(among)
+        if s.kind == "friction" and s.effect in rubbing and switching.count(k) == 1
+    )
+
+
+def rigid_contacts(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[RigidContact, ...]:
+    """The rigid contacts, in the order of the effects."""
+    numbers = {s.effect: k for k, s in enumerate(among) if s.kind == "contact"}
+    return tuple(
+        RigidContact(
+            name, numbers[name], t in c.gap.free_symbols, rate(rate(c.gap)), c.restitution, c.scale
+        )
+        for name, c in ((name, terms.hold) for name, terms in effects)
+        if isinstance(c, Rigid)
+    )
+
+
+def _same(g: sympy.Expr, among: list[Switch]) -> tuple[int, bool] | None:
+    """Place of the switch with g or -g, and whether it is -g."""
+    for k, switch in enumerate(among):
+        if switch.g in (g, -g):
+            return k, switch.g != g
+    return None
+
+
+def _expressions(terms: EffectTerms) -> Iterator[sympy.Expr]:
+    yield from (e for pair in terms.pulls for e in pair)
+    yield from (e for _, e in terms.loads)
+    if terms.potential is not None:
+        yield terms.potential

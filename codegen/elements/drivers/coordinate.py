@@ -1,0 +1,40 @@
+"""A driver: a coordinate, or any expression of coordinates, follows a law of time (Haug 3.5)."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.element import ConjugateReaction, Statement
+from codegen.declare.symbols import Coordinate
+from codegen.elements.drivers.time_law import COMPONENTS, law_problems
+from codegen.elements.registry import element
+
+
+@element(driver=True)
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """driven - law(t) = 0; its reaction is what the driver exerts along `driven`."""
+
+    kind: ClassVar[str] = "driver"
+    name: str
+    driven: sympy.Expr
+    law: sympy.Expr
+    bodies: tuple[Body, ...]
+
+    def statement(self) -> Statement:
+        """One equation; for a single coordinate the reaction is a force or torque on its body."""
+        component = ("force", "")
+        row = "motion"
+        if isinstance(self.driven, Coordinate):
+            row = self.driven.name.rpartition("_")[2]
+            component = COMPONENTS[row]
+        return Statement((self.driven - self.law,), (row,), ConjugateReaction((component,)))
+
+    def problems(self) -> list[str]:
+        """The law must be one of time alone, twice differentiable, and something must be driven."""
+        found = []
+        if not self.bodies:
+            found.append(f"driver '{self.name}': {self.driven} names no coordinate of a body.")
+        return found + law_problems(f"driver '{self.name}'", self.law)

@@ -1,0 +1,80 @@
+"""Tables → the functions of a generated module that look them up."""
+
+from collections.abc import Iterator
+
+from codegen.cubic_spline import MARGIN, Table
+from codegen.emit.literals import assignment
+from codegen.lower.program import Lookup, Program
+
+POLYNOMIALS = (
+    "c[k, 0] + s * (c[k, 1] + s * (c[k, 2] + s * c[k, 3]))",
+    "c[k, 1] + s * (2.0 * c[k, 2] + s * (3.0 * c[k, 3]))",
+    "2.0 * c[k, 2] + s * (6.0 * c[k, 3])",
+    "6.0 * c[k, 3] + 0.0 * s",
+)
+
+
+def lookups(program: Program) -> dict[Lookup, str]:
+    """The derivatives of tables that a program takes → names of the functions that look them up.
+
+    Tables are numbered in the order of their names: what a modeller calls them may be the name of
+    something else in the module.
+    """
+    found = {v.literal for v in program.values if isinstance(v.literal, Lookup)}
+    wanted = sorted(found, key=lambda look: (look.table.name, look.table.digest, look.order))
+    numbers: dict[Table, int] = {}
+    names = {}
+    for look in wanted:
+        number = numbers.setdefault(look.table, len(numbers))
+        names[look] = f"table_{number}" + (f"_d{look.order}" if look.order else "")
+    return names
+
+
+def spline_lines(program: Program) -> Iterator[str]:
+    """Tables and functions, nothing where a program takes none."""
+    names = lookups(program)
+    for number, table in enumerate(dict.fromkeys(look.table for look in names)):
+        yield from ("", "")
+        yield from _table(table, f"table_{number}")
+        for look, name in names.items():
+            if look.table == table:
+                yield from ("", "")
+                yield from _function(look, name, f"table_{number}")
+
+
+def _table(table: Table, name: str) -> Iterator[str]:
+    upper = name.upper()
+    first, length = table.knots[0], table.knots[-1] - table.knots[0]
+    yield f"# {table.name}"
+    yield from assignment(f"{upper}_KNOTS", table.knots)
+    yield from assignment(f"{upper}_ROWS", table.rows)
+    yield f"{upper}_X, {upper}_C = np.array({upper}_KNOTS), np.array({upper}_ROWS)"
+    yield from ("", "")
+    yield '@numba.njit("Tuple((i8, f8))(f8)", **OPTIONS)'
+    yield f"def {name}_at(x):"
+    kind = "periodic" if table.periodic else "nan beyond its ends"
+    yield f'    """Interval of the table and the distance from its left knot; {kind}."""'
+    if table.periodic:
+        yield f"    x -= {length!r} * math.floor((x - {first!r}) / {length!r})"
+    else:
+        low, high = first - MARGIN * length, first + (1 + MARGIN) * length
+        yield f"    if not {low!r} <= x <= {high!r}:"
+        yield "        return 0, math.nan"
+    yield f"    low, high = 0, {len(table.rows)}"
+    yield "    while high - low > 1:"
+    yield "        middle = (low + high) // 2"
+    yield f"        if x < {upper}_X[middle]:"
+    yield "            high = middle"
+    yield "        else:"
+    yield "            low = middle"
+    yield f"    return low, x - {upper}_X[low]"
+
+
+def _function(look: Lookup, name: str, table: str) -> Iterator[str]:
+    yield '@numba.njit("f8(f8)", **OPTIONS)'
+    yield f"def {name}(x):"
+    what = f"Derivative {look.order} of the" if look.order else "The"
+    yield f'    """{what} cubic spline {look.table.name}."""'
+    yield f"    k, s = {table}_at(x)"
+    yield f"    c = {table.upper()}_C"
+    yield f"    return {POLYNOMIALS[look.order]}"

@@ -1,0 +1,131 @@
+"""A scene put together part by part, so that what each part adds is a difference of two programs.
+
+Effects are added one after another in the order of their declaration: to the joints, drivers and
+masses alone first, and the last of these programs is the scene's. What a part adds depends on what
+is there already, as a sum of two forces costs one operation whichever of them came first; the
+increments add up to the whole exactly, in operations and in time.
+"""
+
+from dataclasses import dataclass
+
+from codegen.derive.equations import Equations
+from codegen.explain.marginal_cost import acting
+from codegen.lower.kernels.scene_kernels import Lowered, lower
+from codegen.lower.operation_count import by_element, operations
+from codegen.lower.program import Kernel, Output, Program
+
+Counts = dict[str, dict[str, int]]
+"""Part → kernel → operations."""
+
+SOLUTION = "factorization"
+"""The part of `accelerations` that solves the equations: all that no element is the cause of."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A kernel `accelerations` that does what the one before does, and the work of one more part.
+
+    Attributes
+    ----------
+    part
+        An element, or ``"factorization"``.
+    program
+        The kernels ``constants`` and ``accelerations``.
+    """
+
+    part: str
+    program: Program
+
+
+def grown(equations: Equations) -> tuple[Lowered, ...]:
+    """The scene with none of its effects, with the first, with the first two … with all."""
+    names = [effect.name for effect in equations.effects]
+    return tuple(lower(acting(equations, names[:k])) for k in range(len(names) + 1))
+
+
+def counted(equations: Equations, programs: tuple[Lowered, ...]) -> Counts:
+    """Operations of each part; those of a kernel add up to all that the kernel has.
+
+    Those of joints, drivers and shared work are of the scene without effects, each operation
+    counted for the element that needed it first; an effect has what each kernel grows by when it
+    joins those before it, negative where it spares the others work.
+    """
+    found: Counts = {}
+    totals: dict[str, int] = {}
+    bare = programs[0].program
+    for kernel in bare.kernels:
+        for part, count in by_element(bare, kernel).items():
+            found.setdefault(part, {})[kernel.name] = count
+    totals = operations_of(programs[0])
+    for effect, lowered in zip(equations.effects, programs[1:], strict=True):
+        after = operations_of(lowered)
+        added = {k: after.get(k, 0) - totals.get(k, 0) for k in {**totals, **after}}
+        found[effect.name] = {kernel: count for kernel, count in added.items() if count}
+        totals = after
+    for kernel_name in totals:
+        parts = sum(counts.get(kernel_name, 0) for counts in found.values())
+        assert parts == totals[kernel_name], (kernel_name, parts, totals[kernel_name])
+    return found
+
+
+def operations_of(lowered: Lowered) -> dict[str, int]:
+    """Kernel → arithmetic operations."""
+    program = lowered.program
+    return {k.name: operations(program, k) for k in program.kernels}
+
+
+def stages(equations: Equations, programs: tuple[Lowered, ...]) -> tuple[Stage, ...]:
+    """The kernel `accelerations`, from the first joint's terms to all; empty without one.
+
+    The stage of a joint computes its entries of Φ_q and γ and those of the joints before it, and
+    stores what the rest of the kernel would read. Then comes the whole kernel without effects, and
+    then one more effect a stage.
+    """
+    first = programs[0].program
+    names = {kernel.name for kernel in programs[-1].program.kernels}
+    if "accelerations" not in names or "accelerations" not in {k.name for k in first.kernels}:
+        return ()
+    (whole,) = (k for k in first.kernels if k.name == "accelerations")
+    found: list[Stage] = []
+    met: set[str] = set()
+    before = 0
+    for constraint in equations.constraints:
+        met.add(constraint.name)
+        kernel = _terms(first, whole, frozenset(met))
+        if operations(first, kernel) > before:  # without an operation of its own it takes no time
+            found.append(Stage(constraint.name, _alone(first, kernel)))
+            before = operations(first, kernel)
+    found.append(Stage(SOLUTION, _alone(first, whole)))
+    for effect, lowered in zip(equations.effects, programs[1:], strict=True):
+        program = lowered.program
+        (kernel,) = (k for k in program.kernels if k.name == "accelerations")
+        found.append(Stage(effect.name, _alone(program, kernel)))
+    return tuple(found)
+
+
+def _alone(program: Program, kernel: Kernel) -> Program:
+    kept = tuple(k for k in program.kernels if k.name == "constants")
+    return Program(program.values, (*kept, kernel), program.constants, program.weak_pivot)
+
+
+def _terms(program: Program, whole: Kernel, owners: frozenset[str]) -> Kernel:
+    """A kernel of what some elements alone contribute to `whole`."""
+    hoisted = set(program.constants)
+    roots = [
+        number
+        for number in program.reachable(whole)
+        if number not in hoisted
+        and program.values[number].serves in owners
+        and program.values[number].args
+    ]
+    every = tuple(Output("lam", 0, number) for number in roots)
+    inside = Kernel(whole.name, whole.summary, whole.arguments, every)
+    read = {
+        argument
+        for number in program.reachable(inside)
+        if number not in hoisted
+        for argument in program.values[number].args
+    }
+    ends = [number for number in roots if number not in read]
+    outputs = tuple(Output("lam", slot, number) for slot, number in enumerate(ends))
+    return Kernel(whole.name, whole.summary, whole.arguments, outputs, (), watched=True)

@@ -1,0 +1,105 @@
+"""The ledger: what a scene takes of a machine, why, and what each part of it costs."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from codegen.declare.scene import Scene
+from codegen.derive.equations import Equations, derive
+from codegen.driver import sound_scenes
+from codegen.errors import InputError
+from codegen.explain.incremental_cost import SOLUTION, counted, grown, operations_of
+from codegen.explain.inventory import Entry, roster
+from codegen.explain.ledger_data import Ledger, Part
+from codegen.explain.marginal_cost import own_operations
+from codegen.explain.outputs import OutputEntry, outputs
+from codegen.model import Model
+from codegen.model_file import read_model
+
+SHARED = {SOLUTION: "solution of M q̈ + Φ_qᵀ λ = Q", "correction": "recovery of q and q̇"}
+
+
+def explain(
+    model: str | Path | Model,
+    scene: str | Scene | None = None,
+    *,
+    measure: bool = False,
+    t_end: float | None = None,
+    progress: Callable[[str], None] = lambda message: None,
+) -> tuple[Ledger, ...]:
+    """Ledgers of one scene of a model, or of all.
+
+    Parameters
+    ----------
+    model, scene
+        As for `build`.
+    measure
+        Compile the parts of `accelerations` and time them: some seconds a scene.
+    t_end
+        Also run the scene for so many seconds with its defaults, and say what the run spent on
+        each part; times are then those of states along the run. The scene must be declared in a
+        file.
+
+    Raises
+    ------
+    InputError
+        As `build` does; or if the scene cannot be run.
+    """
+    file = read_model(model)
+    path = file.path
+    found = []
+    for chosen in sound_scenes(file.model, scene):
+        progress(f"{file.model.name}, scene {chosen.name}: deriving")
+        equations = derive(file.model, chosen)
+        if t_end is not None and (path is None or chosen.root is not None):
+            raise InputError(
+                f"scene '{chosen.name}' is not declared in a file, and a run is asked of the "
+                "runtime by the names of both; declare it, or explain it without a run."
+            )
+        runs = (path, t_end) if path is not None and t_end is not None else None
+        entries = roster(file.model, chosen)
+        told = outputs(file.model, chosen)
+        found.append(_ledger(equations, entries, told, measure, runs, progress))
+    return tuple(found)
+
+
+def _ledger(
+    equations: Equations,
+    entries: tuple[Entry, ...],
+    told: tuple[OutputEntry, ...],
+    measure: bool,
+    runs: tuple[Path, float] | None,
+    progress: Callable[[str], None],
+) -> Ledger:
+    programs = grown(equations)
+    counts = counted(equations, programs)
+    totals = operations_of(programs[-1])
+    parts = [
+        Part(
+            *(e.name, e.kind, e.role, e.acts, e.why),
+            counts.get(e.name, {}) if e.acts else {},
+            own_operations(equations, e.name) if e.acts and e.role == "effect" else {},
+            events=tuple(s.text for s in equations.switches if s.effect == e.name),
+        )
+        for e in entries
+    ]
+    shared = [name for name in counts if name not in {part.name for part in parts}]
+    parts += [
+        Part(name or "sums", SHARED.get(name, "shared"), "shared", True, "shared", counts[name])
+        for name in shared
+    ]
+    whole, costs = None, None
+    if measure or runs is not None:
+        from codegen.explain.part_times import priced  # numba only where something is timed
+
+        parts, whole, costs = priced(equations, programs, parts, runs, progress)
+    return Ledger(
+        equations.model,
+        equations.scene.name,
+        tuple(k for k in totals if totals[k]),
+        tuple(parts),
+        totals,
+        equations.left_out,
+        told,
+        whole,
+        costs,
+    )

@@ -1,0 +1,85 @@
+"""The ledger as plain data."""
+
+from dataclasses import dataclass, field
+
+from codegen.explain.outputs import OutputEntry
+
+
+@dataclass(frozen=True)
+class Part:
+    """An element of the declaration, a fidelity of one, or work that all elements share.
+
+    Attributes
+    ----------
+    role
+        ``"joint"``, ``"driver"``, ``"effect"``, ``"fidelity"`` or ``"shared"``.
+    acts, why
+        Whether it is in, and the reason.
+    operations
+        Kernel → what this part adds; see `codegen.explain.incremental_cost.counted`.
+    own
+        Of an effect: kernel → what would be gone without it (`codegen.explain.marginal_cost`).
+    nanoseconds
+        What it adds to an evaluation of `accelerations`, measured; None where it was not.
+    events
+        The conditions whose switching functions it brings.
+    run_events, run_retakes, run_seconds
+        Of a run: its events, the steps taken again for them (of the run's, in proportion to
+        events), and the seconds that `accelerations` spent on it. None without a run.
+    """
+
+    name: str
+    kind: str
+    role: str
+    acts: bool
+    why: str
+    operations: dict[str, int] = field(default_factory=dict)
+    own: dict[str, int] = field(default_factory=dict)
+    nanoseconds: float | None = None
+    events: tuple[str, ...] = ()
+    run_events: int | None = None
+    run_retakes: float | None = None
+    run_seconds: float | None = None
+
+
+@dataclass(frozen=True)
+class RunCosts:
+    """What a run took; see `codegen.explain.run_cost.Run`."""
+
+    t_end: float
+    evaluations: int
+    steps: int
+    rejected: int
+    retakes: int
+    events: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """What a scene costs, by part and kernel; each operation stands in one part.
+
+    Attributes
+    ----------
+    kernels
+        Those with operations.
+    totals
+        Kernel → operations, the sum over the parts.
+    left_out
+        (name, kind) of the elements that do not take part.
+    outputs
+        What the scene reports or could, and why it does or does not.
+    nanoseconds
+        Of an evaluation of `accelerations`, timed by itself; the parts' add up to it but for the
+        noise of the measurement.
+    """
+
+    model: str
+    scene: str
+    kernels: tuple[str, ...]
+    parts: tuple[Part, ...]
+    totals: dict[str, int]
+    left_out: tuple[tuple[str, str], ...]
+    outputs: tuple[OutputEntry, ...]
+    nanoseconds: float | None = None
+    run: RunCosts | None = None

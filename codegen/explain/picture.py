@@ -1,0 +1,192 @@
+"""A ledger as a picture: operations of each kernel and nanoseconds, stacked by part."""
+
+import io
+from collections.abc import Iterator, Sequence
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from codegen.errors import InputError
+from codegen.explain.ledger_data import Ledger, Part
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MOST = 11
+"""Parts with a colour of their own; smaller ones are drawn together."""
+COLOURS = (
+    *("#1f6fb2", "#d9822b", "#2f8f5b", "#b23a48", "#7356a8", "#8a6a4f", "#d472a8", "#a3a832"),
+    *("#2aa5b5", "#e0b13c", "#5b7fd1"),
+)
+SHARED = {"factorization": "#59636e", "correction": "#9aa4ae", "sums": "#cdd3d9"}
+REST = "#e6e8ea"
+STYLE = """
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 64rem; margin: 2rem auto; padding: 0 1rem;
+       color: #1b1f24; }
+h1 { font-size: 1.4rem; }
+table { border-collapse: collapse; } td, th { padding: .15rem 1rem .15rem 0; text-align: left; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; }
+tr.out { color: #7a838c; } svg { width: 100%; height: auto; }
+"""
+ENDINGS = (".png", ".svg", ".html")
+
+
+def write(ledgers: Sequence[Ledger], path: Path) -> Path:
+    """Draw ledgers one below the other; returns the path.
+
+    Raises
+    ------
+    InputError
+        If the ending is none of .png, .svg and .html, matplotlib is missing, or the file cannot be
+        written.
+    """
+    if path.suffix not in ENDINGS:
+        raise InputError(f"--out {path}: a ledger is saved as {', '.join(ENDINGS)}.")
+    try:
+        if path.suffix == ".html":
+            path.write_text(page(ledgers), encoding="utf-8")
+        else:
+            picture = figure(ledgers)
+            _saved(picture, path)
+    except OSError as error:
+        raise InputError(f"--out {path}: {error.strerror or error}.") from error
+    return path
+
+
+def figure(ledgers: Sequence[Ledger]) -> "Figure":
+    """A panel of operations a ledger, with one of nanoseconds where they were measured."""
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise InputError(
+            "A picture needs matplotlib, which is not installed. Install linkwright[plot]."
+        ) from error
+    bars = [bar for ledger in ledgers for bar in _panels(ledger)]
+    heights = [0.55 + 0.3 * len(rows) for _, _, rows, _ in bars]
+    made = Figure(figsize=(9.0, 0.5 + sum(heights)), layout="constrained", dpi=130)
+    axes = made.subplots(len(bars), 1, squeeze=False, height_ratios=heights)[:, 0]
+    for place, (ledger, unit, rows, title) in zip(axes, bars, strict=True):
+        _stack(place, _coloured(ledger), rows)
+        place.set_title(title, loc="left", fontsize=10)
+        place.set_xlabel(unit, fontsize=9)
+    return made
+
+
+Rows = dict[str, dict[str, float]]
+"""Bar → part → its length."""
+
+
+def _panels(ledger: Ledger) -> Iterator[tuple[Ledger, str, Rows, str]]:
+    title = f"{ledger.model}, scene {ledger.scene}"
+    operations: Rows = {
+        kernel: {p.name: float(p.operations.get(kernel, 0)) for p in ledger.parts}
+        for kernel in ledger.kernels
+    }
+    yield ledger, "operations", operations, f"{title}: operations"
+    if ledger.nanoseconds is not None:
+        times = {p.name: p.nanoseconds or 0.0 for p in ledger.parts}
+        yield ledger, "ns", {"accelerations": times}, f"{title}: time of an evaluation, measured"
+
+
+def _coloured(ledger: Ledger) -> dict[str, str]:
+    """Part → colour; what costs most has one of its own, and what all share is grey."""
+    costly = sorted((p for p in ledger.parts if p.role != "shared"), key=_weight, reverse=True)
+    chosen = {p.name for p in costly[:MOST] if _weight(p) > 0}
+    names = [p.name for p in ledger.parts if p.name in chosen]
+    return dict(zip(names, COLOURS, strict=False)) | {
+        p.name: SHARED.get(p.name, REST) for p in ledger.parts if p.role == "shared"
+    }
+
+
+def _weight(part: Part) -> float:
+    return sum(part.operations.values()) + 10 * abs(part.nanoseconds or 0.0)
+
+
+def _stack(axes: "Axes", colours: dict[str, str], rows: Rows) -> None:
+    """Stacked bars, the first on top; what takes less than nothing is drawn left of zero."""
+    labels = list(rows)
+    for height, row in enumerate(rows.values()):
+        ends = [0.0, 0.0]
+        others = sum(length for name, length in row.items() if name not in colours)
+        for name, length in (*((n, row.get(n, 0.0)) for n in colours), ("others", others)):
+            side = int(length < 0.0)
+            axes.barh(
+                height, length, left=ends[side], height=0.7, linewidth=0.4, edgecolor="white",
+                color=colours.get(name, REST),
+            )  # fmt: skip
+            ends[side] += length
+        axes.text(ends[0], height, f"  {_short(sum(row.values()))}", va="center", fontsize=8)
+    axes.set_yticks(range(len(labels)), labels, fontsize=8)
+    axes.set_ylim(len(labels) - 0.4, -0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.tick_params(axis="x", labelsize=8)
+    axes.grid(visible=True, axis="x", alpha=0.3, linewidth=0.4)
+    axes.set_axisbelow(True)
+    totals = [sum(x for x in row.values() if x > 0.0) for row in rows.values()]
+    below = [sum(x for x in row.values() if x < 0.0) for row in rows.values()]
+    axes.set_xlim(1.05 * min(below, default=0.0), 1.08 * max(totals, default=1.0) or 1.0)
+    _legend(axes, colours, rows)
+
+
+def _legend(axes: "Axes", colours: dict[str, str], rows: Rows) -> None:
+    from matplotlib.patches import Patch
+
+    drawn = {name for row in rows.values() for name, length in row.items() if length}
+    patches = [Patch(color=colour, label=name) for name, colour in colours.items() if name in drawn]
+    if drawn - set(colours):
+        patches.append(Patch(color=REST, label="others"))
+    columns = 1 if len(rows) > 4 else 2
+    axes.legend(
+        handles=patches, frameon=False, fontsize=8, ncols=columns, loc="center left",
+        bbox_to_anchor=(1.0, 0.5), handlelength=1.0,
+    )  # fmt: skip
+
+
+def _short(value: float) -> str:
+    return f"{value:.0f}" if value == round(value) else f"{value:.1f}"
+
+
+def _saved(picture: "Figure", target: Path | io.StringIO) -> None:
+    import matplotlib as mpl
+
+    svg = isinstance(target, io.StringIO) or target.suffix == ".svg"
+    with mpl.rc_context({"svg.hashsalt": "linkwright", "svg.fonttype": "none"}):
+        if svg:
+            picture.savefig(target, format="svg", metadata={"Date": None})
+        else:
+            picture.savefig(target)
+
+
+def page(ledgers: Sequence[Ledger]) -> str:
+    """A page that needs nothing else: each ledger's table, then its picture."""
+    parts = []
+    for ledger in ledgers:
+        stream = io.StringIO()
+        _saved(figure([ledger]), stream)
+        text = stream.getvalue()
+        heading = escape(f"{ledger.model}, scene {ledger.scene}")
+        parts += [f"<h1>{heading}</h1>", text[text.index("<svg") :], _table(ledger)]
+    body = "\n".join(parts)
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>What a scene costs'
+        f"</title><style>{STYLE}</style></head>\n<body>\n{body}\n</body></html>\n"
+    )
+
+
+def _table(ledger: Ledger) -> str:
+    heads = ("part", "", "kind", "why", "accelerations", "all kernels", "ns", "events")
+    lines = ["<tr>" + "".join(f"<th>{h}</th>" for h in heads) + "</tr>"]
+    for part in ledger.parts:
+        texts = (part.name, "in" if part.acts else "out", part.kind, part.why)
+        numbers = (
+            part.operations.get("accelerations", 0) or "",
+            sum(part.operations.values()) or "",
+            "" if part.nanoseconds is None else f"{part.nanoseconds:.1f}",
+            len(part.events) or "",
+        )
+        cells = "".join(f"<td>{escape(text)}</td>" for text in texts)
+        cells += "".join(f'<td class="number">{number}</td>' for number in numbers)
+        out = "" if part.acts else ' class="out"'
+        lines.append(f"<tr{out}>{cells}</tr>")
+    return f"<table>{''.join(lines)}</table>"

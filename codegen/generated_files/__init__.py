@@ -1,0 +1,1 @@
+"""Generated modules as files: paths, signatures, companions, atomic writing, machine code."""

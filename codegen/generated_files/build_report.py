@@ -1,0 +1,120 @@
+"""What a build answers: scene by scene, the file and what a person wants to know about it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from codegen.check.redundancy import Findings
+from codegen.derive.equations import Equations
+from codegen.generated_files.build_clock import File
+from codegen.generated_files.companions import COMPANIONS
+from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.operation_count import operations
+
+
+@dataclass(frozen=True)
+class CompanionReport:
+    """A file that goes with a scene's own; attributes as in `SceneReport`.
+
+    Attributes
+    ----------
+    title
+        What it holds, for people.
+    """
+
+    title: str
+
+    path: Path
+    changed: bool
+    digest: str
+    operations: dict[str, int]
+    seconds: dict[str, float]
+
+
+@dataclass(frozen=True)
+class SceneReport:
+    """What was built for one scene.
+
+    Attributes
+    ----------
+    path, changed, digest
+        The generated file, whether it is new, and the SHA-256 of its text.
+    operations
+        Kernel → arithmetic operations.
+    seconds
+        Stage → wall time.
+    tangents, reduced
+        The files of its exact derivatives and of its equations in reduced coordinates, if it has
+        them.
+    notes
+        What a modeller should know: constraints that are redundant near the start values.
+    """
+
+    model: str
+    scene: str
+    path: Path
+    changed: bool
+    digest: str
+    bodies: tuple[str, ...]
+    coordinates: int
+    constraints: int
+    degrees_of_freedom: int
+    effects: tuple[str, ...]
+    left_out: tuple[str, ...]
+    strategy: str | None
+    operations: dict[str, int]
+    seconds: dict[str, float]
+    tangents: CompanionReport | None = None
+    reduced: CompanionReport | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def companions(self) -> tuple[CompanionReport, ...]:
+        """The files that go with its own."""
+        return tuple(made for made in (self.tangents, self.reduced) if made)
+
+
+@dataclass(frozen=True)
+class BuildReport:
+    """What `build` did, scene by scene; `stale` lists the files that a check found out of date."""
+
+    scenes: tuple[SceneReport, ...]
+    stale: tuple[Path, ...] = ()
+
+    @property
+    def paths(self) -> tuple[Path, ...]:
+        """The generated files."""
+        return tuple(scene.path for scene in self.scenes)
+
+
+def report(equations: Equations, lowered: Lowered, findings: Findings, file: File) -> SceneReport:
+    """Gather what a person wants to know about a build."""
+    n = len(equations.coordinates)
+    m = sum(len(c.statement.rows) for c in equations.constraints)
+    program = lowered.program
+    return SceneReport(
+        equations.model,
+        equations.scene.name,
+        file.path,
+        file.changed,
+        file.digest,
+        equations.bodies,
+        n,
+        m,
+        n - findings.independent,
+        tuple(e.name for e in equations.effects),
+        tuple(name for name, _ in equations.left_out),
+        lowered.strategy,
+        {k.name: operations(program, k) for k in program.kernels},
+        file.clock.seconds,
+        notes=findings.notes,
+        **{
+            kind.name: _companion_report(kind.title, file.companions[kind.name])
+            for kind in COMPANIONS
+            if kind.name in file.companions
+        },
+    )
+
+
+def _companion_report(title: str, file: File) -> CompanionReport:
+    seconds = file.clock.seconds
+    return CompanionReport(title, file.path, file.changed, file.digest, file.operations, seconds)

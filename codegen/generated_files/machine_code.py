@@ -1,0 +1,57 @@
+"""Generated files → machine code in numba's cache, several files at a time."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from time import perf_counter
+
+from codegen.artefact import import_generated
+from codegen.errors import GeneratedFileError
+
+
+def compile_modules(paths: Sequence[Path]) -> list[float]:
+    """Compile the kernels of each file; returns the seconds that each took.
+
+    Files without a trace in numba's cache are compiled in processes of their own, as many at a
+    time as there are processors; the others are only imported.
+    """
+    cold = [path for path in paths if not _has_cache(path)]
+    seconds: dict[Path, float] = {}
+    if len(cold) > 1:
+        with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
+            seconds.update(zip(cold, pool.map(_compile_apart, cold), strict=True))
+    for path in paths:
+        if path not in seconds:
+            started = perf_counter()
+            import_generated(path)
+            seconds[path] = perf_counter() - started
+    return [seconds[path] for path in paths]
+
+
+def _has_cache(path: Path) -> bool:
+    return any((path.parent / "__pycache__").glob(f"{path.stem}.*.nbi"))
+
+
+def _compile_apart(path: Path) -> float:
+    started = perf_counter()
+    code = (
+        "import sys, pathlib; from codegen.artefact import import_generated; "
+        "import_generated(pathlib.Path(sys.argv[1]))"
+    )
+    folder = Path(__file__).resolve().parents[2]
+    path_list = os.pathsep.join(filter(None, [str(folder), os.environ.get("PYTHONPATH")]))
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(path)],
+        env={**os.environ, "PYTHONPATH": path_list},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode:
+        raise GeneratedFileError(
+            f"{path} does not compile; numba says: {done.stderr.strip().splitlines()[-1:]}"
+        )
+    return perf_counter() - started

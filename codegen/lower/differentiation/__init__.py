@@ -1,0 +1,1 @@
+"""Derivatives of lowered values: gradients, directional derivatives, tangents."""

@@ -1,0 +1,226 @@
+"""Partial derivatives of a value by all its inputs, in one walk back from it.
+
+Φ_q, ν and ∂V/∂q cost a few times what Φ and V do, as by hand, for an expression is never written
+out coordinate by coordinate (reverse accumulation; Griewank and Walther, Evaluating Derivatives,
+chapter 3). Where the walk meets what depends on one coordinate alone, such as A s, it takes its
+slope B s, which is there: Haug's formulas come out.
+"""
+
+from collections.abc import Iterable, Mapping
+
+from codegen.lower.differentiation.directional import Direction
+from codegen.lower.differentiation.tangent import slopes_of
+from codegen.lower.factored_sums import PLAIN, Parts
+from codegen.lower.graph import Graph
+from codegen.lower.program import Op
+from codegen.lower.substitution import reached
+
+PLANE = frozenset({Op.CONST, Op.INPUT, Op.ADD, Op.SUB, Op.NEG, Op.MUL, Op.SIN, Op.COS})
+"""What vectors in a plane are made of."""
+
+BREAKING = frozenset({Op.DIV, Op.SQRT, Op.POW, Op.LOG, Op.TAN, Op.ASIN, Op.ACOS, Op.ATAN2})
+"""Operations that have no finite value or slope everywhere."""
+
+
+class Slopes:
+    """Partial derivatives by walks back.
+
+    Parameters
+    ----------
+    graph
+        Where the values are, and where the derivatives go.
+    inputs
+        By which to differentiate.
+    """
+
+    def __init__(self, graph: Graph, inputs: Iterable[int]) -> None:
+        self.graph = graph
+        self.inputs = frozenset(inputs)
+        self._bits = {1 << graph.place_of(k): k for k in self.inputs}
+        self._all = sum(self._bits)
+        self._alone: dict[int, Direction] = {}
+
+    def gradient(self, weights: Mapping[int, int]) -> dict[int, int]:
+        """Σ weight ∂value/∂input.
+
+        Parameters
+        ----------
+        weights
+            Value → what its derivatives are multiplied by.
+
+        Returns
+        -------
+        dict
+            Input → the sum, where it is not zero.
+        """
+        graph = self.graph
+        found = dict.fromkeys(sorted(self.inputs), Parts(graph, {}))
+        waiting: dict[int, Parts] = {}
+        for number, weight in weights.items():
+            self._hand(waiting, number, Parts.of(graph, weight))
+        order = sorted(reached(graph, weights), reverse=True)
+        for number in order:
+            share = waiting.pop(number, None)
+            if not share:
+                continue
+            with graph.serving(graph.values[number].serves):
+                if self._ends(number):
+                    for mover in self._movers(number):
+                        found[mover] = found[mover].plus(self._leaf(share.single(), number, mover))
+                elif graph.values[number].op is Op.SELECT and self._breaks(number):
+                    for mover, slope in self._chosen(number).items():
+                        found[mover] = found[mover].plus(share.times(slope))
+                else:
+                    self._back(waiting, number, share.single())
+        totals = {k: parts.value() for k, parts in found.items() if parts}
+        return {k: total for k, total in totals.items() if total != graph.zero}
+
+    def _movers(self, number: int) -> list[int]:
+        """The inputs by which a value moves, in their order."""
+        left, found = self.graph.movers[number] & self._all, []
+        while left:
+            bit = left & -left
+            found.append(self._bits[bit])
+            left -= bit
+        return found
+
+    def _ends(self, number: int) -> bool:
+        """Whether the walk back ends here, for the slopes are there or as cheap.
+
+        They are where one coordinate moves a value, and where two do and it is a sum of products
+        of theirs and of sines, as the components of a vector that turns twice.
+        """
+        graph = self.graph
+        movers = graph.movers[number] & self._all
+        if movers & (movers - 1) == 0:
+            return True
+        two = movers.bit_count() == 2 and graph.values[number].op in (Op.ADD, Op.SUB)
+        return two and all(graph.values[k].op in PLANE for k in reached(graph, [number]))
+
+    def _breaks(self, number: int) -> bool:
+        """Whether a side of a choice may have no slope where it does not hold."""
+        graph = self.graph
+        _, *sides = graph.values[number].args
+        inside = reached(graph, sides)
+        return any(graph.values[k].op in BREAKING and not graph.settled[k] for k in inside)
+
+    def _chosen(self, number: int) -> dict[int, int]:
+        """Slopes of a choice, each of the side that holds.
+
+        A weight of zero for the other side would not do: zero times nan, which is the slope of
+        δ^1.5 without contact, is nan.
+        """
+        graph = self.graph
+        condition, *sides = graph.values[number].args
+        yes, no = (self.gradient({side: graph.one}) for side in sides)
+        return {
+            mover: graph.select(condition, yes.get(mover, graph.zero), no.get(mover, graph.zero))
+            for mover in sorted({*yes, *no})
+        }
+
+    def _hand(self, waiting: dict[int, Parts], number: int, share: Parts) -> None:
+        if self.graph.movers[number] & self._all:
+            before = waiting.get(number)
+            waiting[number] = share if before is None else before.plus(share)
+
+    def _leaf(self, share: Parts, number: int, mover: int) -> Parts:
+        """The share of a value that moves with one input alone, times its slope."""
+        if number == mover:
+            return share
+        graph = self.graph
+        if mover not in self._alone:
+            self._alone[mover] = Direction(graph, {mover: graph.one}, order=1)
+        slope = self._alone[mover].jet(number).first.plain()
+        if not slope:
+            return slope
+        (((outer, _), weight),) = share.parts.items()
+        (((inner, _), rest),) = slope.parts.items()
+        # The number belongs to the weight, which every component is multiplied by.
+        weight = graph.mul(graph.constant(outer * inner), weight)
+        return Parts(graph, {PLAIN: self._product(weight, rest)})
+
+    def _product(self, weight: int, slope: int) -> int:
+        """Weight times slope, by a product of the slope that is there: a force's component."""
+        graph = self.graph
+        value, sign = graph.values[weight], 1
+        if value.op is Op.NEG:
+            value, sign = graph.values[value.args[0]], -1
+        bare = graph.values[slope].args[0] if graph.values[slope].op is Op.NEG else slope
+        if value.op is Op.MUL:
+            for one, other in (value.args, value.args[::-1]):
+                if graph.has_product(one, bare):
+                    product = graph.mul(graph.mul(one, slope), other)
+                    return product if sign > 0 else graph.neg(product)
+        return graph.mul(weight, slope)
+
+    def _back(self, waiting: dict[int, Parts], number: int, share: Parts) -> None:
+        graph, value = self.graph, self.graph.values[number]
+        match value.op:
+            case Op.ADD | Op.SUB if (turned := rotation(graph, number)) is not None:
+                angle, slope, parts = turned
+                self._hand(waiting, angle, share.times(slope))
+                for part, factor in parts:
+                    self._hand(waiting, part, share.times(factor))
+            case Op.ADD | Op.SUB:
+                one, two = value.args
+                self._hand(waiting, one, share)
+                self._hand(waiting, two, share if value.op is Op.ADD else share.scaled(-1.0))
+            case Op.NEG:
+                self._hand(waiting, value.args[0], share.scaled(-1.0))
+            case Op.MUL:
+                one, two = value.args
+                if one == two:
+                    self._hand(waiting, one, share.scaled(2.0).times(one))
+                    return
+                self._hand(waiting, one, share.times(two))
+                self._hand(waiting, two, share.times(one))
+            case Op.DIV:
+                one, two = value.args
+                share = share.times(graph.div(graph.one, two))
+                self._hand(waiting, one, share)
+                self._hand(waiting, two, share.times(number).scaled(-1.0))
+            case Op.SQRT:
+                inverse = graph.div(graph.one, number)
+                self._hand(waiting, value.args[0], share.times(inverse).scaled(0.5))
+            case Op.SELECT:
+                condition, yes, no = value.args
+                for side, kept in ((yes, (1, 0)), (no, (0, 1))):
+                    chosen = {
+                        factors: graph.select(
+                            condition,
+                            *(weight if keep else graph.zero for keep in kept),
+                        )
+                        for factors, weight in share.parts.items()
+                    }
+                    self._hand(waiting, side, Parts(graph, chosen))
+            case _:
+                for arg, slope in zip(value.args, slopes_of(graph, number), strict=True):
+                    if graph.movers[arg] & self._all:
+                        self._hand(waiting, arg, share.times(slope))
+
+
+def rotation(graph: Graph, number: int) -> tuple[int, int, tuple[tuple[int, int], ...]] | None:
+    """A sum a cos θ ± b sin θ: θ, its slope by θ and (a, cos θ), (b, ± sin θ); None for others.
+
+    The slope of one component of a turned vector is the other one, and that is often there.
+    """
+    value = graph.values[number]
+    found: dict[Op, tuple[int, int]] = {}
+    angles = set()
+    for arg in value.args:
+        if graph.values[arg].op is not Op.MUL:
+            return None
+        for one, other in (pair := graph.values[arg].args, pair[::-1]):
+            if graph.values[one].op in (Op.SIN, Op.COS) and graph.values[one].op not in found:
+                found[graph.values[one].op] = (one, other)
+                angles.add(graph.values[one].args[0])
+                break
+    if len(found) < 2 or len(angles) > 1:
+        return None
+    (c, a), (s, b) = found[Op.COS], found[Op.SIN]
+    cosine, sine = graph.one, graph.one
+    if value.op is Op.SUB:
+        first_is_cosine = next(iter(found)) is Op.COS  # the other may have a cosine as well
+        cosine, sine = (cosine, graph.neg(sine)) if first_is_cosine else (graph.neg(cosine), sine)
+    slope = graph.sub(graph.mul(sine, graph.mul(b, c)), graph.mul(cosine, graph.mul(a, s)))
+    return angles.pop(), slope, ((a, graph.mul(cosine, c)), (b, graph.mul(sine, s)))

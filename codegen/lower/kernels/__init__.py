@@ -1,0 +1,1 @@
+"""The kernels of a scene, each lowered from its equations to one program."""

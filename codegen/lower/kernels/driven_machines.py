@@ -1,0 +1,224 @@
+"""The linear systems of a driven machine: as many independent constraints as coordinates.
+
+Φ_q x = r has one solution, whatever a norm says of it. Many constraints give a coordinate outright,
+by a number in Φ_q: these are eliminated first, and the factorization shrinks to the loops, of which
+few are left. There the smallest sets of rows with as many unknowns are solved one after the other,
+up to three rows by their adjugate, larger ones by the normal equations of what is left. Where the
+determinant of such a set vanishes the machine is in a singular position: det² is held against the
+product of the rows' squares, as the pivots of Φ_q Φ_qᵀ are against its diagonal.
+"""
+
+from dataclasses import dataclass, field
+from itertools import combinations
+
+from codegen.lower.graph import Graph
+from codegen.lower.linear.factorization import LEAST_PIVOT, Elimination
+from codegen.lower.program import Check
+
+LARGEST = 3
+"""Rows of a set that is solved by its adjugate."""
+
+ROUNDING = 1e-12
+"""A number below this part of what it was subtracted from is zero."""
+
+SHARPER = 1e-6
+"""Part of the rows' squares against which det² is held."""
+
+SEARCHED = 30
+"""Rows among which sets are looked for; more are taken together."""
+
+
+@dataclass
+class Square:
+    """A square sparse system of graph values, for several right sides.
+
+    Attributes
+    ----------
+    entries
+        (row, column) → value, structural non-zeros only.
+    right
+        Right sides, one list of rows each.
+    checks
+        What is held against its size; the constraint of a check is a row.
+    """
+
+    graph: Graph
+    entries: dict[tuple[int, int], int]
+    right: list[list[int]]
+    checks: list[Check] = field(default_factory=list, init=False)
+
+    def __post_init__(self) -> None:
+        self.right = [list(column) for column in self.right]
+        self._rows: dict[int, dict[int, int]] = {i: {} for i in range(len(self.right[0]))}
+        for (i, k), entry in sorted(self.entries.items()):
+            self._rows[i][k] = entry
+        self._stated = {i: tuple(row.values()) for i, row in self._rows.items()}
+        self._given: list[tuple[int, dict[int, int], list[int]]] = []
+
+    def solve(self) -> list[list[int]] | None:
+        """The unknowns, one list a right side; None where no position determines them all."""
+        while pivot := self._pivot():
+            self._substitute(*pivot)
+        x: list[dict[int, int]] = [{} for _ in self.right]
+        while self._rows:
+            chosen = self._smallest_set()
+            if len(self._columns(chosen)) != len(chosen):
+                return None
+            self._solve_set(chosen, x)
+        for k, row, right in reversed(self._given):
+            for known, start in zip(x, right, strict=True):
+                known[k] = self._less(start, row, known)
+        return [[known[k] for k in range(len(known))] for known in x]
+
+    def _less(self, start: int, row: dict[int, int], known: dict[int, int]) -> int:
+        for j, factor in row.items():
+            start = self.graph.sub(start, self.graph.mul(factor, known[j]))
+        return start
+
+    # -- what a constraint gives outright ----------------------------------------------------
+
+    def _pivot(self) -> tuple[int, int] | None:
+        """Row and column of a number that fills in least."""
+        counts: dict[int, int] = {}
+        for row in self._rows.values():
+            for k in row:
+                counts[k] = counts.get(k, 0) + 1
+        found = []
+        for i, row in self._rows.items():
+            sizes = {k: abs(self.graph.number(entry) or 0.0) for k, entry in row.items()}
+            least = LEAST_PIVOT * max(sizes.values(), default=0.0)
+            found += [
+                ((len(row) - 1) * (counts[k] - 1), len(row), i, k)
+                for k, size in sizes.items()
+                if size > 0.0 and size >= least
+            ]
+        return min(found)[2:] if found else None
+
+    def _substitute(self, i: int, k: int) -> None:
+        graph = self.graph
+        row = self._rows.pop(i)
+        inverse = graph.div(graph.one, row.pop(k))
+        given = {j: graph.mul(inverse, entry) for j, entry in row.items()}
+        right = [graph.mul(inverse, column[i]) for column in self.right]
+        for other, entries in self._rows.items():
+            if k not in entries:
+                continue
+            factor = entries.pop(k)
+            for j, entry in given.items():
+                before, product = entries.pop(j, graph.zero), graph.mul(factor, entry)
+                changed = graph.sub(before, product)
+                if not self._nothing(changed, before):
+                    entries[j] = changed
+            for column, known in zip(self.right, right, strict=True):
+                column[other] = graph.sub(column[other], graph.mul(factor, known))
+        self._given.append((k, given, right))
+
+    def _nothing(self, entry: int, before: int) -> bool:
+        """Whether an entry is zero, or a number that only rounding has left of another."""
+        number, was = self.graph.number(entry), self.graph.number(before)
+        if number is None:
+            return False
+        return abs(number) <= ROUNDING * abs(was or 0.0)
+
+    # -- loops -------------------------------------------------------------------------------
+
+    def _smallest_set(self) -> tuple[int, ...]:
+        """Rows with as many unknowns, as few of them as there are."""
+        rows = tuple(self._rows)
+        for size in range(1, LARGEST + 1 if len(rows) <= SEARCHED else 2):
+            for chosen in combinations(rows, size):
+                if len(self._columns(chosen)) <= size:
+                    return chosen
+        return rows
+
+    def _columns(self, chosen: tuple[int, ...]) -> list[int]:
+        """The unknowns of rows."""
+        return sorted(set().union(*(self._rows[i] for i in chosen)))
+
+    def _solve_set(self, chosen: tuple[int, ...], x: list[dict[int, int]]) -> None:
+        """Solve the rows for their unknowns, and take these out of the other rows."""
+        graph = self.graph
+        columns = self._columns(chosen)
+        matrix = [[self._rows[i].get(k, graph.zero) for k in columns] for i in chosen]
+        right = [[column[i] for i in chosen] for column in self.right]
+        if len(chosen) <= LARGEST:
+            solutions = self._by_adjugate(chosen, matrix, right)
+        else:
+            solutions = self._by_normal_equations(chosen, matrix, right)
+        for i in chosen:
+            del self._rows[i]
+        for column, known, found in zip(self.right, x, solutions, strict=True):
+            known |= dict(zip(columns, found, strict=True))
+            for i, row in self._rows.items():
+                for k in columns:
+                    if k in row:
+                        column[i] = graph.sub(column[i], graph.mul(row[k], known[k]))
+        for row in self._rows.values():
+            for k in columns:
+                row.pop(k, None)
+
+    def _by_adjugate(
+        self, chosen: tuple[int, ...], a: list[list[int]], right: list[list[int]]
+    ) -> list[list[int]]:
+        graph, size = self.graph, len(chosen)
+        minors = [[self._cofactor(a, i, k) for k in range(size)] for i in range(size)]
+        det = graph.total([graph.mul(a[0][k], minors[0][k]) for k in range(size)])
+        if graph.number(det) is None:
+            reference = graph.one
+            for i in chosen:
+                squares = [graph.mul(entry, entry) for entry in self._stated[i]]
+                reference = graph.mul(reference, graph.total(squares))
+            # Nothing has been squared to find det, so that it may be smaller than a pivot of
+            # Φ_q Φ_qᵀ; and short arms make it so where nothing is singular.
+            self.checks.append(Check(graph.mul(det, det), reference, max(chosen), SHARPER))
+        inverse = graph.div(graph.one, det)
+        return [
+            [
+                graph.mul(
+                    inverse, graph.total([graph.mul(minors[i][k], r[i]) for i in range(size)])
+                )
+                for k in range(size)
+            ]
+            for r in right
+        ]
+
+    def _cofactor(self, a: list[list[int]], i: int, k: int) -> int:
+        graph = self.graph
+        rest = [[x for j, x in enumerate(row) if j != k] for n, row in enumerate(a) if n != i]
+        if not rest:
+            return graph.one
+        if len(rest) == 1:
+            minor = rest[0][0]
+        else:
+            (p, q), (r, s) = rest
+            minor = graph.sub(graph.mul(p, s), graph.mul(q, r))
+        return graph.neg(minor) if (i + k) % 2 else minor
+
+    def _by_normal_equations(
+        self, chosen: tuple[int, ...], a: list[list[int]], right: list[list[int]]
+    ) -> list[list[int]]:
+        """x = Aᵀ (A Aᵀ)⁻¹ r, whose pivots are positive in any position that is not singular."""
+        graph, zero = self.graph, self.graph.zero
+        entries: dict[tuple[int, int], int] = {}
+        for i, one in enumerate(a):
+            for j, other in enumerate(a[: i + 1]):
+                pairs = enumerate(zip(one, other, strict=True))
+                both = [k for k, pair in pairs if zero not in pair]
+                if both or i == j:
+                    terms = [graph.mul(one[k], other[k]) for k in both]
+                    entries[i, j] = entries[j, i] = graph.total(terms)
+        references = {i: entries[i, i] for i in range(len(a))}
+        system = Elimination(graph, entries, right, references=references)
+        found = []
+        for mu in system.solve("schur"):
+            sides = range(len(a[0]))
+            found.append(
+                [
+                    graph.total([graph.mul(row[k], m) for row, m in zip(a, mu, strict=True)])
+                    for k in sides
+                ]
+            )
+        self.checks += [
+            check._replace(constraint=chosen[check.constraint]) for check in system.checks
+        ]
+        return found

@@ -1,0 +1,226 @@
+"""Equations of a scene → the program of all its kernels."""
+
+from dataclasses import dataclass
+
+from codegen.derive.equations import Equations
+from codegen.lower.constant_hoisting import with_constants
+from codegen.lower.kernels.contacts import hold_kernels, reaction_note, switched_reactions
+from codegen.lower.kernels.linear_solves import accelerations, correction
+from codegen.lower.kernels.selection import Wanted, recovered
+from codegen.lower.linear.factorization import Strategy
+from codegen.lower.module_tables import Description, describe
+from codegen.lower.program import STATE, Kernel, Output, Program, store
+from codegen.lower.scene_graph import SceneGraph
+
+
+@dataclass(frozen=True)
+class Lowered:
+    """A scene ready to be emitted.
+
+    Attributes
+    ----------
+    program
+        All kernels.
+    description
+        The tables that go with them.
+    strategy
+        The order of elimination that was cheapest; None where nothing is eliminated.
+    rubbing
+        Whether friction follows from reactions, which `applied_forces` leaves out.
+    """
+
+    program: Program
+    description: Description
+    strategy: Strategy | None
+    rubbing: bool = False
+
+
+def lower(equations: Equations) -> Lowered:
+    """Translate every equation into one graph, and arrange its values in kernels."""
+    scene, wanted = SceneGraph(equations), Wanted(equations)
+    rows = recovered(scene, wanted)
+    kernels = [
+        Kernel("constraints", "Φ(q, t).", ("t", "q", "p", "phi"), _named(scene, "phi", scene.phi)),
+        Kernel(
+            "jacobian",
+            "Structural non-zeros of Φ_q, at JACOBIAN_ROWS, JACOBIAN_COLUMNS.",
+            ("t", "q", "p", "values"),
+            store("values", list(scene.jacobian.values()), _jacobian_notes(scene)),
+        ),
+        Kernel(
+            "velocity_rhs",
+            "ν = -Φ_t, so that Φ_q q̇ = ν.",
+            ("t", "q", "p", "nu"),
+            _named(scene, "nu", scene.nu),
+        ),
+    ]
+    resting = equations.scene.analysis == "equilibrium"
+    if not resting:
+        kernels.append(
+            Kernel(
+                "acceleration_rhs",
+                "γ = -(Φ_q q̇)_q q̇ - 2 Φ_qt q̇ - Φ_tt, so that Φ_q q̈ = γ.",
+                (*STATE, "gamma"),
+                _named(scene, "gamma", scene.gamma),
+            )
+        )
+    strategy: Strategy | None = None
+    if rows or not resting:
+        fused, strategy = accelerations(scene, rows)
+        kernels.append(fused)
+    if not resting:
+        kernels.append(correction(scene))
+    powers: list[tuple[str, str, int]] = []
+    if equations.masses:
+        powers = [row for row in _powers(scene) if wanted.power(row[0])] + _works(scene, wanted)
+        kernels += _dynamic_kernels(scene, wanted, powers)
+    elif _reported(scene, wanted):
+        kernels.append(_reactions(scene, wanted))
+    if equations.switches:
+        kernels += _switching_kernels(scene, resting)
+        kernels += hold_kernels(scene, wanted)
+    program = with_constants(scene.graph, tuple(kernels), len(equations.parameters))
+    told = describe(equations, scene, powers, _reported(scene, wanted), rows)
+    return Lowered(program, told, strategy, bool(scene.frictions))
+
+
+def _reported(scene: SceneGraph, wanted: Wanted) -> tuple[int, ...]:
+    """Which of the scene's reactions are asked for, in order."""
+    return tuple(k for k, (name, *_) in enumerate(scene.reactions) if wanted.reaction(name))
+
+
+def _dynamic_kernels(
+    scene: SceneGraph, wanted: Wanted, powers: list[tuple[str, str, int]]
+) -> list[Kernel]:
+    coordinates = [q.name for q in scene.equations.coordinates]
+    graph = scene.graph
+    resting = not wanted.moves
+    kernels = [
+        Kernel(
+            "mass",
+            "Structural non-zeros of M, at MASS_ROWS, MASS_COLUMNS.",
+            ("q", "p", "values"),
+            store("values", scene.masses, coordinates),
+        ),
+        Kernel(
+            "applied_forces",
+            "Generalized forces Q, those of the potential included, those of friction not.",
+            (*STATE, "modes", "Q"),
+            store("Q", scene.applied, coordinates),
+        ),
+    ]
+    if resting or wanted.energy():
+        kernels += [
+            Kernel(
+                "potential",
+                "Potential energy V, J.",
+                ("t", "q", "p", "modes"),
+                (Output("return", 0, scene.potential),),
+            ),
+            Kernel(
+                "potential_gradient",
+                "∂V/∂q.",
+                ("t", "q", "p", "modes", "g"),
+                store("g", scene.gradient, coordinates),
+            ),
+        ]
+    if wanted.energy() and not resting:
+        energies = [
+            graph.mul(mass, graph.mul(v, v)) for mass, v in zip(scene.masses, scene.v, strict=True)
+        ]
+        kinetic = graph.mul(graph.constant(0.5), graph.total(energies))
+        kernels.append(
+            Kernel(
+                "kinetic_energy",
+                "T = q̇ᵀ M q̇ / 2, J.",
+                ("q", "v", "p"),
+                (Output("return", 0, kinetic),),
+            )
+        )
+    if powers or (wanted.outputs is None and not resting):
+        kernels.append(
+            Kernel(
+                "powers",
+                "Power of each effect without a potential and of each driver, W.",
+                (*STATE, "modes", "lam", "out"),
+                store("out", [w for *_, w in powers], [source for source, *_ in powers]),
+            )
+        )
+    if _reported(scene, wanted) or wanted.outputs is None:
+        kernels.append(_reactions(scene, wanted))
+    return kernels
+
+
+def _reactions(scene: SceneGraph, wanted: Wanted) -> Kernel:
+    switched = switched_reactions(scene)
+    outputs = tuple(
+        Output("out", row, scene.reactions[k][3], reaction_note(scene, k))
+        for row, k in enumerate(_reported(scene, wanted))
+        if k not in switched
+    )
+    return Kernel(
+        "reactions",
+        "Joint forces on the second body, in the joint's axes, and what drivers exert.",
+        (*STATE, "lam", "out"),
+        outputs,
+    )
+
+
+def _switching_kernels(scene: SceneGraph, resting: bool) -> list[Kernel]:
+    switches = scene.equations.switches
+    notes = [f"{switch.effect}: {switch.text}" for switch in switches]
+    g, rates = [], []
+    for switch in switches:
+        with scene.graph.serving(switch.effect):
+            g.append(scene.translate(switch.g))
+            rates.append(scene.translate(switch.rate))
+    switching = Kernel(
+        "switching",
+        "Switching functions g: a condition holds where its g > 0.",
+        (*STATE, "g"),
+        store("g", g, notes),
+    )
+    if resting:
+        return [switching]
+    return [
+        switching,
+        Kernel(
+            "switching_rates",
+            "dg/dt along the motion.",
+            ("t", "q", "v", "a", "p", "rate"),
+            store("rate", rates, notes),
+        ),
+    ]
+
+
+def _powers(scene: SceneGraph) -> list[tuple[str, str, int]]:
+    """Q·q̇ of each effect; λ Φ_t of each driver (its force -Φ_qᵀ λ on velocities Φ_q q̇ = ν).
+
+    An equation of one's own that contains the time does work as a driver does.
+    """
+    found = [(name, "effect", power) for name, power in scene.powers]
+    row = 0
+    for element in scene.equations.constraints:
+        rows = range(row, row + len(element.terms.phi))
+        row = rows.stop
+        if element.driver or any(scene.nu[k] != scene.graph.zero for k in rows):
+            terms = [scene.graph.mul(scene.nu[k], scene.lam[k]) for k in rows]
+            found.append((element.name, "driver", scene.graph.neg(scene.graph.total(terms))))
+    return found
+
+
+def _works(scene: SceneGraph, wanted: Wanted) -> list[tuple[str, str, int]]:
+    """The powers whose integrals are asked for, of effects with all that they exert."""
+    whole = [(name, value) for name, _, value in _powers(scene) if name not in scene.working]
+    pairs = [*scene.working.items(), *whole]
+    return [(f"work({name})", "work", value) for name, value in pairs if wanted.work(name)
+            and value != scene.graph.zero]  # fmt: skip
+
+
+def _named(scene: SceneGraph, array: str, values: list[int]) -> tuple[Output, ...]:
+    return store(array, values, scene.row_names())
+
+
+def _jacobian_notes(scene: SceneGraph) -> list[str]:
+    rows = scene.row_names()
+    return [f"{rows[i]}, {scene.equations.coordinates[k].name}" for i, k in scene.jacobian]

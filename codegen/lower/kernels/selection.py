@@ -1,0 +1,70 @@
+"""What of a scene is asked for: which kernels it has, and which of their rows."""
+
+from codegen.derive.equations import Equations, tracked_points
+from codegen.lower.graph import Graph
+from codegen.lower.program import Input
+from codegen.lower.scene_graph import SceneGraph
+from codegen.lower.substitution import reached
+
+
+class Wanted:
+    """The outputs that a scene names; all of them where it names none.
+
+    Attributes
+    ----------
+    moves
+        Whether the scene asks how the machine moves under forces, and not only where it rests.
+    """
+
+    def __init__(self, equations: Equations) -> None:
+        self.outputs = equations.scene.outputs
+        self.moves = equations.scene.analysis == "dynamics"
+        # A run holds a friction in a joint that sticks against its limit in each position.
+        self._needed = {e.name for e in equations.effects if _limited(e.terms.friction)}
+        self._needed |= set(tracked_points(equations))
+        self._massive = bool(equations.masses)
+
+    def energy(self) -> bool:
+        """Whether kinetic and potential energy are."""
+        return self.outputs is None or "energy" in self.outputs
+
+    def reaction(self, element: str) -> bool:
+        """Whether the forces that an element transmits are."""
+        return element in self._needed or (self._massive and self._one("reaction", element))
+
+    def power(self, source: str) -> bool:
+        """Whether the power of an effect or driver is."""
+        return self.moves and self._one("power", source)
+
+    def work(self, source: str) -> bool:
+        """Whether the work of an effect or driver is, which has to be named."""
+        return self.moves and self.outputs is not None and self._one("work", source)
+
+    def _one(self, what: str, element: str) -> bool:
+        if self.outputs is None:
+            return True
+        return f"{what}s" in self.outputs or f"{what}({element})" in self.outputs
+
+
+def _limited(friction: object) -> bool:
+    return friction is not None and getattr(friction, "limit", None) is not None
+
+
+def recovered(scene: SceneGraph, wanted: Wanted) -> tuple[int, ...]:
+    """Rows whose multipliers something that is asked for depends on; all where all is asked for."""
+    rows = range(scene.m)
+    if wanted.outputs is None:
+        return tuple(rows)
+    values = [value for name, *_, value in scene.reactions if wanted.reaction(name)]
+    values += [value for name, value in scene.powers if wanted.power(name) or wanted.work(name)]
+    found = _multipliers(scene.graph, values)
+    for row, name in enumerate(scene.owners):
+        if scene.nu[row] != scene.graph.zero and (wanted.power(name) or wanted.work(name)):
+            found.add(row)
+    return tuple(row for row in rows if row in found)
+
+
+def _multipliers(graph: Graph, values: list[int]) -> set[int]:
+    """Slots of `lam` that values depend on."""
+    literals = (graph.values[number].literal for number in reached(graph, values))
+    return {found.slot for found in literals if isinstance(found, Input) and found.array == "lam"}

@@ -1,0 +1,224 @@
+"""The static factorization: which unknown to eliminate when is decided here, at build time.
+
+The unknowns of dynamics solve
+
+    [ M    Φ_qᵀ ] [ q̈ ]   [ Q ]
+    [ Φ_q  0    ] [ λ ] = [ γ ] .
+
+Eliminating all accelerations first leaves S = Φ_q M⁻¹ Φ_qᵀ, to be factored LDLᵀ. That is one of
+the orders tried. Another uses that many constraints give a coordinate outright: where an entry
+of Φ_q is a number, the pair (coordinate, constraint) is a pivot of two rows that is as good as a
+substitution, and what is left shrinks to the closures of the loops. No pivot vanishes in any
+position where the constraints are independent, as M is positive definite: a coordinate's pivot
+is positive, a constraint's negative, and a pair's determinant at most -b², with b at least a
+tenth of the largest number in its row of Φ_q. So the cheapest order may be taken.
+"""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from codegen.lower.graph import Graph
+from codegen.lower.linear.back_substitution import Loop, Pair, Single, Substitution
+from codegen.lower.program import Check
+
+DIVISION = 8
+"""What a division counts in the choice of an order, in products."""
+
+LEAST_PIVOT = 0.1
+"""What a pair's entry must be of the largest number in its row of Φ_q."""
+
+Strategy = Literal["substitute", "mixed", "schur", "square"]
+"""Pairs while there are any; whatever is cheapest now; accelerations, then multipliers; what
+constraints alone determine, `codegen.lower.kernels.driven_machines`."""
+
+
+@dataclass
+class Elimination:
+    """A symmetric sparse system of graph values, reduced pivot by pivot.
+
+    Attributes
+    ----------
+    entries
+        (i, j) → value, both triangles, structural non-zeros only.
+    right
+        Right sides, one list a column.
+    duals
+        The unknowns that are multipliers.
+    references
+        Unknown → the size that its pivot is held against; the others are not watched.
+    located
+        Pairs to eliminate first, in this order: a coordinate without mass, the constraint that
+        determines it, and whether to watch that it does. Along a curve without cusps it does
+        always; where two directions have to differ, the entry is held against those of the row as
+        it was stated, which are angles like it.
+    """
+
+    graph: Graph
+    entries: dict[tuple[int, int], int]
+    right: list[list[int]]
+    duals: frozenset[int] = frozenset()
+    references: dict[int, int] = field(default_factory=dict)
+    located: list[tuple[int, int, bool]] = field(default_factory=list)
+    checks: list[Check] = field(default_factory=list, init=False)
+    substitution: Substitution = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._neighbours: dict[int, set[int]] = {i: set() for i in range(len(self.right[0]))}
+        for i, j in self.entries:
+            if i != j:
+                self._neighbours[i].add(j)
+
+    def solve(self, strategy: Strategy) -> list[list[int]]:
+        """Values of the unknowns, one list a right side."""
+        stated = dict(self.entries), [list(right) for right in self.right]
+        steps: list[Single | Pair] = []
+        loop: Loop | None = None
+        known: list[dict[int, int]] = [{} for _ in self.right]
+        sizes = {c: self._row_size(c) for _, c, watched in self.located if watched}
+        for k, c, watched in self.located:
+            if watched:
+                self._watch_pair(k, c, sizes[c])
+            steps.append(self._pair(k, c))
+        while self._neighbours:
+            if last := self._last_loop():
+                loop = self._close_loop(*last)
+                known = [loop.solve(self.graph, right) for right in self.right]
+                break
+            step = self._cheapest(strategy)
+            steps.append(self._pair(*step) if len(step) == 2 else self._single(*step))
+        self.substitution = Substitution(self.graph, *stated, steps, loop)
+        return [self.substitution.back(n, x) for n, x in enumerate(known)]
+
+    # -- order -------------------------------------------------------------------------------
+
+    def _cheapest(self, strategy: Strategy) -> tuple[int, ...]:
+        """The pivot that causes the least work now; ties go to the smaller number."""
+        left = self._neighbours
+        primals = [i for i in left if i not in self.duals]
+        ready = [i for i in left if i in self.duals and not left[i] - self.duals]
+        singles = [(self._single_cost(i), (i,)) for i in primals]
+        if strategy == "schur":
+            return min(singles or [(self._single_cost(c), (c,)) for c in ready])[1]
+        pairs = [(self._pair_cost(*pair), pair) for pair in self._pairs()]
+        if strategy == "substitute" and pairs:
+            return min(pairs)[1]
+        return min(singles + pairs + [(self._single_cost(c), (c,)) for c in ready])[1]
+
+    def _pairs(self) -> list[tuple[int, int]]:
+        """Coordinate and constraint with a number between them, the constraint untouched yet."""
+        return [
+            (k, c)
+            for c in self._neighbours
+            if c in self.duals and self._at(c, c) == self.graph.zero
+            for k in self._neighbours[c] - self.duals
+            if self._size(k, c) >= LEAST_PIVOT * max(self._size(j, c) for j in self._neighbours[c])
+            and self._size(k, c) > 0.0
+        ]
+
+    def _size(self, k: int, c: int) -> float:
+        """Size of an entry of Φ_q that is a number, else 0."""
+        return abs(self.graph.number(self._at(k, c)) or 0.0)
+
+    def _single_cost(self, i: int) -> int:
+        degree = len(self._neighbours[i])
+        division = 0 if self.graph.settled[self._at(i, i)] else DIVISION
+        return division + degree * (degree + 3) // 2
+
+    def _pair_cost(self, k: int, c: int) -> int:
+        along, across = len(self._neighbours[k]) - 1, len(self._neighbours[c]) - 1
+        mass = 0 if self._at(k, k) == self.graph.zero else across * (across + 1) // 2
+        return across * along + mass + along + across
+
+    # -- pivots ------------------------------------------------------------------------------
+
+    def _at(self, i: int, j: int) -> int:
+        return self.entries.get((i, j), self.graph.zero)
+
+    def _subtract(self, i: int, j: int, value: int) -> None:
+        if value == self.graph.zero:
+            return
+        self.entries[i, j] = self.entries[j, i] = self.graph.sub(self._at(i, j), value)
+        if i != j:
+            self._neighbours[i].add(j)
+            self._neighbours[j].add(i)
+
+    def _detach(self, *unknowns: int) -> list[int]:
+        """Take unknowns out of the system; returns those that they were coupled with."""
+        around = set().union(*(self._neighbours.pop(u) for u in unknowns)) - {*unknowns}
+        for j in around:
+            self._neighbours[j] -= {*unknowns}
+        return sorted(around)
+
+    def _single(self, i: int) -> Single:
+        graph, pivot = self.graph, self._at(i, i)
+        if i in self.references:
+            size = graph.neg(pivot) if i in self.duals else pivot
+            known = graph.number(size) is not None and graph.number(self.references[i]) is not None
+            if not known:  # two numbers are compared before the build
+                self.checks.append(Check(size, self.references[i], i))
+        inverse = graph.div(graph.one, pivot)
+        around = self._detach(i)
+        row = {j: self._at(i, j) for j in around}
+        scaled = {j: graph.mul(inverse, row[j]) for j in around}
+        for n, j in enumerate(around):
+            for k in around[n:]:
+                self._subtract(j, k, graph.mul(scaled[j], row[k]))
+            for right in self.right:
+                right[j] = graph.sub(right[j], graph.mul(scaled[j], right[i]))
+        return Single(i, inverse, scaled, tuple(right[i] for right in self.right))
+
+    def _row_size(self, c: int) -> int:
+        """Sum of the squares of a row's entries."""
+        entries = [self._at(j, c) for j in sorted(self._neighbours[c])]
+        return self.graph.total([self.graph.mul(entry, entry) for entry in entries])
+
+    def _watch_pair(self, k: int, c: int, size: int) -> None:
+        """Where the entry between them vanishes, the constraint no longer determines k."""
+        pivot = self.graph.mul(self._at(k, c), self._at(k, c))
+        if self.graph.number(pivot) is None:
+            self.checks.append(Check(pivot, size, c))
+
+    def _pair(self, k: int, c: int) -> Pair:
+        graph = self.graph
+        a, over_b = self._at(k, k), graph.div(graph.one, self._at(k, c))
+        around = self._detach(k, c)
+        along = {j: self._at(k, j) for j in around}
+        across = {j: graph.mul(over_b, self._at(c, j)) for j in around}
+        rest = {j: graph.sub(along[j], graph.mul(a, across[j])) for j in around}
+        right_k = tuple(right[k] for right in self.right)
+        right_c = tuple(graph.mul(over_b, right[c]) for right in self.right)
+        for n, i in enumerate(around):
+            for j in around[n:]:
+                both = graph.mul(along[i], across[j]), graph.mul(across[i], rest[j])
+                self._subtract(i, j, graph.add(*both))
+            for right, r_k, r_c in zip(self.right, right_k, right_c, strict=True):
+                inner = graph.sub(r_k, graph.mul(a, r_c))
+                both = graph.mul(along[i], r_c), graph.mul(across[i], inner)
+                right[i] = graph.sub(right[i], graph.add(*both))
+        return Pair(k, c, a, over_b, along, across, right_k, right_c)
+
+    def _last_loop(self) -> tuple[int, int, int] | None:
+        """Two coordinates and the constraint that closes a loop, where nothing else is left."""
+        left = sorted(self._neighbours)
+        if len(left) != 3 or [i in self.duals for i in left] != [False, False, True]:
+            return None
+        i, j, c = left
+        coupled = c in self._neighbours[i] and c in self._neighbours[j]
+        return (i, j, c) if coupled and self._at(c, c) == self.graph.zero else None
+
+    def _close_loop(self, i: int, j: int, c: int) -> Loop:
+        """Solve [[a, b, u], [b, d, v], [u, v, 0]] by its adjugate: one division instead of three.
+
+        The determinant is minus the positive definite form a v² - 2 b u v + d u².
+        """
+        graph = self.graph
+        mul, sub = graph.mul, graph.sub
+        a, b, d = self._at(i, i), self._at(i, j), self._at(j, j)
+        u, v = self._at(i, c), self._at(j, c)
+        minor_i, minor_j = sub(mul(d, u), mul(b, v)), sub(mul(a, v), mul(b, u))
+        area = sub(mul(a, d), mul(b, b))
+        form = graph.add(mul(u, minor_i), mul(v, minor_j))
+        if c in self.references:
+            self.checks.append(Check(form, mul(area, self.references[c]), c))
+        inverse = graph.div(graph.one, form)
+        return Loop(i, j, c, u, v, minor_i, minor_j, area, inverse)

@@ -1,0 +1,188 @@
+"""SymPy expression → values of a `Graph`, one visit a node.
+
+Factors and terms are gathered from what changes least to what changes most (numbers, parameters,
+positions, velocities), so that as much as possible is known before a run, and products such as
+s'_x cos φ that occur in Φ, Φ_q and γ come out as one value.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import sympy
+from sympy.core.relational import Relational
+
+from codegen.declare.table_function import Interpolant
+from codegen.derive.conditions import switching_function
+from codegen.errors import ModelError
+from codegen.lower.graph import Graph
+from codegen.lower.program import Op
+
+FUNCTIONS = {
+    sympy.sin: Op.SIN,
+    sympy.cos: Op.COS,
+    sympy.tan: Op.TAN,
+    sympy.asin: Op.ASIN,
+    sympy.acos: Op.ACOS,
+    sympy.atan: Op.ATAN,
+    sympy.atan2: Op.ATAN2,
+    sympy.sinh: Op.SINH,
+    sympy.cosh: Op.COSH,
+    sympy.tanh: Op.TANH,
+    sympy.exp: Op.EXP,
+    sympy.log: Op.LOG,
+}
+
+
+class Translator:
+    """Translates expressions into one graph.
+
+    Parameters
+    ----------
+    graph
+        Where the values go.
+    environment
+        Symbol of the model → value.
+    switches
+        Switching function → its number.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        environment: Mapping[sympy.Symbol, int],
+        switches: Mapping[sympy.Expr, int],
+    ) -> None:
+        self.graph = graph
+        self.environment = dict(environment)
+        self.switches = switches
+        self._known: dict[sympy.Basic, int] = {}
+        self._ranks: dict[int, int] = {}
+
+    def scoped(self, bindings: Mapping[sympy.Symbol, sympy.Expr | int]) -> "Translator":
+        """A translator that knows, beside the model's symbols, an element's placeholders."""
+        inner = Translator(self.graph, self.environment, self.switches)
+        for symbol, meaning in bindings.items():
+            inner.environment[symbol] = meaning if isinstance(meaning, int) else self(meaning)
+        return inner
+
+    def __call__(self, expression: Any) -> int:
+        """The value of `expression`."""
+        node = sympy.sympify(expression)
+        if node not in self._known:
+            self._known[node] = self._translate(node)
+        return self._known[node]
+
+    def _translate(self, node: Any) -> int:
+        graph = self.graph
+        if node.is_Symbol:
+            found: int = self.environment[node]
+            return found
+        if node.is_number:
+            return graph.constant(float(node.evalf(25)))
+        if node.is_Add:
+            return self._sum([self(a) for a in node.args])
+        if node.is_Mul:
+            return self._product(node)
+        if node.is_Pow:
+            base, exponent = node.as_base_exp()
+            if exponent.is_number:
+                return graph.power(self(base), float(exponent))
+            return graph.function(Op.POW, self(base), self(exponent))
+        if isinstance(node, sympy.Piecewise):
+            return self._piecewise(node)
+        if isinstance(node, Interpolant):
+            return graph.lookup(node.table, node.order, self(node.at))
+        if node.func in FUNCTIONS:
+            return graph.function(FUNCTIONS[node.func], *(self(a) for a in node.args))
+        if isinstance(node, sympy.logic.boolalg.BooleanFunction | Relational):
+            return self._condition(node)
+        raise ModelError(
+            f"the function {node.func} in {node} cannot be compiled; "
+            f"known are {', '.join(sorted(str(f) for f in FUNCTIONS))}, powers and Piecewise."
+        )
+
+    def _sum(self, terms: list[int]) -> int:
+        """Terms that turn with one angle first, so that the components of A s are values."""
+        graph = self.graph
+        groups: dict[tuple[bool, int], list[int]] = {}
+        for number in self._in_order(terms):
+            angle = self._angle(number)
+            key = (False, graph.movers[number]) if angle is None else (True, angle)
+            groups.setdefault(key, []).append(number)
+        return graph.total([graph.total(group) for group in groups.values()])
+
+    def _angle(self, number: int) -> int | None:
+        """The angle θ of a term a cos θ or a sin θ; of two the first."""
+        values = self.graph.values
+        value = values[number]
+        if value.op is Op.NEG:
+            return self._angle(value.args[0])
+        factors = value.args if value.op is Op.MUL else (number,)
+        turning = [values[k].args[0] for k in factors if values[k].op in (Op.SIN, Op.COS)]
+        return min(turning, default=None)
+
+    def _product(self, node: sympy.Mul) -> int:
+        numerator, denominator = [], []
+        for factor in node.args:
+            base, exponent = factor.as_base_exp()
+            if exponent.is_number and exponent < 0:
+                denominator.append(self(base**-exponent))
+            else:
+                numerator.append(self(factor))
+        top = self._fold(numerator)
+        return self.graph.div(top, self._fold(denominator)) if denominator else top
+
+    def _fold(self, factors: list[int]) -> int:
+        result = self.graph.one
+        for factor in self._in_order(factors):
+            result = self.graph.mul(result, factor)
+        return result
+
+    def _piecewise(self, node: sympy.Piecewise) -> int:
+        *pieces, last = node.args
+        if last.cond != sympy.true:
+            raise ModelError(
+                f"{node} says nothing where none of its conditions holds; "
+                "end it with (value, True)."
+            )
+        result = self(last.expr)
+        for piece in reversed(pieces):
+            result = self.graph.select(self._condition(piece.cond), self(piece.expr), result)
+        return result
+
+    def _condition(self, node: Any) -> int:
+        graph = self.graph
+        if isinstance(node, sympy.Not):
+            return graph.negation(self._condition(node.args[0]))
+        if isinstance(node, sympy.And | sympy.Or):
+            op = Op.AND if isinstance(node, sympy.And) else Op.OR
+            first, *rest = sorted(self._condition(a) for a in node.args)
+            for other in rest:
+                first = graph.logical(op, first, other)
+            return first
+        g = switching_function(node)
+        if g in self.switches:
+            return graph.mode(self.switches[g])
+        if -g in self.switches:
+            return graph.negation(graph.mode(self.switches[-g]))
+        raise ModelError(
+            f"the condition {node} stands where nothing may switch (a constraint or a driver); "
+            "write the motion as one smooth expression."
+        )
+
+    def _in_order(self, numbers: list[int]) -> list[int]:
+        """By how often the values change, by what moves them, by number: by the declaration."""
+        return sorted(numbers, key=lambda n: (self._rank(n), self.graph.movers[n], n))
+
+    def _rank(self, number: int) -> int:
+        if number not in self._ranks:
+            value = self.graph.values[number]
+            if value.op is Op.CONST:
+                rank = 0
+            elif value.literal is not None and value.op is Op.INPUT:
+                order = {"p": 1, "t": 2, "q": 3, "v": 4, "a": 5, "lam": 6}
+                rank = order[value.literal.array]  # type: ignore[union-attr]
+            else:
+                rank = max((self._rank(a) for a in value.args), default=2)
+            self._ranks[number] = rank
+        return self._ranks[number]

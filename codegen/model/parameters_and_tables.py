@@ -1,0 +1,117 @@
+"""The numbers of a declaration: parameters, tables, and the files that they come from."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from codegen.cubic_spline import fit
+from codegen.declare import units as quantities
+from codegen.declare.parameter import ParameterDeclaration, SignRule
+from codegen.declare.symbols import Parameter
+from codegen.declare.table_function import FEWEST, TableFunction, point_problems
+from codegen.model.base import Declarations
+
+
+def known_units(units: Any) -> bool:
+    """Whether they are two SI units."""
+    pair = isinstance(units, tuple | list) and len(units) == 2
+    return pair and all(
+        isinstance(unit, str) and quantities.known_unit(unit) and quantities.si_factor(unit) == 1.0
+        for unit in units
+    )
+
+
+class Values(Declarations):
+    """What is known about a machine in numbers."""
+
+    def parameter(
+        self,
+        name: str,
+        value: Any,
+        unit: str = "",
+        sign: SignRule = "",
+    ) -> Parameter:
+        """A number that runs may change without a new build.
+
+        Parameters
+        ----------
+        name
+            An identifier.
+        value
+            The default: a number in `unit`, or a pint quantity that converts to it.
+        unit
+            A label in SI units such as ``"kg m^2"``; empty for a pure number. Values given at run
+            time are in it.
+        sign
+            A rule that every value must obey; masses and inertias are positive by themselves.
+        """
+        symbol = Parameter(str(name), real=True)
+        where = f"parameter '{name}'"
+        unit = " ".join(unit.split())
+        sign = self._read.choice(sign, ("", "positive", "nonnegative"), f"{where}, sign")
+        if not quantities.known_unit(unit):
+            self._note(f"{where}: the unit {unit!r} is not known; use SI names, 'kg m^2'.")
+            unit = ""
+        elif (factor := quantities.si_factor(unit)) != 1.0:
+            self._note(
+                f"{where}: {unit!r} is no SI unit (one of it is {factor:g} in SI); label the "
+                f"parameter with the SI unit, and give the value as a quantity in {unit}."
+            )
+            unit = ""
+        number = self._read.number(value, unit, where)
+        if self._claim("parameter", name):
+            self.parameters[name] = ParameterDeclaration(name, number, unit, sign)
+        return symbol
+
+    def table(
+        self,
+        name: str,
+        x: Any,
+        y: Any,
+        periodic: bool = False,
+        units: tuple[str, str] = ("", ""),
+    ) -> TableFunction:
+        """A function through points, by a cubic spline with continuous second derivatives.
+
+        Called with an expression, ``lift(cam.phi)`` or ``law(t)``, it may stand in motion laws,
+        profiles, forces and constraints, with the derivatives that γ needs.
+
+        Parameters
+        ----------
+        name
+            An identifier.
+        x, y
+            At least four points, x strictly ascending: numbers in `units`, or pint quantities.
+        periodic
+            Whether the function repeats; the last point is the first one, a period later. One
+            that does not repeat is undefined beyond its ends, where a run stops and says so.
+        units
+            SI units of x and y.
+        """
+        where = f"table '{name}'"
+        if not known_units(units):
+            self._note(f"{where}: units={units!r}; give the SI units of x and y: ('s', 'm').")
+            units = ("", "")
+        for axis, given in (("x", x), ("y", y)):
+            if not isinstance(given, Iterable):
+                self._note(f"{where}: {axis} is {given!r}; give at least {FEWEST} numbers.")
+                x, y = (), ()
+        at, values = (
+            [self._read.finite(v, unit, f"{where}, {axis}[{k}]") for k, v in enumerate(given)]
+            for given, unit, axis in ((x, units[0], "x"), (y, units[1], "y"))
+        )
+        known = len(self.problems)
+        for problem in point_problems(at, values, periodic):
+            self._note(f"{where}: {problem}")
+        if self._claim("table", name) and len(self.problems) == known:
+            return TableFunction(fit(name, at, values, periodic))
+        return TableFunction(fit("none", (0.0, 1.0, 2.0, 3.0), (0.0,) * 4, periodic=False))
+
+    def depends_on(self, path: str | Path) -> Path:
+        """Name a data file that the declaration reads: a change of it makes builds stale."""
+        file = Path(path).resolve()
+        if file.is_file():
+            self.files.append(file)
+        else:
+            self._note(f"depends_on('{path}'): there is no file {file}.")
+        return file

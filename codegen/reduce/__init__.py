@@ -1,0 +1,1 @@
+"""The reduced formulation: the equations of motion in fewer coordinates."""

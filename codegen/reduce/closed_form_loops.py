@@ -1,0 +1,246 @@
+"""Loops that close in closed form.
+
+With every coordinate but the angle θ known, a constraint of rigid bodies reads
+
+    A sin θ + B cos θ + C = 0,   R² = A² + B²,   ρ = √(R² - C²),
+    sin θ = (-A C - σ B ρ)/R²,   cos θ = (-B C + σ A ρ)/R²,   ∂Φ/∂θ = A cos θ - B sin θ = σ ρ,
+
+with the branch σ = ±1 on which the loop was put together. Two constraints that close a loop of two
+bodies, a + R(θ) b + R(η) d = 0 with plane turns R, give one such equation by |a + R(θ) b|² = |d|²,
+and η by what is left. Where ρ vanishes the two branches meet and the loop is at a dead centre.
+
+C is what the constraint is with zeros for sin θ and cos θ, A and B are its derivatives by these
+there. That it has this form is tested by numbers: an identity of analytic functions that holds at a
+few places taken at random holds.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+from random import Random
+
+from codegen.lower.differentiation.tangent import differentiate
+from codegen.lower.graph import Graph
+from codegen.lower.interpreter import evaluate
+from codegen.lower.program import Kernel, Op, Program, store
+from codegen.lower.substitution import reached, rebuilt
+
+PLACES = 4
+"""Places at which an identity is tested."""
+
+AGREED = 1e-9
+"""Difference of two numbers, in parts of their sizes, below which they are the same."""
+
+
+@dataclass(frozen=True)
+class Angle:
+    """An angle in closed form.
+
+    Attributes
+    ----------
+    column, row
+        Of the coordinate, and of the constraint that the dead centre is told of.
+    s, c
+        Its sine and cosine.
+    room
+        ρ², which vanishes at a dead centre.
+    slope
+        σ ρ; the sign of its value in a position is the branch. None: what is left decides.
+    branch
+        The input σ.
+    """
+
+    column: int
+    row: int
+    s: int
+    c: int
+    room: int | None = None
+    slope: int | None = None
+    branch: int | None = None
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Rows that are solved for as many angles."""
+
+    rows: tuple[int, ...]
+    angles: tuple[Angle, ...]
+
+    @property
+    def columns(self) -> tuple[int, ...]:
+        """The coordinates that follow."""
+        return tuple(angle.column for angle in self.angles)
+
+
+@dataclass
+class Loops:
+    """Finds the loops that close in closed form, once their forerunners are closed.
+
+    Parameters
+    ----------
+    q
+        The inputs that are the coordinates, by column.
+    phi
+        Row → value in the coordinates that are left.
+    angles
+        Columns that may be solved for.
+    first_branch
+        Slot of ``p`` for the first branch.
+    """
+
+    graph: Graph
+    q: Sequence[int]
+    phi: dict[int, int]
+    angles: list[int]
+    first_branch: int
+    found: list[Loop] = field(default_factory=list, init=False)
+
+    def __post_init__(self) -> None:
+        self._branches = 0
+        while loop := self._next():
+            self.found.append(loop)
+            for row in loop.rows:
+                del self.phi[row]
+            for angle in loop.angles:
+                self.angles.remove(angle.column)
+
+    def _next(self) -> Loop | None:
+        unknown = {self.q[k]: k for k in self.angles}
+        support = {}
+        for i, value in self.phi.items():
+            met = reached(self.graph, [value])
+            support[i] = tuple(sorted(unknown[number] for number in unknown if number in met))
+        for i, columns in support.items():
+            if len(columns) == 1 and (loop := self._single(i, *columns)):
+                return loop
+        for i, j in combinations(support, 2):
+            columns = tuple(sorted({*support[i], *support[j]}))
+            if len(columns) == 2 and len(support[i]) > 0 < len(support[j]):
+                for one, other in (columns, columns[::-1]):
+                    if loop := self._pair(i, j, one, other):
+                        return loop
+        return None
+
+    # -- forms -------------------------------------------------------------------------------
+
+    def _single(self, row: int, column: int) -> Loop | None:
+        form = self._form(self.phi[row], (column,))
+        if form is None:
+            return None
+        start, ((a, b),) = form
+        return Loop((row,), (self._angle(row, column, a, b, start),))
+
+    def _pair(self, row: int, other: int, column: int, last: int) -> Loop | None:
+        graph = self.graph
+        forms = [self._form(self.phi[i], (column, last)) for i in (row, other)]
+        if forms[0] is None or forms[1] is None:
+            return None
+        (u, ((a, b), (d, e))), (w, ((f, g), (h, k))) = forms[0], forms[1]
+        for first, second, third, fourth in ((a, b, f, g), (d, e, h, k)):
+            # [first second; third fourth] times its transposed is a number times one.
+            across = graph.add(graph.mul(first, third), graph.mul(second, fourth))
+            one, two = self._squares(first, second), self._squares(third, fourth)
+            if not self._zero(across, one) or not self._zero(graph.sub(one, two), one):
+                return None
+        two = graph.constant(2.0)
+        arm, reach = self._squares(a, b), self._squares(d, e)
+        sine = graph.mul(two, graph.add(graph.mul(u, a), graph.mul(w, f)))
+        cosine = graph.mul(two, graph.add(graph.mul(u, b), graph.mul(w, g)))
+        rest = graph.add(self._squares(u, w), graph.sub(arm, reach))
+        angle = self._angle(max(row, other), column, sine, cosine, rest)
+        x = graph.total([u, graph.mul(a, angle.s), graph.mul(b, angle.c)])
+        y = graph.total([w, graph.mul(f, angle.s), graph.mul(g, angle.c)])
+        # [d e; h k] (s, c) = -(x, y), by the transposed.
+        inverse = graph.neg(graph.div(graph.one, reach))
+        s = graph.mul(inverse, graph.add(graph.mul(d, x), graph.mul(h, y)))
+        c = graph.mul(inverse, graph.add(graph.mul(e, x), graph.mul(k, y)))
+        return Loop((row, other), (angle, Angle(last, max(row, other), s, c)))
+
+    def _angle(self, row: int, column: int, a: int, b: int, start: int) -> Angle:
+        graph = self.graph
+        name = graph.values[self.q[column]].literal.name  # type: ignore[union-attr]
+        branch = graph.input("p", self.first_branch + self._branches, f"branch_{name}")
+        self._branches += 1
+        square = self._squares(a, b)
+        room = graph.sub(square, graph.mul(start, start))
+        root = graph.mul(branch, graph.power(room, 0.5))
+        inverse = graph.div(graph.one, square)
+        s = graph.neg(graph.add(graph.mul(a, start), graph.mul(b, root)))
+        c = graph.sub(graph.mul(a, root), graph.mul(b, start))
+        sine, cosine = (graph.function(op, self.q[column]) for op in (Op.SIN, Op.COS))
+        slope = graph.sub(graph.mul(a, cosine), graph.mul(b, sine))
+        return Angle(column, row, graph.mul(inverse, s), graph.mul(inverse, c), room, slope, branch)
+
+    def _squares(self, a: int, b: int) -> int:
+        return self.graph.add(self.graph.mul(a, a), self.graph.mul(b, b))
+
+    def _form(
+        self, value: int, columns: tuple[int, ...]
+    ) -> tuple[int, tuple[tuple[int, int], ...]] | None:
+        """C and (A, B) of each angle, if the value is linear in their sines and cosines."""
+        graph = self.graph
+        ends = [(self._sine(k), self._cosine(k)) for k in columns]
+        inside = {number for pair in ends for number in pair}
+        stop = dict.fromkeys(inside)
+        if reached(graph, [value], stop) & {self.q[k] for k in columns}:
+            return None
+        still = dict.fromkeys(inside, graph.zero)
+        (start,) = rebuilt(graph, [value], still)
+        factors = [
+            (self._slope(value, sine, still), self._slope(value, cosine, still))
+            for sine, cosine in ends
+        ]
+        stated = [start]
+        for (sine, cosine), (a, b) in zip(ends, factors, strict=True):
+            stated += [graph.mul(a, sine), graph.mul(b, cosine)]
+        if not self._zero(graph.sub(graph.total(stated), value), value):
+            return None
+        return start, tuple(factors)
+
+    def _slope(self, value: int, number: int, still: dict[int, int]) -> int:
+        """Derivative by a sine or cosine, where all of them are zero."""
+        (slope,) = differentiate(self.graph, [value], {number: self.graph.one})
+        return rebuilt(self.graph, [slope], still)[0]
+
+    def _sine(self, column: int) -> int:
+        return self.graph.function(Op.SIN, self.q[column])
+
+    def _cosine(self, column: int) -> int:
+        return self.graph.function(Op.COS, self.q[column])
+
+    def _zero(self, value: int, size: int) -> bool:
+        """Whether a value is zero wherever it is looked at, beside another's size there."""
+        if value == self.graph.zero:
+            return True
+        kernel = Kernel("looked", "", (), store("out", [value, size], ["", ""]))
+        program = Program(tuple(self.graph.values), (kernel,), (), 0.0)
+        for place in range(PLACES):
+            try:
+                out = evaluate(program, "looked", Somewhere(place), math)["out"]
+            except (ValueError, ZeroDivisionError, OverflowError):
+                return False
+            if not abs(out[0]) <= AGREED * (1.0 + abs(out[1])):
+                return False
+        return True
+
+
+class Somewhere(dict[str, object]):
+    """Arguments at a place taken at random, the same in every build."""
+
+    def __init__(self, place: int) -> None:
+        super().__init__()
+        self.place = place
+
+    def __missing__(self, array: str) -> object:
+        draw = Random(f"{array} {self.place}")
+        if array == "t":
+            return draw.uniform(0.1, 1.0)
+        if array == "modes":
+            return [draw.random() < 0.5 for _ in range(10_000)]
+        return _Drawn(draw, (0.5, 1.5) if array == "p" else (-3.0, 3.0))
+
+
+class _Drawn(list[float]):
+    def __init__(self, draw: Random, span: tuple[float, float]) -> None:
+        super().__init__(draw.uniform(*span) for _ in range(10_000))

@@ -1,0 +1,154 @@
+"""The equations of motion in the coordinates that are kept.
+
+With q̇ = T u̇ + ν and q̈ = T ü + γ of all coordinates by those that are kept, they are
+
+    M_r ü + Φ_rᵀ λ_r = Q_r,   Φ_r ü = γ_r,   M_r = Tᵀ M T,   Q_r = Tᵀ (Q - M γ)
+
+(R. A. Wehage and E. J. Haug, Journal of Mechanical Design 104, 1982, 247-255; R. von Schwerin,
+MultiBody System SIMulation, 1999). The multipliers of the constraints that are left are those of
+the machine itself.
+"""
+
+from codegen.lower.constant_hoisting import with_constants
+from codegen.lower.differentiation.tangent import differentiate
+from codegen.lower.linear.factorization import Elimination, Strategy
+from codegen.lower.operation_count import cost
+from codegen.lower.program import STATE, Check, Kernel, Output, store
+from codegen.reduce.coordinate_map import Places
+
+Entries = dict[tuple[int, int], int]
+
+
+class Projected:
+    """M_r, Q_r and the constraints that are left.
+
+    Attributes
+    ----------
+    phi, nu, gamma, jacobian
+        Φ_r, ν_r, γ_r, and the structural non-zeros of Φ_r by (row, slot).
+    mass, force
+        Structural non-zeros of M_r by (slot, slot), and Q_r.
+    """
+
+    def __init__(self, places: Places) -> None:
+        self.places, self.graph = places, places.graph
+        self.phi = places.put_in(places.scene.phi[i] for i in places.closures)
+        self.nu: list[int] = []
+        self.gamma: list[int] = []
+        self.jacobian: Entries = {}
+        self._constrain()
+        self.mass: Entries = {}
+        self.force = [self.graph.zero] * len(places.kept)
+        self._project()
+
+    def accelerations(self) -> Kernel:
+        """ü and λ_r by the way that costs least."""
+        trials = [self._again()]
+        weightless = any((k, k) not in self.mass for k in range(len(self.places.kept)))
+        if not self.places.scene.rubbing and not weightless:
+            strategies: tuple[Strategy, ...] = ("schur", "mixed", "substitute")
+            trials += [self._solved(s) for s in strategies[: 3 if self.jacobian else 1]]
+
+        def price(kernel: Kernel) -> int:
+            program = with_constants(self.graph, (kernel,), 0)
+            return cost(program, program.kernels[-1])
+
+        return min(trials, key=price)
+
+    # -- equations ---------------------------------------------------------------------------
+
+    def _add(self, entries: Entries, key: tuple[int, int], value: int) -> None:
+        entries[key] = self.graph.add(entries.get(key, self.graph.zero), value)
+
+    def _constrain(self) -> None:
+        graph, places, scene = self.graph, self.places, self.places.scene
+        gamma = places.put_in(scene.gamma[i] for i in places.closures)
+        for row, i in enumerate(places.closures):
+            own = {k: e for (r, k), e in scene.entries.items() if r == i}
+            bend = gamma[row]
+            for k, factor in zip(own, places.put_in(own.values()), strict=True):
+                for j, slope in places.slopes[k].items():
+                    self._add(self.jacobian, (row, places.slots[j]), graph.mul(factor, slope))
+                bend = graph.sub(bend, graph.mul(factor, places.bends[k]))
+            (shift,) = differentiate(graph, [self.phi[row]], {scene.t: graph.one})
+            self.nu.append(graph.neg(shift))
+            self.gamma.append(bend)
+        self.jacobian = self._present(self.jacobian)
+
+    def _project(self) -> None:
+        graph, places = self.graph, self.places
+        forces = places.put_in(places.scene.forces)
+        for k, slopes in places.slopes.items():
+            mass = places.scene.masses[k]
+            pull = graph.sub(forces[k], graph.mul(mass, places.bends[k]))
+            for j, slope in slopes.items():
+                i = places.slots[j]
+                self.force[i] = graph.add(self.force[i], graph.mul(slope, pull))
+                heavy = graph.mul(mass, slope)
+                for other, along in slopes.items():
+                    if i <= places.slots[other]:
+                        key = i, places.slots[other]
+                        self._add(self.mass, key, graph.mul(heavy, along))
+        self.mass |= {(j, i): entry for (i, j), entry in self.mass.items()}
+        self.mass = self._present(self.mass)
+
+    def _present(self, entries: Entries) -> Entries:
+        return {key: e for key, e in sorted(entries.items()) if e != self.graph.zero}
+
+    # -- solutions ---------------------------------------------------------------------------
+
+    def _solved(self, strategy: Strategy) -> Kernel:
+        """By elimination of these equations."""
+        graph, n, m = self.graph, len(self.places.kept), len(self.places.closures)
+        sizes: dict[int, int] = {}
+        with graph.serving("factorization"):
+            entries = dict(self.mass)
+            for (i, k), entry in self.jacobian.items():
+                entries[n + i, k] = entries[k, n + i] = entry
+                part = graph.div(graph.mul(entry, entry), self.mass[k, k])
+                sizes[n + i] = graph.add(sizes.get(n + i, graph.zero), part)
+            right = [[*self.force, *self.gamma]]
+            duals = frozenset(range(n, n + m))
+            system = Elimination(graph, entries, right, duals, sizes)
+            (solution,) = system.solve(strategy)
+        checks = tuple(c._replace(constraint=c.constraint - n) for c in system.checks)
+        return self._kernel(solution[:n], dict(enumerate(solution[n:])), checks)
+
+    def _again(self) -> Kernel:
+        """By what the machine itself does, in other coordinates."""
+        places = self.places
+        stated = places.scene.kernels["accelerations"]
+        values = {(out.array, out.slot): out.value for out in stated.outputs}
+        rates = places.put_in(values["a", k] for k in places.kept)
+        rows = {r: values["lam", i] for r, i in enumerate(places.closures) if ("lam", i) in values}
+        multipliers = dict(zip(rows, places.put_in(rows.values()), strict=True))
+        checks = []
+        for check in stated.checks:
+            pivot, reference = places.put_in([check.pivot, check.reference])
+            if self.graph.number(pivot) is None or self.graph.number(reference) is None:
+                row = self.row(check.constraint)
+                checks.append(check._replace(pivot=pivot, reference=reference, constraint=row))
+        return self._kernel(rates, multipliers, tuple(checks))
+
+    def row(self, constraint: int) -> int:
+        """How a constraint of the machine is told of: those that are left first, then all."""
+        closures = self.places.closures
+        if constraint in closures:
+            return closures.index(constraint)
+        return len(closures) + constraint
+
+    def _kernel(
+        self, rates: list[int], multipliers: dict[int, int], checks: tuple[Check, ...]
+    ) -> Kernel:
+        scene, places = self.places.scene, self.places
+        names = scene.row_names(places.closures)
+        outputs = store("a", rates, [scene.name(scene.v[k]) for k in places.kept])
+        outputs += tuple(Output("lam", r, x, names[r]) for r, x in multipliers.items())
+        return Kernel(
+            "accelerations",
+            "ü and λ_r of M_r ü + Φ_rᵀ λ_r = Q_r, Φ_r ü = γ_r.",
+            (*STATE, "modes", "a", "lam"),
+            outputs,
+            checks,
+            watched=True,
+        )

@@ -1,0 +1,95 @@
+"""What a scene could do without, or take less finely: scenes that differ from it by one thing."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from codegen.declare.path_points import TRACKED
+from codegen.declare.scene import Scene
+from codegen.driver import sound_scenes
+from codegen.model import Model
+from codegen.model.couplers import FORMS
+from codegen.model.fidelities import NONE
+from codegen.model_file import read_model
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One change of a scene.
+
+    Attributes
+    ----------
+    name, kind
+        The effect, coupler, body or group of alternatives that is changed, and what it is.
+    word
+        The fidelity in which it is taken; ``"none"`` of an effect that is left out, ``"link"`` of a
+        body for which a joint without mass stands in.
+    """
+
+    name: str
+    kind: str
+    word: str
+    by_leaving_out: bool
+
+    def of(self, scene: Scene) -> Scene:
+        """The scene with this change."""
+        if self.by_leaving_out:
+            return scene.without(self.name)
+        return scene.with_(fidelity={self.name: self.word})
+
+    @property
+    def title(self) -> str:
+        """``gas``, or ``rod as link``."""
+        return self.name if self.word == NONE else f"{self.name} as {self.word}"
+
+
+def declared(model: str | Path | Model, scene: str | Scene | None) -> tuple[Model, Scene]:
+    """The model and one scene of it, the first unless one is named.
+
+    Raises
+    ------
+    InputError
+        As `build` does.
+    """
+    read = read_model(model).model
+    return read, sound_scenes(read, scene)[0]
+
+
+def variants(model: Model, scene: Scene, *, fidelities: bool = True) -> tuple[Variant, ...]:
+    """Each effect left out; then, if wanted, each other fidelity of what has more than one.
+
+    A kinematic scene has no effects that act, but bodies that a link may stand for.
+    """
+    found: list[Variant] = []
+    acting = {} if scene.analysis == "kinematics" else model.acting(scene)
+    acting = {name: effect for name, effect in acting.items() if effect.kind != TRACKED}
+    found += [Variant(name, effect.kind, NONE, True) for name, effect in acting.items()]
+    if not fidelities:
+        return tuple(found)
+    how = dict(scene.fidelity)
+    for name, effect in acting.items():
+        forms = model.fidelities.get(name, {})
+        found += [
+            Variant(name, effect.kind, word, False)
+            for word, form in forms.items()
+            if not isinstance(form, str) and form is not effect
+        ]
+    for name, bodies in model.couplers.items():
+        taken = how.get(name, FORMS[0])
+        if taken != FORMS[0] or any(body.name in scene.bodies for body in bodies):
+            found += [Variant(name, "coupler", word, False) for word in FORMS if word != taken]
+    stood_for = dict.fromkeys(
+        body.name
+        for joint in model.joints.values()
+        if (body := getattr(joint, "instead_of", None)) is not None
+    )
+    found += [
+        Variant(name, "body", "link", True)
+        for name in stood_for
+        if name in scene.bodies and name not in model.couplers
+    ]
+    for group, choices in model.groups.items():
+        default = next(iter(choices))
+        named = [c for c, names in choices.items() if any(n in scene.effects for n in names)]
+        taken = how.get(group) or (named[0] if len(named) == 1 else default)
+        found += [Variant(group, "alternatives", word, False) for word in choices if word != taken]
+    return tuple(found)

@@ -1,1 +1,0 @@
-"""The engineer's questions, one file each."""

@@ -1,0 +1,1 @@
+"""Assembly: states that satisfy joints, drivers and start values."""

@@ -1,0 +1,98 @@
+"""What assembling a machine gives: a state on its constraints, and what is to be said of it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from runtime.assembly.dense_equations import FloatArray
+from runtime.mechanism.description import Coordinate, Table, unknown
+
+
+class Moved(NamedTuple):
+    """How far assembly took a coordinate or velocity from where it was asked to start."""
+
+    name: str
+    asked: float
+    reached: float
+    unit: str
+
+    @property
+    def by(self) -> float:
+        """reached - asked."""
+        return self.reached - self.asked
+
+
+class Redundant(NamedTuple):
+    """A constraint that follows from others: its name and joint, and the joints of those."""
+
+    name: str
+    element: str
+    follows_from: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """The finding as a sentence."""
+        origin = f"follows from {', '.join(self.follows_from)}" if self.follows_from else "is empty"
+        return f"Constraint {self.name} is redundant and consistent: it {origin}."
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """An assembled state at time t.
+
+    Attributes
+    ----------
+    q, v
+        Coordinates and velocities, shape (n,).
+    residual, velocity_residual
+        What is left of Phi and of Phi_q v - nu, largest row of each joint or driver.
+    moved
+        Coordinates and velocities that had to leave their start values.
+    singular
+        Constraints that are dependent at this position only, as at a dead centre.
+    redundant
+        Constraints that follow from others wherever the machine stands; the machine runs with them.
+    not_unique
+        Joints and drivers whose reactions the equations of motion leave open because of them.
+    independent
+        Indices of the other constraints, shape (rank,).
+    """
+
+    t: float
+    q: FloatArray
+    v: FloatArray
+    residual: Mapping[str, float]
+    velocity_residual: Mapping[str, float]
+    moved: tuple[Moved, ...]
+    degrees_of_freedom: int
+    singular: tuple[str, ...] = ()
+    redundant: tuple[Redundant, ...] = ()
+    not_unique: tuple[str, ...] = ()
+    independent: tuple[int, ...] = ()
+    coordinates: Table[Coordinate] = field(default=Table(), repr=False)
+
+    def __getitem__(self, name: str) -> float:
+        """Value of a coordinate or velocity by name."""
+        for index, row in enumerate(self.coordinates):
+            if name == row.name:
+                return float(self.q[index])
+            if name == row.velocity:
+                return float(self.v[index])
+        names = [name for row in self.coordinates for name in row[:2]]
+        raise KeyError(unknown("coordinate or velocity", name, names))
+
+    def __str__(self) -> str:
+        """The report as text."""
+        worst = max(self.residual.values(), default=0.0)
+        worst_rate = max(self.velocity_residual.values(), default=0.0)
+        head = f"Assembled at t = {self.t:g} s, degrees of freedom: {self.degrees_of_freedom}; "
+        lines = [f"{head}largest residual {worst:.1e}, of velocities {worst_rate:.1e}."]
+        lines += [
+            f"  {row.name} moved from {row.asked:.6g} to {row.reached:.6g} {row.unit}"
+            for row in self.moved
+        ]
+        if self.singular:
+            lines.append(f"  Singular position: {', '.join(self.singular)} have no hold here.")
+        lines += [f"  {row}" for row in self.redundant]
+        if self.not_unique:
+            lines.append(f"  Not unique: the reactions of {', '.join(self.not_unique)}.")
+        return "\n".join(lines)

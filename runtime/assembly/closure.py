@@ -1,0 +1,140 @@
+"""Close the joints: Haug's growing-penalty minimisation, then Newton's method to rounding.
+
+Minimise (q - q0)^T W (q - q0) + r Phi^T Phi for growing r, by Levenberg-Marquardt with the exact
+Jacobian. Lengths are measured in a length typical of the mechanism, angles in rad.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.assembly.dense_equations import Equations, FloatArray
+from runtime.linalg.newton_iteration import newton
+
+CLOSED = 1e-10
+_PENALTIES = 10.0 ** np.arange(0, 9, 2)
+_RESTARTS = 6
+
+
+class Closing(NamedTuple):
+    """Where the closing ended: q, Phi there, and the largest scaled gap."""
+
+    q: FloatArray
+    phi: FloatArray
+    gap: float
+
+    @property
+    def closed(self) -> bool:
+        """Whether all joints hold."""
+        return self.gap <= CLOSED
+
+
+class Task(NamedTuple):
+    """What to close: which rows, which coordinates may move, and how changes are weighed."""
+
+    equations: Equations
+    t: float
+    scale: FloatArray
+    row_scale: FloatArray
+    rows: npt.NDArray[np.bool_]
+    free: npt.NDArray[np.bool_]
+    weight: FloatArray
+
+    def gaps(self, q: FloatArray) -> FloatArray:
+        """Scaled constraint values of the chosen rows."""
+        phi: FloatArray = self.equations.constraints(self.t, q) / self.row_scale
+        return phi[self.rows]
+
+    def slopes(self, q: FloatArray) -> FloatArray:
+        """Their derivatives by the scaled free coordinates."""
+        matrix = self.equations.jacobian(self.t, q) * self.scale / self.row_scale[:, None]
+        return matrix[np.ix_(self.rows, self.free)]
+
+
+def close(task: Task, start: FloatArray) -> Closing:
+    """Close the joints from `start`, trying nearby starts where that one leads nowhere.
+
+    Only coordinates of little weight (those about whose start the user said nothing) are moved
+    in the retries.
+    """
+    best = _attempt(task, start)
+    unknown = task.free & (task.weight < 1.0)
+    if best.closed or not unknown.any():
+        return best
+    random = np.random.default_rng(1)
+    for _ in range(_RESTARTS):
+        moved = start.copy()
+        moved[unknown] += random.normal(size=int(unknown.sum())) * task.scale[unknown]
+        found = _attempt(task, moved)
+        if found.gap < best.gap:
+            best = found
+        if best.closed:
+            break
+    return best
+
+
+def _attempt(task: Task, start: FloatArray) -> Closing:
+    q = start.copy()
+    if task.free.any() and task.rows.any():
+        if np.abs(task.gaps(q)).max() > 1e-3:
+            for penalty in _PENALTIES:
+                q = _minimise(task, start, q, float(penalty))
+        q = refine(task, q)
+    gaps = task.gaps(q)
+    gap = float(np.abs(gaps).max(initial=0.0))
+    return Closing(q, task.equations.constraints(task.t, q), gap if np.isfinite(gap) else np.inf)
+
+
+def refine(task: Task, q: FloatArray) -> FloatArray:
+    """Newton's method on the chosen rows, in the free coordinates."""
+    scale = task.scale[task.free]
+
+    def at(x: FloatArray) -> FloatArray:
+        moved = q.copy()
+        moved[task.free] += x * scale
+        return moved
+
+    found, _ = newton(
+        lambda x: task.gaps(at(x)), lambda x: task.slopes(at(x)), np.zeros(len(scale))
+    )
+    return at(found)
+
+
+def nearest(task: Task, q: FloatArray) -> FloatArray:
+    """About the nearest position to q in which the joints close, all weighing the same."""
+    even = task._replace(weight=np.ones_like(q))
+    return _minimise(even, q, q, float(_PENALTIES[-1]))
+
+
+def _minimise(task: Task, origin: FloatArray, q: FloatArray, penalty: float) -> FloatArray:
+    """Levenberg-Marquardt on the penalised sum of squares."""
+    root = np.sqrt(penalty)
+    free, scale = task.free, task.scale[task.free]
+    weight = np.sqrt(task.weight[free])
+
+    def residual(at: FloatArray) -> FloatArray:
+        return np.concatenate([weight * (at - origin)[free] / scale, root * task.gaps(at)])
+
+    damping = 1e-6
+    current = residual(q)
+    for _ in range(40):
+        slopes = np.vstack([np.diag(weight), root * task.slopes(q)])
+        normal = slopes.T @ slopes
+        gradient = slopes.T @ current
+        diagonal = np.diag(np.diag(normal) + 1e-12)
+        step = np.linalg.solve(normal + damping * diagonal, -gradient)
+        trial = q.copy()
+        trial[free] += step * scale
+        after = residual(trial)
+        if after @ after < current @ current:
+            small = float(np.abs(step).max()) < 1e-5
+            q, current = trial, after
+            damping = max(damping * 0.2, 1e-12)
+            if small:
+                break
+        else:
+            damping *= 8.0
+            if damping > 1e8:
+                break
+    return q

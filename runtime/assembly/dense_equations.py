@@ -1,0 +1,144 @@
+"""The equations of a machine at one instant, as dense arrays, for analyses of few positions."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.singularity.scaled_constraints import ScaledConstraints
+
+if TYPE_CHECKING:
+    from runtime.machine import Machine
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+
+class Motion(NamedTuple):
+    """Accelerations and multipliers at a state; `weak` is 1 + the constraint that failed, or 0."""
+
+    a: FloatArray
+    lam: FloatArray
+    weak: int
+
+
+class Equations:
+    """Kernels of a machine with its parameter values bound."""
+
+    def __init__(self, machine: "Machine", p: FloatArray) -> None:
+        self.description = machine.description
+        self.kernels = machine.kernels
+        self.table = machine.kernel_table
+        self.p = p
+        self.independent = np.array(machine.independent, dtype=np.int64)
+        self.n = len(machine.coordinates)
+        self.m = len(machine.constraints)
+
+    def scaled(self, scale: FloatArray, independent: IntArray) -> ScaledConstraints:
+        """The constraints in units of `scale`, of which `independent` follow from no others."""
+        told, kernels = self.description, self.kernels
+        return ScaledConstraints(
+            kernels.constraints,
+            kernels.jacobian,
+            kernels.velocity_rhs,
+            np.asarray(told.jacobian_rows, dtype=np.int64),
+            np.asarray(told.jacobian_columns, dtype=np.int64),
+            self.p,
+            scale,
+            independent,
+            self.m,
+        )
+
+    def constraints(self, t: float, q: FloatArray) -> FloatArray:
+        """Phi(q, t), shape (m,)."""
+        phi = np.zeros(self.m)
+        self.kernels.constraints(t, q, self.p, phi)
+        return phi
+
+    def jacobian(self, t: float, q: FloatArray) -> FloatArray:
+        """Phi_q, shape (m, n)."""
+        told = self.description
+        values = np.zeros(len(told.jacobian_rows))
+        self.kernels.jacobian(t, q, self.p, values)
+        matrix = np.zeros((self.m, self.n))
+        matrix[told.jacobian_rows, told.jacobian_columns] = values
+        return matrix
+
+    def velocity_rhs(self, t: float, q: FloatArray) -> FloatArray:
+        """nu = -Phi_t, shape (m,)."""
+        nu = np.zeros(self.m)
+        self.kernels.velocity_rhs(t, q, self.p, nu)
+        return nu
+
+    def acceleration_rhs(self, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
+        """gamma, shape (m,)."""
+        gamma = np.zeros(self.m)
+        self.kernels.acceleration_rhs(t, q, v, self.p, gamma)
+        return gamma
+
+    def mass(self, q: FloatArray) -> FloatArray:
+        """M, shape (n, n)."""
+        told = self.description
+        values = np.zeros(len(told.mass_rows))
+        self.kernels.mass(q, self.p, values)
+        matrix = np.zeros((self.n, self.n))
+        matrix[told.mass_rows, told.mass_columns] = values
+        return matrix
+
+    def forces(self, t: float, q: FloatArray, v: FloatArray, modes: IntArray) -> FloatArray:
+        """Q, shape (n,)."""
+        force = np.zeros(self.n)
+        self.kernels.applied_forces(t, q, v, self.p, modes, force)
+        return force
+
+    def potential(self, t: float, q: FloatArray, modes: IntArray) -> float:
+        """V in J."""
+        return float(self.kernels.potential(t, q, self.p, modes))
+
+    def potential_gradient(self, t: float, q: FloatArray, modes: IntArray) -> FloatArray:
+        """dV/dq, shape (n,)."""
+        g = np.zeros(self.n)
+        self.kernels.potential_gradient(t, q, self.p, modes, g)
+        return g
+
+    def motion(self, t: float, q: FloatArray, v: FloatArray, modes: IntArray) -> Motion:
+        """Accelerations and multipliers of the free motion."""
+        a, lam = np.zeros(self.n), np.zeros(self.m)
+        weak = int(self.kernels.accelerations(t, q, v, self.p, modes, a, lam))
+        return Motion(a, lam, weak)
+
+    def rest_modes(self, t: float, q: FloatArray) -> IntArray:
+        """Which conditions hold at rest; one at its boundary does not."""
+        g = np.zeros(len(self.description.switches))
+        if len(g) == 0:
+            return np.zeros(0, dtype=np.int64)
+        self.kernels.switching(t, q, np.zeros(self.n), self.p, g)
+        modes: IntArray = (g > 0.0).astype(np.int64)
+        return modes
+
+    def size(self, t: float, q: FloatArray) -> float:
+        """A length typical of the mechanism, in m, from how angles enter lengths; 1 if none do."""
+        matrix = self.jacobian(t, q)
+        angle = self.description.is_angle
+        mixed = np.any(matrix[:, ~angle] != 0.0, axis=1)
+        arms = np.abs(matrix[np.ix_(mixed, angle)])
+        reach = float(arms.max(initial=0.0))
+        places = float(np.abs(q[~angle]).max(initial=0.0))
+        return max(reach, 1e-3 * places) if reach > 0.0 else places or 1.0
+
+    def scale(self, size: float) -> FloatArray:
+        """Typical change of each coordinate: `size` for lengths, 1 for angles, shape (n,)."""
+        return np.where(self.description.is_angle, 1.0, size)
+
+    def row_units(self, matrix: FloatArray) -> list[str]:
+        """Unit of each constraint: rad where only angles enter, else m."""
+        angle = self.description.is_angle
+        return ["rad" if row.any() and not row[~angle].any() else "m" for row in (matrix != 0.0)]
+
+    def misses(self, values: FloatArray, units: list[str]) -> dict[tuple[str, str], float]:
+        """Largest |value| of the rows of each joint and unit, by (element, unit)."""
+        found: dict[tuple[str, str], float] = {}
+        for row, unit, value in zip(self.description.constraints, units, values, strict=True):
+            key = (row.element, unit)
+            found[key] = max(found.get(key, 0.0), abs(float(value)))
+        return found

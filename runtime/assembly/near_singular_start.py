@@ -1,0 +1,109 @@
+"""Starts at a singular position or beside it, where Newton's method leaves them too coarse.
+
+At the distance d from a position in which motions cross, the smallest singular value of Phi_q is of
+the order of d, and Newton's method leaves a position with the error eps / d and so velocities with
+the relative error eps / d². The singular position itself is found to rounding (see
+`runtime.singularity.location`), and so is the direction of the branch there: a start on the tangent
+has the relative error d.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from runtime.assembly.closure import CLOSED, Task
+from runtime.assembly.dense_equations import FloatArray
+from runtime.singularity.local_motion import taylor
+from runtime.singularity.singular_position import Positions
+
+_EPS = 2.2e-16
+_NEAR = _EPS ** (1.0 / 3.0)  # distance at which d and eps / d² are the same
+_TOLD = 4.0 * _EPS**0.5  # distance from which on a position says on which branch it is
+_ROUNDING = 64.0 * _EPS
+_ASTRAY = 1e-6  # of a velocity: what it may be off its branch, as at the start of a run
+_AGREED = 1e-9  # of the speed: what fixed velocities of a branch may differ from those asked for
+
+
+class Beside(NamedTuple):
+    """Position and velocity on a branch; each (n,)."""
+
+    q: FloatArray
+    v: FloatArray
+
+
+def beside(
+    task: Task, q: FloatArray, v: FloatArray, fixed_v: np.ndarray[tuple[int], np.dtype[np.bool_]]
+) -> Beside | None:
+    """A start on the branch on which (q, v) is, where it is as near as that to a singular position.
+
+    The coordinates that `task` holds keep their values, and the velocities in `fixed_v` theirs.
+    None where the start is not near one, or where no branch has these values.
+    """
+    equations = task.equations
+    matrix = equations.jacobian(task.t, q) * task.scale
+    lengths = np.linalg.norm(matrix, axis=1)
+    if not len(matrix) or not lengths.all() or not v.any() or matrix.shape[0] >= matrix.shape[1]:
+        return None
+    values = np.linalg.svd(matrix / lengths[:, None], compute_uv=False)
+    if not values[-1] < _NEAR:
+        return None
+    positions = Positions(equations.scaled(task.scale, np.arange(equations.m)))
+    rest = np.zeros_like(v)
+    found = positions.near(taylor(task.t, q, v, rest), 0.0)
+    if found is None or found.gap > _ROUNDING:
+        return None
+    away = q - found.q
+    if np.linalg.norm(away / task.scale) > _TOLD:
+        part = float(away[fixed_v] @ v[fixed_v]) if fixed_v.any() else float(away @ v)
+        along = away * np.sign(part or 1.0)
+        along *= np.linalg.norm(v / task.scale) / np.linalg.norm(along / task.scale)
+        found = positions.near(taylor(task.t, q, along, rest), 0.0)
+        if found is None or found.gap > _ROUNDING:
+            return None
+    elif found.astray > _ASTRAY:
+        return None  # neither position nor velocities say which branch is meant
+    else:
+        along = v
+    branch = along + found.veer
+    speed = float(np.abs(branch / task.scale).max())
+    if fixed_v.any():
+        square = float(branch[fixed_v] @ branch[fixed_v])
+        if not square > 0.0:
+            return None
+        branch = branch * (float(branch[fixed_v] @ v[fixed_v]) / square)
+        if np.abs((branch - v)[fixed_v]).max() > _AGREED * speed:
+            return None
+        branch[fixed_v] = v[fixed_v]
+    held = ~task.free
+    tau = 0.0
+    if held.any():
+        square = float(branch[held] @ branch[held])
+        away = (q - found.q)[held]
+        tau = float(away @ branch[held]) / square if square > 0.0 else 0.0
+    place = found.q + tau * branch
+    if np.abs(((place - q) / task.scale)[held]).max(initial=0.0) > _ROUNDING:
+        return None
+    place[held] = q[held]
+    place = _closed(task, place, found.lost)
+    if np.abs(task.gaps(place)).max() > CLOSED:
+        return None
+    slopes = equations.jacobian(task.t, place) * task.scale / task.row_scale[:, None]
+    gaps = slopes @ (branch / task.scale) - equations.velocity_rhs(task.t, place) / task.row_scale
+    branch[~fixed_v] -= _firm(slopes[:, ~fixed_v], gaps, found.lost) * task.scale[~fixed_v]
+    return Beside(place, branch)
+
+
+def _closed(task: Task, q: FloatArray, weak: int) -> FloatArray:
+    """Newton's method on what the constraints hold firmly; `weak` directions stay."""
+    q = q.copy()
+    for _ in range(2):
+        q[task.free] -= _firm(task.slopes(q), task.gaps(q), weak) * task.scale[task.free]
+    return q
+
+
+def _firm(matrix: FloatArray, right: FloatArray, weak: int) -> FloatArray:
+    """The least x with matrix x = right but for the `weak` combinations that it hardly has."""
+    left, values, basis = np.linalg.svd(matrix, full_matrices=False)
+    firm = len(values) - weak
+    x: FloatArray = basis[:firm].T @ (left[:, :firm].T @ right / values[:firm])
+    return x

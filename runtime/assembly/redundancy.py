@@ -1,0 +1,165 @@
+"""Constraints that say the same thing twice: found, named, and told from singular positions.
+
+The rows of the joints are eliminated first and the drivers appended, so that a driver that has
+nothing left to drive is named as such.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.assembly.closure import CLOSED, Task, nearest, refine
+from runtime.assembly.dense_equations import FloatArray
+
+RANK_TOLERANCE = 1e-6  # below this a direction is lost; an assembled dead centre is good to 1e-8
+_SIZES = (0.02, -0.05, 0.1, 0.02, -0.05, 0.1, -0.2)  # scaled lengths of the ways that are tried
+_APART = 1e-3  # scaled distance at which what is lost at a position only is no longer lost
+
+
+class Dependency(NamedTuple):
+    """A row that follows from earlier ones: its index, and those from which it follows."""
+
+    row: int
+    follows_from: tuple[int, ...]
+
+
+def dependent_rows(matrix: FloatArray, order: list[int]) -> list[Dependency]:
+    """Rows that are combinations of those before them in `order`.
+
+    Rows are made unit length and reduced one by one against an orthonormal basis of the rows
+    accepted so far, twice against loss of orthogonality. No remainder is shorter than the least
+    singular value of the rows: where that is long enough, nothing need be reduced.
+    """
+    lengths = np.linalg.norm(matrix, axis=1)
+    unit = matrix / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+    rows = unit[order]
+    if len(rows) <= rows.shape[1]:
+        least = np.linalg.svd(rows, compute_uv=False).min(initial=np.inf)
+        if least > 2.0 * RANK_TOLERANCE:
+            return []
+    basis: list[FloatArray] = []
+    accepted: list[int] = []
+    found = []
+    for row in order:
+        rest = unit[row].copy()
+        for _ in range(2):
+            for vector in basis:
+                rest -= (vector @ rest) * vector
+        size = float(np.linalg.norm(rest))
+        if size > RANK_TOLERANCE:
+            basis.append(rest / size)
+            accepted.append(row)
+            continue
+        if accepted:
+            shares = np.linalg.lstsq(unit[accepted].T, unit[row], rcond=None)[0]
+            sources = tuple(
+                index for index, share in zip(accepted, shares, strict=True) if abs(share) > 1e-6
+            )
+        else:
+            sources = ()
+        found.append(Dependency(row, sources))
+    return found
+
+
+class Findings(NamedTuple):
+    """Dependencies that hold wherever the machine stands, those of this position, and the rank."""
+
+    lasting: list[Dependency]
+    here_only: list[Dependency]
+    rank: int
+
+
+def inspect(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_], v: FloatArray) -> Findings:
+    """Look for dependent constraints at an assembled position.
+
+    A dependency that disappears when the machine is moved a little along its own motion belongs
+    to the position (a dead centre); one that stays is a redundancy. The velocities `v` asked for
+    are one motion, if the joints allow them; others are tried too.
+    """
+    order = [int(row) for row in np.argsort(drivers, kind="stable")]
+    here = dependent_rows(_scaled(task, q), order)
+    if not here:
+        return Findings([], [], len(order))
+    lasting = here
+    for moved in _neighbours(task, q, drivers, v):
+        there = dependent_rows(_scaled(task, moved), order)
+        if len(there) < len(lasting):
+            lasting = there
+    if len(lasting) == len(here):
+        return Findings(here, [], len(order) - len(here))
+    # Which row of a dependency comes last may differ here: those that follow elsewhere go first.
+    lost = {found.row for found in lasting}
+    rows = [row for row in order if row not in lost]
+    return Findings(lasting, dependent_rows(_scaled(task, q), rows), len(rows))
+
+
+def structural(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]) -> list[Dependency]:
+    """Dependencies among the joints that hold at every position, assembled or not."""
+    order = [int(row) for row in np.flatnonzero(~drivers)]
+    random = np.random.default_rng(2)
+    lasting = dependent_rows(_scaled(task, q), order)
+    for _ in range(2):
+        if not lasting:
+            break
+        moved = q + 0.3 * random.normal(size=len(q)) * task.scale
+        there = dependent_rows(_scaled(task, moved), order)
+        if len(there) < len(lasting):
+            lasting = there
+    return lasting
+
+
+def _scaled(task: Task, q: FloatArray) -> FloatArray:
+    matrix: FloatArray = task.equations.jacobian(task.t, q) * task.scale
+    return matrix
+
+
+def overdetermined(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]) -> list[Dependency]:
+    """Dependencies among more joints than coordinates, where they come nearest to closing.
+
+    What is left of constraints that contradict each other is a combination that no motion changes.
+    """
+    if int((~drivers).sum()) <= len(q):
+        return []
+    order = [int(row) for row in np.flatnonzero(~drivers)]
+    return dependent_rows(_scaled(task, q), order)
+
+
+def undetermined(task: Task, q: FloatArray) -> list[int]:
+    """Constraints whose multipliers the equations of motion leave open: rows in dependencies."""
+    matrix = _scaled(task, q)
+    matrix = matrix / np.maximum(np.linalg.norm(matrix, axis=1), 1e-300)[:, None]
+    left, values, _ = np.linalg.svd(matrix)
+    rank = int(np.sum(values > RANK_TOLERANCE))
+    shares = np.abs(left[:, rank:]).max(axis=1, initial=0.0)
+    return [int(row) for row in np.flatnonzero(shares > RANK_TOLERANCE)]
+
+
+def _neighbours(
+    task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_], v: FloatArray
+) -> list[FloatArray]:
+    """Assembled positions a little way off, along the motion that the joints leave."""
+    joints = task._replace(rows=~drivers, free=np.ones(len(q), dtype=np.bool_))
+    matrix = joints.slopes(q)
+    if matrix.shape[0]:
+        _, values, right = np.linalg.svd(matrix)
+        count = int(np.sum(values > RANK_TOLERANCE * max(1.0, float(values.max(initial=0.0)))))
+        motions = right[count:]
+    else:
+        motions = np.eye(len(q))
+    found = []
+    random = np.random.default_rng(3)
+    asked = motions.T @ (motions @ (v / task.scale))
+    tried = [asked, asked] if np.linalg.norm(asked) > 0.0 else []
+    tried += [random.normal(size=len(motions)) @ motions for _ in _SIZES[2:]]
+    for direction, size in zip(tried, _SIZES, strict=False):
+        if not len(motions):
+            break
+        begin = q + size * direction / np.linalg.norm(direction) * task.scale
+        # Newton's method may fall back into q where motions cross; the nearest point does not.
+        for moved in (refine(joints, begin), refine(joints, nearest(joints, begin))):
+            apart = float(np.abs((moved - q) / task.scale).max())
+            if np.abs(joints.gaps(moved)).max(initial=0.0) <= CLOSED and apart > _APART:
+                found.append(moved)
+                break
+    return found

@@ -1,0 +1,140 @@
+"""A machine whose constraints are more than its motion needs: kernels that bear with it."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numba import njit
+
+from codegen.errors import AnalysisError
+from runtime.core.jit import OPTIONS
+from runtime.core.kernels import SIGNATURES, Kernels
+from runtime.integrate.problem import Correction
+from runtime.integrate.wiring import IMPLICIT
+from runtime.linalg.rank_revealing import least, motion
+from runtime.mechanism.description import Description
+
+if TYPE_CHECKING:
+    from runtime.assembly.assembled_state import Assembly
+    from runtime.machine import Machine
+
+_OPTIONS = {name: value for name, value in OPTIONS.items() if name != "cache"}
+
+
+def sound(machine: "Machine", start: "Assembly") -> "Machine":
+    """The machine itself, or, where constraints are redundant at its start, one that bears it.
+
+    Accelerations and corrections are then solved for with pivots chosen by size, for as many
+    independent constraints as there are at the start; of the multipliers those of least norm.
+    """
+    if not start.redundant:
+        return machine
+    # A dry friction has a normal force of its own, which needs no reaction.
+    friction = [row.name for row in machine.effects if row.kind == "friction"]
+    if friction:
+        raise AnalysisError(
+            f"{machine.description.title}: friction in joints ({', '.join(friction)}) follows from "
+            f"their reactions, which redundant constraints leave undetermined "
+            f"({', '.join(row.name for row in start.redundant)}). Remove one or the other."
+        )
+    return machine.bearing(start.independent)
+
+
+def projecting(
+    machine: "Machine", begin: "Assembly", method: str, correction: Correction
+) -> Correction:
+    """The way back onto redundant constraints; refuses methods that need independent ones.
+
+    Off the constraints a redundant row seems to be independent, and a choice of independent
+    coordinates would go by it.
+
+    Raises
+    ------
+    AnalysisError
+        With the constraints that are redundant.
+    """
+    names = ", ".join(row.name for row in begin.redundant)
+    if method in IMPLICIT:
+        raise AnalysisError(
+            f"{machine.description.title}: method {method!r} needs independent constraints, and "
+            f"{names} follow from others. Take dop853 or dopri5, or remove them."
+        )
+    if correction not in {"step", "projection"}:
+        raise AnalysisError(
+            f"{machine.description.title}: with redundant constraints ({names}) states return by "
+            f'projection; correction={correction!r} needs independent ones. Leave it at "step".'
+        )
+    return "projection"
+
+
+def spared(start: "Assembly") -> str:
+    """What a result says about redundant constraints; empty where there are none."""
+    if not start.redundant:
+        return ""
+    return (
+        f" Redundant: {', '.join(row.name for row in start.redundant)}; the reactions of "
+        f"{', '.join(start.not_unique)} are not unique, those of least norm are given."
+    )
+
+
+def bearing_kernels(kernels: Kernels, told: Description, count: int) -> Kernels:
+    """Kernels in which `count` independent constraints suffice."""
+    n, m = len(told.coordinates), len(told.constraints)
+    accelerations = _accelerations(kernels, told, n, m, m - count)
+    correction = _correction(kernels, told, n, m, count)
+    return kernels._replace(accelerations=accelerations, correction=correction)
+
+
+def _accelerations(kernels: Kernels, told: Description, n: int, m: int, spare: int) -> Any:
+    jacobian, gamma_of = kernels.jacobian, kernels.acceleration_rhs
+    mass_of, forces = kernels.mass, kernels.applied_forces
+    resting = told.analysis == "equilibrium"  # such a scene has no γ: nothing moves, and it is zero
+    rows, columns = _arrays(told.jacobian_rows, told.jacobian_columns)
+    mass_rows, mass_columns = _arrays(told.mass_rows, told.mass_columns)
+
+    def dynamic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
+        values, masses = np.empty(rows.size), np.empty(mass_rows.size)
+        gamma, force = np.zeros(m), np.empty(n)
+        jacobian(t, q, p, values)
+        if not resting:
+            gamma_of(t, q, v, p, gamma)
+        mass_of(q, p, masses)
+        forces(t, q, v, p, modes, force)
+        lost = motion(rows, columns, values, mass_rows, mass_columns, masses, force, gamma, a, lam)
+        return 0 if lost <= spare else m
+
+    def kinematic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
+        values, right, d = np.empty(rows.size), np.empty((1, m)), np.empty((1, n))
+        jacobian(t, q, p, values)
+        gamma_of(t, q, v, p, right[0])
+        rank = least(rows, columns, values, np.ones(n), right, d)
+        a[:] = d[0]
+        lam[:] = 0.0
+        return 0 if rank >= m - spare else m
+
+    chosen = dynamic if told.has_masses else kinematic
+    return njit(SIGNATURES["accelerations"], **_OPTIONS)(chosen)
+
+
+def _correction(kernels: Kernels, told: Description, n: int, m: int, count: int) -> Any:
+    jacobian, constraints, rates = kernels.jacobian, kernels.constraints, kernels.velocity_rhs
+    rows, columns = _arrays(told.jacobian_rows, told.jacobian_columns)
+
+    def correction(t: Any, q: Any, v: Any, p: Any, w: Any, dq: Any, dv: Any) -> int:
+        values, right, d = np.empty(rows.size), np.empty((2, m)), np.empty((2, n))
+        jacobian(t, q, p, values)
+        constraints(t, q, p, right[0])
+        rates(t, q, p, right[1])
+        for i in range(m):
+            right[0, i] = -right[0, i]
+        for k in range(rows.size):
+            right[1, rows[k]] -= values[k] * v[columns[k]]
+        rank = least(rows, columns, values, w, right, d)
+        dq[:] = d[0]
+        dv[:] = d[1]
+        return 0 if rank >= count else m
+
+    return njit(SIGNATURES["correction"], **_OPTIONS)(correction)
+
+
+def _arrays(rows: Any, columns: Any) -> tuple[Any, Any]:
+    return rows.astype(np.int64), columns.astype(np.int64)

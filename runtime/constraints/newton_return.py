@@ -1,0 +1,64 @@
+"""Newton's return of a state onto the constraints, positions and velocities together.
+
+Which coordinates move is data. At the end of a step the weights are zero on the independent ones,
+so that these are held and the dependent ones follow (Haug's coordinate partitioning). States off
+the steps, where the partition may be singular, are projected in the metric of the masses.
+"""
+
+import numpy as np
+
+from runtime.core.array_views import view
+from runtime.core.function_table import correction_of
+from runtime.core.jit import addressed
+from runtime.core.signatures import CORRECT, Integers, Vector
+from runtime.core.workspace import DELTA, ROWS, SIZE
+
+ITERATIONS = 10
+WEAK = 64  # a converged result of WEAK * c + i: i iterations, constraint c - 1 has a weak pivot
+FAILED = -1_000_000  # negative also when iterations of other stages are added to it
+_ROUNDING = 4e-16  # relative change of a position that is none: what rests stays where it is
+_POSITION = 3e-14  # relative change of a position below which the velocities are right too
+_VELOCITY = 1e-8  # relative change of a velocity that one linear solve brings to rounding
+
+
+@addressed(CORRECT)
+def correct(machine: Integers, t: float, index: int, weighing: int, w: Vector, p: Vector) -> int:
+    """Bring the state in row `index` of the workspace onto the constraints at time `t`.
+
+    Row `weighing` holds the weights: `PARTITION` holds the independent coordinates, `PROJECTION`
+    moves all of them, least in the metric of the masses.
+
+    Returns
+    -------
+    int
+        Calls of `correction`, plus `WEAK` times (1 + index of a constraint with a weak pivot);
+        `FAILED` where the iteration does not converge.
+    """
+    correction = correction_of(machine)
+    n = w.size // (2 * ROWS)
+    q = view(w, index * 2 * n, n)
+    v = view(w, index * 2 * n + n, n)
+    dq = view(w, DELTA * 2 * n, n)
+    dv = view(w, DELTA * 2 * n + n, n)
+    weights = view(w, weighing * 2 * n, n)
+    size = view(w, SIZE * 2 * n, 2 * n)
+    previous = np.inf
+    weak = 0
+    for iteration in range(1, ITERATIONS + 1):
+        weak = int(correction(t, q, v, p, weights, dq, dv))
+        moved = 0.0
+        turned = 0.0
+        for j in range(n):
+            if not np.isfinite(dq[j] + dv[j]):  # which a maximum would pass over
+                return FAILED
+            if abs(dq[j]) > _ROUNDING * (abs(q[j]) + size[j]):
+                q[j] += dq[j]
+            v[j] += dv[j]
+            moved = max(moved, abs(dq[j]) / (0.01 * abs(q[j]) + size[j]))
+            turned = max(turned, abs(dv[j]) / (abs(v[j]) + size[n + j]))
+        settled = moved <= _POSITION and turned <= _VELOCITY
+        at_rounding = previous < 1e-10 and moved > 0.25 * previous
+        if settled or at_rounding:
+            return iteration + WEAK * weak
+        previous = moved
+    return FAILED

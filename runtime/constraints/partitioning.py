@@ -1,0 +1,178 @@
+"""Choice of the independent coordinates.
+
+Gaussian elimination with full pivoting on the constraint Jacobian, columns scaled so that the
+choice does not depend on units: the columns that receive a pivot are the dependent coordinates, the
+others the independent ones; rows without a pivot are redundant. (E. J. Haug, Computer-Aided
+Kinematics and Dynamics of Mechanical Systems, 1989; R. A. Wehage and E. J. Haug, Journal of
+Mechanical Design 104, 1982.)
+"""
+
+import numpy as np
+
+from runtime.core.jit import compiled, inner
+from runtime.core.signatures import (
+    Integers,
+    Jacobian,
+    Kernel,
+    Matrix,
+    Vector,
+    f8,
+    i8,
+    integers,
+    matrix,
+    vector,
+)
+from runtime.linalg.full_pivoting import pivoted
+
+RANK_TOLERANCE = 1e-10  # a pivot below this, rows and columns scaled, is none
+
+
+@compiled(i8(matrix, vector, integers, integers))
+def eliminate(dense: Matrix, scale: Vector, row_order: Integers, column_order: Integers) -> int:
+    """Order rows and columns of a Jacobian by full pivoting, and count the pivots.
+
+    Parameters
+    ----------
+    dense : (m, n) float64
+        The Jacobian; overwritten.
+    scale : (n,) float64
+        Typical size of a change of each coordinate, 1 / sqrt(M_kk).
+    row_order : (m,) int64
+        Out: constraints, those with a pivot first.
+    column_order : (n,) int64
+        Out: coordinates, the dependent ones first.
+
+    Returns
+    -------
+    int
+        The rank.
+    """
+    m, n = dense.shape
+    for i in range(m):
+        largest = 0.0
+        for j in range(n):
+            dense[i, j] *= scale[j]
+            largest = max(largest, abs(dense[i, j]))
+        if largest > 0.0:
+            for j in range(n):
+                dense[i, j] /= largest
+    return pivoted(dense, row_order, column_order, RANK_TOLERANCE)
+
+
+@compiled(
+    i8(
+        Jacobian,
+        f8,
+        vector,
+        vector,
+        vector,
+        integers,
+        integers,
+        vector,
+        matrix,
+        vector,
+        integers,
+        integers,
+    )
+)
+def choose(
+    jacobian: Kernel,
+    t: float,
+    q: Vector,
+    p: Vector,
+    scale: Vector,
+    rows: Integers,
+    columns: Integers,
+    values: Vector,
+    dense: Matrix,
+    weights: Vector,
+    row_order: Integers,
+    column_order: Integers,
+) -> int:
+    """Choose the independent coordinates at a position and set the weights of the correction.
+
+    Parameters
+    ----------
+    jacobian
+        Kernel that writes the Jacobian's structural non-zeros at (t, q) into `values`.
+    scale : (n,) float64
+        Typical size of a change of each coordinate, 1 / sqrt(M_kk).
+    rows, columns : (nnz,) int64
+        Where each of `values` belongs.
+    dense : (m, n) float64
+        Workspace.
+    weights : (n,) float64
+        Out: 0 on independent coordinates, scale ** 2 on dependent ones.
+    row_order, column_order : (m,), (n,) int64
+        Out: as in `eliminate`.
+
+    Returns
+    -------
+    int
+        The rank of the Jacobian.
+    """
+    jacobian(t, q, p, values)
+    dense[:, :] = 0.0
+    for k in range(rows.size):
+        dense[rows[k], columns[k]] += values[k]
+    rank = eliminate(dense, scale, row_order, column_order)
+    for position in range(column_order.size):
+        j = column_order[position]
+        weights[j] = scale[j] ** 2 if position < rank else 0.0
+    return rank
+
+
+@inner
+def rest_rate(
+    correction: Kernel,
+    t: float,
+    q: Vector,
+    p: Vector,
+    weights: Vector,
+    probe: Vector,
+    dq: Vector,
+    dv: Vector,
+) -> None:
+    """Write into `dv` the dependent velocities while the independent ones rest."""
+    probe[:] = 0.0
+    correction(t, q, probe, p, weights, dq, dv)
+
+
+@inner
+def growth(
+    correction: Kernel,
+    t: float,
+    independent: int,
+    q: Vector,
+    p: Vector,
+    weights: Vector,
+    scale: Vector,
+    probe: Vector,
+    dq: Vector,
+    dv: Vector,
+    rest: Vector,
+) -> float:
+    """Largest change of a dependent coordinate for a unit change of one independent one, scaled.
+
+    This is the largest entry of a column of H in dq_dependent = H dq_independent. It costs two
+    calls of `correction`, and grows without bound where the partition becomes singular. Where
+    `independent` is negative all of them change by a unit, forward or back: columns of H are added
+    with signs that are drawn by this number.
+    """
+    rest_rate(correction, t, q, p, weights, probe, dq, rest)
+    if independent >= 0:
+        probe[independent] = scale[independent]
+    else:
+        drawn = -independent
+        for j in range(q.size):
+            drawn = (1103515245 * drawn + 12345) & 0x7FFFFFFF
+            if weights[j] == 0.0:
+                probe[j] = scale[j] if drawn & 0x10000 else -scale[j]
+    correction(t, q, probe, p, weights, dq, dv)
+    largest = 0.0
+    for j in range(q.size):
+        if weights[j] > 0.0:
+            change = abs(dv[j] - rest[j]) / scale[j]
+            if not change <= largest:
+                largest = change
+    return largest if np.isfinite(largest) else np.inf

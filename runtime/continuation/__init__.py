@@ -1,0 +1,1 @@
+"""Continuation of driven motions: predictor-corrector, folds and bifurcations."""

@@ -1,0 +1,195 @@
+"""The positions of a driven machine as a curve, followed by its length and not by time.
+
+z = (q / scale, t rate). On the curve [Phi_q, Phi_t] keeps its rank where Phi_q alone does not: a
+fold, in which t turns back, is a point like any other, and so is a sharp bend close to a position
+in which two such curves would cross. Each step goes along the tangent and returns in the plane
+across it (H. B. Keller's pseudo-arclength). The determinant of [Phi_q, Phi_t; tangent] keeps its
+sign on one curve: a step that changes it has landed on another one.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from runtime.assembly.dense_equations import FloatArray
+from runtime.singularity.scaled_constraints import ScaledConstraints
+
+_LARGEST, _SMALLEST = 0.2, 1e-11  # length of a step
+_STRAIGHT, _BENT = 0.995, 0.95  # cosine of two tangents: a step that may grow, one too long
+_ITERATIONS = 8
+_MOST_STEPS = 4000
+_ROOT = 200
+
+
+class Point(NamedTuple):
+    """A point of the curve and the unit tangent there, both (n + 1,); `sign` of the determinant."""
+
+    z: FloatArray
+    tangent: FloatArray
+    sign: float
+
+
+class Piece(NamedTuple):
+    """From `start` along its tangent by the length `h`, to `end`."""
+
+    start: Point
+    h: float
+    end: Point
+
+
+class Trace(NamedTuple):
+    """A stretch of the curve; it ends in a fold, where it was to end, or, `lost`, nowhere."""
+
+    pieces: list[Piece]
+    folded: bool
+    lost: bool
+
+
+class Curve:
+    """The curve of positions near a state."""
+
+    def __init__(
+        self, constraints: ScaledConstraints, t: float, q: FloatArray, rate: float
+    ) -> None:
+        self.constraints, self.rate = constraints, rate
+        matrix = constraints.dense(constraints.entries(t, q, 1.0 / rate))
+        lengths = np.linalg.norm(matrix[:, :-1], axis=1)
+        self.lengths = np.where(lengths > 0.0, lengths, 1.0)
+
+    def z(self, t: float, q: FloatArray) -> FloatArray:
+        """Place of a position."""
+        return np.append(q / self.constraints.scale, t * self.rate)
+
+    def position(self, z: FloatArray) -> tuple[float, FloatArray]:
+        """t in s and q, shape (n,)."""
+        return float(z[-1]) / self.rate, z[:-1] * self.constraints.scale
+
+    def velocity(self, point: Point) -> FloatArray:
+        """dq/dt, shape (n,)."""
+        v: FloatArray = point.tangent[:-1] / point.tangent[-1] * self.rate * self.constraints.scale
+        return v
+
+    def matrix(self, z: FloatArray) -> FloatArray:
+        """[Phi_q, Phi_t] by z, rows of unit length at the start, shape (m, n + 1)."""
+        t, q = self.position(z)
+        entries = self.constraints.entries(t, q, 1.0 / self.rate)
+        return self.constraints.dense(entries) / self.lengths[:, None]
+
+    def narrowness(self, point: Point) -> float:
+        """The smallest singular value of Phi_q."""
+        values = np.linalg.svd(self.matrix(point.z)[:, :-1], compute_uv=False)
+        return float(values[-1])
+
+    def point(self, z: FloatArray, along: FloatArray) -> Point | None:
+        """The point at z, its tangent in the direction of `along`; None beyond the numbers."""
+        matrix = self.matrix(z)
+        if not np.isfinite(matrix).all():
+            return None
+        tangent = np.linalg.svd(matrix)[2][-1]
+        tangent = tangent if float(tangent @ along) >= 0.0 else -tangent
+        return Point(z, tangent, float(np.linalg.slogdet(np.vstack([matrix, tangent]))[0]))
+
+    def across(self, start: Point, h: float) -> Point | None:
+        """The point that lies `h` along the tangent at `start`, and then across; None if none."""
+        z = start.z + h * start.tangent
+        before = np.inf
+        for _ in range(_ITERATIONS):
+            t, q = self.position(z)
+            right = np.append(-self.constraints.gaps(t, q) / self.lengths, 0.0)
+            square = np.vstack([self.matrix(z), start.tangent])
+            if not (np.isfinite(square).all() and np.isfinite(right).all()):
+                return None
+            step = np.linalg.lstsq(square, right, rcond=1e-14)[0]
+            size = float(np.linalg.norm(step))
+            if size > max(abs(h), 1e-12):
+                return None
+            z = z + step
+            if size < 1e-15 * (1.0 + float(np.linalg.norm(z))) or size > 0.5 * before < 1e-10:
+                break
+            before = size
+        else:
+            if size > 1e-12:
+                return None
+        return self.point(z, start.tangent)
+
+    def trace(
+        self,
+        begin: Point,
+        ahead: float,
+        until: Callable[[Point], bool],
+        avoid: FloatArray | None = None,
+    ) -> Trace:
+        """Follow the curve from `begin` until it folds back in time, or `until` says to stop.
+
+        `ahead` is 1 where time is to grow, else -1. `avoid`: a place that the curve misses; steps
+        are not longer than half the way to it.
+        """
+        pieces: list[Piece] = []
+        point, h = begin, 0.01
+        for _ in range(_MOST_STEPS):
+            if avoid is not None:
+                h = min(h, max(0.5 * float(np.linalg.norm(point.z - avoid)), _SMALLEST))
+            there = self.across(point, h)
+            if (
+                there is None
+                or there.sign != point.sign
+                or float(there.tangent @ point.tangent) < _BENT
+            ):
+                h *= 0.5
+                if h < _SMALLEST:
+                    return Trace(pieces, False, True)
+                continue
+            if ahead * there.tangent[-1] <= 0.0:
+                s = _root(partial(self._time_rate, point), float(point.tangent[-1]), h)
+                fold = self.across(point, s)
+                pieces.append(Piece(point, s, fold if fold is not None else there))
+                return Trace(pieces, True, False)
+            pieces.append(Piece(point, h, there))
+            if until(there):
+                return Trace(pieces, False, False)
+            if float(there.tangent @ point.tangent) > _STRAIGHT:
+                h = min(1.5 * h, _LARGEST)
+            point = there
+        return Trace(pieces, False, True)
+
+    def at_time(self, piece: Piece, t: float) -> Point:
+        """The point of a piece at the instant t, which lies within it."""
+        target = t * self.rate
+
+        def gap(s: float) -> float:
+            there = self.across(piece.start, s)
+            return np.nan if there is None else float(there.z[-1]) - target
+
+        s = _root(gap, float(piece.start.z[-1]) - target, piece.h)
+        there = self.across(piece.start, s)
+        return piece.end if there is None else there
+
+    def _time_rate(self, start: Point, s: float) -> float:
+        there = self.across(start, s)
+        return np.nan if there is None else float(there.tangent[-1])
+
+
+def _root(f: Callable[[float], float], f0: float, end: float) -> float:
+    """Where f, which is `f0` at 0 and of the other sign at `end`, changes sign.
+
+    Regula falsi with the Illinois rule, a bisection every fourth time: it ends with neighbours.
+    """
+    low, high, f_high = 0.0, end, f(end)
+    if f0 == 0.0 or f_high == 0.0 or not np.isfinite(f_high):
+        return low if f0 == 0.0 else high
+    for iteration in range(_ROOT):
+        if high - low <= 4e-16 * high:
+            break
+        middle = high - f_high * (high - low) / (f_high - f0)
+        if iteration % 4 == 3 or not low < middle < high:
+            middle = 0.5 * (low + high)
+        value = f(middle)
+        if value == 0.0 or not np.isfinite(value):
+            return middle
+        if (value > 0.0) == (f_high > 0.0):
+            high, f_high, f0 = middle, value, 0.5 * f0
+        else:
+            low, f0, f_high = middle, value, 0.5 * f_high
+    return 0.5 * (low + high)

@@ -1,0 +1,108 @@
+"""How a driven motion passes a position in which motions cross.
+
+Close to it velocities and accelerations are quotients 0/0. So states are computed on the branch at
+some distance before and behind, where little is lost to rounding, and what lies between is the
+polynomial through them. The position itself, which is known less well, is not one of them.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from runtime.assembly.dense_equations import Equations, FloatArray
+from runtime.continuation.bifurcation_branches import Branch
+from runtime.continuation.predictor_corrector import settle
+
+DISTANCE = 2e-2  # of the scale of time: states at this and twice this distance
+_TRIED = (1.0, 0.5, 2.0, 0.25, 4.0, 0.125)
+_NEAR = 0.2  # of the way to the next branch: a state that is on this one
+_ENDS = (-1.0, 1.0, -2.0, 2.0)
+
+
+class Zone(NamedTuple):
+    """A branch about a singular instant t; within `reach` of it, s, q is a polynomial.
+
+    `coefficients`, shape (8, n), are those of the powers of 2 (time - t) / reach.
+    """
+
+    t: float
+    reach: float
+    coefficients: FloatArray
+
+    def holds(self, t: float) -> bool:
+        """Whether an instant lies within the zone."""
+        return bool(abs(t - self.t) <= self.reach)
+
+    def at(self, t: float) -> tuple[FloatArray, FloatArray]:
+        """q and dq/dt at an instant within, each (n,)."""
+        unit = 0.5 * self.reach
+        x = (t - self.t) / unit
+        powers = np.arange(len(self.coefficients))
+        q = x**powers @ self.coefficients
+        v = powers[1:] * x ** (powers[1:] - 1) @ self.coefficients[1:] / unit
+        return q, v
+
+
+def zone(
+    equations: Equations,
+    t: float,
+    q: FloatArray,
+    branch: Branch,
+    apart: float,
+    scale: FloatArray,
+    rate: float,
+) -> Zone | None:
+    """The branch about (t, q); None where it does not go on smoothly on both sides.
+
+    Parameters
+    ----------
+    apart
+        Distance of the next branch's velocity, scaled, 1/s; infinite where there is none.
+    rate
+        How fast the machine and its singular value move, 1/s.
+    """
+    for factor in _TRIED:
+        found = _zone(equations, t, q, branch, apart, scale, factor * DISTANCE / rate)
+        if found is not None:
+            return found
+    return None
+
+
+def _zone(
+    equations: Equations,
+    t: float,
+    q: FloatArray,
+    branch: Branch,
+    apart: float,
+    scale: FloatArray,
+    unit: float,
+) -> Zone | None:
+    w = scale * scale
+    values: list[FloatArray] = []
+    slopes: list[FloatArray] = []
+    a = branch.a
+    for x in _ENDS:
+        h = x * unit
+        there, v = q + h * (branch.v + 0.5 * h * a), branch.v + h * a
+        guess, info = there.copy(), np.zeros(3)
+        dq, dv = np.zeros_like(q), np.zeros_like(q)
+        weak = settle(
+            equations.kernels.correction, t + h, there, v, equations.p, w, scale, dq, dv, info
+        )
+        if weak != 0:
+            return None
+        off = float(np.linalg.norm((there - guess) / scale))
+        veered = float(np.linalg.norm((v - branch.v - h * a) / scale))
+        if off > _NEAR * apart * abs(h) or veered > _NEAR * apart:
+            return None
+        values.append(there)
+        slopes.append(unit * v)
+        if x == 1.0:
+            # What the equations leave open of the acceleration follows from the nearer two.
+            a = (slopes[1] - slopes[0]) / (2.0 * unit * unit)
+    nodes = np.array(_ENDS)[:, None]
+    powers = np.arange(2.0 * len(nodes))
+    rates = powers[1:] * nodes ** (powers[1:] - 1)
+    matrix = np.vstack([nodes**powers, np.column_stack([np.zeros(len(nodes)), rates])])
+    coefficients = np.linalg.solve(matrix, np.vstack([*values, *slopes]))
+    return Zone(t, 2.0 * unit, coefficients)

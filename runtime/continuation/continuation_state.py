@@ -1,0 +1,182 @@
+"""Where a walk through the instants of a driven machine stands, and what it has reached."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from runtime.assembly.assembled_state import Assembly
+from runtime.assembly.dense_equations import Equations, FloatArray
+from runtime.continuation.arclength import Curve, Piece
+from runtime.continuation.branch_interpolation import Zone
+from runtime.continuation.pivot_monitor import (
+    BARRIER,
+    BEST,
+    GOOD_MARK,
+    GOOD_Q,
+    GOOD_T,
+    GOOD_V,
+    LEAST,
+    MARK,
+    RECORD,
+    ROWS,
+    STEP,
+    TRAVEL,
+    T,
+)
+from runtime.continuation.predictor_corrector import walk
+from runtime.core.outcomes import Outcome
+from runtime.results.singular_positions import SingularPosition
+
+_CHUNK = 4096
+_KNOWN = 1e-9  # of a zone's reach: how well its instant is known
+_SAME = 1e-8  # scaled: positions that are one but for rounding near a singular position
+
+
+class Walk(NamedTuple):
+    """A driven motion: states at the instants reached, how it ended, what it met."""
+
+    t: FloatArray
+    q: FloatArray
+    v: FloatArray
+    outcome: Outcome
+    message: str
+    stats: dict[str, float]
+    singular: tuple[SingularPosition, ...]
+
+
+class Course:
+    """State, record and samples of one walk through `times` from an assembled start.
+
+    Attributes
+    ----------
+    q, v, a, lam
+        The state now; `weak` is 1 + the constraint that has no hold at the start, or 0.
+    q_out, v_out
+        Samples, shape (instants, n).
+    record
+        See `walking`.
+    scale
+        Typical size of a change of each coordinate, (n,).
+    span
+        From the start to the last instant, s.
+    """
+
+    def __init__(self, equations: Equations, times: FloatArray, start: Assembly) -> None:
+        told, n, m = equations.description, equations.n, equations.m
+        self.equations, self.times = equations, times
+        self.scale = equations.scale(equations.size(start.t, start.q))
+        self.q, self.v = start.q.copy(), start.v.copy()
+        self.modes = np.zeros(len(told.switches), dtype=np.int64)
+        self.a, self.lam, self.weak = equations.motion(start.t, self.q, self.v, self.modes)
+        self.q_out, self.v_out = np.zeros((len(times), n)), np.zeros((len(times), n))
+        self.began, self.span = start.t, max(abs(float(times[-1]) - start.t), 1e-300)
+        self.record = np.zeros(RECORD)
+        self.record[T], self.record[STEP] = start.t, max(self.span, 1.0)
+        self.record[LEAST], self.record[BARRIER] = -1.0, np.nan
+        self._work = (
+            np.zeros((ROWS, n)),
+            np.ascontiguousarray([told.jacobian_rows, told.jacobian_columns], dtype=np.int64),
+            np.zeros(len(told.jacobian_rows)),
+            np.zeros((m, n)),
+            np.zeros((3, m)),
+            np.zeros((2, m), dtype=np.int64),
+        )
+
+    @property
+    def t(self) -> float:
+        """The instant reached."""
+        return float(self.record[T])
+
+    @property
+    def mark(self) -> int:
+        """Instants done."""
+        return int(self.record[MARK])
+
+    @property
+    def ahead(self) -> float:
+        """1 where the next instant lies ahead, -1 where it lies behind; see `sample`."""
+        return 1.0 if self.times[self.mark] > self.t else -1.0
+
+    @property
+    def finished(self) -> bool:
+        """Whether all instants are done."""
+        return self.mark == len(self.times)
+
+    @property
+    def speed(self) -> float:
+        """Largest scaled velocity, 1/s, and not nothing."""
+        return max(float(np.abs(self.v / self.scale).max()), 1e-3)
+
+    def walk(self) -> int:
+        """Go on through some of the instants; answers as `walking.walk`."""
+        chunk = min(self.mark + _CHUNK, len(self.times))
+        return int(
+            walk(
+                self.equations.table, self.times[:chunk], self.equations.p, self.scale**2,
+                self.scale, self.q, self.v, self.a, self.modes, self.lam, self.q_out, self.v_out,
+                self.record, *self._work,
+            )
+        )  # fmt: skip
+
+    def through(self, made: Zone, coming: float) -> bool:
+        """Sample within the zone and leave it towards the next instant; whether it was crossed.
+
+        Instants within it that were done before anything was known of it are sampled again: walked
+        to, their velocities are not as good.
+        """
+        done, times = self.mark, self.times
+        reached = self.t
+        earlier = done - 1
+        while earlier >= 0 and made.holds(float(times[earlier])):
+            q, v = made.at(float(times[earlier]))
+            if np.abs((q - self.q_out[earlier]) / self.scale).max() > _SAME:
+                break
+            self.q_out[earlier], self.v_out[earlier] = q, v
+            earlier -= 1
+        while done < len(times) and made.holds(float(times[done])):
+            reached = float(times[done])
+            self.q_out[done], self.v_out[done] = made.at(reached)
+            done += 1
+        self.record[MARK] = done
+        if done < len(times):
+            side = 1.0 if times[done] > made.t else -1.0
+            reached = made.t + side * made.reach
+        self.q[:], self.v[:] = made.at(reached)
+        self.resume(reached, 0.5 * made.reach)
+        return bool((reached - made.t) * coming > _KNOWN * made.reach)
+
+    def resume(self, t: float, step: float) -> None:
+        """Let the walk go on from the state as it is now."""
+        r = self.record
+        r[T], r[STEP], r[LEAST], r[BARRIER], r[TRAVEL] = t, step, -1.0, np.nan, 0.0
+        r[BEST] = 0.0
+        motion = self.equations.motion(t, self.q, self.v, self.modes)
+        self.a[:], self.lam[:] = motion.a, motion.lam
+
+    def sample(self) -> None:
+        """Store the state if the next instant is now, which says nothing of where time goes."""
+        done = self.mark
+        if not self.finished and self.times[done] == self.t:
+            self.q_out[done], self.v_out[done] = self.q, self.v
+            self.record[MARK] = done + 1
+
+    def return_to_good(self) -> None:
+        """Go back to where the pivots were last good, if that is not here."""
+        r, rows = self.record, self._work[0]
+        if r[GOOD_T] != self.t:
+            self.q[:], self.v[:] = rows[GOOD_Q], rows[GOOD_V]
+            r[MARK] = r[GOOD_MARK]
+            self.resume(float(r[GOOD_T]), float(r[STEP]))
+            self.sample()
+
+    def along(self, curve: Curve, piece: Piece, ahead: float) -> None:
+        """Store the instants that lie on a piece of the curve."""
+        start, end = (curve.position(point.z)[0] for point in (piece.start, piece.end))
+        done, times = self.mark, self.times
+        while done < len(times) and 0.0 < (times[done] - start) * ahead <= (end - start) * ahead:
+            there = curve.at_time(piece, float(times[done]))
+            self.q_out[done], self.v_out[done] = curve.position(there.z)[1], curve.velocity(there)
+            done += 1
+            if ahead < 0.0 and done < len(times) and times[done] > times[done - 1]:
+                break
+        self.record[MARK] = done

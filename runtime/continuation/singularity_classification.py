@@ -1,0 +1,244 @@
+"""What a driven machine meets where its constraints cease to be independent: judged and told.
+
+u and x are the left and the right null vector of Phi_q there. Where uᵀ Phi_t does not vanish, the
+driver asks for what no motion gives: time turns back along the curve of positions, a fold, and the
+machine locks up. Where it vanishes, curves of positions cross, and the quadratic form uᵀ gamma of
+the velocities v_p + c x says in which directions (see `branches`).
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from codegen.errors import AnalysisError
+from runtime.assembly.dense_equations import Equations, FloatArray
+from runtime.continuation.bifurcation_branches import LOST, SOLVED, Branch, lost
+from runtime.integrate.trajectory import Crossing
+from runtime.results.singular_positions import Kind, SingularPosition
+
+_TAKING = 0.05  # of the largest share in what is lost: constraints that are named
+_FEW = 4
+
+
+def met(
+    equations: Equations,
+    kind: Kind,
+    t: float,
+    q: FloatArray,
+    v: FloatArray,
+    scale: FloatArray,
+    rate: float,
+) -> SingularPosition:
+    """Describe the singular position (t, q); `rate` is the drivers' pace, 1/s."""
+    told = equations.description
+    at = lost(equations, t, q, scale, least=1)
+    count, null = at.k, at.null
+    if len(at.rows) < equations.m:
+        count, null = _of_all(equations, t, q, scale, count)
+    part = np.abs(at.left).max(axis=1)
+    taking = [
+        told.constraints[int(at.rows[row])].element
+        for row in np.argsort(-part, kind="stable")
+        if part[row] > _TAKING * part.max()
+    ]
+    named = tuple(dict.fromkeys(taking))
+    return SingularPosition(
+        kind=kind,
+        time=t,
+        drivers=tuple(name for name in named if name in told.drivers),
+        joints=tuple(name for name in named if name not in told.drivers),
+        lost=count,
+        null_directions=tuple(_named(equations, x) for x in _simple(null)),
+        singular_value=float(at.values[-1]),
+        drift=drift(equations, t, q, scale, rate),
+        q=q.copy(),
+        v=v.copy(),
+    )
+
+
+def passed(
+    equations: Equations, t: float, q: FloatArray, mobility: FloatArray, run: Sequence[Crossing]
+) -> list[SingularPosition]:
+    """Describe the crossings of a simulation that began at (t, q), its columns scaled by masses.
+
+    Of each it keeps one constraint and one direction, and no state.
+    """
+    told = equations.description
+    units = mobility / equations.scale(equations.size(t, q))
+    found = []
+    for row in run:
+        element = told.constraints[row.row].element
+        driver = element in told.drivers
+        found.append(
+            SingularPosition(
+                kind="crossing",
+                time=row.t,
+                drivers=(element,) if driver else (),
+                joints=() if driver else (element,),
+                lost=row.lost,
+                null_directions=(_named(equations, row.direction * units),),
+                singular_value=np.nan,
+                drift=np.nan,
+            )
+        )
+    return found
+
+
+def drift(equations: Equations, t: float, q: FloatArray, scale: FloatArray, rate: float) -> float:
+    """|uᵀ nu| / rate, the second-order test: rounding where motions cross, else a lock-up."""
+    at = lost(equations, t, q, scale, least=1)
+    nu = equations.velocity_rhs(t, q)[at.rows] / at.lengths
+    return float(np.linalg.norm(at.left.T @ nu)) / rate
+
+
+def pace(equations: Equations, times: FloatArray, q: FloatArray, scale: FloatArray) -> float:
+    """How fast the drivers move the constraints, rows of unit length, at their fastest, 1/s.
+
+    At the instants of a run, and at one position, as laws of time mostly know no other.
+    """
+    lengths = np.linalg.norm(equations.jacobian(float(times[0]), q) * scale, axis=1)
+    lengths[lengths == 0.0] = 1.0
+    rates = [np.linalg.norm(equations.velocity_rhs(float(t), q) / lengths) for t in times]
+    return max((float(rate) for rate in rates if np.isfinite(rate)), default=0.0)
+
+
+def instant(equations: Equations, t: float, q: FloatArray) -> float:
+    """The instant near t to which the drivers assign the position q."""
+    for _ in range(3):
+        nu = equations.velocity_rhs(t, q)
+        square = float(nu @ nu)
+        if square == 0.0:
+            break
+        t += float(equations.constraints(t, q) @ nu) / square
+    return t
+
+
+def lock_up(equations: Equations, found: SingularPosition) -> str:
+    """The message of a run that ends in a lock-up."""
+    drivers = found.drivers or equations.description.drivers
+    return (
+        f"Locked up at t = {found.time:.12g} s: driver {', '.join(drivers)} cannot go on, "
+        f"joints {', '.join(found.joints)} stand in the way (smallest singular value of Phi_q "
+        f"{found.singular_value:.1e}; the part {found.drift:.2g} of the drivers' motion is one "
+        f"that no velocities give). With the drivers at rest the machine could move by "
+        f"{found.free}. Velocities grow without bound there. Change the dimensions or the range "
+        f"of the driver, or drive one of these coordinates."
+    )
+
+
+def undefined(equations: Equations, t: float, ahead: float, q: FloatArray) -> str:
+    """The message where an element has no value a little later; empty where all have."""
+    later = equations.constraints(t + ahead * 1e-6 * max(abs(t), 1e-3), q)
+    without = [
+        row.element
+        for row, gap in zip(equations.description.constraints, later, strict=True)
+        if not np.isfinite(gap)
+    ]
+    if not without:
+        return ""
+    return (
+        f"Stopped at t = {t:.9g} s: {', '.join(dict.fromkeys(without))} has no value just "
+        f"after. Look for a table asked beyond its ends, a division by zero or a root of a "
+        f"negative number."
+    )
+
+
+def unclear(found: SingularPosition) -> str:
+    """The message where no smooth motion was found, and no fold either."""
+    return (
+        f"Stopped at t = {found.time:.9g} s, at a position that is singular or too near to one to "
+        f"be told from it (smallest singular value of Phi_q {found.singular_value:.1e}, "
+        f"{', '.join((*found.drivers, *found.joints))}): no smooth motion leads on. With the "
+        f"drivers at rest the machine could move by {found.free}. Change a dimension by a little, "
+        f"or drive one of these coordinates."
+    )
+
+
+def crossings(found: list[SingularPosition]) -> str:
+    """What a message says of the positions that were crossed."""
+    if not found:
+        return ""
+    where = ", ".join(f"{row.time:.6g}" for row in found[:5])
+    first = found[0]
+    return (
+        f" Crossed {len(found)} singular position(s) at t = {where} s on the branch on which the "
+        f"velocity is continuous; at the first of them {', '.join(first.drivers + first.joints)} "
+        f"left the machine free to move by {first.free}."
+    )
+
+
+def no_start(equations: Equations, found: SingularPosition, choices: list[Branch]) -> AnalysisError:
+    """The error where nothing says how the motion begins."""
+    told = equations.description
+    names = (*found.drivers, *found.joints)
+    head = (
+        f"{told.title}: the machine starts in a singular position at t = {found.time:g} s "
+        f"({', '.join(names)} {'has' if len(names) == 1 else 'have'} no hold here; free to move: "
+        f"{found.free})"
+    )
+    if not choices:
+        locked = "" if found.drift <= SOLVED else " (a lock-up: no velocities satisfy the drivers)"
+        return AnalysisError(
+            f"{head}, and no smooth motion leads out of it{locked}. Begin a little beside it: "
+            f"another t_start, or other start values."
+        )
+    listed = "; ".join(
+        f"({number}) {_apart(equations, branch, choices)}"
+        for number, branch in enumerate(choices[:_FEW], 1)
+    )
+    rest = f" and {len(choices) - _FEW} more" if len(choices) > _FEW else ""
+    return AnalysisError(
+        f"{head}, where {len(choices)} motions meet, and the start velocities are as near to one "
+        f"as to another: {listed}{rest}. Give start velocities of the one that is meant."
+    )
+
+
+def _apart(equations: Equations, branch: Branch, choices: list[Branch]) -> str:
+    """The velocities in which a branch differs from the others."""
+    all_v = np.array([other.v for other in choices])
+    spread = np.ptp(all_v, axis=0)
+    differs = spread > 1e-6 * max(float(np.abs(all_v).max()), 1e-300)
+    return ", ".join(
+        f"{row.velocity} = {branch.v[k]:.6g} {row.unit}/s"
+        for k, row in enumerate(equations.description.coordinates)
+        if differs[k]
+    )
+
+
+def _named(equations: Equations, x: FloatArray) -> dict[str, float]:
+    largest = float(x[np.abs(x).argmax()])
+    return {
+        row.name: float(part / largest)
+        for row, part in zip(equations.description.coordinates, x, strict=True)
+        if abs(part) > 1e-9 * abs(largest)
+    }
+
+
+def _of_all(
+    equations: Equations, t: float, q: FloatArray, scale: FloatArray, most: int
+) -> tuple[int, FloatArray]:
+    """How much all rows together have lost, at most `most`, and their null directions, (n, k).
+
+    Rows that follow from others elsewhere may hold where those do not, and less is free to move.
+    """
+    matrix = equations.jacobian(t, q) * scale
+    lengths = np.linalg.norm(matrix, axis=1)
+    _, values, right = np.linalg.svd(matrix / np.where(lengths > 0.0, lengths, 1.0)[:, None])
+    rank = int((values[: len(equations.independent)] >= LOST).sum())
+    # A position that is counted as singular, however large its singular value, has lost one.
+    count = min(max(len(equations.independent) - rank, 1), most)
+    return count, right[len(q) - count :].T
+
+
+def _simple(null: FloatArray) -> FloatArray:
+    """A basis of the null directions, each free of the others' largest coordinates, (k, n)."""
+    rows = null.T.copy()
+    for i in range(len(rows)):
+        pick = i + int(np.abs(rows[i:]).max(axis=1).argmax())
+        column = int(np.abs(rows[pick]).argmax())
+        rows[[i, pick]] = rows[[pick, i]]
+        rows[i] /= rows[i, column]
+        for other in range(len(rows)):
+            if other != i:
+                rows[other] -= rows[other, column] * rows[i]
+    return rows

@@ -1,0 +1,1 @@
+"""The ground floor: kernel ABI, function table, workspace, compiled-function decorators."""

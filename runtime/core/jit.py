@@ -1,0 +1,155 @@
+"""How the runtime's own loops are compiled: once, for explicit signatures, and kept on disk.
+
+Two things here work round numba as it is.
+
+A cached function is taken for fresh as long as its *own* file is unchanged, although it contains
+what it calls. So the cache of every function is stamped with the hash of all files of the runtime
+that hold compiled code: an edit anywhere makes all of them stale.
+
+A function that is handed to compiled code as an argument costs about 0.1 ms a call, in which numba
+looks up its address. So addresses are looked up once and handed over as integers, and `at` turns
+them back into functions inside.
+"""
+
+import hashlib
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit, types
+from numba.core import cgutils
+from numba.core.registry import CPUDispatcher
+from numba.extending import intrinsic
+
+from codegen.artefact import alone
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_tools: Any = cgutils  # numba leaves these untyped
+_Dispatcher: Any = CPUDispatcher
+
+OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}}
+ADDRESSES = types.Array(types.int64, 1, "C")
+# Counting references to arrays took a seventh of a run's time. What says nothing takes it over from
+# what calls it.
+_BARE: dict[str, Any] = {**OPTIONS, "_nrt": False}
+_COUNTED: dict[str, Any] = {**OPTIONS, "_nrt": True}
+_INSIDE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
+
+def compiled(signature: Any) -> Callable[[F], F]:
+    """Compile for one explicit signature, keep it on disk, divide as the hardware does.
+
+    Nothing counts references: arrays belong to the caller, and what makes one does not compile.
+    """
+    return _for(signature, _BARE)
+
+
+def allocating(signature: Any) -> Callable[[F], F]:
+    """As `compiled`, for what makes arrays of its own: no part of the loop over steps."""
+    return _for(signature, _COUNTED)
+
+
+def addressed(signature: Any) -> Callable[[F], F]:
+    """As `compiled`, for what compiled code alone calls, by its name or its address.
+
+    Without a way in from Python it compiles in two thirds of the time, and loads in half.
+    """
+
+    def decorate(function: F) -> F:
+        dispatcher: Any = _for(signature, {**_BARE, **_INSIDE})(function)
+        dispatcher.__class__ = _Addressed
+        return cast(F, dispatcher)
+
+    return decorate
+
+
+class _Addressed(_Dispatcher):  # type: ignore[misc]
+    """A function that has no way in from Python: numba would jump to nowhere."""
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        raise TypeError(
+            f"{self.py_func.__module__}.{self.__name__} is called by compiled code alone: "
+            "call it from a function of your own that numba compiles."
+        )
+
+
+def inner(function: F) -> F:
+    """Compile with the compiled functions that call it: it is neither loaded nor called alone."""
+    return cast(F, _stamped(njit(**_BARE, **_INSIDE)(function)))
+
+
+def inlined(function: F) -> F:
+    """As `inner`, copied into every place of its use: for what is small and called in stages."""
+    return cast(F, _stamped(njit(**_BARE, **_INSIDE, forceinline=True)(function)))
+
+
+def fetched(function: F) -> F:
+    """As `inlined`, for what answers with an array, which lies in a workspace."""
+    return cast(F, _stamped(njit(**_COUNTED, **_INSIDE, forceinline=True)(function)))
+
+
+def addresses(functions: Iterable[Any]) -> npt.NDArray[np.int64]:
+    """Addresses of compiled functions, each of which has one signature."""
+    return np.array([_address(function) for function in functions], dtype=np.int64)
+
+
+def at(function_type: types.FunctionType, slot: int) -> Callable[[Any], Any]:
+    """A function for compiled code that takes out of a table the function at an address.
+
+    Nothing checks that it has the type; a table and its slots are defined side by side.
+    """
+
+    def fetch(typing_context: Any, table: Any) -> Any:
+        signature = function_type(ADDRESSES)
+
+        def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            array = context.make_array(signature.args[0])(context, builder, arguments[0])
+            place = context.get_constant(types.intp, slot)
+            number = builder.load(builder.gep(array.data, [place], inbounds=True))
+            pointer = builder.inttoptr(number, _tools.voidptr_t)
+            function = _tools.create_struct_proxy(function_type)(context, builder)
+            function.jit_addr = pointer
+            function.c_addr = pointer
+            return function._getvalue()
+
+        return signature, codegen
+
+    return cast(Callable[[Any], Any], intrinsic(fetch))
+
+
+def _address(function: Any) -> int:
+    (result,) = function.overloads.values()
+    return int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
+
+
+def _for(signature: Any, options: dict[str, Any]) -> Callable[[F], F]:
+    def decorate(function: F) -> F:
+        dispatcher: Any = _stamped(njit(**options)(function))
+        with alone(Path(__file__)):
+            dispatcher.compile(signature)
+        dispatcher.disable_compile()
+        return cast(F, dispatcher)
+
+    return decorate
+
+
+def _stamped(dispatcher: Any) -> Any:
+    """Make the dispatcher's cache depend on all compiled code of the runtime."""
+    index = dispatcher._cache._cache_file
+    index._source_stamp = (index._source_stamp, _STAMP)
+    return dispatcher
+
+
+def _stamp() -> str:
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.parent.rglob("*.py")):
+        text = path.read_bytes()
+        if b"runtime.core.jit" in text:
+            digest.update(text)
+    return digest.hexdigest()
+
+
+_STAMP = _stamp()

@@ -1,0 +1,1 @@
+"""Kinematics, inverse dynamics and simulation, and the quantities that they report."""

@@ -1,0 +1,257 @@
+"""In which coordinates a motion is integrated, and the way back to all of them."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from codegen.errors import InputError
+from runtime.assembly.assembled_state import Assembly
+from runtime.assembly.dense_equations import Equations, FloatArray
+from runtime.assembly.redundant_kernels import projecting, sound
+from runtime.integrate.problem import Correction, Formulation, System
+from runtime.integrate.trajectory import Trajectory
+from runtime.integrate.wiring import IMPLICIT
+
+if TYPE_CHECKING:
+    from runtime.machine import Machine
+    from runtime.mechanism.reduced_kernels import Reduced
+
+FORMULATIONS = ("cartesian", "reduced")
+_STEEP = 1e6  # rate of an angle by those of what is left, at a dead centre of its loop
+_CORRECTIONS = ("step", "stage")
+
+
+class Coordinates(Protocol):
+    """What is integrated.
+
+    Attributes
+    ----------
+    machine
+        The machine, or one with kernels that bear redundant constraints.
+    system
+        Its equations.
+    p
+        Their parameters.
+    q, v, scale, sizes : (f,)
+        State at the start, typical changes, and typical sizes.
+    mobility : (n,)
+        Typical changes of all coordinates.
+    spreads : (s,)
+        See `Problem`.
+    correction
+        How states return onto the constraints.
+    """
+
+    machine: "Machine"
+    system: System
+    p: FloatArray
+    q: FloatArray
+    v: FloatArray
+    scale: FloatArray
+    sizes: FloatArray
+    mobility: FloatArray
+    spreads: FloatArray
+    correction: Correction
+
+    def whole(self, run: Trajectory) -> Trajectory:
+        """A run in all coordinates, its outcome told of the machine's constraints."""
+
+
+class AllCoordinates:
+    """The machine's own coordinates; see `Coordinates`."""
+
+    def __init__(
+        self,
+        machine: "Machine",
+        p: FloatArray,
+        begin: Assembly,
+        sizes: FloatArray,
+        method: str,
+        correction: Correction,
+    ) -> None:
+        self.machine, self.p, self.sizes, self.correction = machine, p, sizes, correction
+        if begin.redundant:
+            self.machine = sound(machine, begin)
+            self.correction = projecting(machine, begin, method, correction)
+        self.system, self.spreads = self.machine.system, np.zeros(len(machine.description.switches))
+        if method in IMPLICIT:
+            self.system = replace(self.system, **self.machine.tangents._asdict())
+        self.q, self.v = np.ascontiguousarray(begin.q), np.ascontiguousarray(begin.v)
+        self.scale = self.mobility = _mobility(Equations(machine, p).mass(begin.q))
+
+    def whole(self, run: Trajectory) -> Trajectory:
+        """The run itself."""
+        return run
+
+
+class KeptCoordinates:
+    """Those that no constraint gives; see `Coordinates`.
+
+    Raises
+    ------
+    InputError
+        With all that reduced coordinates do not do for this machine.
+    """
+
+    def __init__(
+        self,
+        machine: "Machine",
+        p: FloatArray,
+        begin: Assembly,
+        sizes: FloatArray,
+        correction: Correction,
+    ) -> None:
+        _refuse(machine, begin, correction)
+        self.machine, self.correction, self._begin = machine, correction, begin
+        self.reduced = reduced = machine.reduced
+        self.system = reduced.system
+        kept = reduced.kept
+        self.q, self.v = begin.q[kept].copy(), begin.v[kept].copy()
+        self.sizes = sizes[kept]
+        self.p = reduced.parameters(p, begin.t, begin.q)
+        _refuse_dead_centre(machine, reduced, begin, self.p, self.sizes)
+        values, mass = np.zeros(len(reduced.mass[0])), np.zeros((len(kept), len(kept)))
+        reduced.kernels.mass(self.q, self.p, values)
+        mass[reduced.mass] = values
+        self.scale = _mobility(mass)
+        self.spreads = _spreads(machine, p, begin, sizes)
+        self.mobility = np.ones(len(begin.q))
+        self.mobility[kept] = self.scale
+
+    def whole(self, run: Trajectory) -> Trajectory:
+        """All coordinates at the samples, the events and the end."""
+        reduced, events = self.reduced, run.events
+        count, n = len(run.t), len(self.machine.coordinates)
+        t = np.concatenate([run.t, events.t, [run.final_t]])
+        q = np.vstack([run.q, events.q, run.final_q[None, :]])
+        v = np.vstack([run.v, events.v, run.final_v[None, :]])
+        order = np.argsort(t, kind="stable")
+        start = self._begin.t, self._begin.q
+        all_q, all_v = np.empty((len(t), n)), np.empty((len(t), n))
+        all_q[order], all_v[order] = reduced.expanded(
+            t[order], q[order], v[order], self.p, start, self.sizes
+        )
+        free = np.zeros((len(run.partitions.t), n), dtype=np.bool_)
+        free[:, reduced.kept] = run.partitions.independent
+        switched = run.outcome.of_switch or run.index < 0
+        return replace(
+            run,
+            q=all_q[:count],
+            v=all_v[:count],
+            final_q=all_q[-1],
+            final_v=all_v[-1],
+            events=replace(events, q=all_q[count:-1], v=all_v[count:-1]),
+            partitions=replace(run.partitions, independent=free),
+            index=run.index if switched else reduced.row(run.index),
+            crossings=tuple(
+                replace(one, row=reduced.row(one.row), direction=self._all(one.direction))
+                for one in run.crossings
+            ),
+        )
+
+    def _all(self, direction: FloatArray) -> FloatArray:
+        found = np.zeros(len(self.machine.coordinates))
+        found[self.reduced.kept] = direction
+        return found
+
+
+def coordinates(
+    formulation: Formulation,
+    machine: "Machine",
+    p: FloatArray,
+    begin: Assembly,
+    sizes: FloatArray,
+    method: str,
+    correction: Correction,
+) -> Coordinates:
+    """The coordinates of a formulation.
+
+    Raises
+    ------
+    InputError
+        If there is no such formulation, or it is not for this machine.
+    """
+    if formulation not in FORMULATIONS:
+        raise InputError(f"formulation = {formulation!r} must be one of {', '.join(FORMULATIONS)}.")
+    if formulation == "reduced":
+        return KeptCoordinates(machine, p, begin, sizes, correction)
+    return AllCoordinates(machine, p, begin, sizes, method, correction)
+
+
+def _mobility(mass: FloatArray) -> FloatArray:
+    """Typical size of a change of each coordinate, 1/√M_kk, shape (n,).
+
+    A coordinate without mass, such as the place of a contact on a cam, follows most easily: ten
+    times the size of the most mobile body makes it one of the dependent coordinates.
+    """
+    inertia = np.diag(mass)
+    heavy = inertia > 0.0
+    return 1.0 / np.sqrt(np.where(heavy, inertia, 0.01 * inertia[heavy].min()))
+
+
+def _spreads(machine: "Machine", p: FloatArray, begin: Assembly, sizes: FloatArray) -> FloatArray:
+    """Σ |∂g/∂(q, q̇)| times the sizes: the rounding of g is that of what it is made of.
+
+    At a dead point of what is watched, nothing of that is seen from the kept coordinates.
+    """
+    n, s = len(sizes), len(machine.description.switches)
+    rates = machine.kernels.switching_rates
+    found, rest, now = np.zeros(s), np.zeros(s), np.zeros(s)
+    unit = np.zeros(2 * n)
+    rates(begin.t, begin.q, unit[:n], unit[n:], p, rest)
+    for j in range(2 * n):
+        unit[j] = sizes[j % n]
+        rates(begin.t, begin.q, unit[:n], unit[n:], p, now)
+        unit[j] = 0.0
+        change = np.abs(now - rest)
+        found += np.where(np.isfinite(change), change, 0.0)
+    return found
+
+
+def _refuse(machine: "Machine", begin: Assembly, correction: Correction) -> None:
+    told = machine.description
+    problems = []
+    if correction not in _CORRECTIONS:
+        problems.append(
+            f"correction={correction!r} keeps to constraints that reduced coordinates have not; "
+            f"take one of {', '.join(_CORRECTIONS)}"
+        )
+    if begin.redundant:
+        problems.append(
+            f"{', '.join(row.name for row in begin.redundant)} follow from other constraints, and "
+            "reduced coordinates ask for independent ones; remove them"
+        )
+    sticking = [told.switches[k].name for k in told.sought]
+    sticking += [told.switches[k].name for k, *_ in told.friction_limits]
+    if sticking:
+        problems.append(
+            f"{', '.join(dict.fromkeys(sticking))} stick by the force of a reaction, which reduced "
+            "coordinates leave out; give them creep="
+        )
+    if begin.degrees_of_freedom == 0:
+        problems.append(
+            "nothing is left to integrate, as constraints and drivers give all coordinates; ask "
+            "for inverse_dynamics"
+        )
+    if problems:
+        raise InputError(
+            f'{told.title}: {problem}, or take formulation="cartesian".' for problem in problems
+        )
+
+
+def _refuse_dead_centre(
+    machine: "Machine", reduced: "Reduced", begin: Assembly, p: FloatArray, sizes: FloatArray
+) -> None:
+    told = machine.description
+    steep = reduced.steepness(begin.t, begin.q[reduced.kept], p, sizes)
+    problems = [
+        f"{told.title}: the run starts with {told.constraints[row].name} at a dead centre of its "
+        f"loop, where both ways to close it meet ({told.coordinates[column].name} moves "
+        f"{ratio:.1e} times as fast as what is left), and reduced coordinates follow one of them; "
+        f'start further away, or take formulation="cartesian".'
+        for (column, row), ratio in zip(reduced.branches, steep, strict=True)
+        if not ratio < _STEEP
+    ]
+    if problems:
+        raise InputError(problems)

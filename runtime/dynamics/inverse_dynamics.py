@@ -1,0 +1,52 @@
+"""Inverse dynamics: the forces and torques that a prescribed motion takes.
+
+The motion is kinematic; the multipliers of the drivers are the drives that produce it. A driver's
+reaction is what it exerts on the body that it moves. Which rigid contacts would be closed is not
+decided here, and friction that does not slip has no force that the motion determines: both are
+refused.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy.typing as npt
+
+from codegen.errors import AnalysisError
+from runtime.dynamics.kinematics import kinematics
+from runtime.progress_bar import Progress, silent
+from runtime.results.result import Result
+from runtime.validation.contacts import require_slip
+from runtime.validation.masses import require_masses
+
+if TYPE_CHECKING:
+    from runtime.machine import Machine, Values
+
+
+def inverse_dynamics(
+    machine: "Machine",
+    t_eval: npt.ArrayLike,
+    *,
+    parameters: "Values | None" = None,
+    guess: "Values | None" = None,
+    t_start: float = 0.0,
+    progress: Progress = silent,
+) -> Result:
+    """Motion, reactions, drives and powers at the instants `t_eval`; see `kinematics`."""
+    told = machine.description
+    if not told.has_masses:
+        raise AnalysisError(
+            f"{told.title}: inverse dynamics needs masses, and this scene has a body without. "
+            f"Give every body a mass and an inertia, or ask for kinematics."
+        )
+    p = machine.parameter_values(parameters)
+    require_masses(machine, p)
+    found = kinematics(
+        machine,
+        t_eval,
+        parameters=parameters,
+        guess=guess,
+        t_start=t_start,
+        progress=progress,
+        analysis="inverse dynamics",
+    )
+    require_slip(machine, p, found.samples)
+    return found

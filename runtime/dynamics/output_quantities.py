@@ -1,0 +1,204 @@
+"""Accelerations, reactions, powers, energies and residuals at given states: one compiled loop."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+from numba import types
+
+from runtime.core.jit import ADDRESSES, compiled
+from runtime.core.kernels import FETCH, MATRIX, MODE_ROWS, MODES, VECTOR
+from runtime.results.samples import Samples
+
+if TYPE_CHECKING:
+    from runtime.machine import Machine
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+ENERGIES = ("kinetic_energy", "potential")
+accelerations_of = FETCH["accelerations"]
+constraints_of = FETCH["constraints"]
+jacobian_of = FETCH["jacobian"]
+velocity_rhs_of = FETCH["velocity_rhs"]
+reactions_of = FETCH["reactions"]
+switched_reactions_of = FETCH["switched_reactions"]
+powers_of = FETCH["powers"]
+kinetic_energy_of = FETCH["kinetic_energy"]
+potential_of = FETCH["potential"]
+switching_of = FETCH["switching"]
+switching_rates_of = FETCH["switching_rates"]
+
+
+@compiled(
+    types.none(
+        ADDRESSES,
+        VECTOR,
+        VECTOR,
+        MATRIX,
+        MATRIX,
+        MODE_ROWS,
+        MODES,
+        MODES,
+        MATRIX,
+        MATRIX,
+        MATRIX,
+        MATRIX,
+        MATRIX,
+        MATRIX,
+        MODES,
+        VECTOR,
+        VECTOR,
+    ),
+)
+def _evaluate(
+    kernels: Any,
+    times: Any,
+    p: Any,
+    q: Any,
+    v: Any,
+    modes: Any,
+    rows: Any,
+    columns: Any,
+    a: Any,
+    lam: Any,
+    reaction: Any,
+    power: Any,
+    energy: Any,
+    residual: Any,
+    weak: Any,
+    slopes: Any,
+    phi: Any,
+) -> None:
+    accelerations = accelerations_of(kernels)
+    constraints = constraints_of(kernels)
+    jacobian = jacobian_of(kernels)
+    velocity_rhs = velocity_rhs_of(kernels)
+    reactions = reactions_of(kernels)
+    switched_reactions = switched_reactions_of(kernels)
+    powers = powers_of(kernels)
+    kinetic_energy = kinetic_energy_of(kernels)
+    potential = potential_of(kernels)
+    m = lam.shape[1]
+    for k in range(len(times)):
+        t = times[k]
+        weak[k] = accelerations(t, q[k], v[k], p, modes[k], a[k], lam[k])
+        if weak[k] != 0:
+            a[k, :] = np.nan
+            lam[k, :] = np.nan
+        constraints(t, q[k], p, phi)
+        largest = 0.0
+        for i in range(m):
+            largest = max(largest, abs(phi[i]))
+        residual[k, 0] = largest
+        velocity_rhs(t, q[k], p, phi)
+        jacobian(t, q[k], p, slopes)
+        for j in range(len(rows)):
+            phi[rows[j]] -= slopes[j] * v[k, columns[j]]
+        largest = 0.0
+        for i in range(m):
+            largest = max(largest, abs(phi[i]))
+        residual[k, 1] = largest
+        reactions(t, q[k], v[k], p, lam[k], reaction[k])
+        switched_reactions(t, q[k], v[k], p, modes[k], lam[k], reaction[k])
+        powers(t, q[k], v[k], p, modes[k], lam[k], power[k])
+        energy[k, 0] = kinetic_energy(q[k], v[k], p)
+        energy[k, 1] = potential(t, q[k], p, modes[k])
+
+
+@compiled(
+    types.none(
+        ADDRESSES,
+        VECTOR,
+        VECTOR,
+        MATRIX,
+        MATRIX,
+        MODE_ROWS,
+        VECTOR,
+        VECTOR,
+        VECTOR,
+        VECTOR,
+    ),
+)
+def _find_modes(
+    kernels: Any,
+    times: Any,
+    p: Any,
+    q: Any,
+    v: Any,
+    modes: Any,
+    a: Any,
+    lam: Any,
+    g: Any,
+    rate: Any,
+) -> None:
+    switching = switching_of(kernels)
+    switching_rates = switching_rates_of(kernels)
+    accelerations = accelerations_of(kernels)
+    for k in range(len(times)):
+        switching(times[k], q[k], v[k], p, g)
+        boundary = False
+        for i in range(len(g)):
+            modes[k, i] = 1 if g[i] > 0.0 else 0
+            boundary = boundary or g[i] == 0.0
+        if boundary:
+            accelerations(times[k], q[k], v[k], p, modes[k], a, lam)
+            switching_rates(times[k], q[k], v[k], a, p, rate)
+            for i in range(len(g)):
+                if g[i] == 0.0 and rate[i] > 0.0:
+                    modes[k, i] = 1
+
+
+def evaluate(
+    machine: "Machine",
+    p: FloatArray,
+    t: FloatArray,
+    q: FloatArray,
+    v: FloatArray,
+    modes: IntArray | None = None,
+) -> Samples:
+    """Everything that follows from the states at the instants `t`.
+
+    Parameters
+    ----------
+    q, v
+        Shape (instants, n).
+    modes
+        Shape (instants, s); found from the states where not given.
+    """
+    told = machine.description
+    count, n, m = len(t), len(told.coordinates), len(told.constraints)
+    t, q, v = (np.ascontiguousarray(array, dtype=np.float64) for array in (t, q, v))
+    if modes is None:
+        modes = np.zeros((count, len(told.switches)), dtype=np.int64)
+        if told.switches:
+            s = len(told.switches)
+            _find_modes(
+                machine.kernel_table, t, p, q, v, modes,
+                np.zeros(n), np.zeros(m), np.zeros(s), np.zeros(s),
+            )  # fmt: skip
+    modes = np.ascontiguousarray(modes, dtype=np.int64)
+    a, lam = np.zeros((count, n)), np.zeros((count, m))
+    reaction = np.zeros((count, len(told.reactions)))
+    power = np.zeros((count, len(told.powers)))
+    energy, residual = np.zeros((count, 2)), np.zeros((count, 2))
+    weak = np.zeros(count, dtype=np.int64)
+    plain = np.where(modes == 2, 0, modes)
+    for contact in told.rigid:
+        plain[:, contact.switch] = 1
+    _evaluate(
+        machine.kernel_table, t, p, q, v, plain,
+        told.jacobian_rows.astype(np.int64), told.jacobian_columns.astype(np.int64),
+        a, lam, reaction, power, energy, residual, weak, np.zeros(len(told.jacobian_rows)),
+        np.zeros(m),
+    )  # fmt: skip
+    if told.recovered is not None:
+        lam[:, np.setdiff1d(np.arange(m), told.recovered)] = np.nan
+    if told.has_masses:
+        energy[:, [k for k, name in enumerate(ENERGIES) if name not in told.kernels]] = np.nan
+    if (modes == 2).any():
+        from runtime.dynamics.sliding_outputs import mix_held
+
+        share = mix_held(machine, p, t, q, v, modes, a, lam, reaction, power)
+    else:
+        share = np.full(modes.shape, np.nan)
+    return Samples(t, q, v, a, lam, reaction, power, energy, residual, modes, share)

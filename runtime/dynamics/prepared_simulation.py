@@ -1,0 +1,81 @@
+"""A machine put together at its start, from which it may be integrated more than once."""
+
+from typing import TYPE_CHECKING
+
+from runtime.assembly.assemble import assemble
+from runtime.assembly.assembled_state import Assembly
+from runtime.assembly.coordinate_scales import magnitudes
+from runtime.assembly.dense_equations import Equations
+from runtime.dynamics.formulations import Coordinates, coordinates
+from runtime.integrate.problem import Correction, Formulation, Options, Problem
+from runtime.integrate.run import integrate
+from runtime.integrate.trajectory import Trajectory
+from runtime.progress_bar import Progress
+from runtime.validation.contacts import require_apart
+from runtime.validation.masses import require_masses
+from runtime.validation.scene_support import refuse_massless, refuse_structure
+
+if TYPE_CHECKING:
+    from runtime.machine import Machine, Values
+
+
+class Prepared:
+    """The start of a simulation, and what all runs from it have in common.
+
+    Attributes
+    ----------
+    p
+        Parameters and derived constants, (np,).
+    begin
+        The assembled start.
+    sizes
+        Typical sizes of the coordinates, m or rad, (n,).
+
+    Raises
+    ------
+    AnalysisError
+        If nothing is left to integrate, or no mass moves.
+    """
+
+    def __init__(
+        self,
+        machine: "Machine",
+        t_end: float,
+        *,
+        t_start: float,
+        parameters: "Values | None",
+        guess: "Values | None",
+        start: Assembly | None,
+    ) -> None:
+        if not machine.description.has_masses:
+            refuse_massless(machine)
+        self.machine, self.t_end = machine, float(t_end)
+        self.p = p = machine.parameter_values(parameters)
+        require_masses(machine, p)
+        begin = start if start is not None else assemble(machine, guess, parameters, t_start)
+        equations = Equations(machine, p)
+        self.begin, self.sizes = begin, magnitudes(equations, begin.t, begin.q)
+        least = float(self.sizes.min(initial=1.0))
+        require_apart(machine, p, begin.t, begin.q, begin.v, least)
+        if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
+            refuse_structure(machine)
+
+    def coordinates(
+        self, formulation: Formulation, method: str, correction: Correction
+    ) -> Coordinates:
+        """What is integrated: see `runtime.dynamics.formulations`."""
+        return coordinates(
+            formulation, self.machine, self.p, self.begin, self.sizes, method, correction
+        )
+
+    def run(self, taken: Coordinates, options: Options, progress: Progress) -> Trajectory:
+        """One integration, in all coordinates."""
+        first = self.begin.t
+        span = max(self.t_end - first, 1e-300)
+        problem = Problem(
+            first, self.t_end, taken.q, taken.v, taken.p, taken.scale, taken.sizes, taken.spreads
+        )
+        run = integrate(
+            taken.system, problem, options, lambda t, steps: progress((t - first) / span)
+        )
+        return taken.whole(run)

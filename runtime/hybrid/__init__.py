@@ -1,0 +1,1 @@
+"""Hybrid dynamics: switching functions, events, modes, sliding, stiction and impact."""

@@ -1,0 +1,173 @@
+"""Small systems for what is held at once, also where several hold one freedom."""
+
+import numpy as np
+
+from runtime.core.array_views import floats_at, integers_at, view
+from runtime.core.function_table import (
+    CONSTRAINT_COUNT,
+    COORDINATES,
+    HELD,
+    PLAIN,
+    RIGID,
+    RIGID_COUNT,
+    SWITCHES,
+    WORK,
+)
+from runtime.core.jit import inner
+from runtime.core.signatures import Integers, Vector
+
+SINGULAR = 1e-11  # pivot of a row whose largest entry is one, below which it is rounding
+
+
+@inner
+def balance(matrix: Vector, right: Vector, count: int) -> int:
+    """Divide each row and its right side by its largest entry; 1 where a row is empty, else 0."""
+    for i in range(count):
+        largest = 0.0
+        for j in range(count):
+            largest = max(largest, abs(matrix[i * count + j]))
+        if not largest > 0.0:
+            return 1
+        for j in range(count):
+            matrix[i * count + j] /= largest
+        right[i] /= largest
+    return 0
+
+
+@inner
+def solve(matrix: Vector, right: Vector, count: int) -> int:
+    """Solve a small dense system in place, `matrix` by rows; 0, or 1 where it is singular.
+
+    Rows are first divided by their largest entries, so that a pivot tells by its size alone
+    whether one of several holds does what the others do already.
+    """
+    if balance(matrix, right, count) != 0:
+        return 1
+    for step in range(count):
+        at = step
+        for i in range(step + 1, count):
+            if abs(matrix[i * count + step]) > abs(matrix[at * count + step]):
+                at = i
+        pivot = matrix[at * count + step]
+        if not abs(pivot) > SINGULAR:
+            return 1
+        if at != step:
+            for j in range(count):
+                matrix[step * count + j], matrix[at * count + j] = (
+                    matrix[at * count + j],
+                    matrix[step * count + j],
+                )
+            right[step], right[at] = right[at], right[step]
+        for i in range(step + 1, count):
+            factor = matrix[i * count + step] / pivot
+            for j in range(step, count):
+                matrix[i * count + j] -= factor * matrix[step * count + j]
+            right[i] -= factor * right[step]
+    for i in range(count - 1, -1, -1):
+        total = right[i]
+        for j in range(i + 1, count):
+            total -= matrix[i * count + j] * right[j]
+        right[i] = total / matrix[i * count + i]
+    return 0
+
+
+@inner
+def least(
+    machine: Integers,
+    matrix: Vector,
+    right: Vector,
+    count: int,
+    reach: Vector,
+    slack: float,
+) -> int:
+    """As `solve`, for the smallest of many solutions; 1 where there is none.
+
+    Several frictions of one freedom hold it in many ways, of which the sum of |column| x²/reach is
+    least here: each then bears the same part of its reach, so that they hold whatever can be held,
+    and let go together. Rows are made orthogonal one after the other (Gram and Schmidt, twice);
+    those of which nothing is left follow from the others. Those of contacts come first, and must
+    not follow from each other: contacts can do without one that does what others do.
+
+    Parameters
+    ----------
+    matrix, right
+        By rows, of the `count` functions that are held; both are overwritten, `right` with x.
+    reach : (s,)
+        What each x may be at most; overwritten.
+    slack
+        By which a row that follows from others may differ from what they say, in parts of its
+        terms.
+    """
+    s = machine[SWITCHES]
+    rigid = integers_at(machine, RIGID, s)
+    held = view(integers_at(machine, PLAIN, 2 * s), s, s)
+    if balance(matrix, right, count) != 0:
+        return 1
+    for c in range(count):
+        norm = 0.0
+        for i in range(count):
+            norm += matrix[i * count + c] ** 2
+        if not norm > 0.0:
+            return 1
+        reach[c] = np.sqrt(reach[c] / np.sqrt(norm))
+        for i in range(count):
+            matrix[i * count + c] *= reach[c]
+    for turn in range(2):
+        for i in range(count):
+            firm = rigid[held[i]] >= 0
+            if firm != (turn == 0):
+                continue
+            size, scale = 0.0, max(1.0, abs(right[i]))
+            for c in range(count):
+                size += matrix[i * count + c] ** 2
+            for _ in range(2):
+                for j in range(count):
+                    done = j < i if (rigid[held[j]] >= 0) == firm else turn == 1
+                    if not done:
+                        continue
+                    along = 0.0
+                    for c in range(count):
+                        along += matrix[i * count + c] * matrix[j * count + c]
+                    for c in range(count):
+                        matrix[i * count + c] -= along * matrix[j * count + c]
+                    right[i] -= along * right[j]
+                    scale = max(scale, abs(along * right[j]))
+            rest = 0.0
+            for c in range(count):
+                rest += matrix[i * count + c] ** 2
+            root = np.sqrt(rest)
+            if root > SINGULAR * np.sqrt(size):
+                for c in range(count):
+                    matrix[i * count + c] /= root
+                right[i] /= root
+                continue
+            if firm or not abs(right[i]) <= slack * scale:
+                return 1
+            for c in range(count):
+                matrix[i * count + c] = 0.0
+            right[i] = 0.0
+    for c in range(count):
+        total = 0.0
+        for i in range(count):
+            total += right[i] * matrix[i * count + c]
+        reach[c] *= total
+    for c in range(count):
+        right[c] = reach[c]
+    return 0
+
+
+@inner
+def same(machine: Integers, k: int, other: int) -> bool:
+    """Whether what holds two of the held functions acts on one freedom; after `bent`."""
+    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
+    count, size = machine[HELD], n + m
+    held = view(integers_at(machine, PLAIN, 2 * s), s, s)
+    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
+    matrix = view(work, (s + 1) * size, s * s)
+    c, d = 0, 0
+    for i in range(count):
+        c = i if held[i] == k else c
+        d = i if held[i] == other else d
+    product = matrix[c * count + c] * matrix[d * count + d]
+    crossed = matrix[c * count + d] * matrix[d * count + c]
+    return bool(abs(product - crossed) <= SINGULAR * abs(product))

@@ -1,0 +1,157 @@
+"""Whether a step sees the switching functions well enough to tell what crossed in it.
+
+The length of a step follows the error of the motion. Where the motion is simple, an accepted step
+may span many periods of a switching function, and its ends say nothing of what lies between. So
+the functions are evaluated at three points between, on the motion's cubic through both ends, which
+takes no accelerations, and compared there with their own cubics. Where the two disagree and zero is
+near, the step is too long.
+"""
+
+import numpy as np
+
+from runtime.core.array_views import view
+from runtime.core.jit import addressed, inner
+from runtime.core.signatures import WATCH, Integers, Vector
+from runtime.core.workspace import (
+    BETWEEN,
+    G0,
+    G1,
+    LARGEST,
+    MISMATCH,
+    PREDICTED,
+    R0,
+    R1,
+    ROWS,
+    SAMPLE,
+    STAGE,
+    Y0,
+    Y1,
+    K,
+    Run,
+)
+from runtime.hybrid.event_location import suspects
+from runtime.hybrid.switching_functions import functions, measure
+
+UNRESOLVED = -1  # the step is too long to tell
+
+_RESOLVED = 0.2  # of the variation of g over the step: what the two cubics may differ by
+_NEAR = 3.0  # differences, at most variations, from zero within which that matters
+_ROUNDING = 1e-11  # of the largest |g|: a difference of this size is none
+_FINEST = 1e-10  # of the run: steps of this length are never too long
+_COARSER, _FINER = 4.0, 0.8  # change of that length at a step that stays unresolved, at others
+
+# Weights of the cubic through y0, y1 with slopes k0, k1 at the fraction x of a step:
+# y0 + RISE (y1 - y0) + h (LEAVE k0 + ARRIVE k1). The fractions are no ratios of small numbers, so
+# that a period which divides the step is not met at the same phase.
+X1, X2, X3 = 0.1732050807568877, 0.4142135623730951, 0.7307704011542153
+RISE1, LEAVE1, ARRIVE1 = X1 * X1 * (3 - 2 * X1), X1 * (1 - X1) ** 2, X1 * X1 * (X1 - 1)
+RISE2, LEAVE2, ARRIVE2 = X2 * X2 * (3 - 2 * X2), X2 * (1 - X2) ** 2, X2 * X2 * (X2 - 1)
+RISE3, LEAVE3, ARRIVE3 = X3 * X3 * (3 - 2 * X3), X3 * (1 - X3) ** 2, X3 * X3 * (X3 - 1)
+
+
+@inner
+def between(
+    machine: Integers,
+    t: float,
+    h: float,
+    last: int,
+    w: Vector,
+    sw: Vector,
+    p: Vector,
+) -> None:
+    """Fill the three rows at BETWEEN with the functions at points between the ends of the step.
+
+    The states there lie on the cubics through both ends.
+    """
+    length = w.size // ROWS
+    y0 = view(w, Y0 * length, length)
+    y1 = view(w, Y1 * length, length)
+    k0 = view(w, K * length, length)
+    k1 = view(w, last * length, length)
+    z1 = view(w, STAGE * length, length)
+    z2 = view(w, SAMPLE * length, length)
+    z3 = view(w, PREDICTED * length, length)
+    for j in range(length):
+        start, change = y0[j], y1[j] - y0[j]
+        leave, arrive = h * k0[j], h * k1[j]
+        z1[j] = start + RISE1 * change + LEAVE1 * leave + ARRIVE1 * arrive
+        z2[j] = start + RISE2 * change + LEAVE2 * leave + ARRIVE2 * arrive
+        z3[j] = start + RISE3 * change + LEAVE3 * leave + ARRIVE3 * arrive
+    functions(machine, t + X1 * h, STAGE, BETWEEN, w, sw, p)
+    functions(machine, t + X2 * h, SAMPLE, BETWEEN + 1, w, sw, p)
+    functions(machine, t + X3 * h, PREDICTED, BETWEEN + 2, w, sw, p)
+
+
+@inner
+def bearable(h: float, sw: Vector, modes: Integers) -> float:
+    """Ratio to this step's length of the longest step that the functions allow; infinite if any.
+
+    Row MISMATCH receives the differences found.
+    """
+    s = modes.size
+    allowed = np.inf
+    for k in range(s):
+        side = 1.0 if modes[k] != 0 else -1.0
+        g0, g1 = side * sw[G0 * s + k], side * sw[G1 * s + k]
+        a1 = side * sw[BETWEEN * s + k]
+        a2 = side * sw[(BETWEEN + 1) * s + k]
+        a3 = side * sw[(BETWEEN + 2) * s + k]
+        change = g1 - g0
+        leave, arrive = h * side * sw[R0 * s + k], h * side * sw[R1 * s + k]
+        b1 = g0 + RISE1 * change + LEAVE1 * leave + ARRIVE1 * arrive
+        b2 = g0 + RISE2 * change + LEAVE2 * leave + ARRIVE2 * arrive
+        b3 = g0 + RISE3 * change + LEAVE3 * leave + ARRIVE3 * arrive
+        difference = max(abs(a1 - b1), abs(a2 - b2), abs(a3 - b3))
+        sw[MISMATCH * s + k] = difference
+        low = min(g0, g1, a1, a2, a3)
+        high = max(g0, g1, a1, a2, a3)
+        if not difference > _ROUNDING * max(sw[LARGEST * s + k], abs(low), abs(high)):
+            continue
+        # The difference grows with the fourth power of the length, the variation with the first.
+        varied = max(high, b1, b2, b3) - min(low, b1, b2, b3)
+        if low > 1e4 * difference or varied > 1e4 * difference:
+            continue
+        resolved = (_RESOLVED * varied / difference) ** (1.0 / 3.0)
+        # Where periods are skipped, the cubic of g swings more widely than g itself.
+        swing = max(min(difference, high - low), 1e-300)
+        far = (max(low, 0.0) / (_NEAR * swing)) ** 0.25
+        allowed = min(allowed, max(resolved, far))
+    return allowed
+
+
+@addressed(WATCH)
+def watch(
+    machine: Integers,
+    t: float,
+    h: float,
+    t1: float,
+    w: Vector,
+    sw: Vector,
+    run: Run,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+) -> int:
+    """Evaluate the functions over the step and count those that may cross in it.
+
+    Returns `UNRESOLVED` where the step is too long to tell. `run.stretch` is the ratio of the next
+    step's length to this one's that the functions allow.
+    """
+    r = run[0]
+    measure(machine, t1, Y1, K + r.last, G1, w, sw, p, modes, lam)
+    between(machine, t, h, K + r.last, w, sw, p)
+    allowed = bearable(h, sw, modes)
+    r.stretch = np.inf if r.fixed != 0 else 0.9 * allowed
+    if r.fixed == 0:
+        finest = _FINEST * r.duration
+        if allowed >= 1.0:
+            r.finest = max(finest, _FINER * r.finest)
+        elif h > max(finest, r.finest):
+            again = r.rejected_before != 0 and r.reason == UNRESOLVED
+            r.stretch = 0.25 if again else max(0.1, min(0.5, r.stretch))
+            return UNRESOLVED
+        else:
+            # A jump, a kink or rounding: shorter steps would tell no more.
+            r.finest = _COARSER * max(finest, r.finest)
+            r.stretch = _COARSER
+    return int(suspects(h, sw, modes))

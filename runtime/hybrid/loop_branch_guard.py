@@ -1,0 +1,117 @@
+"""Dead centres of the loops that kernels close in closed form.
+
+There the two branches of a loop meet: its ρ, the derivative of the loop by its angle, vanishes. The
+motion passes with ρ̇ ≠ 0 onto the other branch, but kernels know ρ² alone and would go on on the
+one that they are on. So a step that may have passed a dead centre is not taken. At its start ρ
+falls and would vanish after ρ/|ρ̇|, at its end it grows and would have vanished ρ/ρ̇ before: where ρ
+goes through zero these two times add up to the step. Where a motion turns back before,
+ρ² = ρ_m² + c² τ², they add up to the step and (ρ_m/c)² (1/τ₀ + 1/τ₁), three times a step or more
+once the turn is resolved.
+"""
+
+import numpy as np
+
+from runtime.core.array_views import floats_at, integers_at, view
+from runtime.core.function_table import LOOP_ROWS, LOOPS, NEARNESS, dead_centres_of
+from runtime.core.jit import addressed
+from runtime.core.outcome_codes import SINGULAR
+from runtime.core.outcomes import Outcome
+from runtime.core.signatures import PASSED, Integers, Matrix, Vector
+from runtime.core.workspace import ROWS, Y0, Y1, Run
+from runtime.integrate.problem import System
+
+AGAIN = -1
+_ADDED = 2.0  # steps: the sum of both times below which a loop has passed its dead centre
+# Of the largest ρ² so far:
+_LEAST = 1e-14  # rounding
+_NEAR = 1e-2  # within which steps become shorter on the way there
+_AT_ONCE = 1e-3  # of a usual step: how near to a dead centre a run comes that ends there
+_SHORT_OF = 0.9  # of the way to a dead centre that the next step may go
+_SHORT = 1e-4  # of the last step from further away: one that rounding asks for
+
+MET = (
+    "At t = {:.9g} s its loop is at a dead centre, where both ways to close it meet, and reduced "
+    'coordinates follow one of them; take formulation="cartesian", which goes on from there.'
+)
+"""What a run that ends so says, of the instant."""
+
+_ENDS = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
+
+
+def numbers_for(loops: int) -> int:
+    """Numbers to keep: ρ² and its rate at both ends, the largest ρ², a step's length."""
+    return 5 * loops + 1
+
+
+@addressed(PASSED)
+def passed(machine: Integers, t: float, h: float, w: Vector, run: Run, p: Vector) -> int:
+    """Judge a step from Y0 to Y1: 0, `AGAIN` and shorter, or the code of an outcome.
+
+    It is 0 where no loop passes its dead centre. Where the run ends, `run.index` and `run.turn` say
+    which loop does and when. The accelerations are a quotient 0/0 at a dead centre, and at the time
+    τ before it they err by their rounding over τ³: no step control comes there, so steps much
+    shorter than those further away end a run too.
+    """
+    r = run[0]
+    length = w.size // ROWS
+    n = length // 2
+    count = machine[LOOPS]
+    rows = integers_at(machine, LOOP_ROWS, count)
+    numbers = floats_at(machine, NEARNESS, 5 * count + 1)
+    before, after = view(numbers, 0, 2 * count), view(numbers, 2 * count, 2 * count)
+    largest = view(numbers, 4 * count, count)
+    nearness = dead_centres_of(machine)
+    nearness(t + h, view(w, Y1 * length, n), view(w, Y1 * length + n, n), p, after)
+    known, away = False, True
+    stuck = h < _SHORT * numbers[5 * count]
+    first, over, row = np.inf, False, -1
+    for k in range(count):
+        square, rate = after[2 * k], after[2 * k + 1]
+        near = not square > _NEAR * largest[k]
+        away = away and not near
+        left = np.inf
+        if not square > _LEAST * largest[k]:
+            left = h
+        elif stuck and near and rate < 0.0:
+            over = True
+            left = h - 2.0 * square / rate
+        elif 2.0 * square < rate * h:
+            if not known:
+                nearness(t, view(w, Y0 * length, n), view(w, Y0 * length + n, n), p, before)
+                known = True
+            start, fall = before[2 * k], -before[2 * k + 1]
+            if fall > 0.0:
+                ahead, behind = 2.0 * start / fall, 2.0 * square / rate
+                if ahead + behind < _ADDED * h:
+                    left = h * ahead / (ahead + behind)
+        largest[k] = max(largest[k], square)
+        if left < first:
+            first, row = left, rows[k]
+    if away:
+        numbers[5 * count] = h
+    if row < 0:
+        return 0
+    if over or first <= _AT_ONCE * r.usual:
+        r.index, r.turn = row, t + first
+        return SINGULAR
+    r.rejected += 1
+    r.rejected_before = 1
+    r.h = _SHORT_OF * first
+    return AGAIN
+
+
+def on_the_way(
+    system: System, t: float, state: Matrix, p: Vector, numbers: Vector, outcome: Outcome
+) -> int | None:
+    """Which loop's dead centre stopped a run that came to no further step, if one did.
+
+    `state` holds q and v, (2, n), `numbers` what was kept. Where the coordinates that are
+    integrated turn back, their accelerations grow beyond all bounds there.
+    """
+    count = len(system.loop_rows)
+    if not count or outcome not in _ENDS:
+        return None
+    out = np.zeros(2 * count)
+    system.dead_centres(t, state[0].copy(), state[1].copy(), p, out)
+    near = [k for k in range(count) if not out[2 * k] > _NEAR * numbers[4 * count + k]]
+    return system.loop_rows[near[0]] if near else None

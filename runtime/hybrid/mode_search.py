@@ -1,0 +1,143 @@
+"""Which modes are tried, where several functions are on their surface: in turn, or all of them."""
+
+import numpy as np
+
+from runtime.core.array_views import floats_at, integers_at, view
+from runtime.core.function_table import HIGH, LOW, RIGID, SHARE, STICKS, SWITCHES
+from runtime.core.jit import inner
+from runtime.core.signatures import Integers, Vector
+from runtime.core.workspace import BAND, PREFERRED
+from runtime.hybrid.mode_consistency import CONSISTENT, GIVEN, contradicted, hold
+from runtime.hybrid.sliding_modes import HELD_MODE
+
+MOST = 10  # functions whose modes are tried in all combinations
+MOST_THREE = 6  # of those that may also be held; more are first settled in turn
+
+
+@inner
+def alternative(rigid: int, preferred: int, choice: int) -> int:
+    """The mode that stands for `choice`, 0 being the preferred one; -1 where there is none.
+
+    A rigid contact is open (1) or held; others are 0, 1 or held, and are held last.
+    """
+    if choice == 0:
+        return preferred
+    if rigid >= 0:
+        return (HELD_MODE if preferred == 1 else 1) if choice == 1 else -1
+    if preferred == HELD_MODE:
+        return choice - 1
+    return 1 - preferred if choice == 1 else HELD_MODE
+
+
+@inner
+def flipped(machine: Integers, k: int, mode: int, preferred: int) -> int:
+    """What function `k` is to try next, whose `mode` is contradicted.
+
+    What nothing holds goes where the force that would hold it exceeds what it may be.
+    """
+    s = machine[SWITCHES]
+    if mode == HELD_MODE:
+        share = floats_at(machine, SHARE, s)[k]
+        low, high = floats_at(machine, LOW, s)[k], floats_at(machine, HIGH, s)[k]
+        if integers_at(machine, RIGID, s)[k] >= 0 or not np.isfinite(share):
+            return 1
+        return 1 if share > 0.5 * (low + high) else 0
+    freely = integers_at(machine, RIGID, s)[k] < 0 and integers_at(machine, STICKS, s)[k] == 0
+    return 1 - mode if freely and mode == preferred else HELD_MODE
+
+
+@inner
+def in_turn(
+    machine: Integers,
+    t: float,
+    d: float,
+    state: int,
+    w: Vector,
+    sw: Vector,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+    members: Integers,
+    count: int,
+    scratch: Integers,
+) -> int:
+    """Modes by changing the first that is contradicted, again and again, as Murty's pivots do.
+
+    (K. G. Murty, Note on a Bard-type scheme for solving the complementarity problem, Opsearch 11,
+    1974.) Functions that know nothing of each other settle one after the other. Where friction or a
+    surface that repels makes it run in circles, it gives up: each function has three
+    modes, and may be met again once for each of the others.
+    """
+    s = modes.size
+    candidate, signs = view(scratch, 0, s), view(scratch, 2 * s, s)
+    for k in range(s):
+        candidate[k] = modes[k]
+    for i in range(count):
+        candidate[members[i]] = int(sw[PREFERRED * s + members[i]]) % GIVEN
+    wrong = CONSISTENT
+    for _ in range(3 * count * count):
+        wrong = contradicted(machine, t, d, state, w, sw, p, candidate, lam, members, count, signs)
+        if wrong == CONSISTENT:
+            for k in range(s):
+                modes[k] = candidate[k]
+            hold(machine, modes)
+            break
+        if not sw[BAND * s + wrong] > 0.0:
+            break
+        preferred = int(sw[PREFERRED * s + wrong]) % GIVEN
+        candidate[wrong] = flipped(machine, wrong, int(candidate[wrong]), preferred)
+    return wrong
+
+
+@inner
+def exhaustively(
+    machine: Integers,
+    t: float,
+    d: float,
+    state: int,
+    w: Vector,
+    sw: Vector,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+    members: Integers,
+    tried: int,
+    count: int,
+    scratch: Integers,
+) -> int:
+    """Modes by trying all combinations for the first `tried` members; result as of `settle`."""
+    s = modes.size
+    candidate, signs = view(scratch, 0, s), view(scratch, 2 * s, s)
+    preferred, rigid = view(sw, PREFERRED * s, s), integers_at(machine, RIGID, s)
+    choices = 3 if tried <= MOST_THREE else 2
+    combinations = choices**tried
+    blamed = CONSISTENT
+    for changes in range(tried + 1):
+        for holds in range(changes + 1):
+            for number in range(combinations):
+                changed, late, rest, known = 0, 0, number, True
+                for k in range(s):
+                    candidate[k] = modes[k]
+                for i in range(tried):
+                    choice = rest % choices
+                    rest //= choices
+                    changed += 1 if choice > 0 else 0
+                    late += 1 if choice == 2 else 0
+                    k = members[i]
+                    mode = alternative(rigid[k], int(preferred[k]) % GIVEN, choice)
+                    known = known and mode >= 0
+                    candidate[k] = mode
+                if changed != changes or late != holds or not known:
+                    continue
+                wrong = contradicted(
+                    machine, t, d, state, w, sw, p, candidate, lam, members, count, signs
+                )
+                if wrong == CONSISTENT:
+                    for k in range(s):
+                        modes[k] = candidate[k]
+                    hold(machine, modes)
+                    return CONSISTENT
+                if blamed == CONSISTENT:
+                    blamed = wrong
+    hold(machine, modes)
+    return blamed

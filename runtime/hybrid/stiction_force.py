@@ -1,0 +1,174 @@
+"""Friction in a joint that sticks: the force that holds it is sought by itself.
+
+What lies between the fields of sliding to either side holds the joint as well, but where one of
+them jams there is no such field. So the kernels are asked, in mode 2, for the field with a given
+force in the place of this friction: none, which is the base, and one unit. Everything is linear in
+the force, so that any unit serves which rounding lets pass; whether the friction can bear the force
+is for its limit to say, μ_s N.
+"""
+
+import numpy as np
+
+from runtime.core.array_views import floats_at, integers_at, view
+from runtime.core.function_table import (
+    CONSTRAINT_COUNT,
+    COORDINATES,
+    LIMITS,
+    PLAIN,
+    REACTION,
+    REACTION_ROWS,
+    RIGID_COUNT,
+    SHARE,
+    SOUGHT,
+    SWITCHES,
+    UNIT,
+    WORK,
+    accelerations_of,
+    reactions_of,
+    switched_reactions_of,
+)
+from runtime.core.jit import inner
+from runtime.core.signatures import Integers, Vector
+
+FREE_MODE = 3
+"""Of a friction whose force is sought: it exerts none, and is not held."""
+
+GIVEN_MODE = 2
+"""Of such a friction, as the kernels take it: the force is what stands in p."""
+
+_COARSE = 8.0  # units in a force, above which their rounding would be seen: another unit is taken
+
+
+@inner
+def engage(machine: Integers, p: Vector, k: int) -> None:
+    """Have the kernels exert one unit of what holds function `k`: its mode 1, or a unit of force.
+
+    The unit acts against g, as friction does in mode 1.
+    """
+    s = machine[SWITCHES]
+    place = integers_at(machine, SOUGHT, s)[k]
+    if place >= 0:
+        p[place] = -floats_at(machine, UNIT, 2 * s)[k]
+    else:
+        integers_at(machine, PLAIN, 2 * s)[k] = 1
+
+
+@inner
+def release(machine: Integers, p: Vector, k: int) -> None:
+    """Have the kernels exert nothing of what holds function `k`: its mode 0, or no force."""
+    s = machine[SWITCHES]
+    place = integers_at(machine, SOUGHT, s)[k]
+    if place >= 0:
+        p[place] = 0.0
+    else:
+        integers_at(machine, PLAIN, 2 * s)[k] = 0
+
+
+@inner
+def exert(machine: Integers, p: Vector, count: int) -> None:
+    """Leave in `p` the forces that hold, for kernels that are called with the mode 2."""
+    s = machine[SWITCHES]
+    held = view(integers_at(machine, PLAIN, 2 * s), s, s)
+    sought, share = integers_at(machine, SOUGHT, s), floats_at(machine, SHARE, s)
+    unit = floats_at(machine, UNIT, 2 * s)
+    for c in range(count):
+        if sought[held[c]] >= 0:
+            p[sought[held[c]]] = -share[held[c]] * unit[held[c]]
+
+
+@inner
+def at_rest(machine: Integers, p: Vector, modes: Integers) -> None:
+    """Have the kernels exert nothing of all frictions whose force is sought, by `modes`."""
+    sought = integers_at(machine, SOUGHT, machine[SWITCHES])
+    for k in range(modes.size):
+        if sought[k] >= 0:
+            p[sought[k]] = 0.0
+            modes[k] = GIVEN_MODE
+
+
+@inner
+def finite(a: Vector) -> bool:
+    """Whether all of `a` are numbers."""
+    found = True
+    for j in range(a.size):
+        found = found and np.isfinite(a[j])
+    return bool(found)
+
+
+@inner
+def jams(
+    machine: Integers,
+    t: float,
+    q: Vector,
+    v: Vector,
+    p: Vector,
+    modes: Integers,
+    a: Vector,
+    lam: Vector,
+) -> int:
+    """A friction that slides, without which, and those before it, there are accelerations; or -1.
+
+    To be called where there are none under `modes`; `a` and `lam` are overwritten.
+    """
+    s = machine[SWITCHES]
+    sought = integers_at(machine, SOUGHT, s)
+    plain = integers_at(machine, PLAIN, 2 * s)
+    for k in range(s):
+        plain[k] = modes[k]
+    for k in range(s):
+        if sought[k] < 0 or modes[k] == GIVEN_MODE:
+            continue
+        p[sought[k]] = 0.0
+        plain[k] = GIVEN_MODE
+        accelerations_of(machine)(t, q, v, p, plain, a, lam)
+        if finite(a):
+            return k
+    return -1
+
+
+@inner
+def choose_units(machine: Integers, t: float, q: Vector, v: Vector, p: Vector, count: int) -> None:
+    """Fill UNIT: the units of the forces that are sought, and what they bear in the base.
+
+    The one is taken for the other: it has the size of the forces in the machine.
+    """
+    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
+    size, rows = n + m, machine[REACTION_ROWS]
+    plain = integers_at(machine, PLAIN, 2 * s)
+    held, sought = view(plain, s, s), integers_at(machine, SOUGHT, s)
+    limits, unit = integers_at(machine, LIMITS, 2 * s), floats_at(machine, UNIT, 2 * s)
+    any_sought = False
+    for c in range(count):
+        any_sought = any_sought or sought[held[c]] >= 0
+    if not any_sought:
+        return
+    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
+    room, lam = floats_at(machine, REACTION, rows), view(work, n, m)
+    reactions_of(machine)(t, q, v, p, lam, room)
+    switched_reactions_of(machine)(t, q, v, p, plain, lam, room)
+    for c in range(count):
+        k = held[c]
+        if sought[k] >= 0:
+            bears = room[limits[2 * k + 1]]
+            unit[s + k] = bears
+            unit[k] = bears if bears > 0.0 and np.isfinite(bears) else 1.0
+
+
+@inner
+def outgrown(machine: Integers, k: int) -> bool:
+    """Whether function `k` is held by a force of which its unit is too small a part; then it grows.
+
+    A share that is no number may come from a unit that is lost in the rounding of the base.
+    """
+    s = machine[SWITCHES]
+    if integers_at(machine, SOUGHT, s)[k] < 0:
+        return False
+    unit, share = floats_at(machine, UNIT, 2 * s), floats_at(machine, SHARE, s)[k]
+    if not np.isfinite(share):
+        lost = unit[k] < 1.0
+        unit[k] = max(unit[k], 1.0)
+        return bool(lost)
+    if abs(share) > _COARSE:
+        unit[k] *= abs(share)
+        return True
+    return False

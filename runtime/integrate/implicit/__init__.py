@@ -1,0 +1,1 @@
+"""Implicit methods on the independent coordinates: BDF and Radau IIA."""

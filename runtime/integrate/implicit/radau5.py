@@ -1,0 +1,236 @@
+"""Radau IIA method of order 5 with exact derivatives, for the independent coordinates.
+
+Formulas, transformation, error estimate and step control are those of E. Hairer and G. Wanner,
+Solving Ordinary Differential Equations II, section IV.8. With the transformation of the three
+stages Newton's method needs one real and one complex matrix, of order f each (see `reduction`): the
+positions of the stages are linear in their velocities, hold exactly at every iterate, and leave
+only the equation of the accelerations.
+
+The estimate is of order h⁴ and the error of order h⁶, so that an estimate which is kept at the
+tolerance gives errors that shrink faster than it. As in Hairer's program the tolerance is
+therefore mapped: what the estimate is held to is `share` times what was asked.
+"""
+
+from runtime.constraints.newton_return import FAILED
+from runtime.core.array_views import view
+from runtime.core.jit import addressed, compiled, inner
+from runtime.core.signatures import DENSE, ERROR, HOOK, PROPOSE, STAGES, Integers, Vector
+from runtime.core.workspace import ROWS, Y0, Y1, F, K, Run
+from runtime.integrate.explicit.dense_output import hermite_rows
+from runtime.integrate.implicit.method_memory import (
+    C_FACTORED,
+    CURRENT,
+    ENOUGH,
+    EQUAL,
+    ERROR_BASE,
+    H_BASE,
+    ITERATIONS,
+    LOW,
+    RATE,
+    STEP_ERROR,
+    counts,
+    floats,
+    line,
+    memory,
+)
+from runtime.integrate.implicit.newton_matrices import factor_complex, factor_real, tolerate
+from runtime.integrate.implicit.radau5_coefficients import (
+    C_COMPLEX,
+    C_IMAGINARY,
+    C_REAL,
+)
+from runtime.integrate.implicit.radau5_error import LAST, estimate
+from runtime.integrate.implicit.radau5_stages import (
+    MOST_ITERATIONS,
+    NEWTON,
+    POLYNOMIAL,
+    STATES,
+    curve,
+    foresee,
+    keep_low,
+    newton,
+)
+from runtime.integrate.implicit.state_space_form import differentiate, unknowns
+from runtime.integrate.implicit.stiffness_estimate import calm, stiffness
+
+__all__ = ["LAST", "accepted", "dense", "error", "memory", "propose", "restart", "stages"]
+
+ORDER = 4  # power of the step in the error estimate
+ERROR_ORDER = 3
+STAGE_CALLS = 0  # counted where they happen
+DENSE_ROWS = 6
+DENSE_CALLS = 0
+BETA, SAFETY = 0.0, 0.9
+FORESIGHT = 0.5  # as far as a few steps of the explicit method that leads across reach
+SHRINK, GROW = 0.2, 8.0
+
+_SAME = 1.2  # a step that could grow by less stays as it is, and with it the matrices
+_SMOOTH = 10.0  # h² |G_u| + h |G_u̇| up to which the ends' accelerations add a sixth of their error
+_ROUNDING = 2.2e-16
+
+
+@inner
+def share(rtol: float) -> float:
+    """What the estimate is held to, over the tolerance asked: errors of a run go with h⁵."""
+    return float(0.1 * rtol**-0.2)
+
+
+@addressed(STAGES)
+def stages(
+    machine: Integers,
+    t: float,
+    h: float,
+    w: Vector,
+    run: Run,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+) -> int:
+    """Take the step from Y0 to Y1, of which the dependent half is not yet corrected."""
+    r = run[0]
+    length = w.size // ROWS
+    n = length // 2
+    memory, notes = floats(machine, n), counts(machine, n)
+    unknowns(machine, w, run, notes)
+    for _ in range(2):
+        foresee(memory, notes, h, w)
+        last = view(w, (K + STATES + 2) * length, length)
+        memory[ENOUGH] = tolerate(
+            memory, notes, w, share(r.rtol) * r.rtol, r.rtol, NEWTON, 0, h * C_REAL, last
+        )
+        fresh = notes[CURRENT] != 1
+        if fresh:
+            differentiate(machine, t, Y0, w, run, p, modes, lam)
+        if memory[C_FACTORED] != h:
+            memory[RATE] = 1.0
+            memory[C_FACTORED] = h
+            r.factorizations += 1
+            singular = factor_real(memory, notes, n, h * C_REAL)
+            singular += factor_complex(memory, notes, n, h * C_COMPLEX, h * C_IMAGINARY)
+            if singular != 0:
+                notes[CURRENT] = 0
+                return FAILED
+        taken = newton(machine, t, h, memory, notes, w, run, p, modes, lam)
+        if taken != FAILED:
+            y1 = view(w, Y1 * length, length)
+            for i in range(length):
+                y1[i] = last[i]
+            memory[STEP_ERROR] = estimate(machine, t, h, memory, notes, w, run, p, modes, lam)
+            return taken
+        notes[CURRENT] = 0
+        if fresh:
+            return FAILED
+    return FAILED
+
+
+@addressed(ERROR)
+def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
+    """Estimated error of the step over its tolerance, root mean square over q and v."""
+    return float(floats(machine, w.size // (2 * ROWS))[STEP_ERROR])
+
+
+@addressed(PROPOSE)
+def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
+    """Ratio of the next step's length to this accepted one's.
+
+    The predictive controller of K. Gustafsson; a step that could grow by little keeps its length,
+    and with it the factored matrices.
+    """
+    r = run[0]
+    n = w.size // (2 * ROWS)
+    memory, notes = floats(machine, n), counts(machine, n)
+    now = max(r.error, 1e-10)
+    ratio = now**-0.25
+    if notes[EQUAL] > 0:
+        predicted = h / memory[H_BASE] * (memory[ERROR_BASE] / now) ** 0.25 * ratio
+        ratio = min(ratio, predicted)
+    ratio *= r.safety * (2 * MOST_ITERATIONS + 1) / (2 * MOST_ITERATIONS + notes[ITERATIONS])
+    if r.rejected_before != 0:
+        ratio = min(ratio, 1.0)
+    if 1.0 <= ratio <= _SAME:
+        return 1.0
+    return float(max(r.shrink, min(r.grow, ratio)))
+
+
+@compiled(HOOK)
+def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
+    """Keep the step's polynomial, from which the next one's stages are foreseen."""
+    length = w.size // ROWS
+    n = length // 2
+    memory, notes = floats(machine, n), counts(machine, n)
+    keep_low(h, memory, notes, w)
+    change = line(memory, POLYNOMIAL, n)
+    for i in range(length):
+        change[i] = w[Y1 * length + i] - w[Y0 * length + i]
+    curve(w, line(memory, POLYNOMIAL + 1, n), line(memory, POLYNOMIAL + 2, n))
+    memory[H_BASE] = h
+    memory[ERROR_BASE] = max(1e-2, run[0].error)
+    notes[EQUAL] += 1
+    return int(calm(memory, notes, h, run))
+
+
+@compiled(HOOK)
+def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
+    """Forget the past: the motion goes on under other equations."""
+    length = w.size // ROWS
+    notes = counts(machine, length // 2)
+    low = line(floats(machine, length // 2), LOW, length // 2)
+    for j in range(length):
+        low[j] = 0.0
+    notes[EQUAL] = 0
+    notes[CURRENT] = 0
+    return 0
+
+
+@addressed(DENSE)
+def dense(
+    machine: Integers,
+    t: float,
+    h: float,
+    w: Vector,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+) -> int:
+    """Fill the coefficient rows of the dense output of the step from Y0 to Y1.
+
+    The collocation polynomial is of degree three. Where the equations are not stiff over the step,
+    the accelerations at its ends are as good as the states, and a polynomial through positions,
+    velocities and accelerations is of the method's own order; where they are stiff, errors of the
+    state would be magnified in them.
+    """
+    length = w.size // ROWS
+    n = length // 2
+    memory, notes = floats(machine, n), counts(machine, n)
+    for row in range(DENSE_ROWS):
+        f = view(w, (F + row) * length, length)
+        for i in range(length):
+            f[i] = 0.0
+    if stiffness(memory, notes, w, h) > _SMOOTH:
+        y0 = view(w, Y0 * length, length)
+        y1 = view(w, Y1 * length, length)
+        for i in range(length):
+            w[F * length + i] = y0[i]
+            w[(F + 1) * length + i] = y1[i] - y0[i]
+        curve(w, view(w, (F + 2) * length, length), view(w, (F + 3) * length, length))
+        return 0
+    hermite_rows(h, w, K + LAST)
+    y0 = view(w, Y0 * length, length)
+    y1 = view(w, Y1 * length, length)
+    k0 = view(w, K * length, length)
+    k1 = view(w, (K + LAST) * length, length)
+    f1 = view(w, (F + 1) * length, length)
+    f2 = view(w, (F + 2) * length, length)
+    f3 = view(w, (F + 3) * length, length)
+    f4 = view(w, (F + 4) * length, length)
+    f5 = view(w, (F + 5) * length, length)
+    for i in range(n):
+        j = n + i
+        f4[i] = 0.5 * h * h * k0[j] + f2[i] - f3[i]
+        f5[i] = 0.5 * h * h * k1[j] + f2[i] + 2.0 * f3[i] - f4[i]
+        # The velocity's integral over the step is the change of position, but for rounding.
+        mean = (y1[i] - y0[i]) / h
+        f4[j] = 30.0 * (mean - y0[j] - f1[j] / 2.0 - f2[j] / 6.0 - f3[j] / 12.0)
+        if abs(f4[j]) < 30.0 * _ROUNDING * ((abs(y0[i]) + abs(y1[i])) / h + abs(y0[j])):
+            f4[j] = 0.0
+    return 0

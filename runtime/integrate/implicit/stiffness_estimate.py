@@ -1,0 +1,107 @@
+"""How stiff the equations are: bounds and the spectral radius of their derivatives."""
+
+import numpy as np
+
+from runtime.core.array_views import view
+from runtime.core.jit import inner
+from runtime.core.signatures import Integers, Vector
+from runtime.core.workspace import ROWS, SIZE, Run
+from runtime.integrate.implicit.method_memory import (
+    CALM,
+    COUNTS,
+    DAMPING,
+    FREEDOMS,
+    IN,
+    OUT,
+    SLOPE,
+    STIFFNESS,
+    line,
+    matrix,
+)
+
+_POWERS = 8  # iterations of the power method before the mean is taken, and in it
+_QUIET, _LONG = 0.5, 30  # h ρ with which an explicit method is at ease, and steps until it returns
+
+
+@inner
+def stiffness(memory: Vector, notes: Integers, w: Vector, h: float) -> float:
+    """Largest row of h² |G_u| + h |G_u̇|, each entry relative to the sizes of its coordinates."""
+    length = w.size // ROWS
+    n = length // 2
+    f = notes[FREEDOMS]
+    by_u, by_rate = matrix(memory, 0, n), matrix(memory, 1, n)
+    size = view(w, SIZE * length, length)
+    largest = 0.0
+    for i in range(f):
+        total = 0.0
+        for k in range(f):
+            at, row, column = i * f + k, notes[COUNTS + i], notes[COUNTS + k]
+            total += h * h * abs(by_u[at]) * size[column] / size[row]
+            total += h * abs(by_rate[at]) * size[n + column] / size[n + row]
+        largest = max(largest, total)
+    return float(largest)
+
+
+@inner
+def take_spectrum(memory: Vector, notes: Integers, n: int) -> None:
+    """Find the largest |λ| of u̇ = y, ẏ = G_u u + G_u̇ y, and the damping of what belongs to it.
+
+    The power method: the mean growth of an even number of iterations, as u and y have other units
+    and their sizes change in turn. Three iterates in a row give a and b in λ² = a λ + b.
+    """
+    f = notes[FREEDOMS]
+    by_u, by_rate = matrix(memory, 0, n), matrix(memory, 1, n)
+    x, y, z = line(memory, IN, n), line(memory, OUT, n), line(memory, SLOPE, n)
+    memory[STIFFNESS] = 0.0
+    memory[DAMPING] = 1.0
+    for i in range(f):
+        x[i] = 1.0 + 0.1 * i
+        y[i] = 1.0 - 0.3 * i
+    grown = 0.0
+    xx, xy, yy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0
+    for iteration in range(2 * _POWERS):
+        largest = 0.0
+        xx, xy, yy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0
+        for i in range(f):
+            z[i] = 0.0
+            for k in range(f):
+                z[i] += by_u[i * f + k] * x[k] + by_rate[i * f + k] * y[k]
+        for i in range(f):
+            xx += x[i] * x[i]
+            xy += x[i] * y[i]
+            yy += y[i] * y[i]
+            xz += x[i] * z[i]
+            yz += y[i] * z[i]
+            x[i] = y[i]
+            y[i] = z[i]
+            largest = max(largest, abs(x[i]), abs(y[i]))
+        if not (largest > 0.0 and np.isfinite(largest)):
+            return
+        for i in range(f):
+            x[i] /= largest
+            y[i] /= largest
+        if iteration >= _POWERS:
+            grown += np.log(largest)
+    memory[STIFFNESS] = np.exp(grown / _POWERS)
+    independent = xx * yy - xy * xy
+    if independent > 1e-10 * xx * yy:
+        a = (xx * yz - xy * xz) / independent
+        b = (yy * xz - xy * yz) / independent
+    elif f == 1:
+        a, b = by_rate[0], by_u[0]
+    else:
+        return
+    if a * a + 4.0 * b < 0.0:
+        memory[STIFFNESS] = np.sqrt(-b)
+        memory[DAMPING] = -0.5 * a / np.sqrt(-b)
+
+
+@inner
+def calm(memory: Vector, notes: Integers, h: float, run: Run) -> int:
+    """1 where an explicit method could long have taken the same steps, and may be chosen."""
+    quiet = run[0].automatic != 0 and h * memory[STIFFNESS] < _QUIET
+    notes[CALM] = notes[CALM] + 1 if quiet else 0
+    if notes[CALM] < _LONG * run[0].patience:
+        return 0
+    notes[CALM] = 0
+    return 1

@@ -1,0 +1,126 @@
+"""Dormand-Prince 8(5,3) that says when the equations have become stiff.
+
+It starts with the explicit method of order 8, which needs the fewest evaluations where nothing is
+stiff. Now and then the exact derivatives are taken and their spectral radius ρ is found. A step is
+limited by stability where h ρ is at the edge of the region of stability; and also, as a method of
+high order sees what is left of a fast motion long before the edge, where two things meet: the
+fastest motion would turn by a good part of a radian in the step, and the accelerations change by
+less than an implicit method would permit itself. After that has been so for many steps another
+method is due, and the run changes over; see `successor`.
+"""
+
+from runtime.core.array_views import view
+from runtime.core.jit import addressed, compiled
+from runtime.core.signatures import HOOK, STAGES, Integers, Vector
+from runtime.core.workspace import ROWS, SIZE, Y0, K, Run
+from runtime.integrate.explicit import dop853
+from runtime.integrate.explicit.dop853 import (
+    BETA,
+    DENSE_CALLS,
+    DENSE_ROWS,
+    ERROR_ORDER,
+    GROW,
+    LAST,
+    NODES,
+    ORDER,
+    SAFETY,
+    SHRINK,
+    STAGE_CALLS,
+    dense,
+    error,
+    propose,
+)
+from runtime.integrate.explicit.stateless import restart
+from runtime.integrate.implicit.method_memory import EQUAL, STIFF, STIFFNESS, counts, floats, memory
+from runtime.integrate.implicit.state_space_form import differentiate, unknowns
+
+__all__ = [
+    "BETA",
+    "DENSE_CALLS",
+    "DENSE_ROWS",
+    "ERROR_ORDER",
+    "GROW",
+    "LAST",
+    "NODES",
+    "ORDER",
+    "SAFETY",
+    "SHRINK",
+    "STAGE_CALLS",
+    "accepted",
+    "dense",
+    "error",
+    "memory",
+    "propose",
+    "restart",
+    "stages",
+    "successor",
+]
+
+_stages = dop853.stages
+_EVERY = 10  # steps between two looks at the derivatives
+# h ρ that the explicit method hardly exceeds at tight tolerances: what is left of a fast motion is
+# resolved then, far from the edge of the region of stability, at 6.
+_TURN = 0.3
+_EDGE = 4.0  # h ρ that no accuracy permits the explicit method: it is at the edge itself
+_EASY = 0.5  # of the relative change of accelerations in a step of Radau IIA, about rtol^(1/5)
+_SEEN = 30  # such steps
+_DOUBT = 2  # of them are forgotten for one other
+
+_MANY = 20  # unknowns from which on three stages at a time cost more than small steps
+_LOOSE = 1e-5  # relative tolerance down to which those are few
+
+
+def successor(name: str, freedoms: int, rtol: float) -> str:
+    """The method to change to from `name` ("auto" is the explicit one), with its reason.
+
+    Radau IIA, whose region of stability holds the whole left half-plane, lightly damped vibrations
+    included; BDF where there are many unknowns and little is asked.
+    """
+    if name != "auto":
+        return "auto"
+    return "bdf" if freedoms >= _MANY and rtol >= _LOOSE else "radau5"
+
+
+@addressed(STAGES)
+def stages(
+    machine: Integers,
+    t: float,
+    h: float,
+    w: Vector,
+    run: Run,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+) -> int:
+    """Take the step from Y0 with derivative K to Y1, and look for stiffness at times."""
+    n = w.size // (2 * ROWS)
+    notes = counts(machine, n)
+    if notes[EQUAL] % _EVERY == 0:
+        unknowns(machine, w, run, notes)
+        differentiate(machine, t, Y0, w, run, p, modes, lam)
+    return _stages(machine, t, h, w, run, p, modes, lam)
+
+
+@compiled(HOOK)
+def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
+    """Count the step; 1 where the steps have long been limited by stability."""
+    r = run[0]
+    length = w.size // ROWS
+    n = length // 2
+    notes = counts(machine, n)
+    notes[EQUAL] += 1
+    size = view(w, SIZE * length, length)
+    before = view(w, K * length, length)
+    after = view(w, (K + LAST) * length, length)
+    change, largest = 0.0, 0.0
+    for j in range(n, length):
+        change = max(change, abs(after[j] - before[j]) / size[j])
+        largest = max(largest, abs(after[j]) / size[j])
+    easy = change < _EASY * r.rtol**0.2 * largest
+    turn = h * floats(machine, n)[STIFFNESS]
+    limited = turn > _EDGE or (easy and turn > _TURN)
+    notes[STIFF] = notes[STIFF] + 1 if limited else max(0, notes[STIFF] - _DOUBT)
+    if notes[STIFF] < _SEEN * r.patience:
+        return 0
+    notes[STIFF] = 0
+    return 1

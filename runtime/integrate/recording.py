@@ -1,0 +1,104 @@
+"""What the compiled loop writes while it runs, taken over whenever it returns."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from runtime.core.signatures import IntegerMatrix, Integers, Matrix, Vector
+from runtime.integrate.trajectory import Events, Partitions
+
+_EVENT_ROWS = 64
+
+
+@dataclass
+class _Rows:
+    """Rows of some arrays, chunk by chunk."""
+
+    parts: list[tuple[np.ndarray, ...]] = field(default_factory=list)
+
+    def take(self, count: int, *arrays: np.ndarray) -> None:
+        """Copy the first `count` rows of each array."""
+        if count:
+            self.parts.append(tuple(array[:count].copy() for array in arrays))
+
+    def joined(self, *empty: np.ndarray) -> tuple[np.ndarray, ...]:
+        """All rows of each array; where there are none, none of `empty`'s shape."""
+        if not self.parts:
+            return tuple(array[:0].copy() for array in empty)
+        return tuple(np.concatenate(column) for column in zip(*self.parts, strict=True))
+
+
+class Gathered:
+    """Samples, events and changes of the partition of one run.
+
+    Parameters
+    ----------
+    n, s
+        Coordinates and switching functions.
+    log_t, log_sets : (c,), (c, n)
+        Where the loop logs changes of the partition.
+    instants
+        How many samples are asked for; None: one at the end of every step.
+    """
+
+    def __init__(
+        self, n: int, s: int, log_t: Vector, log_sets: IntegerMatrix, instants: int | None
+    ) -> None:
+        self.n, self.s = n, s
+        self.fixed_size = instants is not None
+        self.log = log_t, log_sets
+        rows = _EVENT_ROWS + 2 * s
+        self.events_out = np.zeros(rows), np.zeros((rows, 2), np.int64), np.zeros((rows, 2 * n))
+        self.taken, self.happened, self.sets = _Rows(), _Rows(), _Rows()
+        self._allot(1 if instants is None else instants)
+
+    def make_room(self, size: int) -> None:
+        """Make room for `size` samples, unless it is known how many there will be."""
+        if not self.fixed_size and self.out[0].size != size:
+            self._allot(size)
+
+    def _allot(self, size: int) -> None:
+        self.out: tuple[Any, ...] = (
+            np.zeros(size),
+            np.zeros((size, 2 * self.n)),
+            np.zeros((size, self.s), np.int64),
+        )
+
+    def flush(self, r: Any) -> None:
+        """Take over what the last chunk wrote; samples at given instants stay where they are."""
+        if not self.fixed_size:
+            self.taken.take(r["samples"], *self.out)
+            r["samples"] = 0
+        self.happened.take(r["logged_events"], *self.events_out)
+        r["logged_events"] = 0
+        self.sets.take(r["logged_repartitions"], *self.log)
+        r["logged_repartitions"] = 0
+
+    def strike(self, t: float, contacts: Integers, kinds: list[int], y: Vector) -> None:
+        """Add events at one instant that the loop has not seen."""
+        times, kind, states = self.events_out
+        count = len(contacts)
+        times[:count], states[:count] = t, y
+        kind[:count, 0], kind[:count, 1] = contacts, kinds
+        self.happened.take(count, *self.events_out)
+
+    def samples(self, r: Any) -> tuple[Vector, Matrix, IntegerMatrix]:
+        """Times (k,), states (k, 2 n) and modes (k, s)."""
+        t, y, modes = (
+            (array[: r["samples"]] for array in self.out)
+            if self.fixed_size
+            else self.taken.joined(*self.out)
+        )
+        return t, y, modes
+
+    def events(self) -> Events:
+        """All events so far."""
+        n = self.n
+        t, kind, y = self.happened.joined(*self.events_out)
+        return Events(t, kind[:, 0], kind[:, 1], y[:, :n], y[:, n:])
+
+    def partitions(self) -> Partitions:
+        """The first partition and all changes so far."""
+        t, sets = self.sets.joined(*self.log)
+        return Partitions(t, sets.astype(bool))

@@ -1,0 +1,1 @@
+"""Steps across singular configurations."""

@@ -1,0 +1,156 @@
+"""Steps across a singular position: where they begin, how long they are, and what they err by.
+
+A method evaluates the equations at a few nodes of its step; the singular instant falls into the
+middle of a gap between two of them. The length balances the error of the method against that of
+rounding.
+"""
+
+from itertools import pairwise
+from types import ModuleType
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.core.jit import compiled, inner
+from runtime.core.signatures import f8, matrix, none, vector
+from runtime.singularity.singular_position import Singularity
+
+FloatArray = npt.NDArray[np.float64]
+
+_EPS = 2.2e-16
+_ROUNDING = 64.0  # units of rounding within which a constraint counts as satisfied
+_RESIDUE = 1e-15  # of a position: what Newton's iterations leave of a constraint
+_ROOM = 0.1  # of a step: the distance from a node below which errors of stages tell
+_WEIGHT = 0.1  # of one stage in the result of a step
+_TAYLOR = 5e-3  # eps ** (1/7): of the time scale, where rounding balances a cubic's error
+
+
+class Leap(NamedTuple):
+    """A step across: its length, its beginning before the singular instant, s, and errors.
+
+    `method` and `rounding` are expected errors over the tolerance; `start` is the part of the
+    latter that is due to the derivative at the beginning; `total` is what to choose by.
+    """
+
+    h: float
+    lead: float
+    method: float
+    rounding: float
+    start: float
+    total: float
+
+
+# What `Leaps` knows of a singular position, as compiled formulas take it.
+_NOISE, _REACH, _SPEED, _MISS, _ORDER = 0, 1, 2, 3, 4
+
+
+@inner
+def _weigh(
+    known: FloatArray, h: float, lead: float, g: float, usual: float, out: FloatArray
+) -> None:
+    """Keep a step that keeps the distance g h from the singular instant, if none errs less.
+
+    Its error is that of the method, of rounding, and of stages: they lie off the constraints by
+    their own errors, which the accelerations at that distance multiply by about 1/g; and the
+    instant is known only so well. `out` is a `Leap`.
+    """
+    noise = known[_NOISE]
+    method = max(h / usual, 1.0) ** known[_ORDER]
+    rounding = noise / (g**3 * h**2)
+    start = noise * h / max(abs(lead), 1e-100) ** 3
+    if abs(lead) < known[_REACH]:
+        start = min(start, 1.0)  # it will be found by continuity
+    unsure = known[_MISS] / (known[_SPEED] * g * h)
+    total = method * (1.0 + (_ROOM / g) ** 2) + rounding + start + unsure**2
+    if total < out[5]:
+        out[0], out[1], out[2], out[3], out[4], out[5] = h, lead, method, rounding, start, total
+
+
+@inner
+def _balanced(known: FloatArray, g: float, usual: float) -> float:
+    """Length of the step that errs least, not shorter than the usual one."""
+    here = known[_NOISE] / (g**3 * usual**2)
+    order = known[_ORDER]
+    return float(usual * max(1.0, (2.0 * here / order) ** (1.0 / (order + 2.0))))
+
+
+@compiled(none(matrix, vector, f8, vector))
+def _best(gaps: FloatArray, known: FloatArray, usual: float, out: FloatArray) -> None:
+    """The step across that errs least, wherever it begins; `gaps` has shape (k, 2)."""
+    out[5] = np.inf
+    for k in range(gaps.shape[0]):
+        a, b = gaps[k, 0], gaps[k, 1]
+        g = 0.5 * (b - a)
+        h = _balanced(known, g, usual)
+        _weigh(known, h, 0.5 * (a + b) * h, g, usual, out)
+
+
+@compiled(none(matrix, vector, f8, f8, vector))
+def _from_here(
+    gaps: FloatArray, known: FloatArray, ahead: float, usual: float, out: FloatArray
+) -> None:
+    """The step across that errs least among those that begin the time `ahead` before."""
+    out[5] = np.inf
+    if ahead > 1e-9 * usual:
+        for k in range(gaps.shape[0]):
+            a, b = gaps[k, 0], gaps[k, 1]
+            _weigh(known, ahead / (0.5 * (a + b)), ahead, 0.5 * (b - a), usual, out)
+    # Just behind its beginning, or before it: then only the second node must be far away.
+    second = gaps[0, 1]
+    h = _balanced(known, second, usual)
+    if ahead < 0.5 * second * h or not out[5] < np.inf:
+        g = max(second - ahead / h, 0.5 * second)
+        _weigh(known, h, ahead, g, usual, out)
+
+
+@compiled(f8(vector, vector))
+def _size(q: FloatArray, scale: FloatArray) -> float:
+    """The largest coordinate, in units of its typical size, but not less than one."""
+    largest = 1.0
+    for j in range(q.size):
+        largest = max(largest, abs(q[j] / scale[j]))
+    return float(largest)
+
+
+class Leaps:
+    """The steps across that a method can take, at a tolerance."""
+
+    def __init__(self, scale: FloatArray, rtol: float, parts: ModuleType) -> None:
+        self.scale, self.rtol = scale, rtol
+        self.follow(parts)
+
+    def follow(self, parts: ModuleType) -> None:
+        """Plan for the steps of the method that is a module `parts`."""
+        self.order = parts.ERROR_ORDER + 1
+        nodes = sorted(getattr(parts, "NODES", (0.0, 1.0)))
+        self.gaps = np.array([(a, b) for a, b in pairwise(nodes) if b > a])
+
+    def rounding(self, q: FloatArray) -> float:
+        """What a constraint misses by rounding alone."""
+        return _ROUNDING * _EPS * float(_size(q, self.scale))
+
+    def noise(self, found: Singularity) -> float:
+        """Error over tolerance, times g³ h², of a step h that keeps the distance g h."""
+        rounding = _RESIDUE * float(_size(found.q, self.scale))
+        return 2.0 * _WEIGHT * rounding / (found.rate * found.speed * self.rtol)
+
+    def reach(self, found: Singularity) -> float:
+        """Time from a singular instant within which accelerations can be found by continuity."""
+        return _TAYLOR / max(found.rate, found.speed)
+
+    def best(self, found: Singularity, usual: float) -> Leap:
+        """The step across that errs least, wherever it begins."""
+        out = np.empty(6)
+        _best(self.gaps, self._known(found), usual, out)
+        return Leap(*out.tolist())
+
+    def from_here(self, found: Singularity, ahead: float, usual: float) -> Leap:
+        """The step across that errs least among those that begin now."""
+        out = np.empty(6)
+        _from_here(self.gaps, self._known(found), ahead, usual, out)
+        return Leap(*out.tolist())
+
+    def _known(self, found: Singularity) -> FloatArray:
+        reach = self.reach(found)
+        return np.array([self.noise(found), reach, found.speed, found.miss, float(self.order)])

@@ -1,0 +1,73 @@
+"""The accelerations close to a singular position, where the equations cannot be asked for them."""
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.core.signatures import Integers, Vector
+from runtime.integrate.problem import System
+from runtime.singularity.local_motion import Motion
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class Continuity:
+    """Accelerations of a machine in given modes, by continuity.
+
+    Parameters
+    ----------
+    p : (np,)
+        Parameters.
+    modes : (s,)
+        Modes in force, read when they are needed.
+    scale : (n,)
+        Typical size of a change of each coordinate.
+    """
+
+    def __init__(self, system: System, p: Vector, modes: Integers, scale: Vector) -> None:
+        self.system, self.p, self.modes, self.scale = system, p, modes, scale
+
+    def accelerations(self, motion: Motion, instant: float, delta: float) -> Vector | None:
+        """The accelerations at the start of `motion`, shape (n,); None where there are none.
+
+        They are computed at four instants within 2 `delta` of the singular `instant`, before and
+        behind it, at states on the constraints that the motion passes; a cubic through them gives
+        its own, and better states.
+        """
+        system, n = self.system, self.scale.size
+        places = instant - motion.t + delta * np.array([-2.0, -1.0, 1.0, 2.0])
+        powers = np.vander(places, 4, increasing=True)
+        series: FloatArray = np.zeros((4, n))
+        lam = np.zeros(system.constraint_count)
+        for _ in range(4):
+            found_a = np.zeros((4, n))
+            for place, a in zip(places, found_a, strict=True):
+                factors = place ** np.arange(1, 5)
+                v = motion.v + (factors / np.arange(1, 5)) @ series
+                q = (
+                    motion.q
+                    + place * motion.v
+                    + (factors * place / (np.arange(1, 5) * np.arange(2, 6))) @ series
+                )
+                t = motion.t + place
+                if not self._projected(t, q, v):
+                    return None
+                system.accelerations(t, q, v, self.p, self.modes, a, lam)
+            series = np.asarray(np.linalg.solve(powers, found_a), dtype=np.float64)
+        if not np.isfinite(series).all():
+            return None
+        first: Vector = series[0]
+        return first
+
+    def _projected(self, t: float, q: Vector, v: Vector) -> bool:
+        """Bring q and v onto the constraints, least in the metric of the masses."""
+        dq, dv, moved = np.zeros_like(q), np.zeros_like(v), np.inf
+        for _ in range(8):
+            self.system.correction(t, q, v, self.p, self.scale**2, dq, dv)
+            q += dq
+            v += dv
+            if not np.isfinite(dq + dv).all():
+                return False
+            moved = float(np.abs(dq / self.scale).max())
+            if moved < 1e-13:
+                break
+        return moved < 1e-10  # near a singular position rounding keeps it from less

@@ -1,0 +1,111 @@
+"""Length of the next step, and of the first.
+
+The controller is the proportional-integral one of K. Gustafsson as Hairer and Wanner use it
+(Solving Ordinary Differential Equations II, section IV.2); the first step is that of volume I,
+section II.4.
+"""
+
+import numpy as np
+
+from runtime.core.array_views import view
+from runtime.core.jit import addressed, compiled, inner
+from runtime.core.signatures import FIRST_STEP, PROPOSE, Integers, Vector
+from runtime.core.workspace import ATOL, DELTA, FREE, ROWS, SAMPLE, SIZE, Y0, K, Run
+from runtime.integrate.rhs import field
+
+_FALL = 0.1
+_COMPARABLE = (
+    2.0  # ratio of two steps' lengths up to which the one's error says something of the other's
+)
+_ROUNDING = 1e-12  # of the typical size: start values that assembling left of zero
+_START = 1e-3  # of the typical size: a start value counts as no smaller
+
+
+@inner
+def factor(
+    error: float,
+    error_old: float,
+    exponent: float,
+    beta: float,
+    safety: float,
+    shrink: float,
+    grow: float,
+) -> float:
+    """Ratio of the next step's length to this one's, between `shrink` and `grow`."""
+    if error == 0.0:
+        return grow
+    change = error ** (exponent - 0.75 * beta) / error_old**beta / safety
+    return float(max(shrink, min(grow, 1.0 / change)))
+
+
+@addressed(PROPOSE)
+def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
+    """Ratio of the next step's length to this accepted one's.
+
+    Of a motion in few coordinates an estimate passes through zero now and then, and steps that
+    trust it come to be so long that the next estimate is worth nothing. From step to step an error
+    is taken to fall to a tenth of what the lengths of the steps let expect, and no further.
+    """
+    r = run[0]
+    if r.plan != FREE:
+        r.remembered = 0.0
+    else:
+        if r.remembered > 0.0 and h <= _COMPARABLE * r.length_old:
+            expected = r.remembered * (h / r.length_old) ** r.order
+            r.error = max(r.error, _FALL * expected)
+        r.remembered, r.length_old = r.error, h
+    ratio = factor(r.error, r.error_old, r.exponent, r.beta, r.safety, r.shrink, r.grow)
+    return float(min(ratio, 1.0) if r.rejected_before != 0 else ratio)
+
+
+@compiled(FIRST_STEP)
+def first_step(
+    machine: Integers,
+    t: float,
+    h_max: float,
+    rtol: float,
+    order: int,
+    w: Vector,
+    p: Vector,
+    modes: Integers,
+    lam: Vector,
+) -> float:
+    """Length of a first step from the state Y0 with derivative K, at most `h_max`.
+
+    One evaluation of the field.
+    """
+    length = w.size // ROWS
+    n = length // 2
+    y0 = view(w, Y0 * length, length)
+    k1 = view(w, K * length, length)
+    z = view(w, SAMPLE * length, length)
+    d = view(w, DELTA * length, length)
+    atol = view(w, ATOL * length, length)
+    typical = view(w, SIZE * length, length)
+    size = 0.0
+    rate = 0.0
+    largest = 0.0
+    for j in range(length):
+        tolerance = atol[j] + rtol * max(abs(y0[j]), _START * typical[j])
+        size += (y0[j] / tolerance) ** 2
+        largest = max(largest, abs(y0[j]) / typical[j])
+        rate += (k1[j] / tolerance) ** 2
+    nothing = largest <= _ROUNDING or size <= 1e-10 * length or rate <= 1e-10 * length
+    h = 1e-6 if nothing else 0.01 * np.sqrt(size / rate)
+    h = min(h, h_max)
+    for j in range(length):
+        z[j] = y0[j] + h * k1[j]
+    a = view(w, DELTA * length + n, n)
+    q, v = view(w, SAMPLE * length, n), view(w, SAMPLE * length + n, n)
+    field(machine, t + h, q, v, p, modes, a, lam)
+    bend = 0.0
+    for j in range(n):
+        d[j] = z[n + j]
+    for j in range(length):
+        tolerance = atol[j] + rtol * max(abs(y0[j]), _START * typical[j])
+        bend += ((d[j] - k1[j]) / tolerance) ** 2
+    steepest = max(np.sqrt(rate / length), np.sqrt(bend / length) / h)
+    if not np.isfinite(steepest):
+        return float(h)
+    second = max(1e-6, h * 1e-3) if steepest <= 1e-15 else (0.01 / steepest) ** (1.0 / order)
+    return float(min(100.0 * h, second, h_max))

@@ -1,0 +1,1 @@
+"""Dense linear algebra in compiled code: LU, full pivoting, rank-revealing solutions."""

@@ -1,0 +1,118 @@
+"""The reduction of Φ_q once more, in the order of pivots of an earlier one.
+
+Which entries a reduction meets is settled by the order of its pivots. A plan lists them, and a
+later reduction follows the list: it looks at no entry to find it zero.
+
+A plan is integers: how many they are (0: there is no plan), how many entries begin at zero, and for
+every row the place of its pivot, how many rows are taken from it, and for each of these the places
+of the factor and of the other row's pivot, how many entries change, and the places of each and of
+what is taken from it. A place is i n + j. The entries that begin at zero are listed from the end.
+"""
+
+import numpy as np
+
+from runtime.core.jit import inner
+from runtime.core.signatures import Integers, Kernel, Matrix, Vector
+from runtime.linalg.row_elimination import REDUNDANT
+
+
+def room(m: int, nonzeros: int) -> int:
+    """Integers kept for a plan; where a reduction fills in so much that it needs more, none is."""
+    return 64 + 32 * m + 16 * nonzeros
+
+
+@inner
+def draw_up(
+    order: Integers,
+    rows: Integers,
+    columns: Integers,
+    values: Vector,
+    scale: Vector,
+    dense: Matrix,
+    plan: Integers,
+    lengths: Vector,
+) -> None:
+    """Write the plan of the reduction with its pivots in the columns `order`; overwrites `dense`.
+
+    `lengths` are those of the rows, inverted, of the Jacobian `values` with columns times `scale`.
+    """
+    m, n = dense.shape
+    lengths[:] = 0.0
+    dense[:, :] = 0.0
+    for k in range(rows.size):
+        dense[rows[k], columns[k]] = 1.0
+        lengths[rows[k]] += (values[k] * scale[columns[k]]) ** 2
+    for i in range(m):
+        lengths[i] = 1.0 / np.sqrt(lengths[i])
+    plan[0] = 0
+    zeros, c = 0, 2
+    for k in range(m):
+        if c + 2 + zeros > plan.size:
+            return
+        head = c
+        plan[head], plan[head + 1] = k * n + order[k], 0
+        c += 2
+        for i in range(k):
+            if dense[k, order[i]] == 0.0:
+                continue
+            if c + 3 + 3 * n + zeros > plan.size:
+                return
+            plan[head + 1] += 1
+            each = c
+            plan[each], plan[each + 1] = k * n + order[i], i * n + order[i]
+            plan[each + 2] = 0
+            c += 3
+            for j in range(n):
+                if j == order[i] or dense[i, j] == 0.0:
+                    continue
+                if dense[k, j] == 0.0:
+                    dense[k, j] = 1.0
+                    zeros += 1
+                    plan[plan.size - zeros] = k * n + j
+                plan[each + 2] += 1
+                plan[c], plan[c + 1] = k * n + j, i * n + j
+                c += 2
+            dense[k, order[i]] = 0.0
+    plan[0], plan[1] = c, zeros
+
+
+@inner
+def replay(
+    jacobian: Kernel,
+    t: float,
+    q: Vector,
+    p: Vector,
+    scale: Vector,
+    rows: Integers,
+    columns: Integers,
+    values: Vector,
+    flat: Vector,
+    plan: Integers,
+    lengths: Vector,
+    pivots: Vector,
+) -> bool:
+    """The pivots of Φ_q, its columns times `scale`, its rows times `lengths`, by the plan.
+
+    `flat` is overwritten. False where a row follows from those before it.
+    """
+    n = q.size
+    jacobian(t, q, p, values)
+    for z in range(plan[1]):
+        flat[plan[plan.size - 1 - z]] = 0.0
+    for k in range(rows.size):
+        flat[rows[k] * n + columns[k]] = values[k] * scale[columns[k]]
+    c = 2
+    for k in range(pivots.size):
+        place, count = plan[c], plan[c + 1]
+        c += 2
+        for _ in range(count):
+            factor = flat[plan[c]] / flat[plan[c + 1]]
+            entries = plan[c + 2]
+            c += 3
+            for _ in range(entries):
+                flat[plan[c]] -= factor * flat[plan[c + 1]]
+                c += 2
+        pivots[k] = flat[place] * lengths[k]
+        if not abs(pivots[k]) > REDUNDANT:
+            return False
+    return True

@@ -1,0 +1,101 @@
+"""Gaussian elimination with full pivoting, which does not search the same rows twice.
+
+The largest entry of a row is searched again only where an elimination step has changed the row: in
+a Jacobian, whose rows have few entries, that is the case for a few of them at every step.
+"""
+
+from runtime.core.jit import compiled, inner
+from runtime.core.signatures import Integers, Matrix, Vector, f8, i8, integers, matrix, vector
+
+_TIED = 1e-9  # entries that differ by no more than this part are equal
+
+
+@inner
+def largest_in(dense: Matrix, row: int, first: int) -> int:
+    """Column of the largest entry of a row, from `first` on; of equal ones the first."""
+    n = dense.shape[1]
+    at, largest = first, 0.0
+    for j in range(first, n):
+        # A tie goes to the first: the choice must not hang on rounding.
+        if abs(dense[row, j]) > largest * (1.0 + _TIED):
+            at, largest = j, abs(dense[row, j])
+    return at
+
+
+@inner
+def pivoted(dense: Matrix, row_order: Integers, column_order: Integers, least: float) -> int:
+    """Eliminate with full pivoting until no pivot is larger than `least`; count the pivots.
+
+    Parameters
+    ----------
+    dense : (m, n) float64
+        Overwritten: rows and columns in the order of pivots; right of the diagonal what is left of
+        the rows, below it the shares of the pivots' rows that were taken off.
+    row_order, column_order : (m,), (n,) int64
+        Out: rows and columns in the order of pivots, then the others.
+
+    Returns
+    -------
+    int
+        Number of pivots.
+    """
+    m, n = dense.shape
+    for j in range(n):
+        column_order[j] = j
+    # Until the end a row's place holds its number and, times m, the column of its largest entry.
+    for i in range(m):
+        row_order[i] = i + m * largest_in(dense, i, 0)
+    rank = min(m, n)
+    for step in range(min(m, n)):
+        pivot, at_row = 0.0, step
+        for i in range(step, m):
+            largest = abs(dense[i, row_order[i] // m])
+            if largest > pivot * (1.0 + _TIED):
+                pivot, at_row = largest, i
+        if not pivot > least:
+            rank = step
+            break
+        at_column = row_order[at_row] // m
+        if at_row != step:
+            for j in range(n):
+                dense[step, j], dense[at_row, j] = dense[at_row, j], dense[step, j]
+            row_order[step], row_order[at_row] = row_order[at_row], row_order[step]
+        if at_column != step:
+            for i in range(m):
+                dense[i, step], dense[i, at_column] = dense[i, at_column], dense[i, step]
+            taken = column_order[at_column]
+            column_order[at_column] = column_order[step]
+            column_order[step] = taken
+        for i in range(step + 1, m):
+            share = dense[i, step] / dense[step, step]
+            dense[i, step] = share
+            if share != 0.0:
+                for j in range(step + 1, n):
+                    dense[i, j] -= share * dense[step, j]
+            # The column that was exchanged stands further back now.
+            if share != 0.0 or row_order[i] // m == step:
+                row_order[i] = row_order[i] % m + m * largest_in(dense, i, step + 1)
+    for i in range(m):
+        row_order[i] %= m
+    return int(rank)
+
+
+@compiled(i8(vector, integers, integers, f8, matrix, integers, integers))
+def ordered(
+    entries: Vector,
+    rows: Integers,
+    columns: Integers,
+    least: float,
+    dense: Matrix,
+    row_order: Integers,
+    column_order: Integers,
+) -> int:
+    """`pivoted`, of the matrix with these entries (nnz,); those in rows beyond it are left out."""
+    m, n = dense.shape
+    for i in range(m):
+        for j in range(n):
+            dense[i, j] = 0.0
+    for e in range(entries.size):
+        if rows[e] < m:
+            dense[rows[e], columns[e]] += entries[e]
+    return int(pivoted(dense, row_order, column_order, least))

@@ -1,0 +1,75 @@
+"""The constraints' Jacobian as a dense matrix, and its reduction row by row: compiled.
+
+Each row is reduced by its largest remaining entry: its pivot is about its distance from the rows
+before it. In one and the same order of pivots a pivot that changes sign between two positions
+announces a singular one in between, and their product is the determinant but for its sign.
+"""
+
+import numpy as np
+
+from runtime.core.jit import inner
+from runtime.core.signatures import Integers, Kernel, Matrix, Vector
+
+REDUNDANT = 1e-8
+"""A row whose pivot is below this at two positions says what other rows say."""
+
+
+@inner
+def fill(
+    jacobian: Kernel,
+    t: float,
+    q: Vector,
+    p: Vector,
+    scale: Vector,
+    rows: Integers,
+    columns: Integers,
+    values: Vector,
+    dense: Matrix,
+) -> None:
+    """Write Φ_q as a dense matrix (m, n), its columns times `scale`, its rows of unit length."""
+    jacobian(t, q, p, values)
+    dense[:, :] = 0.0
+    for k in range(rows.size):
+        dense[rows[k], columns[k]] += values[k] * scale[columns[k]]
+    m, n = dense.shape
+    for i in range(m):
+        total = 0.0
+        for j in range(n):
+            total += dense[i, j] ** 2
+        if total > 0.0:
+            inverse = 1.0 / np.sqrt(total)
+            for j in range(n):
+                dense[i, j] *= inverse
+
+
+@inner
+def reduce(dense: Matrix, order: Integers, pivots: Vector, search: int) -> None:
+    """Reduce row by row; `order` holds the column of each row's pivot, found where asked for."""
+    m, n = dense.shape
+    for i in range(m):
+        if search != 0:
+            order[i] = 0
+            for j in range(1, n):
+                if abs(dense[i, j]) > abs(dense[i, order[i]]):
+                    order[i] = j
+        column = order[i]
+        pivot = dense[i, column]
+        pivots[i] = pivot
+        if abs(pivot) <= REDUNDANT:
+            continue
+        for k in range(i + 1, m):
+            if dense[k, column] != 0.0:
+                ratio = dense[k, column] / pivot
+                for j in range(n):
+                    if dense[i, j] != 0.0:
+                        dense[k, j] -= ratio * dense[i, j]
+
+
+@inner
+def smallest(pivots: Vector) -> float:
+    """The least size of a pivot, at most 1, of rows that are not redundant."""
+    least = 1.0
+    for i in range(pivots.size):
+        if REDUNDANT < abs(pivots[i]) < least:
+            least = abs(pivots[i])
+    return least

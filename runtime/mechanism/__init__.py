@@ -1,0 +1,1 @@
+"""A loaded mechanism as data: description, kernels, parameters, companion modules."""

@@ -1,0 +1,95 @@
+"""Angles that kernels know by their sine and cosine alone, followed through whole turns."""
+
+import numpy as np
+import numpy.typing as npt
+from numba import types
+
+from runtime.core.jit import ADDRESSES, allocating, at
+from runtime.core.kernels import MATRIX, SCALAR, VECTOR
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+_EXPAND = types.FunctionType(types.none(SCALAR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR))
+_expand = at(_EXPAND, 0)
+_STRIDE = 0.5  # rad, or of a length's size: between two places of which angles are followed
+_FAR = 1.0  # rad by which an angle may move from one place to the next
+_FINEST = 1e-4  # of such a stride: no shorter ones are tried
+_TURN = 2.0 * np.pi
+
+
+@allocating(
+    types.none(
+        ADDRESSES,
+        types.int64[::1],
+        SCALAR,
+        VECTOR,
+        VECTOR,
+        VECTOR,
+        MATRIX,
+        MATRIX,
+        VECTOR,
+        VECTOR,
+        MATRIX,
+        MATRIX,
+    )
+)
+def follow(
+    table: IntArray,
+    angles: IntArray,
+    begun: float,
+    first: FloatArray,
+    here: FloatArray,
+    t: FloatArray,
+    q: FloatArray,
+    v: FloatArray,
+    p: FloatArray,
+    sizes: FloatArray,
+    all_q: FloatArray,
+    all_v: FloatArray,
+) -> None:
+    """Fill `all_q` and `all_v`; `here` is where the walk stands, and moves.
+
+    Parameters
+    ----------
+    table
+        The address of `expand`.
+    """
+    expand = _expand(table)
+    count, n = angles.size, here.size
+    turns, none = np.zeros(count), np.zeros(count)
+    at, still = np.zeros(n), np.zeros(n)
+    place, rate = np.zeros(first.size), np.zeros(first.size)
+    followed, moved = np.zeros(count), np.zeros(count)
+    for i in range(count):
+        followed[i] = first[angles[i]]
+    now = begun
+    for sample in range(t.size):
+        way = 0.0
+        for j in range(n):
+            way = max(way, abs(q[sample, j] - here[j]) / sizes[j])
+        longest = min(1.0, _STRIDE / way) if way > 0.0 else 1.0
+        x, step = 0.0, longest
+        while count > 0 and x < 1.0:
+            end = 1.0 if x + 1.001 * step >= 1.0 else x + step
+            for j in range(n):
+                at[j] = here[j] + end * (q[sample, j] - here[j])
+            expand(now + end * (t[sample] - now), at, still, p, none, place, rate)
+            farthest = 0.0
+            for i in range(count):
+                apart = place[angles[i]] - followed[i]
+                moved[i] = apart - _TURN * np.round(apart / _TURN)
+                farthest = max(farthest, abs(moved[i]))
+            if farthest > _FAR and step > _FINEST * longest:
+                step *= 0.5
+                continue
+            for i in range(count):
+                if np.isfinite(moved[i]):
+                    followed[i] += moved[i]
+                    turns[i] = np.round((followed[i] - place[angles[i]]) / _TURN)
+            x = end
+            step = min(2.0 * step, longest)
+        expand(t[sample], q[sample], v[sample], p, turns, all_q[sample], all_v[sample])
+        for j in range(n):
+            here[j] = q[sample, j]
+        now = t[sample]

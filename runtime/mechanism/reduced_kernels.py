@@ -1,0 +1,183 @@
+"""The equations of a scene in reduced coordinates: those that no constraint gives."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from types import ModuleType
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.core import kernels
+from runtime.core.jit import addresses
+from runtime.core.kernels import Kernel
+from runtime.integrate.problem import System
+from runtime.mechanism.angle_unwrapping import follow
+from runtime.mechanism.description import Description
+from runtime.mechanism.system import system
+from runtime.mechanism.tangent_kernels import Tangents
+from runtime.mechanism.tangent_kernels import gather as gather_tangents
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Reduced:
+    """The compiled equations and their tables.
+
+    Attributes
+    ----------
+    kept, closures
+        Columns of the coordinates that are integrated, rows of the constraints between them.
+    angles, branches
+        Columns of the angles in closed form; (column, row of the loop) of those with a branch.
+    expand
+        (t, q, v, p, turns, all_q, all_v): all coordinates, with so many whole turns of `angles`.
+    sides
+        (t, all_q, p, out): a number for each of `branches`, whose sign is that of the branch.
+    slots
+        Length of ``p``: parameters, branches, constants.
+    """
+
+    told: Description
+    kernels: kernels.Kernels
+    tangents: Tangents
+    expand: Kernel
+    sides: Kernel
+    dead_centres: Kernel
+    kept: IntArray
+    closures: tuple[int, ...]
+    angles: IntArray
+    branches: tuple[tuple[int, int], ...]
+    jacobian: tuple[IntArray, IntArray]
+    mass: tuple[IntArray, IntArray]
+    slots: int
+
+    @cached_property
+    def system(self) -> System:
+        """What the integrator asks for."""
+        m = len(self.closures)
+        return replace(
+            system(self.told, self.kernels, self.jacobian, len(self.kept), m),
+            dead_centres=self.dead_centres,
+            loop_rows=tuple(m + row for _, row in self.branches),
+            **self.tangents._asdict(),
+        )
+
+    @cached_property
+    def _expanding(self) -> IntArray:
+        return addresses([self.expand])
+
+    def row(self, index: int) -> int:
+        """The machine's constraint that `index` of an outcome or a crossing means."""
+        m = len(self.closures)
+        return self.closures[index] if 0 <= index < m else index - m
+
+    def parameters(self, p: FloatArray, t: float, q: FloatArray) -> FloatArray:
+        """``p`` of these kernels, with the branches on which the machine stands at (t, q).
+
+        Parameters
+        ----------
+        p
+            That of the machine.
+        q : (n,)
+            All coordinates.
+        """
+        declared, count = len(self.told.parameters), len(self.branches)
+        made = np.zeros(self.slots)
+        made[:declared] = p[:declared]
+        made[declared : declared + count] = 1.0
+        self.kernels.constants(made)
+        sides = np.zeros(count)
+        self.sides(t, np.ascontiguousarray(q), made, sides)
+        made[declared : declared + count] = np.where(sides < 0.0, -1.0, 1.0)
+        self.kernels.constants(made)
+        return made
+
+    def steepness(self, t: float, q: FloatArray, p: FloatArray, sizes: FloatArray) -> FloatArray:
+        """Largest rate of each of `branches` by those of the kept coordinates, in their sizes.
+
+        It grows beyond all bounds at a dead centre.
+
+        Parameters
+        ----------
+        q, sizes : (f,)
+            Kept coordinates, and their typical sizes.
+        """
+        n = len(self.told.coordinates)
+        columns = [column for column, _ in self.branches]
+        turns, place = np.zeros(len(self.angles)), np.zeros(n)
+        found, rest, rate = np.zeros(len(columns)), np.zeros(n), np.zeros(n)
+        unit = np.zeros(len(q))
+        self.expand(t, q, unit, p, turns, place, rest)
+        for j, size in enumerate(sizes):
+            unit[j] = size
+            self.expand(t, q, unit, p, turns, place, rate)
+            unit[j] = 0.0
+            found = np.maximum(found, np.abs(rate - rest)[columns])
+        return found
+
+    def expanded(
+        self,
+        t: FloatArray,
+        q: FloatArray,
+        v: FloatArray,
+        p: FloatArray,
+        start: tuple[float, FloatArray],
+        sizes: FloatArray,
+    ) -> tuple[FloatArray, FloatArray]:
+        """All coordinates and velocities, (k, n) each, at instants in order.
+
+        Angles in closed form are followed from the start along straight lines from one instant to
+        the next.
+
+        Parameters
+        ----------
+        t, q, v : (k,), (k, f), (k, f)
+            Instants and states of the kept coordinates.
+        start
+            The instant and all coordinates, (n,), from which angles are followed.
+        sizes : (f,)
+            Typical sizes of the kept coordinates.
+        """
+        n, count = len(self.told.coordinates), len(t)
+        all_q, all_v = np.zeros((count, n)), np.zeros((count, n))
+        begun, first = start
+        follow(
+            self._expanding,
+            self.angles,
+            begun,
+            np.ascontiguousarray(first),
+            np.ascontiguousarray(first[self.kept]),
+            t,
+            np.ascontiguousarray(q),
+            np.ascontiguousarray(v),
+            p,
+            np.ascontiguousarray(sizes),
+            all_q,
+            all_v,
+        )
+        return all_q, all_v
+
+
+def gather(module: ModuleType, told: Description) -> Reduced:
+    """Take the equations out of a loaded module."""
+
+    def indices(name: str) -> IntArray:
+        return np.array(getattr(module, name), dtype=np.int64)
+
+    return Reduced(
+        told=told,
+        kernels=kernels.gather(module),
+        tangents=gather_tangents(module),
+        expand=module.expand,
+        sides=module.branches,
+        dead_centres=module.dead_centres,
+        kept=indices("KEPT"),
+        closures=tuple(module.CLOSURES),
+        angles=indices("ANGLES"),
+        branches=tuple(module.BRANCHES),
+        jacobian=(indices("JACOBIAN_ROWS"), indices("JACOBIAN_COLUMNS")),
+        mass=(indices("MASS_ROWS"), indices("MASS_COLUMNS")),
+        slots=len(told.parameters) + len(module.BRANCHES) + len(module.CONSTANTS),
+    )

@@ -1,0 +1,33 @@
+"""Exact derivatives of a scene's kernels, for implicit methods."""
+
+from types import ModuleType
+from typing import NamedTuple
+
+from runtime.core.kernels import Kernel
+
+
+class Tangents(NamedTuple):
+    """The compiled derivatives of a scene, along one direction (dq, dv) a call.
+
+    The fields are called as those of `runtime.integrate.problem.System`, which takes them.
+
+    Attributes
+    ----------
+    accelerations_tangent
+        (t, q, v, p, modes, dq, dv, da): da = (∂a/∂q) dq + (∂a/∂v) dv of what `accelerations`
+        answers, the modes held. All of q, v, dq, dv, da have shape (n,), SI units.
+    correction_tangent
+        (t, q, v, p, w, dq_in, dv_in, dq, dv): the same for both answers of `correction`. At a
+        state on the constraints, with w = 0 on the independent coordinates: e_k plus dq along
+        (e_k, 0) is the column H e_k of δq = H δq_independent, in which the dependent rows are
+        -Φ_u⁻¹ Φ_v (R. A. Wehage and E. J. Haug, Journal of Mechanical Design 104, 1982, 247-255);
+        dv along (H e_k, 0) is what that does to the dependent velocities.
+    """
+
+    accelerations_tangent: Kernel
+    correction_tangent: Kernel
+
+
+def gather(module: ModuleType) -> Tangents:
+    """Take the derivatives out of a loaded module that has them."""
+    return Tangents(*(getattr(module, name) for name in Tangents._fields))

@@ -1,0 +1,26 @@
+"""Compile the runtime into numba's cache, where it is not there yet.
+
+It takes half a minute, once an installation; whoever runs a machine for the first time would wait
+for it then.
+"""
+
+from importlib import import_module
+
+from runtime.integrate.wiring import METHODS, function_table
+
+ALWAYS = (
+    "runtime.integrate.run",
+    "runtime.dynamics.output_quantities",
+    "runtime.continuation.predictor_corrector",
+    "runtime.singularity.gauss_newton",
+    "runtime.singularity.complement_derivative",
+)
+SOMETIMES = ("runtime.statics.kinetic_damping",)
+
+
+def warm(*methods: str) -> None:
+    """Compile what every run needs, and the methods named; without names, everything."""
+    for name in ALWAYS if methods else (*ALWAYS, *SOMETIMES):
+        import_module(name)
+    for method in methods or METHODS:
+        function_table(method)

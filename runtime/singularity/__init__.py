@@ -1,0 +1,1 @@
+"""Singular configurations: detection along a motion, location and characterisation."""

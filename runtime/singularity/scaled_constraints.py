@@ -1,0 +1,91 @@
+"""The constraints as functions of the coordinates and of time, in units that can be compared."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from runtime.singularity.search_table import Layout, laid_out
+
+FloatArray = NDArray[np.float64]
+Kernel = Callable[..., Any]
+
+
+@dataclass
+class ScaledConstraints:
+    """The constraints of a machine, each coordinate in units of its `scale`.
+
+    Parameters
+    ----------
+    constraints, jacobian, velocity_rhs
+        Kernels.
+    rows, columns
+        (nnz,): where the values of `jacobian` belong.
+    p
+        Parameters.
+    scale
+        (n,): typical size of a change of each coordinate.
+    independent
+        Constraints of which none follows from others everywhere.
+    m
+        Number of constraints.
+    """
+
+    constraints: Kernel
+    jacobian: Kernel
+    velocity_rhs: Kernel
+    rows: NDArray[np.int64]
+    columns: NDArray[np.int64]
+    p: FloatArray
+    scale: FloatArray
+    independent: NDArray[np.int64]
+    m: int
+
+    @cached_property
+    def layout(self) -> Layout:
+        """Where compiled searches find all this."""
+        kernels = self.constraints, self.jacobian, self.velocity_rhs
+        return laid_out(kernels, self.p, self.scale, self.independent, self.m, self.places)
+
+    def entries(self, t: float, q: FloatArray, unit: float) -> FloatArray:
+        """Non-zeros of Φ_q, columns scaled, then Φ_t times `unit`; at `places`, (nnz + m,)."""
+        values = np.zeros(self.rows.size + self.m)
+        rate = values[self.rows.size :]
+        self.jacobian(t, q, self.p, values[: self.rows.size])
+        values[: self.rows.size] *= self.scale[self.columns]
+        self.velocity_rhs(t, q, self.p, rate)
+        rate *= -unit
+        return values
+
+    @cached_property
+    def places(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Rows and columns of `entries`; dependent rows are set aside behind the others."""
+        order = np.full(self.m, self.independent.size)
+        order[self.independent] = np.arange(self.independent.size)
+        rows = np.append(self.rows, np.arange(self.m))
+        columns = np.append(self.columns, np.full(self.m, self.scale.size))
+        return order[rows], columns
+
+    def dense(self, entries: FloatArray) -> FloatArray:
+        """The matrix of `entries`, independent rows only, shape (m', n + 1)."""
+        matrix = np.zeros((self.independent.size + 1, self.scale.size + 1))
+        matrix[self.places] = entries
+        return matrix[:-1]
+
+    def all_rows(self, t: float, q: FloatArray) -> FloatArray:
+        """Φ_q of all constraints, columns scaled and rows made unit length, shape (m, n)."""
+        values = self.entries(t, q, 0.0)[: self.rows.size]
+        matrix = np.zeros((self.m, self.scale.size))
+        np.add.at(matrix, (self.rows, self.columns), values)
+        lengths = np.linalg.norm(matrix, axis=1)
+        unit: FloatArray = matrix / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+        return unit
+
+    def gaps(self, t: float, q: FloatArray) -> FloatArray:
+        """Φ, shape (m',)."""
+        phi = np.zeros(self.m)
+        self.constraints(t, q, self.p, phi)
+        return phi[self.independent]

@@ -1,0 +1,149 @@
+"""The table by which compiled searches reach a machine's constraints, and the first that they ask.
+
+One array of integers holds addresses of kernels and of arrays, and a few numbers, as in
+`runtime.core.function_table`. A place of the machine is z = (q / scale, t speed), shape (n + 1,).
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from runtime.core.array_views import floats_at, integers_at, view
+from runtime.core.jit import addresses, at, compiled, inner
+from runtime.core.signatures import (
+    Integers,
+    Jacobian,
+    Kernel,
+    RightSide,
+    Vector,
+    f8,
+    integers,
+    none,
+    vector,
+)
+
+# Kernels, numbers, arrays: their places in the table.
+CONSTRAINTS, JACOBIAN, VELOCITY_RHS = 0, 1, 2
+COORDINATES, ALL_ROWS, ROWS, NONZEROS, PARAMETERS = 3, 4, 5, 6, 7
+VALUES_OF_PARAMETERS, SCALE, INDEPENDENT, ENTRY_ROWS, ENTRY_COLUMNS, LENGTHS = 8, 9, 10, 11, 12, 13
+POSITION, PHI, VALUES, AHEAD, BEHIND, ASIDE, STEP, GAPS = 14, 15, 16, 17, 18, 19, 20, 21
+ROW_ORDER, ROW_PLACE, COLUMN_ORDER, COLUMN_PLACE, ORIGIN = 22, 23, 24, 25, 26
+SLOTS = 27
+
+constraints_of = at(RightSide, CONSTRAINTS)
+jacobian_of = at(Jacobian, JACOBIAN)
+velocity_rhs_of = at(RightSide, VELOCITY_RHS)
+
+
+class Layout(NamedTuple):
+    """A table, and what must live as long as it."""
+
+    table: Integers
+    arrays: dict[int, Any]
+
+
+def laid_out(
+    kernels: tuple[Kernel, Kernel, Kernel],
+    p: Vector,
+    scale: Vector,
+    independent: Integers,
+    m: int,
+    places: tuple[Integers, Integers],
+) -> Layout:
+    """The table of a machine's constraints; arguments as in `scaled.ScaledConstraints`."""
+    table = np.zeros(SLOTS, np.int64)
+    table[: len(kernels)] = addresses(kernels)
+    rows, wide, size = independent.size, scale.size + 1, places[0].size
+    table[COORDINATES], table[ALL_ROWS], table[ROWS] = scale.size, m, rows
+    table[NONZEROS], table[PARAMETERS] = size - m, p.size
+    arrays: dict[int, Any] = {
+        VALUES_OF_PARAMETERS: np.ascontiguousarray(p, dtype=np.float64),
+        SCALE: np.ascontiguousarray(scale, dtype=np.float64),
+        INDEPENDENT: np.ascontiguousarray(independent, dtype=np.int64),
+        ENTRY_ROWS: np.ascontiguousarray(places[0], dtype=np.int64),
+        ENTRY_COLUMNS: np.ascontiguousarray(places[1], dtype=np.int64),
+        POSITION: np.zeros(scale.size),
+        PHI: np.zeros(m),
+        **{slot: np.zeros(size) for slot in (VALUES, AHEAD, BEHIND)},
+        **{slot: np.ones(rows) for slot in (LENGTHS, GAPS)},
+        **{slot: np.zeros(wide) for slot in (ASIDE, STEP, ORIGIN)},
+        **{slot: np.arange(rows) for slot in (ROW_ORDER, ROW_PLACE)},
+        **{slot: np.arange(wide) for slot in (COLUMN_ORDER, COLUMN_PLACE)},
+    }
+    for slot, array in arrays.items():
+        table[slot] = array.ctypes.data
+    return Layout(table, arrays)
+
+
+@inner
+def place(table: Integers, z: Vector) -> None:
+    """Write the coordinates at z where kernels read them."""
+    n = table[COORDINATES]
+    q, scale = floats_at(table, POSITION, n), floats_at(table, SCALE, n)
+    for j in range(n):
+        q[j] = z[j] * scale[j]
+
+
+@inner
+def entries(table: Integers, speed: float, z: Vector, values: Vector) -> None:
+    """Entries of the Jacobian by z, (nnz + m,): of Φ_q, columns scaled, then Φ_t / speed."""
+    n, m, nonzeros = table[COORDINATES], table[ALL_ROWS], table[NONZEROS]
+    place(table, z)
+    q, scale = floats_at(table, POSITION, n), floats_at(table, SCALE, n)
+    p = floats_at(table, VALUES_OF_PARAMETERS, table[PARAMETERS])
+    columns = integers_at(table, ENTRY_COLUMNS, nonzeros)
+    rate = view(values, nonzeros, m)
+    t = z[n] / speed
+    jacobian_of(table)(t, q, p, view(values, 0, nonzeros))
+    for e in range(nonzeros):
+        values[e] *= scale[columns[e]]
+    for i in range(m):
+        rate[i] = 0.0
+    velocity_rhs_of(table)(t, q, p, rate)
+    for i in range(m):
+        rate[i] /= -speed
+
+
+@inner
+def unit_gaps(table: Integers, speed: float, z: Vector, gaps: Vector) -> None:
+    """The unit rows' values at z, (rows,), in the order of places."""
+    n, m = table[COORDINATES], table[ALL_ROWS]
+    place(table, z)
+    phi = floats_at(table, PHI, m)
+    for i in range(m):
+        phi[i] = 0.0
+    p = floats_at(table, VALUES_OF_PARAMETERS, table[PARAMETERS])
+    constraints_of(table)(z[n] / speed, floats_at(table, POSITION, n), p, phi)
+    independent = integers_at(table, INDEPENDENT, table[ROWS])
+    lengths = floats_at(table, LENGTHS, table[ROWS])
+    row_place = integers_at(table, ROW_PLACE, table[ROWS])
+    for i in range(table[ROWS]):
+        gaps[row_place[i]] = phi[independent[i]] / lengths[i]
+
+
+@compiled(none(integers, f8, vector))
+def measure_rows(table: Integers, speed: float, z: Vector) -> None:
+    """Find the lengths of the rows of Φ_q at z, by which all rows are divided from now on."""
+    nonzeros, rows = table[NONZEROS], table[ROWS]
+    values = floats_at(table, VALUES, nonzeros + table[ALL_ROWS])
+    lengths = floats_at(table, LENGTHS, rows)
+    places = integers_at(table, ENTRY_ROWS, nonzeros)
+    entries(table, speed, z, values)
+    for i in range(rows):
+        lengths[i] = 0.0
+    for e in range(nonzeros):
+        if places[e] < rows:
+            lengths[places[e]] += values[e] ** 2
+    for i in range(rows):
+        lengths[i] = lengths[i] ** 0.5 if lengths[i] > 0.0 else 1.0
+
+
+@compiled(none(integers, f8, vector, vector))
+def unit_entries(table: Integers, speed: float, z: Vector, out: Vector) -> None:
+    """Entries of the unit rows' Jacobian at z, (nnz + m,); of rows set aside, zero."""
+    size, rows = table[NONZEROS] + table[ALL_ROWS], table[ROWS]
+    places = integers_at(table, ENTRY_ROWS, size)
+    lengths = floats_at(table, LENGTHS, rows)
+    entries(table, speed, z, out)
+    for e in range(size):
+        out[e] = out[e] / lengths[places[e]] if places[e] < rows else 0.0

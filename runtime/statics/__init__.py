@@ -1,0 +1,1 @@
+"""Equilibrium and its stability."""

@@ -1,0 +1,178 @@
+"""Rest of a constrained machine in its independent coordinates.
+
+With dependent coordinates u, independent v and H = -Phi_u^-1 Phi_v, the generalized force on the
+independent coordinates at rest is Q_v + H^T Q_u; for forces with a potential it is
+-(V_v + H^T V_u). Coordinates are divided by a typical change each: all entries are energies.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.assembly.closure import CLOSED
+from runtime.assembly.dense_equations import Equations, FloatArray
+from runtime.constraints.partitioning import eliminate
+from runtime.linalg.newton_iteration import newton
+
+BALANCED = 1e-10  # a gradient below this share of the forces counts as balanced
+_DIFFERENCES = (3e-5, 3e-7, 3e-9)  # scaled steps of the difference quotients, finer at an edge
+_ROUNDING = 1.5e-14  # error of a gradient as a share of stiffness times coordinate: 64 roundings
+_REACH = 30.0  # scaled change of a dependent coordinate that is no longer a correction
+
+
+class Partition(NamedTuple):
+    """Indices of the dependent and the independent coordinates, and of the rows in use."""
+
+    dependent: npt.NDArray[np.int64]
+    independent: npt.NDArray[np.int64]
+    rows: npt.NDArray[np.int64]
+
+
+class Stiffness(NamedTuple):
+    """Derivative of the gradient.
+
+    Attributes
+    ----------
+    matrix
+        Shape (f, f), in J.
+    edges
+        Conditions that change within rounding of the position, in some direction.
+    """
+
+    matrix: FloatArray
+    edges: tuple[int, ...]
+
+
+class Rest:
+    """A machine at rest at time t."""
+
+    def __init__(self, equations: Equations, t: float, scale: FloatArray) -> None:
+        self.equations = equations
+        self.t = t
+        self.scale = scale
+        self.evaluations = 0
+
+    def partition(self, q: FloatArray) -> Partition:
+        """Choose independent coordinates at q by full pivoting.
+
+        Redundant constraints have no say: off the others they seem to be independent of them.
+        """
+        equations = self.equations
+        suffice = equations.independent
+        dense = equations.jacobian(self.t, q)[suffice]
+        rows = np.zeros(len(suffice), dtype=np.int64)
+        columns = np.zeros(equations.n, dtype=np.int64)
+        rank = int(eliminate(dense, self.scale, rows, columns))
+        return Partition(
+            np.sort(columns[:rank]), np.sort(columns[rank:]), np.sort(suffice[rows[:rank]])
+        )
+
+    def close(self, q: FloatArray, part: Partition) -> FloatArray | None:
+        """Newton's method for the dependent coordinates; None where it does not converge."""
+        if len(part.dependent) == 0:
+            return q
+        dependent, equations = part.dependent, self.equations
+        scale = self.scale[dependent]
+        chosen = np.ix_(part.rows, dependent)
+        sizes = np.abs((equations.jacobian(self.t, q) * self.scale)[part.rows]).max(axis=1)
+        sizes = np.where(sizes > 0.0, sizes, 1.0)
+
+        def at(x: FloatArray) -> FloatArray:
+            moved = q.copy()
+            moved[dependent] += x * scale
+            return moved
+
+        def gaps(x: FloatArray) -> FloatArray:
+            found: FloatArray = equations.constraints(self.t, at(x))[part.rows] / sizes
+            return found
+
+        def slopes(x: FloatArray) -> FloatArray:
+            found: FloatArray = equations.jacobian(self.t, at(x))[chosen] * scale
+            return found / sizes[:, None]
+
+        x, gap = newton(gaps, slopes, np.zeros(len(dependent)))
+        return at(x) if gap <= CLOSED and float(np.abs(x).max()) < _REACH else None
+
+    def motions(self, q: FloatArray, part: Partition) -> FloatArray:
+        """dq for a unit (scaled) change of each independent coordinate, shape (n, f)."""
+        matrix = self.equations.jacobian(self.t, q) * self.scale
+        found = np.zeros((self.equations.n, len(part.independent)))
+        found[part.independent, np.arange(len(part.independent))] = 1.0
+        if len(part.dependent):
+            slopes = matrix[part.rows]
+            found[part.dependent] = -np.linalg.solve(
+                slopes[:, part.dependent], slopes[:, part.independent]
+            )
+        return found * self.scale[:, None]
+
+    def gradient(self, q: FloatArray, part: Partition) -> FloatArray:
+        """-(Q_v + H^T Q_u), scaled, in J; shape (f,)."""
+        self.evaluations += 1
+        modes = self.equations.rest_modes(self.t, q)
+        force = self.equations.forces(self.t, q, np.zeros(len(q)), modes)
+        return -self.motions(q, part).T @ force
+
+    def energy(self, q: FloatArray) -> float:
+        """V in J."""
+        return self.equations.potential(self.t, q, self.equations.rest_modes(self.t, q))
+
+    def effort(self, q: FloatArray) -> float:
+        """Size of the forces, against which their balance is judged, in J."""
+        equations = self.equations
+        modes = equations.rest_modes(self.t, q)
+        force = equations.forces(self.t, q, np.zeros(len(q)), modes)
+        slope = equations.potential_gradient(self.t, q, modes)
+        return float(np.abs(np.concatenate([force, slope]) * np.tile(self.scale, 2)).max())
+
+    def floor(self, q: FloatArray, stiffness: Stiffness) -> FloatArray:
+        """Size of the forces in each direction that the rounding of q lets one see, (f,), in J.
+
+        Where a spring carries a weight the forces cancel in `effort`; what is left of them at rest
+        is the stiffness times the rounding of the coordinates.
+        """
+        reach = max(1.0, float(np.abs(q / self.scale).max()))
+        floor: FloatArray = np.abs(stiffness.matrix).sum(axis=1) * (reach * _ROUNDING / BALANCED)
+        return floor
+
+    def without_potential(self, q: FloatArray, effort: float) -> bool:
+        """Whether forces act at rest that the potential does not account for."""
+        equations = self.equations
+        modes = equations.rest_modes(self.t, q)
+        rest = equations.forces(self.t, q, np.zeros(len(q)), modes)
+        rest = rest + equations.potential_gradient(self.t, q, modes)
+        return bool(np.abs(rest * self.scale).max() > 1e-9 * effort)
+
+    def stiffness(self, q: FloatArray, part: Partition) -> Stiffness:
+        """Derivative of the gradient by differences: central, one-sided at the edge of a mode."""
+        count = len(part.independent)
+        matrix = np.zeros((count, count))
+        edges: set[int] = set()
+        here = self.gradient(q, part)
+        modes = self.equations.rest_modes(self.t, q)
+        for column, index in enumerate(part.independent):
+            changed: set[int] = set()
+            for step in _DIFFERENCES:
+                slopes, changed = [], set()
+                for sign in (1.0, -1.0):
+                    moved = q.copy()
+                    moved[index] += sign * step * self.scale[index]
+                    closed = self.close(moved, part)
+                    if closed is None:
+                        continue
+                    there = self.equations.rest_modes(self.t, closed)
+                    if (there != modes).any():
+                        changed |= {int(k) for k in np.flatnonzero(there != modes)}
+                        continue
+                    slopes.append((self.gradient(closed, part) - here) / (sign * step))
+                if slopes:
+                    matrix[:, column] = np.mean(slopes, axis=0)
+                if not changed:
+                    break
+            edges |= changed
+        return Stiffness(matrix, tuple(sorted(edges)))
+
+    def inertia(self, q: FloatArray, part: Partition) -> FloatArray:
+        """Mass matrix of the independent coordinates, scaled, (f, f)."""
+        motions = self.motions(q, part)
+        return motions.T @ self.equations.mass(q) @ motions

@@ -1,0 +1,64 @@
+"""Stability of a rest position: what becomes of the machine after a small push."""
+
+from enum import StrEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from runtime.assembly.dense_equations import FloatArray
+from runtime.statics.energy_minimisation import Found
+from runtime.statics.reduced_gradient import Rest
+
+_FLAT = 1e-8
+
+
+class Stability(StrEnum):
+    """What becomes of the machine after a small push."""
+
+    STABLE = "stable"
+    UNSTABLE = "unstable"
+    INDIFFERENT = "indifferent"
+    UNKNOWN = "unknown"
+
+
+class Judgement(NamedTuple):
+    """Stability of a position and the numbers behind it."""
+
+    stability: Stability
+    stiffness: FloatArray
+    frequencies: FloatArray
+    flutter: bool
+
+
+def judge(rest: Rest, found: Found) -> Judgement:
+    """Eigenvalues of M^-1 K over the independent coordinates; all positive means stable.
+
+    Pairs of complex eigenvalues are oscillations that grow: no natural frequencies. Where a
+    condition changes at the position, K is that of one side, which says nothing of the other.
+    """
+    root = np.linalg.cholesky(rest.inertia(found.q, found.part))
+    matrix = np.linalg.solve(root, np.linalg.solve(root, found.stiffness.matrix).T).T
+    asymmetry = float(np.abs(matrix - matrix.T).max(initial=0.0))
+    largest = float(np.abs(matrix).max(initial=0.0))
+    if asymmetry <= 1e-6 * largest:
+        values = np.linalg.eigvalsh(0.5 * (matrix + matrix.T))
+        real = np.ones(len(values), dtype=np.bool_)
+    else:
+        pairs = np.linalg.eigvals(matrix)
+        pairs = pairs[np.argsort(pairs.real)]
+        real = np.abs(pairs.imag) <= 1e-6 * np.abs(pairs).max()
+        values = pairs.real
+    flutter = not bool(real.all())
+    light = float(np.linalg.eigvalsh(root @ root.T).max())
+    flat = max(_FLAT * largest, 1e-9 * float(found.effort.max()) / light)
+    stiffnesses = np.array(values, dtype=np.float64)
+    frequencies = np.sqrt(stiffnesses[real & (stiffnesses > flat)]) / (2.0 * np.pi)
+    if found.stiffness.edges:
+        return Judgement(Stability.UNKNOWN, stiffnesses, np.zeros(0), flutter)
+    if flutter or bool((stiffnesses < -flat).any()):
+        stability = Stability.UNSTABLE
+    elif bool((stiffnesses <= flat).any()):
+        stability = Stability.INDIFFERENT
+    else:
+        stability = Stability.STABLE
+    return Judgement(stability, stiffnesses, frequencies, flutter)

@@ -1,0 +1,1 @@
+"""Studies above the analyses: accuracy targets, work-precision diagrams, effect ranking."""

@@ -1,0 +1,14 @@
+"""What accuracy costs in time: a scene by every method, at every tolerance."""
+
+from runtime.studies.work_precision.diagram import (
+    Check,
+    Choice,
+    Line,
+    Point,
+    Reference,
+    Setting,
+    WorkPrecision,
+)
+from runtime.studies.work_precision.study import accuracy
+
+__all__ = ["Check", "Choice", "Line", "Point", "Reference", "Setting", "WorkPrecision", "accuracy"]

@@ -1,0 +1,1 @@
+"""Checks of arguments, parameters and scenes before an analysis."""

@@ -1,0 +1,170 @@
+"""What an analysis is given, looked at before anything is done with it.
+
+Here only kinds are told apart (a number, a mapping, an assembled state); whether a value makes
+sense is for those who use it.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from codegen.errors import InputError
+
+if TYPE_CHECKING:
+    from runtime.machine import Machine
+
+_MOST = 2**62
+
+
+def number(given: object) -> float | None:
+    """The value as a float; None for what is no number, such as a text or a boolean."""
+    if isinstance(given, bool | np.bool_ | str | bytes):
+        return None
+    try:
+        return float(given)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        return None
+
+
+def check(machine: "Machine", **given: Any) -> None:
+    """Refuse arguments of the wrong kind, all at once; the names are those of the analyses.
+
+    Raises
+    ------
+    InputError
+        One sentence a problem.
+    """
+    problems = [text for name, value in given.items() if (text := _KINDS[name](machine, value))]
+    problems = [f"{machine.description.title}: {text}" for text in problems]
+    if not problems and given.get("start") is not None:
+        problems = _doubled(given)
+    if problems:
+        raise InputError(problems)
+
+
+def _doubled(given: Mapping[str, Any]) -> list[str]:
+    """What an assembled start already says."""
+    problems = []
+    if given.get("guess"):
+        problems.append(
+            "start and guess are both given, but an assembled start has all its values. Give one "
+            "of them, or put the guess into assemble(guess)."
+        )
+    if given.get("t_start", 0.0) != 0.0:
+        problems.append(
+            f"start and t_start = {float(given['t_start']):g} s are both given, but start belongs "
+            f"to t = {given['start'].t:g} s. Leave t_start out, or assemble at that time."
+        )
+    return problems
+
+
+def _instant(name: str) -> Callable[["Machine", Any], str]:
+    def kind(_: "Machine", value: Any) -> str:
+        found = number(value)
+        if found is not None and math.isfinite(found):
+            return ""
+        return f"{name} is {shown(value)}; it must be a finite number of seconds."
+
+    return kind
+
+
+def _length(name: str) -> Callable[["Machine", Any], str]:
+    def kind(_: "Machine", value: Any) -> str:
+        if value is None or (number(value) or 0.0) > 0.0:
+            return ""
+        return f"{name} is {shown(value)}; it must be a positive number of seconds."
+
+    return kind
+
+
+def _tolerance(name: str) -> Callable[["Machine", Any], str]:
+    def kind(_: "Machine", value: Any) -> str:
+        if value is None or (name == "atol" and isinstance(value, np.ndarray | list | tuple)):
+            entries = [] if value is None else list(value)
+        else:
+            entries = [value]
+        found = [number(entry) for entry in entries]
+        if all(entry is not None and 0.0 < entry < math.inf for entry in found):
+            return ""
+        return f"{name} is {shown(value)}; it must be a positive finite number."
+
+    return kind
+
+
+def _count(_: "Machine", value: Any) -> str:
+    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if whole and 0 <= value <= _MOST:
+        return ""
+    return f"max_steps is {shown(value)}; it must be a whole number, at most {_MOST:g}."
+
+
+def _values(name: str, example: str) -> Callable[["Machine", Any], str]:
+    def kind(_: "Machine", value: Any) -> str:
+        if value is None:
+            return ""
+        if not isinstance(value, Mapping):
+            return (
+                f"{name} is {shown(value)}; it must be a mapping from names to numbers, "
+                f"such as {name}={example}."
+            )
+        odd = [key for key in value if not isinstance(key, str)]
+        return f"{name} has the name {shown(odd[0])}, which is no text." if odd else ""
+
+    return kind
+
+
+def _start(machine: "Machine", value: Any) -> str:
+    from runtime.assembly.assembled_state import Assembly
+
+    if value is None:
+        return ""
+    if not isinstance(value, Assembly):
+        return f"start is {shown(value)}; it must be what assemble() returns."
+    names = value.coordinates.names
+    if names and names != machine.coordinates.names:
+        return (
+            f"start was assembled for another machine, with the coordinates "
+            f"{', '.join(names[:6])}. Assemble this one."
+        )
+    return _state("start.q")(machine, value.q) or _state("start.v")(machine, value.v)
+
+
+def _state(name: str) -> Callable[["Machine", Any], str]:
+    def kind(machine: "Machine", value: Any) -> str:
+        count = len(machine.coordinates)
+        fits = isinstance(value, np.ndarray) and value.dtype == np.float64
+        if fits and value.shape == (count,) and np.isfinite(value).all():
+            return ""
+        what = f"has shape {value.shape}" if isinstance(value, np.ndarray) else f"is {shown(value)}"
+        return (
+            f"{name} {what}; it must be an array of {count} finite numbers of type float64, in "
+            f"the order of the coordinates."
+        )
+
+    return kind
+
+
+def shown(value: Any) -> str:
+    """The value as written in Python, cut short."""
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+_KINDS: dict[str, Callable[["Machine", Any], str]] = {
+    "t": _instant("t"),
+    "t_end": _instant("t_end"),
+    "t_start": _instant("t_start"),
+    "rtol": _tolerance("rtol"),
+    "atol": _tolerance("atol"),
+    "accuracy": _tolerance("accuracy"),
+    "first_step": _length("first_step"),
+    "max_step": _length("max_step"),
+    "max_steps": _count,
+    "parameters": _values("parameters", '{"mass": 2.0}'),
+    "guess": _values("guess", '{"crank.phi": 0.5}'),
+    "start": _start,
+    "q": _state("q"),
+    "v": _state("v"),
+}

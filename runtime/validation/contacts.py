@@ -1,0 +1,131 @@
+"""What rigid contacts and frictions that stick ask of parameters, of a start and of an analysis."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from codegen.errors import AnalysisError, InputError, ParameterError
+from runtime.assembly.dense_equations import FloatArray
+
+if TYPE_CHECKING:
+    from runtime.machine import Machine
+    from runtime.results.samples import Samples
+
+_ROUNDING = 1e-12  # by which a ratio of coefficients may miss one
+
+
+def require_sound(machine: "Machine", p: FloatArray) -> None:
+    """Refuse coefficients of restitution, typical forces and static coefficients that are none.
+
+    Raises
+    ------
+    ParameterError
+        One sentence for each contact and friction whose numbers, from the parameters `p`, do not
+        make sense.
+    """
+    told = machine.description
+    problems = []
+    count = len(told.rigid)
+    e, force = np.zeros(count), np.ones(count)
+    machine.kernels.restitution(p, e)
+    machine.kernels.contact_scale(p, force)
+    for contact, returned, typical in zip(told.rigid, e, force, strict=True):
+        where = f"{told.title}: contact {contact.name}"
+        if not 0.0 <= returned <= 1.0:
+            problems.append(
+                f"{where}: the restitution is {returned:g}; give parameters with which it is from "
+                "0 (no rebound) to 1 (no loss)."
+            )
+        if not 0.0 < typical < np.inf:
+            problems.append(
+                f"{where}: the typical force is {typical:g} N; give parameters with which it is "
+                "positive."
+            )
+    low, high = np.zeros(len(told.switches)), np.ones(len(told.switches))
+    machine.kernels.holds(p, low, high)
+    for switch, first, last in zip(told.switches, low, high, strict=True):
+        if switch.kind == "friction" and not last - first >= 1.0 - _ROUNDING:
+            problems.append(
+                f"{told.title}: friction {switch.name}: the static coefficient is "
+                f"{last - first:g} times the kinetic one; give parameters with which it is at "
+                "least as large."
+            )
+    if problems:
+        raise ParameterError(problems)
+
+
+def require_apart(
+    machine: "Machine", p: FloatArray, t: float, q: FloatArray, v: FloatArray, size: float
+) -> None:
+    """Refuse a start in which bodies overlap at a rigid contact.
+
+    Parameters
+    ----------
+    q, v : (n,)
+        The assembled start.
+    size
+        Of the machine's lengths, m.
+
+    Raises
+    ------
+    InputError
+        One sentence for each contact whose gap is negative.
+    """
+    told = machine.description
+    if not told.rigid:
+        return
+    from runtime.hybrid.mode_selection import TOUCHING  # compiles where it is used
+
+    g = np.zeros(len(told.switches))
+    machine.kernels.switching(t, q, v, p, g)
+    problems = [
+        f"{told.title}: at t = {t:g} s the gap of the rigid contact {contact.name} is "
+        f"{g[contact.switch]:.6g} m: the bodies overlap. Start with a gap that is zero or positive."
+        for contact in told.rigid
+        if not g[contact.switch] >= -TOUCHING * size
+    ]
+    if problems:
+        raise InputError(problems)
+
+
+def require_no_rigid(machine: "Machine", analysis: str) -> None:
+    """Refuse an analysis that does not know which rigid contacts are closed."""
+    told = machine.description
+    if told.rigid:
+        raise AnalysisError(
+            f"{told.title}: {analysis} does not decide which rigid contacts are closed, and this "
+            f"scene has {', '.join(told.rigid.names)}. Let the machine come to rest in a "
+            "simulation, or ask for a scene without them: with a joint where a contact is closed, "
+            "or with stiffness= in place of restitution=."
+        )
+
+
+def require_no_sticking(machine: "Machine", analysis: str) -> None:
+    """Refuse to look for the place where a machine with friction that sticks would rest."""
+    told = machine.description
+    names = dict.fromkeys(row.name for row in told.switches if row.kind == "friction")
+    if names:
+        raise AnalysisError(
+            f"{told.title}: {analysis} has no single answer, since the friction in "
+            f"{', '.join(names)} sticks: the machine rests wherever the forces stay within it. "
+            "Simulate to see where it comes to rest, or ask for a scene without the friction."
+        )
+
+
+def require_slip(machine: "Machine", p: FloatArray, samples: "Samples") -> None:
+    """Refuse instants at which friction is at rest and stays there: its force is not determined."""
+    told = machine.description
+    stuck = [k for k, row in enumerate(told.switches) if row.kind == "friction"]
+    if not stuck:
+        return
+    g, rate = np.zeros(len(told.switches)), np.zeros(len(told.switches))
+    for t, q, v, a in zip(samples.t, samples.q, samples.v, samples.a, strict=True):
+        machine.kernels.switching(t, q, v, p, g)
+        machine.kernels.switching_rates(t, q, v, a, p, rate)
+        for k in stuck:
+            if g[k] == 0.0 and rate[k] == 0.0:
+                raise AnalysisError(
+                    f"{told.title}: at t = {t:g} s nothing slips in the friction "
+                    f"{told.switches[k].name}, nor begins to, so any force that it can bear would "
+                    "do. Ask for instants at which it slips, or leave the friction out."
+                )

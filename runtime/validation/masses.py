@@ -1,0 +1,57 @@
+"""Masses that parameter values make impossible, told with the parameters behind them."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from codegen.errors import ParameterError
+from runtime.assembly.dense_equations import Equations, FloatArray
+
+if TYPE_CHECKING:
+    from runtime.machine import Machine
+
+
+def require_masses(machine: "Machine", p: FloatArray) -> None:
+    """Refuse masses and inertias that are not positive finite numbers."""
+    told = machine.description
+    values = _masses(machine, p)
+    bodies = frozenset(told.bodies)
+    wrong: dict[tuple[str, bool], int] = {}
+    for index in np.flatnonzero(~((values > 0.0) & (values < np.inf))).tolist():
+        row = told.coordinates[index]
+        body = row.name.rpartition(".")[0]
+        if body in bodies:  # a coordinate of no body has no mass to refuse
+            wrong.setdefault((body, row.unit == "rad"), index)
+    problems = []
+    for body in told.bodies if wrong else ():
+        for quantity, unit, angle in (("mass", "kg", False), ("inertia", "kg m^2", True)):
+            if (body, angle) in wrong:
+                index = wrong[body, angle]
+                problems.append(
+                    f"{told.title}: the {quantity} of {body} is {values[index]:g} {unit}; it "
+                    f"must be a positive finite number. {_behind(machine, p, index)}"
+                )
+    if problems:
+        raise ParameterError(problems)
+
+
+def _masses(machine: "Machine", p: FloatArray) -> FloatArray:
+    """Diagonal of M, shape (n,)."""
+    diagonal: FloatArray = np.diag(Equations(machine, p).mass(np.zeros(len(machine.coordinates))))
+    return diagonal
+
+
+def _behind(machine: "Machine", p: FloatArray, place: int) -> str:
+    """The parameters that a mass depends on, found by changing one at a time."""
+    table = machine.parameters
+    default = machine.parameter_values()
+    found = []
+    for index, row in enumerate(table):
+        changed = default.copy()
+        changed[index] = 1.25 * changed[index] or 1.0
+        machine.kernels.constants(changed)
+        if _masses(machine, changed)[place] != _masses(machine, default)[place]:
+            found.append(f"{row.name} = {p[index]:g} {row.unit}".rstrip())
+    if not found:
+        return "It depends on no parameter: correct the model."
+    return f"It follows from {', '.join(found)}: give other values."
