@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.assembly.dense_equations import Equations, FloatArray
-from runtime.linalg.newton_iteration import newton
+from runtime.linalg.newton_iteration import solve_by_newton
 
 CLOSED = 1e-10
 _PENALTIES = 10.0 ** np.arange(0, 9, 2)
@@ -95,7 +95,7 @@ def refine(task: Task, q: FloatArray) -> FloatArray:
         moved[task.free] += x * scale
         return moved
 
-    found, _ = newton(
+    found, _ = solve_by_newton(
         lambda x: task.gaps(at(x)), lambda x: task.slopes(at(x)), np.zeros(len(scale))
     )
     return at(found)

@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.assembly.dense_equations import Equations, FloatArray
+from runtime.linalg.rank_policy import LOST, NO_PIVOT
 
-LOST = 1e-5  # singular value, rows and coordinates scaled, below which a direction is lost
 SOLVED = 1e-6
 _REAL = 1e-6
 _ALIKE = 1e-6  # of the speed: velocities that are the same, or equally near
@@ -140,7 +140,7 @@ def _roots(constant: FloatArray, slope: FloatArray, square: FloatArray) -> list[
         c = np.array(start, dtype=np.float64)
         for _ in range(_ITERATIONS):
             left = constant + slope @ c + (square @ c) @ c
-            step = np.linalg.lstsq(slope + 2.0 * (square @ c), -left, rcond=1e-10)[0]
+            step = np.linalg.lstsq(slope + 2.0 * (square @ c), -left, rcond=NO_PIVOT)[0]
             c = c + step
             if not np.linalg.norm(step) > 1e-14 * (1.0 + np.linalg.norm(c)):
                 break

@@ -12,8 +12,9 @@ import numpy as np
 
 from codegen.errors import AnalysisError
 from runtime.assembly.dense_equations import Equations, FloatArray
-from runtime.continuation.bifurcation_branches import LOST, SOLVED, Branch, lost
+from runtime.continuation.bifurcation_branches import SOLVED, Branch, lost
 from runtime.integrate.trajectory import Crossing
+from runtime.linalg.rank_policy import LOST
 from runtime.results.singular_positions import Kind, SingularPosition
 
 _TAKING = 0.05  # of the largest share in what is lost: constraints that are named

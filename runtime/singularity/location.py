@@ -92,7 +92,8 @@ class Search:
 
     def _root(self, z: FloatArray, frame: Frame, weak: int) -> Root | None:
         """A position where `weak` constraints are lost; None where none is near z."""
-        from runtime.singularity.gauss_newton import root  # loaded where something is singular
+        # Loaded where something is singular.
+        from runtime.singularity.gauss_newton import find_root
 
         arrays = self.arrays
         rows, wide = frame.row_order.size, frame.column_order.size
@@ -101,7 +102,7 @@ class Search:
         arrays[COLUMN_PLACE][frame.column_order] = np.arange(wide)
         free = wide - rows + weak
         left, null = np.empty((rows, weak)), np.empty((wide, free))
-        gap = root(
+        gap = find_root(
             self.table,
             self.speed,
             z,

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from runtime.assembly.closure import CLOSED
 from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.constraints.partitioning import eliminate
-from runtime.linalg.newton_iteration import newton
+from runtime.linalg.newton_iteration import solve_by_newton
 
 BALANCED = 1e-10  # a gradient below this share of the forces counts as balanced
 _DIFFERENCES = (3e-5, 3e-7, 3e-9)  # scaled steps of the difference quotients, finer at an edge
@@ -91,7 +91,7 @@ class Rest:
             found: FloatArray = equations.jacobian(self.t, at(x))[chosen] * scale
             return found / sizes[:, None]
 
-        x, gap = newton(gaps, slopes, np.zeros(len(dependent)))
+        x, gap = solve_by_newton(gaps, slopes, np.zeros(len(dependent)))
         return at(x) if gap <= CLOSED and float(np.abs(x).max()) < _REACH else None
 
     def motions(self, q: FloatArray, part: Partition) -> FloatArray:

@@ -6,7 +6,7 @@ import pytest
 from models.hard.cases import find
 from runtime import Machine
 from runtime.assembly.dense_equations import Equations
-from runtime.linalg.full_pivoting import ordered
+from runtime.linalg.full_pivoting import factor_entries
 from runtime.singularity.local_motion import Motion, hermite, nearest, taylor
 from runtime.singularity.location import Search
 from runtime.singularity.pivot_orders import Frames, weak_values
@@ -102,7 +102,7 @@ def test_full_pivoting_factors_a_sparse_matrix(seed: int) -> None:
     rows, columns = (np.ascontiguousarray(places) for places in np.nonzero(dense))
     a, row_order, column_order = np.zeros((9, 11)), np.zeros(9, np.int64), np.zeros(11, np.int64)
     entries = np.ascontiguousarray(dense[rows, columns])
-    rank = ordered(entries, rows, columns, 1e-10, a, row_order, column_order)
+    rank = factor_entries(entries, rows, columns, 1e-10, a, row_order, column_order)
     assert rank == np.linalg.matrix_rank(dense)
     lower = np.tril(a[:, :rank], -1) + np.eye(9, rank)
     upper = np.triu(a[:rank])
