@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.linalg.rank_policy import LOST
-from runtime.singularity.local_motion import Motion, distance, nearest
+from runtime.singularity.local_motion import Motion, distance, nearest_time
 from runtime.singularity.location import Root, Search
 from runtime.singularity.pivot_orders import Frames
 from runtime.singularity.scaled_constraints import ScaledConstraints
@@ -107,7 +107,7 @@ class Positions:
             return None
         z = np.append(known.q / self.constraints.scale, known.t * speed)
         series = motion.scaled(self.constraints.scale, speed)
-        s = nearest(series, known.t - motion.t, z)
+        s = nearest_time(series, known.t - motion.t, z)
         miss = distance(series, s, z)
         if miss > _SAME * max(abs(s) * speed, 1e-3):
             return self.near(motion, s)
@@ -118,7 +118,7 @@ class Positions:
         """When this motion is nearest to a known singular position."""
         z = np.append(known.q / self.constraints.scale, known.t * known.speed)
         series = motion.scaled(self.constraints.scale, known.speed)
-        return motion.t + nearest(series, known.t - motion.t, z)
+        return motion.t + nearest_time(series, known.t - motion.t, z)
 
 
 def _described(search: Search, root: Root, s: float) -> Singularity | None:

@@ -7,7 +7,7 @@ from models.hard.cases import find
 from runtime import Machine
 from runtime.assembly.dense_equations import Equations
 from runtime.linalg.full_pivoting import factor_entries
-from runtime.singularity.local_motion import Motion, hermite, nearest, taylor
+from runtime.singularity.local_motion import Motion, hermite, nearest_time, taylor
 from runtime.singularity.location import Search
 from runtime.singularity.pivot_orders import Frames, weak_values
 from runtime.singularity.scaled_constraints import ScaledConstraints
@@ -127,4 +127,4 @@ def test_a_quintic_has_what_both_ends_have() -> None:
     np.testing.assert_allclose(made.series, series, rtol=1e-10, atol=1e-10)
     passed = Motion(t, series).scaled(np.ones(4), 1.0)
     z = np.append(state(0.1)[0], 0.0)
-    assert nearest(passed, 0.11, z) == pytest.approx(0.1, abs=1e-6)
+    assert nearest_time(passed, 0.11, z) == pytest.approx(0.1, abs=1e-6)
