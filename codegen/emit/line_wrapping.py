@@ -1,6 +1,7 @@
 """How the lines of a generated function fit the page."""
 
 from collections.abc import Iterator
+from textwrap import wrap
 
 from codegen.lower.program import Output
 
@@ -23,6 +24,12 @@ def fitted(head: str, text: str, note: str = "") -> Iterator[str]:
         yield f"{head}{text}{note}"
     else:
         yield from (f"{head}(", f"{indent}    {text}", f"{indent})")
+
+
+def comment(sentence: str) -> Iterator[str]:
+    """A comment inside a function, in as many lines as it needs; none for no sentence."""
+    for line in wrap(sentence, PAGE - 6, break_long_words=False, break_on_hyphens=False):
+        yield f"    # {line}"
 
 
 def note_of(out: Output) -> str:
