@@ -27,7 +27,8 @@ from runtime.validation.scene_support import require_energy, require_motion
 
 if TYPE_CHECKING:
     from runtime.assembly.assembled_state import Assembly
-    from runtime.integrate.problem import Correction, Formulation, System
+    from runtime.core.system import System
+    from runtime.integrate.problem import Correction, Formulation
     from runtime.mechanism.companion_modules import Kind, Origin
     from runtime.mechanism.reduced_kernels import Reduced
     from runtime.mechanism.tangent_kernels import Tangents

@@ -9,7 +9,8 @@ from codegen.errors import InputError
 from runtime.assembly.assembled_state import Assembly
 from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.assembly.redundant_kernels import projecting, sound
-from runtime.integrate.problem import Correction, Formulation, System
+from runtime.core.system import System
+from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
 from runtime.integrate.wiring import IMPLICIT
 

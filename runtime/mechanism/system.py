@@ -2,7 +2,7 @@
 
 from runtime.core.kernels import Kernels
 from runtime.core.signatures import Integers
-from runtime.integrate.problem import System
+from runtime.core.system import System
 from runtime.mechanism.description import Description
 
 
