@@ -4,7 +4,7 @@ import builtins
 from collections.abc import Iterator
 
 from codegen.emit.formula import formula
-from codegen.emit.line_wrapping import PAGE, comment, fitted, note_of, tail
+from codegen.emit.line_wrapping import PAGE, comments, fitted, note_of, tail
 from codegen.emit.placement import Path, Placement, place
 from codegen.emit.sincos import NAME as SIN_COS
 from codegen.emit.table_lookup import lookups
@@ -161,15 +161,7 @@ class KernelText:
         """A comment on the steps of the solution up to this one."""
         titles = self.kernel.steps[self._step + 1 : step + 1]
         self._step = max(step, self._step)
-        sentence = ""
-        for title in titles:
-            shared = f"{title.partition(' ')[0]} "
-            if sentence.startswith(shared):
-                sentence += f"; {title.removeprefix(shared)}"
-            else:
-                yield from comment(sentence)
-                sentence = title
-        yield from comment(sentence)
+        yield from comments(titles)
 
     def _pair(self, number: int, indent: str) -> Iterator[str]:
         """The line that takes sine and cosine of an angle."""

@@ -156,12 +156,12 @@ def _inlined(
         inside = [] if value.op is Op.SELECT else [a for a in value.args if a in inlined]
         widths = {a: _name_width(program, a, hoisted, names) for a in value.args}
         shown = {a: width[a] if a in inlined else widths[a] for a in value.args}
-        while inside and sum(shown.values()) + 5 * len(value.args) > WIDTH:
+        while inside and sum(shown[a] + 5 for a in value.args) > WIDTH:
             longest = max(inside, key=lambda a: (shown[a], a))
             inside.remove(longest)
             inlined.discard(longest)
             shown[longest] = widths[longest]
-        width[number] = sum(shown.values()) + 5 * len(value.args)
+        width[number] = sum(shown[a] + 5 for a in value.args)
         users = uses[number]
         sign = value.op is Op.NEG and program.values[value.args[0]].op in LEAVES
         if value.op in LOGICAL or sign:

@@ -10,6 +10,10 @@ BESIDE_ELEMENTS = frozenset({"factorization", "correction", "reduction", "masses
 """What a value serves if not an element; the others are called after their element."""
 
 
+LONGEST = 36
+"""Characters of a name; values with longer ones are numbered."""
+
+
 def labelled(program: Program, kernel: Kernel, numbers: tuple[int, ...]) -> dict[int, str]:
     """Value → its name, among the `numbers` that a kernel needs and that bear no element's name."""
     names: dict[int, str] = {}
@@ -21,7 +25,7 @@ def labelled(program: Program, kernel: Kernel, numbers: tuple[int, ...]) -> dict
         value = program.values[label.value]
         if value.op is Op.NEG and value.args[0] in mine:  # the sign is carried outside
             names.setdefault(value.args[0], f"minus_{label.name}")
-    return names
+    return {number: name for number, name in names.items() if len(name) <= LONGEST}
 
 
 def _has_label(program: Program, number: int) -> bool:
