@@ -16,8 +16,10 @@ Entries = dict[tuple[int, int], int]
 """(row, column) → value, structural non-zeros of Φ_q."""
 
 FAR = 1e5
-"""Ratio of the largest to the smallest mass, or moment of inertia, from which on solutions are
-refined: an elimination that divides by the wrong ones loses as many digits as the ratio has."""
+"""accuracy: ratio of the largest to the smallest mass, or moment of inertia, from which on
+solutions are refined: an elimination that divides by the wrong ones loses as many digits as the
+ratio has.
+"""
 
 
 def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Strategy]:
