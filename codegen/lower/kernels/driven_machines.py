@@ -18,16 +18,16 @@ from codegen.lower.linear.labels import Labels
 from codegen.lower.program import Check
 
 LARGEST = 3
-"""Rows of a set that is solved by its adjugate."""
+"""measured: rows of the largest set that is solved by its adjugate."""
 
 ROUNDING = 1e-12
-"""A number below this part of what it was subtracted from is zero."""
+"""accuracy: a number below this part of the numbers it is a difference of is zero."""
 
 SHARPER = 1e-6
-"""Part of the rows' squares against which det² is held."""
+"""accuracy: part of the product of the rows' squares that det² is compared with."""
 
 SEARCHED = 30
-"""Rows among which sets are looked for; more are taken together."""
+"""safety: rows among which such sets are searched for; more are solved together."""
 
 
 @dataclass

@@ -20,8 +20,10 @@ MISSING = ["rhs_q", "rhs_v"]
 """Stems of the names of -Φ and -(Φ_q q̇ + Φ_t) where they are right sides."""
 
 FAR = 1e5
-"""Ratio of the largest to the smallest mass, or moment of inertia, from which on solutions are
-refined: an elimination that divides by the wrong ones loses as many digits as the ratio has."""
+"""accuracy: ratio of the largest to the smallest mass, or moment of inertia, from which on
+solutions are refined: an elimination that divides by the wrong ones loses as many digits as the
+ratio has.
+"""
 
 
 def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Strategy]:

@@ -23,10 +23,10 @@ from codegen.lower.linear.labels import Labels
 from codegen.lower.program import Check
 
 DIVISION = 8
-"""What a division counts in the choice of an order, in products."""
+"""measured: operations that one division is worth in the choice of an order."""
 
 LEAST_PIVOT = 0.1
-"""What a pair's entry must be of the largest number in its row of Φ_q."""
+"""accuracy: part of the largest number in its row of Φ_q that a pair's entry must have."""
 
 Strategy = Literal["substitute", "mixed", "schur", "square"]
 """Pairs while there are any; whatever is cheapest now; accelerations, then multipliers; what
