@@ -26,7 +26,7 @@ from runtime.singularity.search_table import (
     entries,
 )
 
-_ITERATIONS = 40  # safety
+_ITERATIONS = 40  # safety: Newton iterations
 _CONVERGED = 1e-12  # accuracy: a step over the length of the direction that is the last
 _DIFFERENCE = 6e-6  # accuracy: EPS ** (1/3), the relative size of a central difference
 _REGULAR = 1e-13  # accuracy: of the largest: squared singular values below this determine nothing

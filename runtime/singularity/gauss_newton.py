@@ -21,7 +21,7 @@ from runtime.singularity.schur_complement import (
 )
 from runtime.singularity.search_table import COLUMN_ORDER, COORDINATES, GAPS, ORIGIN, ROWS, STEP
 
-_ITERATIONS = 40  # safety
+_ITERATIONS = 40  # safety: Newton iterations
 _KEEP = 5  # measured: iterations with the same second derivatives, but for the first one's
 _CONVERGED = 1e-12  # accuracy: a step over 1 + |z| that is the last
 _FAR = 0.5  # safety: of a coordinate's size: a root so far from where the search began is another

@@ -6,7 +6,6 @@ import pytest
 from models.hard.cases import find
 from runtime import Machine
 from runtime.assembly.dense_equations import Equations
-from runtime.linalg.full_pivoting import factor_entries
 from runtime.singularity.local_motion import Motion, hermite, nearest_time, taylor
 from runtime.singularity.location import Search
 from runtime.singularity.pivot_orders import Frames, weak_values
@@ -91,27 +90,6 @@ def test_weak_rows_are_those_of_small_singular_values(
         unit_entries(search.table, 5.0, search.series[0], entries)
         values = np.linalg.svd(scaled.dense(entries), compute_uv=False)
         assert search.weak(0.0) == weak_values(values) == weak
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_full_pivoting_factors_a_sparse_matrix(seed: int) -> None:
-    """P A Q = L U with pivots that nothing left is larger than; equal entries go by their place."""
-    random = np.random.default_rng(seed)
-    dense = np.where(random.random((9, 11)) < 0.3, random.integers(-2, 3, (9, 11)), 0).astype(float)
-    dense[4] = dense[2] - dense[7]
-    rows, columns = (np.ascontiguousarray(places) for places in np.nonzero(dense))
-    a, row_order, column_order = np.zeros((9, 11)), np.zeros(9, np.int64), np.zeros(11, np.int64)
-    entries = np.ascontiguousarray(dense[rows, columns])
-    rank = factor_entries(entries, rows, columns, 1e-10, a, row_order, column_order)
-    assert rank == np.linalg.matrix_rank(dense)
-    lower = np.tril(a[:, :rank], -1) + np.eye(9, rank)
-    upper = np.triu(a[:rank])
-    np.testing.assert_allclose(lower @ upper, dense[row_order][:, column_order], atol=1e-12)
-    assert np.abs(lower).max() <= 1.0 + 1e-8
-    assert np.all(np.abs(np.diag(upper)) * (1.0 + 1e-8) >= np.abs(upper).max(axis=1))
-    largest = np.abs(dense).max()
-    first = np.argwhere(np.abs(dense) == largest)[0]
-    assert (row_order[0], column_order[0]) == tuple(first)
 
 
 def test_a_quintic_has_what_both_ends_have() -> None:
