@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.linalg.newton_iteration import newton
+from runtime.mechanism.dense_equations import Equations, FloatArray
 
 CLOSED = 1e-10
 _PENALTIES = 10.0 ** np.arange(0, 9, 2)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from runtime.assembly.closure import CLOSED, Task
-from runtime.assembly.dense_equations import FloatArray
+from runtime.mechanism.dense_equations import FloatArray
 from runtime.singularity.local_motion import taylor
 from runtime.singularity.singular_position import Positions
 

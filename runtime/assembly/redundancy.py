@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.assembly.closure import CLOSED, Task, nearest, refine
-from runtime.assembly.dense_equations import FloatArray
+from runtime.mechanism.dense_equations import FloatArray
 
 RANK_TOLERANCE = 1e-6  # below this a direction is lost; an assembled dead centre is good to 1e-8
 _SIZES = (0.02, -0.05, 0.1, 0.02, -0.05, 0.1, -0.2)  # scaled lengths of the ways that are tried

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.assembly.dense_equations import Equations, FloatArray
+from runtime.mechanism.dense_equations import Equations, FloatArray
 
 LOST = 1e-5  # singular value, rows and coordinates scaled, below which a direction is lost
 SOLVED = 1e-6

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.continuation.bifurcation_branches import Branch
 from runtime.continuation.predictor_corrector import settle
+from runtime.mechanism.dense_equations import Equations, FloatArray
 
 DISTANCE = 2e-2  # of the scale of time: states at this and twice this distance
 _TRIED = (1.0, 0.5, 2.0, 0.25, 4.0, 0.125)

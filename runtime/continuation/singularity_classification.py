@@ -11,9 +11,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from codegen.errors import AnalysisError
-from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.continuation.bifurcation_branches import LOST, SOLVED, Branch, lost
 from runtime.integrate.trajectory import Crossing
+from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.results.singular_positions import Kind, SingularPosition
 
 _TAKING = 0.05  # of the largest share in what is lost: constraints that are named

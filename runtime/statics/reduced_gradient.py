@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.assembly.closure import CLOSED
-from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.constraints.partitioning import eliminate
 from runtime.linalg.newton_iteration import newton
+from runtime.mechanism.dense_equations import Equations, FloatArray
 
 BALANCED = 1e-10  # a gradient below this share of the forces counts as balanced
 _DIFFERENCES = (3e-5, 3e-7, 3e-9)  # scaled steps of the difference quotients, finer at an edge
