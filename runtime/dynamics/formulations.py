@@ -7,7 +7,8 @@ import numpy as np
 
 from codegen.errors import InputError
 from runtime.assembly.redundant_kernels import projecting, sound
-from runtime.integrate.problem import Correction, Formulation, System
+from runtime.core.system import System
+from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
 from runtime.integrate.wiring import IMPLICIT
 from runtime.mechanism.dense_equations import Equations, FloatArray

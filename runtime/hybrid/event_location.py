@@ -6,8 +6,10 @@ output evaluated: at equal distances, and between them at the lowest points, so 
 crossings is not stepped over.
 """
 
+from runtime.core.dense_output import interpolate
 from runtime.core.function_table import SWITCHES, sampled_of
 from runtime.core.jit import addressed, inner
+from runtime.core.run_arrays import mode_numbers, parameters, surfaces, workspace
 from runtime.core.signatures import LOCATE, SAMPLED, Integers, Vector
 from runtime.core.workspace import (
     BAND,
@@ -26,8 +28,6 @@ from runtime.core.workspace import (
 )
 from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.hybrid.switching_functions import functions
-from runtime.integrate.explicit.dense_output import interpolate
-from runtime.integrate.run_arrays import mode_numbers, parameters, surfaces, workspace
 
 INSTANT = 4.0 * 2.3e-16  # of the time: what the clock cannot tell
 NOWHERE = 2.0  # a fraction of the step that is none

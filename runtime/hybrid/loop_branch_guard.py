@@ -17,8 +17,8 @@ from runtime.core.jit import addressed
 from runtime.core.outcome_codes import SINGULAR
 from runtime.core.outcomes import Outcome
 from runtime.core.signatures import PASSED, Integers, Matrix, Vector
+from runtime.core.system import System
 from runtime.core.workspace import ROWS, Y0, Y1, Run
-from runtime.integrate.problem import System
 
 AGAIN = -1
 _ADDED = 2.0  # steps: the sum of both times below which a loop has passed its dead centre

@@ -22,6 +22,7 @@ from runtime.core.function_table import (
     switching_of,
 )
 from runtime.core.jit import inner
+from runtime.core.rhs import field
 from runtime.core.signatures import Integers, Vector
 from runtime.core.workspace import (
     DELTA,
@@ -34,7 +35,6 @@ from runtime.core.workspace import (
     TRIAL,
 )
 from runtime.hybrid.sliding_modes import HELD_MODE
-from runtime.integrate.rhs import field
 
 CONSISTENT = -1
 GIVEN = 4  # is added to a preferred mode that is known to be right, and needs no look-ahead

@@ -20,6 +20,7 @@ from runtime.core.function_table import (
     switching_rates_of,
 )
 from runtime.core.jit import addressed, inner
+from runtime.core.rhs import field
 from runtime.core.signatures import SETTLE, Integers, Vector
 from runtime.core.workspace import (
     BAND,
@@ -37,7 +38,6 @@ from runtime.hybrid.mode_consistency import CONSISTENT, GIVEN, MISSED, carry, ho
 from runtime.hybrid.mode_search import MOST, MOST_THREE, exhaustively, in_turn
 from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.hybrid.switching_functions import margin
-from runtime.integrate.rhs import field
 
 TOUCHING = 1e-9  # of the machine's lengths: a gap at the start is assembled no closer
 _TOLD = 1e-12  # of the largest velocity: an impact at the start that is none

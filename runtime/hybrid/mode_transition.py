@@ -19,6 +19,7 @@ from runtime.core.function_table import (
     switching_rates_of,
 )
 from runtime.core.jit import addressed, inner
+from runtime.core.rhs import field
 from runtime.core.signatures import (
     TRANSITION,
     IntegerMatrix,
@@ -49,7 +50,6 @@ from runtime.hybrid.mode_consistency import CONSISTENT, GIVEN, MISSED, hold
 from runtime.hybrid.mode_selection import go_on, prefer
 from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.hybrid.switching_functions import UNBOUNDED, margin, measure
-from runtime.integrate.rhs import field
 
 LOOK_AHEAD = 0.05  # of a step: how far ahead modes are judged
 BEGAN, CEASED, HELD, IMPACT = 1, -1, 0, 2

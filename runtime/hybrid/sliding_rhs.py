@@ -25,11 +25,11 @@ from runtime.core.function_table import (
     correction_of,
 )
 from runtime.core.jit import addressed, inner
+from runtime.core.rhs import field
 from runtime.core.signatures import FIELD, SLOPE, Integers, Vector
 from runtime.core.workspace import PARTITION, ROWS
 from runtime.hybrid.sliding_modes import CANCELLED, shares, units
 from runtime.hybrid.stiction_force import exert
-from runtime.integrate.rhs import field
 
 STEP, TIME_SCALE = 0, 1
 """Places in SETTINGS: the length of the step, s; τ of Baumgarte's method, s."""

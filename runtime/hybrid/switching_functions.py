@@ -19,17 +19,17 @@ from runtime.core.function_table import (
     switching_rates_of,
 )
 from runtime.core.jit import addressed, inlined, inner
-from runtime.core.signatures import MARGINS, Integers, Vector
-from runtime.core.workspace import DELTA, ROWS, SAMPLE, SWITCH_ROWS
-from runtime.hybrid.sliding_modes import HELD_MODE
-from runtime.hybrid.sliding_rhs import STEP
-from runtime.integrate.run_arrays import (
+from runtime.core.run_arrays import (
     mode_numbers,
     multipliers,
     parameters,
     surfaces,
     workspace,
 )
+from runtime.core.signatures import MARGINS, Integers, Vector
+from runtime.core.workspace import DELTA, ROWS, SAMPLE, SWITCH_ROWS
+from runtime.hybrid.sliding_modes import HELD_MODE
+from runtime.hybrid.sliding_rhs import STEP
 
 _AHEAD = 1e-4  # of a step: the distance over which the rate of a margin is taken
 UNBOUNDED = -1e300  # a lower bound below this is none

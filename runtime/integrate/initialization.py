@@ -19,6 +19,7 @@ from runtime.core.function_table import (
     switching_rates_of,
 )
 from runtime.core.jit import ADDRESSES, compiled, inner
+from runtime.core.rhs import field
 from runtime.core.signatures import (
     IntegerMatrix,
     Integers,
@@ -55,7 +56,6 @@ from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.hybrid.sliding_rhs import STEP
 from runtime.hybrid.stiction_force import at_rest, finite, jams
 from runtime.hybrid.switching_functions import measure
-from runtime.integrate.rhs import field
 from runtime.integrate.sampling import record
 
 _ROUGH = 0.1  # of a function's spread: |g| at which its rounding is some units in the last place

@@ -11,6 +11,7 @@ from runtime.constraints.repartitioning import GROWTH_LIMIT
 from runtime.core.function_table import Slot
 from runtime.core.outcomes import Outcome
 from runtime.core.signatures import Integers, Vector
+from runtime.core.system import System
 from runtime.core.workspace import (
     ATOL,
     BAND,
@@ -33,7 +34,7 @@ from runtime.integrate import step as attempt
 from runtime.integrate.initialization import start
 from runtime.integrate.interrupts import Interrupts
 from runtime.integrate.method_change import change_method, fill_method
-from runtime.integrate.problem import Options, Problem, System
+from runtime.integrate.problem import Options, Problem
 from runtime.integrate.recording import Gathered
 from runtime.integrate.singular_crossing.crossing import Crossings
 from runtime.integrate.trajectory import Statistics, Trajectory

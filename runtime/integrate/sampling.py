@@ -2,11 +2,11 @@
 
 from runtime.constraints.newton_return import FAILED, WEAK
 from runtime.core.array_views import view
+from runtime.core.dense_output import interpolate
 from runtime.core.function_table import CORRECTING, HELD, correct_of, dense_of, return_held_of
 from runtime.core.jit import addressed, inner
 from runtime.core.signatures import EMIT, IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.workspace import PROJECTION, ROWS, SAMPLE, Y1, Run
-from runtime.integrate.explicit.dense_output import interpolate
 
 
 @inner

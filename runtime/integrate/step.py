@@ -21,6 +21,7 @@ from runtime.core.function_table import (
     stages_of,
 )
 from runtime.core.jit import addressed, inner
+from runtime.core.rhs import field
 from runtime.core.signatures import ATTEMPT, Integers, Vector
 from runtime.core.workspace import (
     ATOL,
@@ -38,7 +39,6 @@ from runtime.core.workspace import (
     Run,
 )
 from runtime.hybrid.sliding_rhs import STEP
-from runtime.integrate.rhs import field
 
 DONE = 0
 NEWTON = 1

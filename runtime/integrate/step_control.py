@@ -9,9 +9,9 @@ import numpy as np
 
 from runtime.core.array_views import view
 from runtime.core.jit import addressed, compiled, inner
+from runtime.core.rhs import field
 from runtime.core.signatures import FIRST_STEP, PROPOSE, Integers, Vector
 from runtime.core.workspace import ATOL, DELTA, FREE, ROWS, SAMPLE, SIZE, Y0, K, Run
-from runtime.integrate.rhs import field
 
 _FALL = 0.1
 _COMPARABLE = (

@@ -7,7 +7,8 @@ import numpy as np
 
 from codegen.errors import InputError
 from runtime.core.signatures import no_accelerations_tangent
-from runtime.integrate.problem import Options, Problem, System
+from runtime.core.system import System
+from runtime.integrate.problem import Options, Problem
 from runtime.integrate.wiring import IMPLICIT, METHODS
 
 CORRECTIONS = ("step", "stage", "projection", "baumgarte", "hybrid")

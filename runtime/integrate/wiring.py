@@ -12,6 +12,7 @@ from runtime.constraints.newton_return import correct
 from runtime.core.function_table import Slot
 from runtime.core.jit import addresses
 from runtime.core.signatures import Integers, Vector
+from runtime.core.system import System
 from runtime.hybrid import event_location as events
 from runtime.hybrid import event_resolution as watch
 from runtime.hybrid import impact
@@ -25,7 +26,6 @@ from runtime.hybrid.sliding_modes import work_size
 from runtime.integrate import sampling as outputs
 from runtime.integrate import step as attempt
 from runtime.integrate import step_control as control
-from runtime.integrate.problem import System
 from runtime.linalg.elimination_plan import room
 from runtime.singularity.detection import PIVOT_ROWS, vanishing
 

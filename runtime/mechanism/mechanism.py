@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from codegen.errors import AnalysisError
 from runtime.core.kernels import Kernels
-from runtime.integrate.problem import System
+from runtime.core.system import System
 from runtime.mechanism.companion_modules import Kind, Origin, has_companion, load_companion
 from runtime.mechanism.description import Description
 from runtime.mechanism.reduced_kernels import Reduced, gather_reduced

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from runtime.core import kernels
 from runtime.core.jit import addresses
 from runtime.core.kernels import Kernel
-from runtime.integrate.problem import System
+from runtime.core.system import System
 from runtime.mechanism.description import Description
 from runtime.mechanism.system import Tangents, common_system, gather_tangents
 

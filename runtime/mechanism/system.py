@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from runtime.core.kernels import Kernel, Kernels
 from runtime.core.signatures import Integers
-from runtime.integrate.problem import System
+from runtime.core.system import System
 from runtime.mechanism.description import Description
 
 

@@ -10,7 +10,9 @@ the derivative at the end of the step and the first of the next.
 import numpy as np
 
 from runtime.core.array_views import view
+from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed
+from runtime.core.rhs import slope
 from runtime.core.signatures import (
     DENSE,
     ERROR,
@@ -20,9 +22,7 @@ from runtime.core.signatures import (
 )
 from runtime.core.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K, Run
 from runtime.integrate.explicit import dop853_coefficients as c
-from runtime.integrate.explicit.dense_output import hermite_rows
 from runtime.integrate.explicit.stateless import accepted, restart
-from runtime.integrate.rhs import slope
 from runtime.integrate.step_control import propose
 
 __all__ = ["accepted", "dense", "error", "propose", "restart", "stages"]

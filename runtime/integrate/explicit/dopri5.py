@@ -13,8 +13,10 @@ than a thousandth: at looser tolerances accuracy alone does not keep a vibration
 import numpy as np
 
 from runtime.core.array_views import floats_at, view
+from runtime.core.dense_output import hermite_rows
 from runtime.core.function_table import MEMORY
 from runtime.core.jit import addressed, compiled, inner
+from runtime.core.rhs import slope
 from runtime.core.signatures import (
     DENSE,
     ERROR,
@@ -26,10 +28,8 @@ from runtime.core.signatures import (
 )
 from runtime.core.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K, Run
 from runtime.integrate import step_control as control
-from runtime.integrate.explicit.dense_output import hermite_rows
 from runtime.integrate.explicit.stability_limit import FLOATS, bounded, forget, observe
 from runtime.integrate.explicit.stateless import accepted
-from runtime.integrate.rhs import slope
 
 __all__ = ["accepted", "dense", "error", "memory", "propose", "restart", "stages"]
 

@@ -13,10 +13,10 @@ therefore mapped: what the estimate is held to is `share` times what was asked.
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core.array_views import view
+from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.signatures import DENSE, ERROR, HOOK, PROPOSE, STAGES, Integers, Vector
 from runtime.core.workspace import ROWS, Y0, Y1, F, K, Run
-from runtime.integrate.explicit.dense_output import hermite_rows
 from runtime.integrate.implicit.method_memory import (
     C_FACTORED,
     CURRENT,

@@ -20,6 +20,7 @@ from runtime.core.function_table import (
     correction_tangent_of,
 )
 from runtime.core.jit import compiled, inner
+from runtime.core.rhs import field
 from runtime.core.signatures import DIFFERENTIATE, Integers, Vector
 from runtime.core.workspace import FREE, MISSING, PARTITION, ROWS, SIZE, Run
 from runtime.integrate.implicit.method_memory import (
@@ -40,7 +41,6 @@ from runtime.integrate.implicit.method_memory import (
     matrix,
 )
 from runtime.integrate.implicit.stiffness_estimate import take_spectrum
-from runtime.integrate.rhs import field
 
 BY_PARTITION = 1  # the number CORRECTING of a machine whose steps are corrected by partitioning
 _DIFFERENCE = 1e-7  # relative change by which a field along surfaces is differenced

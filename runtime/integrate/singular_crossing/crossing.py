@@ -18,6 +18,7 @@ import numpy as np
 
 from runtime.core.outcomes import Outcome
 from runtime.core.signatures import Vector, no_right_side
+from runtime.core.system import System
 from runtime.core.workspace import (
     APPROACHING,
     CROSSING,
@@ -30,7 +31,7 @@ from runtime.core.workspace import (
     K,
 )
 from runtime.integrate import loop as driver
-from runtime.integrate.problem import Problem, System
+from runtime.integrate.problem import Problem
 from runtime.integrate.singular_crossing.crossing_step import Leap, Leaps
 from runtime.integrate.singular_crossing.extrapolated_accelerations import Continuity
 from runtime.integrate.singular_crossing.method_handover import Lending

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.core.signatures import Integers, Vector
-from runtime.integrate.problem import System
+from runtime.core.system import System
 from runtime.singularity.local_motion import Motion
 
 FloatArray = npt.NDArray[np.float64]

@@ -9,7 +9,8 @@ from runtime.core.signatures import (
     ACCELERATIONS_TANGENT,
     CORRECTION_TANGENT,
 )
-from runtime.integrate.problem import Problem, System
+from runtime.core.system import System
+from runtime.integrate.problem import Problem
 from tests.runtime.integrate.systems import (
     PENDULUM,
     free_correction,

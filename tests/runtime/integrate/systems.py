@@ -10,7 +10,8 @@ from runtime.core.signatures import (
     SWITCHING,
     SWITCHING_RATES,
 )
-from runtime.integrate.problem import Options, Problem, System
+from runtime.core.system import System
+from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
 from runtime.integrate.trajectory import Trajectory
 

@@ -7,7 +7,8 @@ from scipy.special import ellipj, ellipk
 from runtime.constraints.partitioning import eliminate
 from runtime.core.outcomes import Outcome
 from runtime.core.signatures import ACCELERATIONS
-from runtime.integrate.problem import Options, System
+from runtime.core.system import System
+from runtime.integrate.problem import Options
 from runtime.integrate.run import integrate
 from tests.runtime.integrate.systems import (
     PENDULUM,

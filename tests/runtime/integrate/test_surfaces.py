@@ -5,8 +5,9 @@ import pytest
 
 from runtime.core.outcomes import Outcome
 from runtime.core.signatures import ACCELERATIONS, SWITCHING, SWITCHING_RATES
+from runtime.core.system import System
 from runtime.hybrid.sliding_modes import HELD_MODE
-from runtime.integrate.problem import Options, Problem, System
+from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
 from tests.runtime.integrate.systems import (
     free_correction,

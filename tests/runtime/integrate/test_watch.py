@@ -5,7 +5,7 @@ import pytest
 
 from runtime.core.outcomes import Outcome
 from runtime.core.signatures import SWITCHING, SWITCHING_RATES
-from runtime.integrate.problem import System
+from runtime.core.system import System
 from tests.runtime.integrate.systems import (
     free_correction,
     free_jacobian,
