@@ -2,22 +2,13 @@
 
 from collections.abc import Sequence
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from runtime.core.kernels import Kernels
-from runtime.mechanism.description import (
-    Constraint,
-    Coordinate,
-    Description,
-    Effect,
-    Parameter,
-    Table,
-)
-from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.mechanism.mechanism import Values
+from runtime.mechanism.tables import MechanismTables
 from runtime.progress_bar import bar
 from runtime.validation.arguments import check
 from runtime.validation.parameters import parameter_values
@@ -32,62 +23,8 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 
-class Machine:
-    """A mechanism in one scene, ready to be analysed; `runtime.load` makes one.
-
-    Attributes
-    ----------
-    mechanism
-        Its data, for the functions behind the methods here.
-    """
-
-    def __init__(self, mechanism: Mechanism) -> None:
-        self.mechanism = mechanism
-
-    @property
-    def description(self) -> Description:
-        """The tables of the generated module."""
-        return self.mechanism.description
-
-    @property
-    def kernels(self) -> Kernels:
-        """The compiled functions of the generated module, callable from any numba code."""
-        return self.mechanism.kernels
-
-    @property
-    def path(self) -> Path:
-        """File of the generated module."""
-        return self.mechanism.path
-
-    @property
-    def model(self) -> str:
-        """Name of the model."""
-        return self.description.model
-
-    @property
-    def scene(self) -> str:
-        """Name of the scene."""
-        return self.description.scene
-
-    @property
-    def coordinates(self) -> Table[Coordinate]:
-        """Generalized coordinates with their velocities and units, in the order of q."""
-        return self.description.coordinates
-
-    @property
-    def constraints(self) -> Table[Constraint]:
-        """Scalar constraints, in the order of Φ and of the multipliers λ."""
-        return self.description.constraints
-
-    @property
-    def parameters(self) -> Table[Parameter]:
-        """Declared parameters with their defaults and units, in the order of p."""
-        return self.description.parameters
-
-    @property
-    def effects(self) -> Table[Effect]:
-        """Effects that act in this scene: gravity, forces, springs, contacts, frictions."""
-        return self.description.effects
+class Machine(MechanismTables):
+    """A mechanism in one scene, ready to be analysed; `runtime.load` makes one."""
 
     @cached_property
     def degrees_of_freedom(self) -> int:
@@ -277,7 +214,7 @@ class Machine:
         max_steps
             Trial steps after which the run ends with `Outcome.MAX_STEPS`.
         progress
-            Whether a bar is shown on a terminal, once the run has taken a second.
+            Whether a terminal shows a bar, once the run has taken a second.
 
         Returns
         -------
@@ -350,21 +287,15 @@ class Machine:
             Instant in s to which the start values belong. The machine is assembled there and
             followed to the first of `t_eval`, so that it stays on the branch on which it starts.
         progress
-            Whether a bar is shown on a terminal, once the analysis has taken a second.
-
-        Returns
-        -------
-        Result
+            Whether a terminal shows a bar.
 
         Raises
         ------
         AnalysisError
             If the drivers leave degrees of freedom, if the scene has rigid contacts, or if the
             machine starts in a singular configuration and no velocities say on which branch.
-        AssemblyError
-            If the machine cannot be assembled at `t_start`.
-        InputError
-            One sentence for each argument of the wrong kind or value.
+        AssemblyError, InputError
+            As `simulate`.
         """
         from runtime.dynamics.kinematics import kinematics
 
@@ -399,21 +330,15 @@ class Machine:
         t_start
             Instant in s to which the start values belong.
         progress
-            Whether a bar is shown on a terminal, once the analysis has taken a second.
-
-        Returns
-        -------
-        Result
+            Whether a terminal shows a bar.
 
         Raises
         ------
         AnalysisError
             As `kinematics`; also if the scene has no masses, or if friction sticks, so that the
             motion does not determine its force.
-        AssemblyError
-            If the machine cannot be assembled at `t_start`.
-        InputError
-            One sentence for each argument of the wrong kind or value.
+        AssemblyError, InputError
+            As `simulate`.
         """
         from runtime.dynamics.inverse_dynamics import inverse_dynamics
 
@@ -447,7 +372,7 @@ class Machine:
         t
             Instant in s at which drivers and forces are frozen.
         progress
-            Whether a bar is shown on a terminal, once the search has taken a second.
+            Whether a terminal shows a bar.
 
         Returns
         -------
@@ -460,10 +385,8 @@ class Machine:
         AnalysisError
             If the scene has no masses or no degree of freedom, if it has rigid contacts or friction
             that sticks, if forces at the start are not finite, or if `method` does not exist.
-        AssemblyError
-            If the machine cannot be assembled.
-        InputError
-            One sentence for each argument of the wrong kind or value.
+        AssemblyError, InputError
+            As `simulate`.
         """
         from runtime.statics.equilibrium import equilibrium
 
@@ -474,38 +397,3 @@ class Machine:
         check(self.mechanism, **given)
         with bar(f"equilibrium of {self.description.title}", progress) as report:
             return equilibrium(self.mechanism, method, **given, progress=report)
-
-    def __repr__(self) -> str:
-        """Short summary for a person."""
-        description = self.description
-        drivers = int(description.driver_rows.sum())
-        head = f"{description.title}: {len(description.bodies)} bodies, {len(self.coordinates)} "
-        head += f"coordinates, {len(self.constraints)} constraints"
-        rows = [
-            head + (f" ({drivers} of drivers)" if drivers else ""),
-            f"  bodies      {', '.join(description.bodies)}",
-            f"  effects     {', '.join(description.effects.names) or 'none'}",
-        ]
-        if description.left_out:
-            rows.append(f"  left out    {', '.join(description.left_out.names)}")
-        if not description.has_masses:
-            rows.append("  no masses: kinematics only")
-        shown = ", ".join(f"{row.name} = {row.default:g} {row.unit}" for row in self.parameters[:8])
-        more = len(self.parameters) - 8
-        rows.append(f"  parameters  {shown}{f', and {more} more' if more > 0 else ''}")
-        return "\n".join(rows)
-
-    def _repr_html_(self) -> str:
-        """The summary as a table, for notebooks."""
-        from html import escape
-
-        rows = "".join(
-            f"<tr><td>{escape(row.name)}</td><td style='text-align:right'>{row.default:g}</td>"
-            f"<td>{escape(row.unit)}</td></tr>"
-            for row in self.parameters
-        )
-        head = "<br>".join(escape(line) for line in repr(self).splitlines()[:-1])
-        return (
-            f"<div><p>{head}</p><table><thead><tr><th>parameter</th><th>default</th><th>unit</th>"
-            f"</tr></thead><tbody>{rows}</tbody></table></div>"
-        )

@@ -20,7 +20,10 @@ ENERGIES = ("kinetic", "potential", "total")
 
 
 class TimeSeries:
-    """Samples of a motion, with the tables that name them; see `Result`."""
+    """Samples of a motion, with the tables that name them; see `Result`.
+
+    A name that the scene does not have is refused by an `InputError` with the nearest ones.
+    """
 
     def __init__(
         self,
@@ -95,11 +98,6 @@ class TimeSeries:
         -------
         (k,) float64
             In m/s or rad/s.
-
-        Raises
-        ------
-        InputError
-            If there is no such velocity; it names the nearest.
         """
         return self._column(self.samples.v, name)
 
@@ -115,11 +113,6 @@ class TimeSeries:
         -------
         (k,) float64
             In m/s² or rad/s²; not a number in singular configurations.
-
-        Raises
-        ------
-        InputError
-            If there is no such coordinate; it names the nearest.
         """
         return self._column(self.samples.a, name)
 
@@ -198,11 +191,6 @@ class TimeSeries:
         -------
         (k,) float64
             From 0 to 1; not a number where the mode is 0 or 1.
-
-        Raises
-        ------
-        InputError
-            If there is no such condition.
         """
         return self.samples.share[:, self._switch(condition)]
 
