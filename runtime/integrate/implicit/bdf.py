@@ -82,7 +82,7 @@ STAGE_CALLS = 0  # counted where they happen
 DENSE_CALLS = 0
 BETA = 0.0  # measured: proportional part of the step control: none
 SAFETY = 0.9  # measured: part of the length that the error permits
-# measured: of the coordinates' sizes; as far as a few steps of the explicit method that leads across
+# measured: of the coordinates' sizes; a few steps of the explicit method that leads across
 FORESIGHT = 0.5
 SHRINK = 0.2  # measured: smallest ratio of the lengths of two steps
 
