@@ -11,8 +11,9 @@ from runtime.singularity.scaled_constraints import ScaledConstraints
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
-_PLACES = 0.01  # of the largest distance from the origin: a machine counts as no smaller
-_NOTHING = 1e-9  # m; a length below this is rounding
+# measured: part of the largest distance from the origin; a machine counts as no smaller
+_PLACES = 0.01
+_NOTHING = 1e-9  # accuracy: m; a length below this is rounding
 
 
 class Motion(NamedTuple):
