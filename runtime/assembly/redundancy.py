@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.assembly.closure import CLOSED, Task, nearest, refine
-from runtime.assembly.dense_equations import FloatArray
 from runtime.linalg.rank_policy import LOST
+from runtime.mechanism.dense_equations import FloatArray
 
 # measured: scaled lengths of the displacements at whose ends the rank is taken again
 _SIZES = (0.02, -0.05, 0.1, 0.02, -0.05, 0.1, -0.2)

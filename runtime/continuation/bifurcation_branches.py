@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.linalg.rank_policy import LOST, NO_PIVOT
+from runtime.mechanism.dense_equations import Equations, FloatArray
 
 SOLVED = 1e-6  # accuracy: |uᵀ ν|, in parts of the speed, below which velocities exist
 _REAL = 1e-6  # accuracy: imaginary part of a root that is rounding

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.continuation.bifurcation_branches import Branch
 from runtime.continuation.predictor_corrector import settle
+from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.singularity.local_motion import Motion, interpolate
 
 # measured: of the time scale; states at this and twice this distance are interpolated
