@@ -39,7 +39,7 @@ from runtime.integrate.step import TOO_LARGE
 from runtime.integrate.trajectory import Crossing
 from runtime.singularity.local_motion import Motion, hermite, taylor
 from runtime.singularity.scaled_constraints import ScaledConstraints
-from runtime.singularity.singular_position import Positions, Singularity
+from runtime.singularity.singular_position import Singularity, SingularPositions
 
 if TYPE_CHECKING:
     from runtime.integrate.run import _Run
@@ -69,7 +69,7 @@ class Crossings:
             else np.asarray(system.independent, dtype=np.int64),
             system.constraint_count,
         )
-        self.positions = Positions(constraints)
+        self.positions = SingularPositions(constraints)
         self.leaps = Leaps(self.scale, float(self.r["rtol"]), parts)
         self.lending = Lending(run, self.leaps)
         self.continuity = Continuity(system, run.fixed_arrays[3], run.modes, self.scale)
@@ -108,7 +108,7 @@ class Crossings:
             return False
         q, v = run.state
         motion = taylor(float(self.r["t"]), q, v, np.zeros_like(v))
-        found = self.positions.near(motion, 0.0)
+        found = self.positions.find(motion, 0.0)
         if found is None or found.gap > self.leaps.rounding(q):
             return False
         if found.astray > max(_ASTRAY, float(self.r["rtol"])):
@@ -135,7 +135,7 @@ class Crossings:
     def _plan(self, s: float) -> int:
         """Find the singular position about the time `s` hence, and where its step begins."""
         r, motion = self.r, self._motion()
-        found = self.positions.near(motion, s)
+        found = self.positions.find(motion, s)
         self.tries = 0
         usual = self._usual()
         if (found is None or not found.rate > 0.0) and r["weak"] >= driver.WEAK_STATES:
@@ -170,7 +170,7 @@ class Crossings:
         r, motion, found = self.r, self._motion(), self.found
         usual = self._usual()
         assert found is not None
-        again = self.positions.again(motion, found)
+        again = self.positions.find_again(motion, found)
         if again is None or again.gap > self.leaps.rounding(motion.q):
             r["plan"] = FREE
             return self._plan(found.t - motion.t) if self.tries < _TRIES else driver.GOING
@@ -267,7 +267,7 @@ class Crossings:
         if not (np.isfinite(a).all() and np.isfinite(after[3]).all()):
             return found.t
         motion = hermite(t, after[0] - t, (q, v, a), after[1:])
-        return self.positions.instant(motion, found)
+        return self.positions.passing_time(motion, found)
 
     # -- what is known -----------------------------------------------------------------------
 
