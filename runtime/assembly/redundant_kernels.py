@@ -8,8 +8,8 @@ from numba import njit
 from codegen.errors import AnalysisError
 from runtime.core.jit import OPTIONS
 from runtime.core.kernels import SIGNATURES, Kernels
+from runtime.integrate.method import EXPLICIT, IMPLICIT, alternatives
 from runtime.integrate.problem import Correction
-from runtime.integrate.wiring import IMPLICIT
 from runtime.linalg.rank_revealing import least, motion
 from runtime.mechanism.description import Description
 
@@ -56,7 +56,7 @@ def projecting(
     if method in IMPLICIT:
         raise AnalysisError(
             f"{machine.description.title}: method {method!r} needs independent constraints, and "
-            f"{names} follow from others. Take dop853 or dopri5, or remove them."
+            f"{names} follow from others. Take {alternatives(EXPLICIT)}, or remove them."
         )
     if correction not in {"step", "projection"}:
         raise AnalysisError(

@@ -10,9 +10,9 @@ from runtime.assembly.assembled_state import Assembly
 from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.assembly.redundant_kernels import projecting, sound
 from runtime.core.system import System
+from runtime.integrate.method import IMPLICIT
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
-from runtime.integrate.wiring import IMPLICIT
 
 if TYPE_CHECKING:
     from runtime.machine import Machine

@@ -15,9 +15,12 @@ Equations II, section IV.2, where stiffness is detected by them.
 
 import numpy as np
 
-from runtime.core.jit import inner
-from runtime.core.signatures import Vector
-from runtime.core.workspace import ROWS, SIZE
+from runtime.core.array_views import floats_at
+from runtime.core.function_table import MEMORY
+from runtime.core.jit import compiled, inner
+from runtime.core.signatures import HOOK, Integers, Vector
+from runtime.core.workspace import ROWS, SIZE, STAGE, Y1, Run
+from runtime.integrate.step_control import propose
 
 # Places in MEMORY: sums of the products of differences over the last steps; and the logarithm of
 # what a vibration has grown by since steps were last short enough.
@@ -34,18 +37,35 @@ _SAFE = 0.25  # rad: no such step of a vibration is unstable
 _HALVINGS = 12
 
 
+def memory(n: int) -> tuple[int, int]:
+    """Numbers that are kept for n coordinates: floats and integers."""
+    return FLOATS, 0
+
+
 @inner
-def observe(memory: Vector, w: Vector, state: int, other: int, slope: int, other_slope: int) -> int:
-    """Take in the rows of two states at one instant, and those of their derivatives."""
+def is_loose(rtol: float, length: int, edge: float) -> bool:
+    """Whether the error permits steps beyond the edge to one vibrating velocity among all."""
+    return bool(rtol * np.sqrt(length) > edge)
+
+
+@inner
+def observe(machine: Integers, rtol: float, w: Vector, edge: float, last: int) -> int:
+    """Take in the last stage and the result of a step, two states at one instant.
+
+    `last` is the row of the result's derivative; that of the last stage's is the one before.
+    """
     length = w.size // ROWS
+    if not is_loose(rtol, length, edge):
+        return 0
+    memory = floats_at(machine, MEMORY, FLOATS)
     n = length // 2
     for i in range(_GROWN):
         memory[i] *= _KEPT
     for j in range(n):
         size = w[SIZE * length + j]
-        q = (w[state * length + j] - w[other * length + j]) / size
-        v = (w[state * length + n + j] - w[other * length + n + j]) / size
-        a = (w[slope * length + n + j] - w[other_slope * length + n + j]) / size
+        q = (w[Y1 * length + j] - w[STAGE * length + j]) / size
+        v = (w[Y1 * length + n + j] - w[STAGE * length + n + j]) / size
+        a = (w[last * length + n + j] - w[(last - 1) * length + n + j]) / size
         memory[_QQ] += q * q
         memory[_QV] += q * v
         memory[_VV] += v * v
@@ -55,9 +75,10 @@ def observe(memory: Vector, w: Vector, state: int, other: int, slope: int, other
     return 0
 
 
-@inner
-def forget(memory: Vector) -> int:
-    """Begin anew: the motion goes on under other equations."""
+@compiled(HOOK)
+def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
+    """Forget what vibrated: the motion goes on under other equations."""
+    memory = floats_at(machine, MEMORY, FLOATS)
     for i in range(FLOATS):
         memory[i] = 0.0
     return 0
@@ -116,3 +137,12 @@ def bounded(memory: Vector, powers: Vector, h: float) -> float:
         else:
             low = middle
     return float(min(h, _INSIDE * low))
+
+
+@inner
+def limited(machine: Integers, h: float, w: Vector, run: Run, powers: Vector, edge: float) -> float:
+    """Ratio of two steps' lengths by the error, or less where a vibration would grow too much."""
+    ratio = propose(machine, h, w, run)
+    if not is_loose(run[0].rtol, w.size // ROWS, edge):
+        return float(ratio)
+    return float(bounded(floats_at(machine, MEMORY, FLOATS), powers, ratio * h) / h)

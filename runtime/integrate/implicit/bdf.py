@@ -62,28 +62,7 @@ from runtime.integrate.implicit.method_memory import (
 from runtime.integrate.implicit.newton_matrices import factor_real, tolerate
 from runtime.integrate.implicit.state_space_form import arrive, differentiate, unknowns
 from runtime.integrate.implicit.stiffness_estimate import calm
-
-__all__ = [
-    "DENSE_ROWS",
-    "GROW",
-    "LAST",
-    "accepted",
-    "dense",
-    "error",
-    "memory",
-    "propose",
-    "restart",
-    "stages",
-]
-
-ORDER = 2  # power of the step in the error of the first order, with which every start begins
-ERROR_ORDER = 1
-STAGE_CALLS = 0  # counted where they happen
-DENSE_CALLS = 0
-BETA, SAFETY = 0.0, 0.9
-FORESIGHT = 0.5  # as far as a few steps of the explicit method that leads across reach
-SHRINK = 0.2
-
+from runtime.integrate.method import Method
 
 _SHARE = 0.2
 NEWTON = 3e-3  # how far Newton's method is taken, over the tolerance asked
@@ -265,3 +244,25 @@ def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
     notes[CURRENT] = 0
     notes[REJECTED] = run[0].rejected
     return 0
+
+
+METHOD = Method(
+    order=2,  # power of the step in the error of the first order, with which every start begins
+    error_order=1,
+    stage_calls=0,  # counted where they happen
+    last=LAST,
+    dense_rows=DENSE_ROWS,
+    dense_calls=0,
+    beta=0.0,
+    safety=0.9,
+    shrink=0.2,
+    grow=GROW,
+    stages=stages,
+    error=error,
+    dense=dense,
+    propose=propose,
+    accepted=accepted,
+    restart=restart,
+    memory=memory,
+    foresight=0.5,  # as far as a few steps of the explicit method that leads across reach
+)

@@ -52,18 +52,9 @@ from runtime.integrate.implicit.radau5_stages import (
 )
 from runtime.integrate.implicit.state_space_form import differentiate, unknowns
 from runtime.integrate.implicit.stiffness_estimate import calm, stiffness
+from runtime.integrate.method import Method
 
-__all__ = ["LAST", "accepted", "dense", "error", "memory", "propose", "restart", "stages"]
-
-ORDER = 4  # power of the step in the error estimate
-ERROR_ORDER = 3
-STAGE_CALLS = 0  # counted where they happen
 DENSE_ROWS = 6
-DENSE_CALLS = 0
-BETA, SAFETY = 0.0, 0.9
-FORESIGHT = 0.5  # as far as a few steps of the explicit method that leads across reach
-SHRINK, GROW = 0.2, 8.0
-
 _SAME = 1.2  # a step that could grow by less stays as it is, and with it the matrices
 _SMOOTH = 10.0  # h² |G_u| + h |G_u̇| up to which the ends' accelerations add a sixth of their error
 _ROUNDING = 2.2e-16
@@ -234,3 +225,25 @@ def dense(
         if abs(f4[j]) < 30.0 * _ROUNDING * ((abs(y0[i]) + abs(y1[i])) / h + abs(y0[j])):
             f4[j] = 0.0
     return 0
+
+
+METHOD = Method(
+    order=4,  # power of the step in the error estimate
+    error_order=3,
+    stage_calls=0,  # counted where they happen
+    last=LAST,
+    dense_rows=DENSE_ROWS,
+    dense_calls=0,
+    beta=0.0,
+    safety=0.9,
+    shrink=0.2,
+    grow=8.0,
+    stages=stages,
+    error=error,
+    dense=dense,
+    propose=propose,
+    accepted=accepted,
+    restart=restart,
+    memory=memory,
+    foresight=0.5,  # as far as a few steps of the explicit method that leads across reach
+)

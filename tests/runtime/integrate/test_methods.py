@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from runtime.integrate.method import EXPLICIT
 from runtime.integrate.problem import Options
 from runtime.integrate.run import integrate
 from tests.runtime.integrate.systems import PENDULUM, pendulum_problem, relay, run_relay
 
-METHODS = ("dopri5", "dop853")
+METHODS = EXPLICIT
 OMEGA = 2.0
 
 

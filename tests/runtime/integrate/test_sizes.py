@@ -9,6 +9,7 @@ from runtime import load
 from runtime.assembly.coordinate_scales import magnitudes
 from runtime.assembly.dense_equations import Equations
 from runtime.core.outcomes import Outcome
+from runtime.integrate.method import EXPLICIT
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
 from tests.runtime.integrate.systems import (
@@ -31,7 +32,7 @@ def spring(workshop):
     return load(model, "free", folder=workshop)
 
 
-@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_a_small_oscillator_is_as_right_as_a_large_one(spring, method):
     worst = []
     for size in (1.0, 1e-3, 1e-6):
