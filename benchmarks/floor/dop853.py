@@ -67,7 +67,10 @@ def written_out(states: Sequence[str], parameters: Sequence[str]) -> str:
         f"        {called(1, states)}",
         f"        ratio = {METHOD.grow!r}",
         "        if error > 0.0:",
-        f"            ratio = {METHOD.safety!r} * before**{METHOD.beta!r} / error**{0.125 - 0.75 * METHOD.beta!r}",
+        (
+            f"            ratio = {METHOD.safety!r} * before**{METHOD.beta!r}"
+            f" / error**{0.125 - 0.75 * METHOD.beta!r}"
+        ),
         f"        ratio = max({METHOD.shrink!r}, min({METHOD.grow!r}, ratio))",
         "        h *= min(ratio, 1.0) if failed else ratio",
         "        before, failed = max(error, 1e-4), False",

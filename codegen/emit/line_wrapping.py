@@ -25,6 +25,20 @@ def fitted(head: str, text: str, note: str = "") -> Iterator[str]:
         yield from (f"{head}(", f"{indent}    {text}", f"{indent})")
 
 
+def comments(titles: Sequence[str]) -> Iterator[str]:
+    """Comments inside a function; titles that begin with the same word share a line."""
+    line = ""
+    for title in titles:
+        verb = title.partition(" ")[0]
+        joined = f"{line}; {title.removeprefix(verb).strip()}"
+        if line.startswith(f"    # {verb} ") and len(joined) <= PAGE:
+            line = joined
+        else:
+            yield from [line] if line else []
+            line = f"    # {title}"
+    yield from [line] if line else []
+
+
 def note_of(out: Output) -> str:
     """What a line that stores an output says behind it."""
     return f"  # {out.note}" if out.note else ""

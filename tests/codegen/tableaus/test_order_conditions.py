@@ -161,7 +161,9 @@ def test_stability_edge(name):
         return
     states = []
     for stage in tableau.all_stages:
-        states.append(1.0 + 1j * edge * sum(float(a) * k for a, k in zip(stage.a, states)))
-    estimate = edge * abs(sum(float(a) * k for a, k in zip(tableau.error, states)))
+        states.append(
+            1.0 + 1j * edge * sum(float(a) * k for a, k in zip(stage.a, states, strict=False))
+        )
+    estimate = edge * abs(sum(float(a) * k for a, k in zip(tableau.error, states, strict=False)))
     assert tableau.stability_edge == pytest.approx(0.5 * estimate, rel=0.1)
     assert tableau.stages[-1].c == 1  # its state is compared with that at the end
