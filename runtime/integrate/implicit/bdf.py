@@ -62,34 +62,7 @@ from runtime.integrate.implicit.method_memory import (
 from runtime.integrate.implicit.newton_matrices import factor_real, tolerate
 from runtime.integrate.implicit.state_space_form import arrive, differentiate, unknowns
 from runtime.integrate.implicit.stiffness_estimate import calm
-<<<<<<< HEAD
 from runtime.integrate.method import Method
-=======
-
-__all__ = [
-    "DENSE_ROWS",
-    "GROW",
-    "LAST",
-    "accepted",
-    "dense",
-    "error",
-    "memory",
-    "propose",
-    "restart",
-    "stages",
-]
-
-ORDER = 2  # power of the step in the error of the first order, with which every start begins
-ERROR_ORDER = 1
-STAGE_CALLS = 0  # counted where they happen
-DENSE_CALLS = 0
-BETA = 0.0  # measured: proportional part of the step control: none
-SAFETY = 0.9  # measured: part of the length that the error permits
-# measured: of the coordinates' sizes; a few steps of the explicit method that leads across
-FORESIGHT = 0.5
-SHRINK = 0.2  # measured: smallest ratio of the lengths of two steps
-
->>>>>>> main
 
 _SHARE = 0.2  # measured: factor of rtol^(1/5), the tolerance of a step over that of the user
 NEWTON = 3e-3  # measured: how far Newton's method is taken, over the tolerance of the user
@@ -281,9 +254,9 @@ METHOD = Method(
     last=LAST,
     dense_rows=DENSE_ROWS,
     dense_calls=0,
-    beta=0.0,
-    safety=0.9,
-    shrink=0.2,
+    beta=0.0,  # measured: no proportional part
+    safety=0.9,  # measured: share of the length that the error permits
+    shrink=0.2,  # measured: least ratio of the lengths of two steps
     grow=GROW,
     stages=stages,
     error=error,
@@ -292,5 +265,5 @@ METHOD = Method(
     accepted=accepted,
     restart=restart,
     memory=memory,
-    foresight=0.5,  # as far as a few steps of the explicit method that leads across reach
+    foresight=0.5,  # measured: a few steps of the explicit method that leads across
 )

@@ -56,23 +56,9 @@ from runtime.integrate.implicit.stiffness_estimate import calm, stiffness
 from runtime.integrate.method import Method
 
 DENSE_ROWS = 6
-<<<<<<< HEAD
-_SAME = 1.2  # a step that could grow by less stays as it is, and with it the matrices
-_SMOOTH = 10.0  # h² |G_u| + h |G_u̇| up to which the ends' accelerations add a sixth of their error
-_ROUNDING = 2.2e-16
-=======
-DENSE_CALLS = 0
-BETA = 0.0  # measured: proportional part of the step control: none
-SAFETY = 0.9  # measured: part of the length that the error permits
-# measured: of the coordinates' sizes; a few steps of the explicit method that leads across
-FORESIGHT = 0.5
-SHRINK = 0.2  # measured: smallest ratio of the lengths of two steps
-GROW = 8.0  # measured: largest ratio of the lengths of two steps
-
 _SAME = 1.2  # measured: a step that could grow by less keeps its length, and its matrices
 # measured: h² |G_u| + h |G_u̇| up to which end accelerations add a sixth of their error
 _SMOOTH = 10.0
->>>>>>> main
 
 
 @inner
@@ -249,10 +235,10 @@ METHOD = Method(
     last=LAST,
     dense_rows=DENSE_ROWS,
     dense_calls=0,
-    beta=0.0,
-    safety=0.9,
-    shrink=0.2,
-    grow=8.0,
+    beta=0.0,  # measured: no proportional part
+    safety=0.9,  # measured: share of the length that the error permits
+    shrink=0.2,  # measured: least ratio of the lengths of two steps
+    grow=8.0,  # measured: largest ratio
     stages=stages,
     error=error,
     dense=dense,
@@ -260,5 +246,5 @@ METHOD = Method(
     accepted=accepted,
     restart=restart,
     memory=memory,
-    foresight=0.5,  # as far as a few steps of the explicit method that leads across reach
+    foresight=0.5,  # measured: a few steps of the explicit method that leads across
 )
