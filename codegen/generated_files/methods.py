@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import codegen
 from codegen.emit.runge_kutta import module_text
 from codegen.generated_files.atomic_write import is_current, write_if_changed
 from codegen.model_file import library_folder
@@ -24,10 +23,8 @@ def write_methods(
         Write nothing.
     """
     folder = folder or library_folder() / FOLDER
-    generator = f"linkwright {codegen.__version__}"
     texts = {
-        folder / f"{name}.py": module_text(name, tableau, generator)
-        for name, tableau in tableaus().items()
+        folder / f"{name}.py": module_text(name, tableau) for name, tableau in tableaus().items()
     }
     stale = [path for path, text in texts.items() if not is_current(path, text)]
     for path in () if check else stale:

@@ -12,7 +12,7 @@ from runtime.integrate.wiring import function_table
 if TYPE_CHECKING:
     from runtime.integrate.run import _Run
 
-_MOST_PATIENCE = 1024  # times the first, before a method is changed
+_MOST_PATIENCE = 1024  # safety: times the first, before a method is changed
 
 
 def fill_method(r: Any, method: Method) -> None:

@@ -28,7 +28,7 @@ def test_writing_and_checking(tmp_path):
 
 @pytest.mark.parametrize("name", tableaus())
 def test_text(name):
-    text = module_text(name, tableaus()[name], "linkwright 0")
+    text = module_text(name, tableaus()[name])
     assert max(map(len, text.splitlines())) <= 100
     assert " 0.0 * " not in text  # no zero of the tableau is multiplied
     compile(text, name, "exec")
