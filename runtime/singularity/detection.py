@@ -24,6 +24,7 @@ from runtime.core.function_table import (
     jacobian_of,
 )
 from runtime.core.jit import addressed, inner
+from runtime.core.rounding import EPS
 from runtime.core.signatures import VANISHING, Integers, Vector
 from runtime.core.workspace import PARTITION, ROWS, SAMPLE, SIZE, Y0, K, Run
 from runtime.linalg.elimination_plan import draw_up, replay
@@ -43,7 +44,6 @@ PIVOT_ROWS = 4
 WHEN, LEAST = 0, 1
 # measured: part of the smallest pivot at its search below which an order is found anew
 _POORER = 0.5
-_EPS = 2.2e-16
 
 
 @inner
@@ -146,7 +146,7 @@ def vanishing(
     haste = greatest(view(w, K * 2 * n + n, n), size)
     if state == Y0:
         # Rounding fails steps that are shorter and shorter within this distance, on either side.
-        noisy = np.cbrt(_EPS / r.rtol) / max(speed, 1e-300)
+        noisy = np.cbrt(EPS / r.rtol) / max(speed, 1e-300)
         back, ahead = -max(BEHIND * h, noisy), max(h, noisy)
         span = min(h, _REACH / max(speed, 1e-300))
     for j in range(n):
