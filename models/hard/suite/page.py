@@ -19,9 +19,9 @@ perturbation of the motion; the factor is a property of the machine and is state
 rtol, with the steps of a method of order 8 at rtol 1e-9, and at least {KEPT:g} × growth × rtol.
 Where the bound exceeds {WORTH:g} (m, rad, s) the number is beyond the horizon and not compared;
 the column *until* gives the last instant that is compared, and where nothing can be compared the
-verdict is *beyond the horizon*. |Φ| must stay below {RESIDUAL:.0e}; with the corrections {" and
-".join(DRIFTING)}, which only pull back or return now and then, it must stay below {KEPT:g} ×
-rtol.
+verdict is *beyond the horizon*. |Φ| must stay below {RESIDUAL:.0e}; with the corrections
+{" and ".join(DRIFTING)}, which only pull back or return now and then, it must stay below
+{KEPT:g} × rtol.
 
 | column | meaning |
 |---|---|
