@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from runtime.assembly.closure import CLOSED, Task
-from runtime.assembly.dense_equations import FloatArray
 from runtime.core.rounding import EPS
+from runtime.mechanism.dense_equations import FloatArray
 from runtime.singularity.local_motion import taylor
 from runtime.singularity.singular_position import Positions
 

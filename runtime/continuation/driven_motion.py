@@ -8,12 +8,9 @@ come close, or where time turns back, the curve of positions is followed by its 
 
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from runtime.assembly.assembled_state import Assembly
-from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.continuation import singularity_classification as meeting
 from runtime.continuation.arclength import Curve, Point
 from runtime.continuation.bifurcation_branches import Branch, ambiguous, branches
@@ -33,13 +30,13 @@ from runtime.continuation.pivot_monitor import (
 from runtime.continuation.predictor_corrector import ARRIVED, DONE, SUSPECT
 from runtime.core.outcomes import Outcome
 from runtime.core.rounding import EPS
+from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.mechanism import Mechanism
 from runtime.progress_bar import Progress
+from runtime.results.assembled_state import Assembly
 from runtime.results.singular_positions import Kind, SingularPosition
 from runtime.singularity.local_motion import taylor
 from runtime.singularity.singular_position import Positions, Singularity
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine
 
 _ROUNDING = 64.0 * EPS  # accuracy: gap, in parts of the largest coordinate, that is rounding
 _DRIFT = 1e-4  # accuracy: |uᵀ ν|, the drivers' pace 1, at a branch point or a near miss of one
@@ -270,7 +267,7 @@ class Follower:
 
 
 def follow(
-    machine: "Machine",
+    mechanism: Mechanism,
     times: FloatArray,
     start: Assembly,
     wished: FloatArray,
@@ -278,7 +275,7 @@ def follow(
     progress: Progress,
 ) -> Walk:
     """Walk from the assembled start through `times`; `wished`: the start velocities asked for."""
-    follower = Follower(Equations(machine, p), times, start)
+    follower = Follower(Equations(mechanism, p), times, start)
     course = follower.course
     if course.weak or start.singular:
         # Here Phi_q says neither which branch it is nor how it curves.
