@@ -11,6 +11,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from codegen.emit.line_wrapping import quantity
 from codegen.errors import InputError, ParameterError
 
 app = typer.Typer(
@@ -141,8 +142,9 @@ def _print_build(done: Any, check: bool) -> None:
         output.print(f"  file          {escaped(str(s.path))}")
         output.print(f"  bodies        {', '.join(s.bodies)}")
         output.print(
-            f"  equations     {s.coordinates} coordinates, {s.constraints} constraints, "
-            f"{s.degrees_of_freedom} degrees of freedom"
+            f"  equations     {quantity(s.coordinates, 'coordinate')}, "
+            f"{quantity(s.constraints, 'constraint')}, "
+            f"{quantity(s.degrees_of_freedom, 'degree of freedom')}"
         )
         output.print(f"  effects       {', '.join(s.effects) or 'none'}")
         output.print(f"  left out      {', '.join(s.left_out) or 'nothing'}")

@@ -8,6 +8,12 @@ PAGE = 100
 """Characters in a line."""
 
 
+def quantity(count: int, noun: str) -> str:
+    """``1 degree of freedom``, ``2 degrees of freedom``."""
+    first, *rest = noun.split(" ", 1)
+    return " ".join([str(count), first if count == 1 else f"{first}s", *rest])
+
+
 def tail(lines: list[str]) -> str:
     """What the last of the lines sets its name to."""
     return lines[-1].partition(" = ")[2]
