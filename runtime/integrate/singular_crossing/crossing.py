@@ -11,7 +11,6 @@ against rounding, and its error may be the larger of the two. Near the position,
 the constraints by projection: there no choice of independent coordinates is a good one.
 """
 
-from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,6 +30,7 @@ from runtime.core.workspace import (
     K,
 )
 from runtime.integrate import loop as driver
+from runtime.integrate.method import Method
 from runtime.integrate.problem import Problem
 from runtime.integrate.singular_crossing.crossing_step import Leap, Leaps
 from runtime.integrate.singular_crossing.extrapolated_accelerations import Continuity
@@ -53,7 +53,7 @@ _TRIES = 4  # safety: plans for one crossing
 class Crossings:
     """Singular positions of one run: looked for when the loop asks, planned, and remembered."""
 
-    def __init__(self, system: System, problem: Problem, run: "_Run", parts: ModuleType) -> None:
+    def __init__(self, system: System, problem: Problem, run: "_Run", method: Method) -> None:
         self.run, self.r = run, run.r
         self.scale = np.asarray(problem.scale, dtype=np.float64)
         constraints = ScaledConstraints(
@@ -70,7 +70,7 @@ class Crossings:
             system.constraint_count,
         )
         self.positions = SingularPositions(constraints)
-        self.leaps = Leaps(self.scale, float(self.r["rtol"]), parts)
+        self.leaps = Leaps(self.scale, float(self.r["rtol"]), method)
         self.lending = Lending(run, self.leaps)
         self.continuity = Continuity(system, run.fixed_arrays[3], run.modes, self.scale)
         if system.constraints is no_right_side or system.constraint_count == 0:
@@ -85,9 +85,9 @@ class Crossings:
 
     # -- what the loop asks -------------------------------------------------------------------
 
-    def follow(self, parts: ModuleType) -> None:
-        """Plan for the steps of the method that is a module `parts`."""
-        self.leaps.follow(parts)
+    def follow(self, method: Method) -> None:
+        """Plan for the steps of the method."""
+        self.leaps.follow(method)
 
     def look(self) -> int:
         """Answer the loop: go on as planned, or the code of an outcome."""
