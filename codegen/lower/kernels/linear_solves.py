@@ -1,19 +1,13 @@
-"""The kernels that solve: accelerations with multipliers, and the recovery of coordinates."""
-
-from itertools import combinations_with_replacement
+"""The kernel of accelerations and multipliers, by the elimination that costs least."""
 
 from codegen.declare.symbols import Parameter
 from codegen.lower.constant_hoisting import with_constants
-from codegen.lower.graph import Graph
-from codegen.lower.kernels.driven_machines import Square
+from codegen.lower.kernels.corrections import least_changes
 from codegen.lower.kernels.friction import with_friction
 from codegen.lower.linear.factorization import Elimination, Strategy
 from codegen.lower.operation_count import cost
-from codegen.lower.program import STATE, Check, Kernel, Output, store
+from codegen.lower.program import STATE, Kernel, Output, store
 from codegen.lower.scene_graph import SceneGraph
-
-Entries = dict[tuple[int, int], int]
-"""(row, column) → value, structural non-zeros of Φ_q."""
 
 FAR = 1e5
 """Ratio of the largest to the smallest mass, or moment of inertia, from which on solutions are
@@ -115,7 +109,9 @@ def _pushes(scene: SceneGraph) -> list[list[int]]:
 def _kinematics(scene: SceneGraph) -> Kernel:
     """Accelerations that the constraints alone determine."""
     with scene.graph.serving("factorization"):
-        (solution,), checks = _only(scene, [scene.gamma], [scene.graph.one] * scene.n)
+        (solution,), checks = least_changes(
+            scene.graph, scene.jacobian, [scene.gamma], [scene.graph.one] * scene.n
+        )
     names = [q.rate.name for q in scene.equations.coordinates]
     return Kernel(
         "accelerations",
@@ -125,88 +121,3 @@ def _kinematics(scene: SceneGraph) -> Kernel:
         checks,
         watched=True,
     )
-
-
-def correction(scene: SceneGraph) -> Kernel:
-    """The changes of q and q̇ that meet the constraints, least in the norm of the weights w."""
-    graph = scene.graph
-    with graph.serving("correction"):
-        right = _missing(graph, scene.jacobian, scene.phi, scene.nu, scene.v)
-        changes, checks = _only(scene, right, scene.w)
-    return _correction([q.name for q in scene.equations.coordinates], changes, checks)
-
-
-def least_correction(
-    graph: Graph,
-    jacobian: Entries,
-    phi: list[int],
-    nu: list[int],
-    v: list[int],
-    w: list[int],
-    names: list[str],
-) -> Kernel:
-    """The same for constraints that stand in a graph without their scene."""
-    with graph.serving("correction"):
-        right = _missing(graph, jacobian, phi, nu, v)
-        changes, checks = _least(graph, jacobian, right, w)
-    return _correction(names, changes, checks)
-
-
-def _missing(
-    graph: Graph, jacobian: Entries, phi: list[int], nu: list[int], v: list[int]
-) -> list[list[int]]:
-    """-Φ and -(Φ_q q̇ + Φ_t)."""
-    rates = [graph.neg(one) for one in nu]
-    for (i, k), entry in jacobian.items():
-        rates[i] = graph.add(rates[i], graph.mul(entry, v[k]))
-    return [[graph.neg(one) for one in phi], [graph.neg(rate) for rate in rates]]
-
-
-def _correction(names: list[str], changes: list[list[int]], checks: tuple[Check, ...]) -> Kernel:
-    dq, dv = changes
-    return Kernel(
-        "correction",
-        "W Φ_qᵀ (Φ_q W Φ_qᵀ)⁻¹ times -Φ and -(Φ_q q̇ + Φ_t): w = 0 holds a coordinate.",
-        (*STATE, "w", "dq", "dv"),
-        store("dq", dq, names) + store("dv", dv, names),
-        checks,
-        watched=True,
-    )
-
-
-def _only(
-    scene: SceneGraph, right: list[list[int]], weights: list[int]
-) -> tuple[list[list[int]], tuple[Check, ...]]:
-    """Solutions d of Φ_q d = right; where the constraints leave a choice, the least by weight."""
-    if scene.driven:
-        system = Square(scene.graph, scene.jacobian, right)
-        solutions = system.solve()
-        if solutions is not None:
-            return solutions, tuple(system.checks)
-    return _least(scene.graph, scene.jacobian, right, weights)
-
-
-def _least(
-    graph: Graph, jacobian: Entries, right: list[list[int]], weights: list[int]
-) -> tuple[list[list[int]], tuple[Check, ...]]:
-    """Solutions d of Φ_q d = right that are least in the norm dᵀ W⁻¹ d."""
-    by_row: dict[int, dict[int, int]] = {}
-    for (i, k), entry in jacobian.items():
-        by_row.setdefault(i, {})[k] = entry
-    entries: dict[tuple[int, int], int] = {}
-    rows = range(len(right[0]))
-    for i, j in combinations_with_replacement(rows, 2):
-        shared = [k for k in by_row.get(i, {}) if k in by_row.get(j, {})]
-        if shared or i == j:
-            terms = [graph.mul(graph.mul(by_row[i][k], weights[k]), by_row[j][k]) for k in shared]
-            entries[i, j] = entries[j, i] = graph.total(terms)
-    references = {i: entries[i, i] for i in rows}
-    system = Elimination(graph, entries, [list(r) for r in right], references=references)
-    multipliers = system.solve("schur")
-    solutions = []
-    for mu in multipliers:
-        d = [graph.zero] * len(weights)
-        for (i, k), entry in jacobian.items():
-            d[k] = graph.add(d[k], graph.mul(entry, mu[i]))
-        solutions.append([graph.mul(w, x) for w, x in zip(weights, d, strict=True)])
-    return solutions, tuple(system.checks)

@@ -19,17 +19,15 @@ from typing import Literal
 
 from codegen.lower.graph import Graph
 from codegen.lower.linear.back_substitution import Loop, Pair, Single, Substitution
+from codegen.lower.linear.pivots import LEAST_PIVOT
 from codegen.lower.program import Check
 
 DIVISION = 8
 """What a division counts in the choice of an order, in products."""
 
-LEAST_PIVOT = 0.1
-"""What a pair's entry must be of the largest number in its row of Φ_q."""
-
 Strategy = Literal["substitute", "mixed", "schur", "square"]
 """Pairs while there are any; whatever is cheapest now; accelerations, then multipliers; what
-constraints alone determine, `codegen.lower.kernels.driven_machines`."""
+constraints alone determine, `codegen.lower.linear.square_systems`."""
 
 
 @dataclass
