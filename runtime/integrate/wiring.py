@@ -26,7 +26,7 @@ from runtime.hybrid.sliding_modes import work_size
 from runtime.integrate import sampling as outputs
 from runtime.integrate import step as attempt
 from runtime.integrate import step_control as control
-from runtime.linalg.elimination_plan import room
+from runtime.linalg.elimination_plan import plan_capacity
 from runtime.singularity.detection import PIVOT_ROWS, vanishing
 
 _MODULES = {
@@ -152,7 +152,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         Slot.NOTES: np.zeros(notes, np.int64),
         Slot.PIVOTS: np.zeros(PIVOT_ROWS * m + 2),
         Slot.PIVOT_COLUMNS: np.zeros(m, np.int64),
-        Slot.PLAN: np.zeros(room(m, nonzeros), np.int64),
+        Slot.PLAN: np.zeros(plan_capacity(m, nonzeros), np.int64),
         Slot.LOOP_ROWS: np.array(system.loop_rows, dtype=np.int64),
         Slot.NEARNESS: np.zeros(dead_centres.numbers_for(len(system.loop_rows))),
         Slot.SPREADS: np.zeros(s),
@@ -169,7 +169,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     system.restitution(p, arrays[Slot.RESTITUTION])
     table[Slot.RIGID_COUNT], table[Slot.REACTION_ROWS] = contacts, system.reaction_rows
     table[Slot.LOG_ROWS], table[Slot.LOOPS] = log_rows, len(system.loop_rows)
-    table[Slot.CORRECTING], table[Slot.PLAN_SIZE] = 1, room(m, nonzeros)
+    table[Slot.CORRECTING], table[Slot.PLAN_SIZE] = 1, plan_capacity(m, nonzeros)
     return Wiring(table, arrays)
 
 

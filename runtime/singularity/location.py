@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.singularity.local_motion import Motion, moved, nearest
+from runtime.singularity.local_motion import Motion, evaluate, nearest_time
 from runtime.singularity.pivot_orders import Frame, Frames
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.search_table import (
@@ -26,7 +26,7 @@ from runtime.singularity.search_table import (
 
 FloatArray = NDArray[np.float64]
 
-_PASSES = 3
+_PASSES = 3  # safety: searches, each from the position of the last one
 
 
 class Root(NamedTuple):
@@ -61,7 +61,7 @@ class Search:
     def at(self, s: float) -> tuple[FloatArray, FloatArray]:
         """z and dz/ds after the time s."""
         z, rate = np.empty((2, self.series.shape[1]))
-        moved(self.series, s, z, rate)
+        evaluate(self.series, s, z, rate)
         return z, rate
 
     def weak(self, s: float) -> int:
@@ -79,7 +79,7 @@ class Search:
             found = self._root(z, self._frame(z), weak)
             if found is None:
                 return None
-            before, s = s, nearest(self.series, s, found.z)
+            before, s = s, nearest_time(self.series, s, found.z)
             # With one freedom the position is one point, wherever the search for it began.
             if found.freedom <= 1 or abs(s - before) * self.speed < 1e-6:
                 break
@@ -92,7 +92,8 @@ class Search:
 
     def _root(self, z: FloatArray, frame: Frame, weak: int) -> Root | None:
         """A position where `weak` constraints are lost; None where none is near z."""
-        from runtime.singularity.gauss_newton import root  # loaded where something is singular
+        # Loaded where something is singular.
+        from runtime.singularity.gauss_newton import find_root
 
         arrays = self.arrays
         rows, wide = frame.row_order.size, frame.column_order.size
@@ -101,7 +102,7 @@ class Search:
         arrays[COLUMN_PLACE][frame.column_order] = np.arange(wide)
         free = wide - rows + weak
         left, null = np.empty((rows, weak)), np.empty((wide, free))
-        gap = root(
+        gap = find_root(
             self.table,
             self.speed,
             z,

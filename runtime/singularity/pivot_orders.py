@@ -5,19 +5,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.linalg.full_pivoting import ordered
+from runtime.linalg.full_pivoting import factor_entries
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.search_table import COLUMN_ORDER, ROW_ORDER
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-_WEAK = 0.3  # a singular value above this, columns scaled and rows made unit length, is not weak
-_APART = 3.0  # factor by which the weak singular values lie below the others
-_NONE = 1e-9  # singular values below this are not told apart
-_KNOWN = 0.02  # Jacobians that differ by no more than this share their order of pivots
-_KEPT = 4
-_STRONG = 0.5  # a pivot above this belongs to no weak row
+# measured: singular values above this, columns scaled and rows of unit length, are not weak
+_WEAK = 0.3
+_APART = 3.0  # measured: factor by which the weak singular values lie below the others
+_NONE = 1e-9  # accuracy: singular values below this are all zero
+_KNOWN = 0.02  # measured: difference of two Jacobians up to which they share an order of pivots
+_KEPT = 4  # measured: orders of pivots that are remembered
+_STRONG = 0.5  # measured: a pivot above this belongs to no weak row
 
 
 class Frame(NamedTuple):
@@ -51,20 +52,20 @@ class Frames:
         rows, wide = constraints.independent.size, constraints.scale.size + 1
         a, places = np.zeros((rows, wide)), constraints.places
         orders = arrays[ROW_ORDER], arrays[COLUMN_ORDER]
-        strong = ordered(entries, *places, _STRONG, a, *orders)
+        strong = factor_entries(entries, *places, _STRONG, a, *orders)
         values = np.ones(rows)
         if strong < rows:
-            from runtime.singularity.gauss_newton import (
-                weak_part,  # loaded where something is singular
-            )
+            # Loaded where something is singular.
+            from runtime.singularity.schur_complement import reduce_to_weak_part
 
             weak, free = rows - strong, wide - strong
             left, null = np.empty((rows, weak)), np.empty((wide, free))
-            if weak_part(table, a, left, null, np.empty((weak, weak)), np.empty((free, free))):
+            square, normal = np.empty((weak, weak)), np.empty((free, free))
+            if reduce_to_weak_part(table, a, left, null, square, normal):
                 values[strong:] = 0.0
                 smallest = np.linalg.svd(a[strong:, strong:], compute_uv=False)
                 values[strong : strong + smallest.size] = smallest
-            ordered(entries, *places, 0.0, a, *orders)
+            factor_entries(entries, *places, 0.0, a, *orders)
         return Frame(
             entries, orders[0].copy(), orders[1].copy(), weak_values(np.minimum(values, 1))
         )

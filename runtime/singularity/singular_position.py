@@ -14,17 +14,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.singularity.local_motion import Motion, distance, nearest
+from runtime.linalg.rank_policy import LOST
+from runtime.singularity.local_motion import Motion, distance, nearest_time
 from runtime.singularity.location import Root, Search
 from runtime.singularity.pivot_orders import Frames
 from runtime.singularity.scaled_constraints import ScaledConstraints
 
 FloatArray = NDArray[np.float64]
 
-_SAME = 0.05  # of the way there: a motion that comes as near to a known position passes it
-_ROUNDED = 1e-13  # a gap of unit rows that is none
-_CLEARLY = 1e-3  # of a gap: a gap that is another's
-_LOST = 1e-6  # of unit rows: singular values below this are lost, as at a start
+# measured: of the way there; a motion that comes as near to a known position passes it
+_SAME = 0.05
+_ROUNDED = 1e-13  # accuracy: gap of unit rows that is rounding
+# measured: part of a gap; a smaller one belongs to another position
+_CLEARLY = 1e-3
 
 
 class Singularity(NamedTuple):
@@ -107,7 +109,7 @@ class Positions:
             return None
         z = np.append(known.q / self.constraints.scale, known.t * speed)
         series = motion.scaled(self.constraints.scale, speed)
-        s = nearest(series, known.t - motion.t, z)
+        s = nearest_time(series, known.t - motion.t, z)
         miss = distance(series, s, z)
         if miss > _SAME * max(abs(s) * speed, 1e-3):
             return self.near(motion, s)
@@ -118,7 +120,7 @@ class Positions:
         """When this motion is nearest to a known singular position."""
         z = np.append(known.q / self.constraints.scale, known.t * known.speed)
         series = motion.scaled(self.constraints.scale, known.speed)
-        return motion.t + nearest(series, known.t - motion.t, z)
+        return motion.t + nearest_time(series, known.t - motion.t, z)
 
 
 def _described(search: Search, root: Root, s: float) -> Singularity | None:
@@ -166,13 +168,13 @@ def _of_all(search: Search, root: Root, direction: FloatArray) -> tuple[int, Flo
     constraints = search.constraints
     matrix = constraints.all_rows(root.z[-1] / search.speed, root.z[:-1] * constraints.scale)
     _, values, right = np.linalg.svd(matrix)
-    rank = int((values > _LOST).sum())
+    rank = int((values > LOST).sum())
     null = right[rank:]
     if not len(null):
         return None
     allowed: FloatArray = null.T @ (null @ direction)
     size = float(np.linalg.norm(allowed))
-    if size < _LOST:
+    if size < LOST:
         # Nothing of it is left: of the others, that which is least the motion's.
         along = null @ search.series[1, :-1]
         others = np.linalg.svd(along[None, :])[2][1:] if len(null) > 1 else np.eye(len(null))
@@ -182,13 +184,12 @@ def _of_all(search: Search, root: Root, direction: FloatArray) -> tuple[int, Flo
 
 def _directions(search: Search, root: Root, rate: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The rate of what is lost along a motion, (k, c), and what its dz/ds lacks to a branch."""
-    from runtime.singularity.complement_derivative import (
-        branch,  # loaded where something is singular
-    )
+    # Loaded where something is singular.
+    from runtime.singularity.complement_derivative import find_branch
 
     (wide, free), weak = root.null.shape, root.left.shape[1]
     passing, x = np.empty((weak, free)), np.empty(free)
-    branch(
+    find_branch(
         search.table,
         search.speed,
         root.z,

@@ -11,14 +11,16 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.assembly.closure import CLOSED
-from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.constraints.partitioning import eliminate
-from runtime.linalg.newton_iteration import newton
+from runtime.linalg.newton_iteration import solve_by_newton
+from runtime.mechanism.dense_equations import Equations, FloatArray
 
-BALANCED = 1e-10  # a gradient below this share of the forces counts as balanced
-_DIFFERENCES = (3e-5, 3e-7, 3e-9)  # scaled steps of the difference quotients, finer at an edge
-_ROUNDING = 1.5e-14  # error of a gradient as a share of stiffness times coordinate: 64 roundings
-_REACH = 30.0  # scaled change of a dependent coordinate that is no longer a correction
+BALANCED = 1e-10  # accuracy: part of the forces; a gradient below it counts as balanced
+# accuracy: scaled steps of the difference quotients, finer at an edge
+_DIFFERENCES = (3e-5, 3e-7, 3e-9)
+# accuracy: error of a gradient, in parts of stiffness times coordinate: 64 roundings
+_ROUNDING = 1.5e-14
+_REACH = 30.0  # safety: scaled change of a dependent coordinate that is no correction any more
 
 
 class Partition(NamedTuple):
@@ -91,7 +93,7 @@ class Rest:
             found: FloatArray = equations.jacobian(self.t, at(x))[chosen] * scale
             return found / sizes[:, None]
 
-        x, gap = newton(gaps, slopes, np.zeros(len(dependent)))
+        x, gap = solve_by_newton(gaps, slopes, np.zeros(len(dependent)))
         return at(x) if gap <= CLOSED and float(np.abs(x).max()) < _REACH else None
 
     def motions(self, q: FloatArray, part: Partition) -> FloatArray:

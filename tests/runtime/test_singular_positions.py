@@ -5,9 +5,8 @@ import pytest
 
 from models.hard.cases import find
 from runtime import Machine
-from runtime.assembly.dense_equations import Equations
-from runtime.linalg.full_pivoting import ordered
-from runtime.singularity.local_motion import Motion, hermite, nearest, taylor
+from runtime.mechanism.dense_equations import Equations
+from runtime.singularity.local_motion import Motion, hermite, nearest_time, taylor
 from runtime.singularity.location import Search
 from runtime.singularity.pivot_orders import Frames, weak_values
 from runtime.singularity.scaled_constraints import ScaledConstraints
@@ -26,7 +25,7 @@ def machine() -> Machine:
 
 @pytest.fixture(scope="module")
 def scaled(machine: Machine) -> ScaledConstraints:
-    equations = Equations(machine, machine.parameter_values())
+    equations = Equations(machine.mechanism, machine.parameter_values())
     scale = 1.0 / np.sqrt(np.diag(equations.mass(np.zeros(equations.n))))
     return equations.scaled(scale, np.arange(equations.m))
 
@@ -93,27 +92,6 @@ def test_weak_rows_are_those_of_small_singular_values(
         assert search.weak(0.0) == weak_values(values) == weak
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_full_pivoting_factors_a_sparse_matrix(seed: int) -> None:
-    """P A Q = L U with pivots that nothing left is larger than; equal entries go by their place."""
-    random = np.random.default_rng(seed)
-    dense = np.where(random.random((9, 11)) < 0.3, random.integers(-2, 3, (9, 11)), 0).astype(float)
-    dense[4] = dense[2] - dense[7]
-    rows, columns = (np.ascontiguousarray(places) for places in np.nonzero(dense))
-    a, row_order, column_order = np.zeros((9, 11)), np.zeros(9, np.int64), np.zeros(11, np.int64)
-    entries = np.ascontiguousarray(dense[rows, columns])
-    rank = ordered(entries, rows, columns, 1e-10, a, row_order, column_order)
-    assert rank == np.linalg.matrix_rank(dense)
-    lower = np.tril(a[:, :rank], -1) + np.eye(9, rank)
-    upper = np.triu(a[:rank])
-    np.testing.assert_allclose(lower @ upper, dense[row_order][:, column_order], atol=1e-12)
-    assert np.abs(lower).max() <= 1.0 + 1e-8
-    assert np.all(np.abs(np.diag(upper)) * (1.0 + 1e-8) >= np.abs(upper).max(axis=1))
-    largest = np.abs(dense).max()
-    first = np.argwhere(np.abs(dense) == largest)[0]
-    assert (row_order[0], column_order[0]) == tuple(first)
-
-
 def test_a_quintic_has_what_both_ends_have() -> None:
     """And is nearest to a place that it passes when it passes it."""
     t, h = 2.0, 0.3
@@ -127,4 +105,4 @@ def test_a_quintic_has_what_both_ends_have() -> None:
     np.testing.assert_allclose(made.series, series, rtol=1e-10, atol=1e-10)
     passed = Motion(t, series).scaled(np.ones(4), 1.0)
     z = np.append(state(0.1)[0], 0.0)
-    assert nearest(passed, 0.11, z) == pytest.approx(0.1, abs=1e-6)
+    assert nearest_time(passed, 0.11, z) == pytest.approx(0.1, abs=1e-6)

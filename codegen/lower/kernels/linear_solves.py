@@ -5,13 +5,16 @@ from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.kernels.corrections import least_changes
 from codegen.lower.kernels.friction import with_friction
 from codegen.lower.linear.factorization import Elimination, Strategy
+from codegen.lower.linear.labels import Labels
 from codegen.lower.operation_count import cost
 from codegen.lower.program import STATE, Kernel, Output, store
 from codegen.lower.scene_graph import SceneGraph
 
 FAR = 1e5
-"""Ratio of the largest to the smallest mass, or moment of inertia, from which on solutions are
-refined: an elimination that divides by the wrong ones loses as many digits as the ratio has."""
+"""accuracy: ratio of the largest to the smallest mass, or moment of inertia, from which on
+solutions are refined: an elimination that divides by the wrong ones loses as many digits as the
+ratio has.
+"""
 
 
 def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Strategy]:
@@ -62,6 +65,8 @@ def _dynamics(
     lengths = {k for k, q in enumerate(scene.equations.coordinates) if q.unit == "m"}
     with_lengths = {i for i, k in scene.jacobian if k in lengths}
     located = [(k, n + i, i not in with_lengths) for i, k in scene.own]
+    labels = _labels(scene)
+    labels.step("Sizes that the pivots are compared with: the diagonal of Φ_q M⁻¹ Φ_qᵀ")
     with graph.serving("factorization"):
         for (i, k), entry in scene.jacobian.items():
             entries[n + i, k] = entries[k, n + i] = entry
@@ -69,6 +74,8 @@ def _dynamics(
                 continue
             part = graph.div(graph.mul(entry, entry), scene.masses[k])
             references[n + i] = graph.add(references.get(n + i, graph.zero), part)
+        for i, size in references.items():
+            labels.add(size, labels.of("size", i))
         system = Elimination(
             graph,
             entries,
@@ -76,11 +83,17 @@ def _dynamics(
             frozenset(range(n, n + scene.m)),
             references,
             located,
+            labels,
         )
         columns = system.solve(strategy)
         if refine:
             columns = [system.substitution.refined(k, x) for k, x in enumerate(columns)]
+            labels.step("Refine by what the equations as stated still lack")
+            labels.solved(columns)
+        if scene.frictions:
+            labels.step("Friction: its forces, and what they change")
         solution, rubbing = with_friction(scene, columns)
+        labels.solved([solution])
     outputs = store("a", solution[:n], [q.rate.name for q in scene.equations.coordinates])
     names = scene.row_names()
     told = range(scene.m) if rows is None else rows
@@ -94,6 +107,24 @@ def _dynamics(
         outputs,
         checks,
         watched=True,
+        labels=tuple(labels.found.values()),
+        steps=tuple(labels.steps),
+    )
+
+
+def _labels(scene: SceneGraph) -> Labels:
+    """Names of the equations of motion: without friction, and for a unit force of each friction."""
+    coordinates = [q.name for q in scene.equations.coordinates]
+    rates = [f"{q.rate.name}_rate" for q in scene.equations.coordinates]
+    rows = scene.row_names()
+    right = [*(f"Q_{name}" for name in coordinates), *(f"gamma_{name}" for name in rows)]
+    solution = [*rates, *(f"lambda_{name}" for name in rows)]
+    frictions = [e.name for e in scene.equations.effects if e.terms.friction]
+    tails = ["", *(f"_{name}" for name in frictions)]
+    return Labels(
+        [*coordinates, *rows],
+        [[name + tail for name in right] for tail in tails],
+        [[name + tail for name in solution] for tail in tails],
     )
 
 
@@ -108,11 +139,11 @@ def _pushes(scene: SceneGraph) -> list[list[int]]:
 
 def _kinematics(scene: SceneGraph) -> Kernel:
     """Accelerations that the constraints alone determine."""
-    with scene.graph.serving("factorization"):
-        (solution,), checks = least_changes(
-            scene.graph, scene.jacobian, [scene.gamma], [scene.graph.one] * scene.n
-        )
     names = [q.rate.name for q in scene.equations.coordinates]
+    with scene.graph.serving("factorization"):
+        (solution,), checks, labels = least_changes(
+            scene, [scene.gamma], ["gamma"], [[f"{name}_rate" for name in names]]
+        )
     return Kernel(
         "accelerations",
         "q̈ of Φ_q q̈ = γ (of least norm while drivers are missing).",
@@ -120,4 +151,6 @@ def _kinematics(scene: SceneGraph) -> Kernel:
         store("a", solution, names),
         checks,
         watched=True,
+        labels=tuple(labels.found.values()),
+        steps=tuple(labels.steps),
     )

@@ -14,15 +14,18 @@ takes back from its pivots what a heavy weight added to them, and loses as many 
 weights lie apart. With more than one degree of freedom in a loop that elimination is taken.
 """
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
 
 from codegen.lower.graph import Graph
+from codegen.lower.linear.labels import Labels
 from codegen.lower.linear.pivots import explicit_coordinate
 from codegen.lower.program import Check
 
 TINY = 1e-100  # safety: added to weights before they are inverted; w = 0 holds a coordinate
-LARGEST = 2  # closures that are solved together
+LARGEST = 2
+"""Closures that are solved together."""
 SEARCHED = 30  # safety: rows among which pairs of closures are looked for
 
 Row = dict[int, int]
@@ -41,6 +44,8 @@ class NullSpace:
         Right sides, one list of rows each.
     weights
         One value a column.
+    labels, rows
+        Names for the text, of coordinates and of constraints.
     checks
         What is watched; the constraint of a check is a row.
     """
@@ -49,6 +54,8 @@ class NullSpace:
     entries: dict[tuple[int, int], int]
     right: list[list[int]]
     weights: list[int]
+    labels: Labels = field(default_factory=Labels)
+    rows: Sequence[str] = ()
     checks: list[Check] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
@@ -78,6 +85,7 @@ class NullSpace:
         """x_k = (r - Σ entry x) / number."""
         graph = self.graph
         row = self._rows.pop(i)
+        self._step(f"Eliminate {self.labels.titles(k)} with", i)
         inverse = graph.div(graph.one, row.pop(k))
         slopes = {j: graph.neg(graph.mul(inverse, entry)) for j, entry in row.items()}
         if not slopes:  # what a constraint determines may not be held
@@ -110,6 +118,16 @@ class NullSpace:
                     return chosen
         return None
 
+    def _step(self, title: str, *rows: int) -> None:
+        if self.rows:
+            self.labels.step(f"{title} {', '.join(self.rows[i] for i in rows)}")
+
+    def _name(self, unknowns: Iterable[int], values: Iterable[int], stem: str) -> None:
+        """Name values of unknowns, as far as these are coordinates."""
+        for k, value in zip(unknowns, values, strict=True):
+            if k < len(self.labels.names):
+                self.labels.add(value, self.labels.of(stem, k))
+
     def _columns(self, chosen: tuple[int, ...]) -> list[int]:
         return sorted(set().union(*(self._rows[i] for i in chosen)))
 
@@ -118,6 +136,7 @@ class NullSpace:
         graph = self.graph
         mul, total = graph.mul, graph.total
         columns = self._columns(chosen)
+        self._step("Solve, by the least solution and the null space,", *chosen)
         matrix = [[self._rows[i].get(k, graph.zero) for k in columns] for i in chosen]
         rights = [[column[i] for i in chosen] for column in self.right]
         if len(chosen) == 1:
@@ -129,6 +148,7 @@ class NullSpace:
         square = total([mul(x, x) for x in n])
         self._watch(chosen, columns, n)
         inverse = graph.div(graph.one, square)
+        self._name(columns, n, "n")
         z = len(self.weights) + len(self._given)
         self._unknowns[z] = None
         factors = [[mul(inverse, r) for r in right] for right in rights]
@@ -166,8 +186,9 @@ class NullSpace:
 
     def _least(self) -> list[list[int]] | None:
         """The change along each unknown that is left; None where one coordinate follows two."""
-        graph = self.graph
+        graph, labels = self.graph, self.labels
         mul, total = graph.mul, graph.total
+        labels.step("Substitute back")
         nothing = [graph.zero] * len(self.right)
         slopes: dict[int, Row] = {z: {z: graph.one} for z in self._unknowns}
         base = dict.fromkeys(self._unknowns, nothing)
@@ -180,8 +201,12 @@ class NullSpace:
                 for column, shift in enumerate(base[j]):
                     base[k][column] = graph.add(base[k][column], mul(factor, shift))
         coordinates = range(len(self.weights))
+        for column, names in enumerate(labels.solution):
+            for k in coordinates:
+                labels.add(base[k][column], f"base_{names[k]}")
         if any(len(slopes[k]) > 1 for k in coordinates):
             return None
+        labels.step("Solve for the change along the null space")
         changes = [[base[k][column] for k in coordinates] for column in range(len(self.right))]
         for z in self._unknowns:
             moved = {k: slopes[k][z] for k in coordinates if z in slopes[k]}
@@ -190,8 +215,11 @@ class NullSpace:
             pull = {k: mul(ease[k], slope) for k, slope in moved.items()}
             inverse = graph.div(graph.one, total([mul(pull[k], n) for k, n in moved.items()]))
             free = {k: mul(self.weights[k], ease[k]) for k in moved}  # 1, and 0 where k is held
+            self._name(moved, moved.values(), "n")
+            self._name(ease, ease.values(), "g")
             for d in changes:
                 step = mul(inverse, total([mul(pull[k], d[k]) for k in moved]))
                 for k, slope in moved.items():
                     d[k] = mul(free[k], graph.sub(d[k], mul(step, slope)))
+        labels.solved(changes)
         return changes

@@ -2,7 +2,8 @@
 
 from codegen.lower.graph import Graph
 
-LEAST_PIVOT = 0.1  # safety: part that a pivot must be of the largest number in its row of Φ_q
+LEAST_PIVOT = 0.1
+"""accuracy: part of the largest number in its row of Φ_q that a pivot must have."""
 
 
 def explicit_coordinate(graph: Graph, rows: dict[int, dict[int, int]]) -> tuple[int, int] | None:
