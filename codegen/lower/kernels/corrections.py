@@ -184,7 +184,7 @@ def _give_determined(
     solutions: list[list[int]],
 ) -> list[Check]:
     """Take out rows with one unknown and a number before it; no weight has a part in these."""
-    checks = []
+    checks: list[Check] = []
     while True:
         numbers = {i: [graph.number(x) for x in row.values()] for i, row in rows.items()}
         alone = [i for i, found in numbers.items() if len(found) == 1 and found[0] is not None]
