@@ -9,18 +9,12 @@ the derivative at the end of the step and the first of the next.
 
 import numpy as np
 
-from runtime.core.array_views import view
 from runtime.core.dense_output import hermite_rows
+from runtime.core.function_table import COORDINATES, DENSE, ERROR, STAGES
 from runtime.core.jit import addressed
 from runtime.core.rhs import slope
-from runtime.core.signatures import (
-    DENSE,
-    ERROR,
-    STAGES,
-    Integers,
-    Vector,
-)
-from runtime.core.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K, Run
+from runtime.core.signatures import Integers
+from runtime.core.workspace import ATOL, STAGE, Y0, Y1, F, K, row_of
 from runtime.integrate.explicit import dop853_coefficients as c
 from runtime.integrate.explicit.stateless import accepted, restart
 from runtime.integrate.step_control import propose
@@ -46,57 +40,48 @@ SHRINK, GROW = 0.333, 6.0  # limits of the change of a step's length
 
 
 @addressed(STAGES)
-def stages(
-    machine: Integers,
-    t: float,
-    h: float,
-    w: Vector,
-    run: Run,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> int:
+def stages(context: Integers, t: float, h: float) -> int:
     """Take the step from Y0 with derivative K to Y1, not yet corrected."""
-    length = w.size // ROWS
-    y0 = view(w, Y0 * length, length)
-    y1 = view(w, Y1 * length, length)
-    z = view(w, STAGE * length, length)
-    k1 = view(w, K * length, length)
-    k2 = view(w, (K + 1) * length, length)
-    k3 = view(w, (K + 2) * length, length)
-    k4 = view(w, (K + 3) * length, length)
-    k5 = view(w, (K + 4) * length, length)
-    k6 = view(w, (K + 5) * length, length)
-    k7 = view(w, (K + 6) * length, length)
-    k8 = view(w, (K + 7) * length, length)
-    k9 = view(w, (K + 8) * length, length)
-    k10 = view(w, (K + 9) * length, length)
-    k11 = view(w, (K + 10) * length, length)
-    k12 = view(w, (K + 11) * length, length)
+    length = 2 * context[COORDINATES]
+    y0 = row_of(context, Y0)
+    y1 = row_of(context, Y1)
+    z = row_of(context, STAGE)
+    k1 = row_of(context, K)
+    k2 = row_of(context, K + 1)
+    k3 = row_of(context, K + 2)
+    k4 = row_of(context, K + 3)
+    k5 = row_of(context, K + 4)
+    k6 = row_of(context, K + 5)
+    k7 = row_of(context, K + 6)
+    k8 = row_of(context, K + 7)
+    k9 = row_of(context, K + 8)
+    k10 = row_of(context, K + 9)
+    k11 = row_of(context, K + 10)
+    k12 = row_of(context, K + 11)
     taken = 0
     for j in range(length):
         z[j] = y0[j] + h * (c.A2_1 * k1[j])
-    taken += slope(machine, t + c.C2 * h, STAGE, K + 1, w, p, modes, lam)
+    taken += slope(context, t + c.C2 * h, STAGE, K + 1)
     for j in range(length):
         z[j] = y0[j] + h * (c.A3_1 * k1[j] + c.A3_2 * k2[j])
-    taken += slope(machine, t + c.C3 * h, STAGE, K + 2, w, p, modes, lam)
+    taken += slope(context, t + c.C3 * h, STAGE, K + 2)
     for j in range(length):
         z[j] = y0[j] + h * (c.A4_1 * k1[j] + c.A4_3 * k3[j])
-    taken += slope(machine, t + c.C4 * h, STAGE, K + 3, w, p, modes, lam)
+    taken += slope(context, t + c.C4 * h, STAGE, K + 3)
     for j in range(length):
         z[j] = y0[j] + h * (c.A5_1 * k1[j] + c.A5_3 * k3[j] + c.A5_4 * k4[j])
-    taken += slope(machine, t + c.C5 * h, STAGE, K + 4, w, p, modes, lam)
+    taken += slope(context, t + c.C5 * h, STAGE, K + 4)
     for j in range(length):
         z[j] = y0[j] + h * (c.A6_1 * k1[j] + c.A6_4 * k4[j] + c.A6_5 * k5[j])
-    taken += slope(machine, t + c.C6 * h, STAGE, K + 5, w, p, modes, lam)
+    taken += slope(context, t + c.C6 * h, STAGE, K + 5)
     for j in range(length):
         z[j] = y0[j] + h * (c.A7_1 * k1[j] + c.A7_4 * k4[j] + c.A7_5 * k5[j] + c.A7_6 * k6[j])
-    taken += slope(machine, t + c.C7 * h, STAGE, K + 6, w, p, modes, lam)
+    taken += slope(context, t + c.C7 * h, STAGE, K + 6)
     for j in range(length):
         z[j] = y0[j] + h * (
             c.A8_1 * k1[j] + c.A8_4 * k4[j] + c.A8_5 * k5[j] + c.A8_6 * k6[j] + c.A8_7 * k7[j]
         )
-    taken += slope(machine, t + c.C8 * h, STAGE, K + 7, w, p, modes, lam)
+    taken += slope(context, t + c.C8 * h, STAGE, K + 7)
     for j in range(length):
         z[j] = y0[j] + h * (
             c.A9_1 * k1[j]
@@ -106,7 +91,7 @@ def stages(
             + c.A9_7 * k7[j]
             + c.A9_8 * k8[j]
         )
-    taken += slope(machine, t + c.C9 * h, STAGE, K + 8, w, p, modes, lam)
+    taken += slope(context, t + c.C9 * h, STAGE, K + 8)
     for j in range(length):
         z[j] = y0[j] + h * (
             c.A10_1 * k1[j]
@@ -117,7 +102,7 @@ def stages(
             + c.A10_8 * k8[j]
             + c.A10_9 * k9[j]
         )
-    taken += slope(machine, t + c.C10 * h, STAGE, K + 9, w, p, modes, lam)
+    taken += slope(context, t + c.C10 * h, STAGE, K + 9)
     for j in range(length):
         z[j] = y0[j] + h * (
             c.A11_1 * k1[j]
@@ -129,7 +114,7 @@ def stages(
             + c.A11_9 * k9[j]
             + c.A11_10 * k10[j]
         )
-    taken += slope(machine, t + c.C11 * h, STAGE, K + 10, w, p, modes, lam)
+    taken += slope(context, t + c.C11 * h, STAGE, K + 10)
     for j in range(length):
         z[j] = y0[j] + h * (
             c.A12_1 * k1[j]
@@ -142,7 +127,7 @@ def stages(
             + c.A12_10 * k10[j]
             + c.A12_11 * k11[j]
         )
-    taken += slope(machine, t + h, STAGE, K + 11, w, p, modes, lam)
+    taken += slope(context, t + h, STAGE, K + 11)
     for j in range(length):
         y1[j] = y0[j] + h * (
             c.B1 * k1[j]
@@ -158,20 +143,20 @@ def stages(
 
 
 @addressed(ERROR)
-def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
+def error(context: Integers, h: float, rtol: float) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
-    length = w.size // ROWS
-    y0 = view(w, Y0 * length, length)
-    y1 = view(w, Y1 * length, length)
-    atol = view(w, ATOL * length, length)
-    k1 = view(w, K * length, length)
-    k6 = view(w, (K + 5) * length, length)
-    k7 = view(w, (K + 6) * length, length)
-    k8 = view(w, (K + 7) * length, length)
-    k9 = view(w, (K + 8) * length, length)
-    k10 = view(w, (K + 9) * length, length)
-    k11 = view(w, (K + 10) * length, length)
-    k12 = view(w, (K + 11) * length, length)
+    length = 2 * context[COORDINATES]
+    y0 = row_of(context, Y0)
+    y1 = row_of(context, Y1)
+    atol = row_of(context, ATOL)
+    k1 = row_of(context, K)
+    k6 = row_of(context, K + 5)
+    k7 = row_of(context, K + 6)
+    k8 = row_of(context, K + 7)
+    k9 = row_of(context, K + 8)
+    k10 = row_of(context, K + 9)
+    k11 = row_of(context, K + 10)
+    k12 = row_of(context, K + 11)
     fifth = 0.0
     third = 0.0
     for j in range(length):
@@ -210,31 +195,23 @@ def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
 
 
 @addressed(DENSE)
-def dense(
-    machine: Integers,
-    t: float,
-    h: float,
-    w: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> int:
+def dense(context: Integers, t: float, h: float) -> int:
     """Fill the coefficient rows of the dense output of the step from Y0 to Y1."""
-    length = w.size // ROWS
-    y0 = view(w, Y0 * length, length)
-    z = view(w, STAGE * length, length)
-    k1 = view(w, K * length, length)
-    k6 = view(w, (K + 5) * length, length)
-    k7 = view(w, (K + 6) * length, length)
-    k8 = view(w, (K + 7) * length, length)
-    k9 = view(w, (K + 8) * length, length)
-    k10 = view(w, (K + 9) * length, length)
-    k11 = view(w, (K + 10) * length, length)
-    k12 = view(w, (K + 11) * length, length)
-    k13 = view(w, (K + 12) * length, length)
-    k14 = view(w, (K + 13) * length, length)
-    k15 = view(w, (K + 14) * length, length)
-    k16 = view(w, (K + 15) * length, length)
+    length = 2 * context[COORDINATES]
+    y0 = row_of(context, Y0)
+    z = row_of(context, STAGE)
+    k1 = row_of(context, K)
+    k6 = row_of(context, K + 5)
+    k7 = row_of(context, K + 6)
+    k8 = row_of(context, K + 7)
+    k9 = row_of(context, K + 8)
+    k10 = row_of(context, K + 9)
+    k11 = row_of(context, K + 10)
+    k12 = row_of(context, K + 11)
+    k13 = row_of(context, K + 12)
+    k14 = row_of(context, K + 13)
+    k15 = row_of(context, K + 14)
+    k16 = row_of(context, K + 15)
     taken = 0
     for j in range(length):
         z[j] = y0[j] + h * (
@@ -247,7 +224,7 @@ def dense(
             + c.A14_12 * k12[j]
             + c.A14_13 * k13[j]
         )
-    taken += slope(machine, t + c.C14 * h, STAGE, K + 13, w, p, modes, lam)
+    taken += slope(context, t + c.C14 * h, STAGE, K + 13)
     for j in range(length):
         z[j] = y0[j] + h * (
             c.A15_1 * k1[j]
@@ -259,7 +236,7 @@ def dense(
             + c.A15_13 * k13[j]
             + c.A15_14 * k14[j]
         )
-    taken += slope(machine, t + c.C15 * h, STAGE, K + 14, w, p, modes, lam)
+    taken += slope(context, t + c.C15 * h, STAGE, K + 14)
     for j in range(length):
         z[j] = y0[j] + h * (
             c.A16_1 * k1[j]
@@ -271,12 +248,12 @@ def dense(
             + c.A16_14 * k14[j]
             + c.A16_15 * k15[j]
         )
-    taken += slope(machine, t + c.C16 * h, STAGE, K + 15, w, p, modes, lam)
-    hermite_rows(h, w, K + LAST)
-    f4 = view(w, (F + 4) * length, length)
-    f5 = view(w, (F + 5) * length, length)
-    f6 = view(w, (F + 6) * length, length)
-    f7 = view(w, (F + 7) * length, length)
+    taken += slope(context, t + c.C16 * h, STAGE, K + 15)
+    hermite_rows(context, h, K + LAST)
+    f4 = row_of(context, F + 4)
+    f5 = row_of(context, F + 5)
+    f6 = row_of(context, F + 6)
+    f7 = row_of(context, F + 7)
     for j in range(length):
         f4[j] = h * (
             c.D4_1 * k1[j]

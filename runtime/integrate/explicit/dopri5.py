@@ -12,21 +12,13 @@ than a thousandth: at looser tolerances accuracy alone does not keep a vibration
 
 import numpy as np
 
-from runtime.core.array_views import floats_at, view
 from runtime.core.dense_output import hermite_rows
-from runtime.core.function_table import MEMORY
+from runtime.core.function_table import COORDINATES, DENSE, ERROR, HOOK, PROPOSE, STAGES, memory_of
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.rhs import slope
-from runtime.core.signatures import (
-    DENSE,
-    ERROR,
-    HOOK,
-    PROPOSE,
-    STAGES,
-    Integers,
-    Vector,
-)
-from runtime.core.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K, Run
+from runtime.core.run_record import run_record
+from runtime.core.signatures import Integers
+from runtime.core.workspace import ATOL, STAGE, Y0, Y1, F, K, row_of
 from runtime.integrate import step_control as control
 from runtime.integrate.explicit.stability_limit import FLOATS, bounded, forget, observe
 from runtime.integrate.explicit.stateless import accepted
@@ -75,106 +67,89 @@ def loose(rtol: float, length: int) -> bool:
 
 
 @addressed(STAGES)
-def stages(
-    machine: Integers,
-    t: float,
-    h: float,
-    w: Vector,
-    run: Run,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> int:
+def stages(context: Integers, t: float, h: float) -> int:
     """Take the step from Y0 with derivative K to Y1, not yet corrected."""
-    length = w.size // ROWS
-    y0 = view(w, Y0 * length, length)
-    y1 = view(w, Y1 * length, length)
-    z = view(w, STAGE * length, length)
-    k1 = view(w, K * length, length)
-    k2 = view(w, (K + 1) * length, length)
-    k3 = view(w, (K + 2) * length, length)
-    k4 = view(w, (K + 3) * length, length)
-    k5 = view(w, (K + 4) * length, length)
-    k6 = view(w, (K + 5) * length, length)
+    length = 2 * context[COORDINATES]
+    y0 = row_of(context, Y0)
+    y1 = row_of(context, Y1)
+    z = row_of(context, STAGE)
+    k1 = row_of(context, K)
+    k2 = row_of(context, K + 1)
+    k3 = row_of(context, K + 2)
+    k4 = row_of(context, K + 3)
+    k5 = row_of(context, K + 4)
+    k6 = row_of(context, K + 5)
     taken = 0
     for j in range(length):
         z[j] = y0[j] + h * A21 * k1[j]
-    taken += slope(machine, t + C2 * h, STAGE, K + 1, w, p, modes, lam)
+    taken += slope(context, t + C2 * h, STAGE, K + 1)
     for j in range(length):
         z[j] = y0[j] + h * (A31 * k1[j] + A32 * k2[j])
-    taken += slope(machine, t + C3 * h, STAGE, K + 2, w, p, modes, lam)
+    taken += slope(context, t + C3 * h, STAGE, K + 2)
     for j in range(length):
         z[j] = y0[j] + h * (A41 * k1[j] + A42 * k2[j] + A43 * k3[j])
-    taken += slope(machine, t + C4 * h, STAGE, K + 3, w, p, modes, lam)
+    taken += slope(context, t + C4 * h, STAGE, K + 3)
     for j in range(length):
         z[j] = y0[j] + h * (A51 * k1[j] + A52 * k2[j] + A53 * k3[j] + A54 * k4[j])
-    taken += slope(machine, t + C5 * h, STAGE, K + 4, w, p, modes, lam)
+    taken += slope(context, t + C5 * h, STAGE, K + 4)
     for j in range(length):
         z[j] = y0[j] + h * (A61 * k1[j] + A62 * k2[j] + A63 * k3[j] + A64 * k4[j] + A65 * k5[j])
-    taken += slope(machine, t + h, STAGE, K + 5, w, p, modes, lam)
+    taken += slope(context, t + h, STAGE, K + 5)
     for j in range(length):
         y1[j] = y0[j] + h * (B1 * k1[j] + B3 * k3[j] + B4 * k4[j] + B5 * k5[j] + B6 * k6[j])
     return taken
 
 
 @addressed(ERROR)
-def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
+def error(context: Integers, h: float, rtol: float) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
-    length = w.size // ROWS
-    y0 = view(w, Y0 * length, length)
-    y1 = view(w, Y1 * length, length)
-    atol = view(w, ATOL * length, length)
-    k1 = view(w, K * length, length)
-    k3 = view(w, (K + 2) * length, length)
-    k4 = view(w, (K + 3) * length, length)
-    k5 = view(w, (K + 4) * length, length)
-    k6 = view(w, (K + 5) * length, length)
-    k7 = view(w, (K + 6) * length, length)
+    length = 2 * context[COORDINATES]
+    y0 = row_of(context, Y0)
+    y1 = row_of(context, Y1)
+    atol = row_of(context, ATOL)
+    k1 = row_of(context, K)
+    k3 = row_of(context, K + 2)
+    k4 = row_of(context, K + 3)
+    k5 = row_of(context, K + 4)
+    k6 = row_of(context, K + 5)
+    k7 = row_of(context, K + 6)
     total = 0.0
     for j in range(length):
         estimate = h * (E1 * k1[j] + E3 * k3[j] + E4 * k4[j] + E5 * k5[j] + E6 * k6[j] + E7 * k7[j])
         ratio = estimate / (atol[j] + rtol * max(abs(y0[j]), abs(y1[j])))
         total += ratio * ratio
     if loose(rtol, length):
-        observe(floats_at(machine, MEMORY, FLOATS), w, Y1, STAGE, K + LAST, K + LAST - 1)
+        observe(context, memory_of(context), Y1, STAGE, K + LAST, K + LAST - 1)
     return float(np.sqrt(total / length))
 
 
 @addressed(PROPOSE)
-def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
+def propose(context: Integers, h: float) -> float:
     """Ratio of the next step's length to this accepted one's."""
-    ratio = _propose(machine, h, w, run)
-    if not loose(run[0].rtol, w.size // ROWS):
+    ratio = _propose(context, h)
+    if not loose(run_record(context).rtol, 2 * context[COORDINATES]):
         return float(ratio)
-    return float(bounded(floats_at(machine, MEMORY, FLOATS), _POWERS, ratio * h) / h)
+    return float(bounded(memory_of(context), _POWERS, ratio * h) / h)
 
 
 @compiled(HOOK)
-def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
+def restart(context: Integers, t: float, h: float) -> int:
     """Forget what vibrated: the motion goes on under other equations."""
-    return int(forget(floats_at(machine, MEMORY, FLOATS)))
+    return int(forget(memory_of(context)))
 
 
 @addressed(DENSE)
-def dense(
-    machine: Integers,
-    t: float,
-    h: float,
-    w: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> int:
+def dense(context: Integers, t: float, h: float) -> int:
     """Fill the coefficient rows of the dense output of the step from Y0 to Y1."""
-    length = w.size // ROWS
-    k1 = view(w, K * length, length)
-    k3 = view(w, (K + 2) * length, length)
-    k4 = view(w, (K + 3) * length, length)
-    k5 = view(w, (K + 4) * length, length)
-    k6 = view(w, (K + 5) * length, length)
-    k7 = view(w, (K + 6) * length, length)
-    f4 = view(w, (F + 4) * length, length)
-    hermite_rows(h, w, K + LAST)
+    length = 2 * context[COORDINATES]
+    k1 = row_of(context, K)
+    k3 = row_of(context, K + 2)
+    k4 = row_of(context, K + 3)
+    k5 = row_of(context, K + 4)
+    k6 = row_of(context, K + 5)
+    k7 = row_of(context, K + 6)
+    f4 = row_of(context, F + 4)
+    hermite_rows(context, h, K + LAST)
     for j in range(length):
         f4[j] = h * (D1 * k1[j] + D3 * k3[j] + D4 * k4[j] + D5 * k5[j] + D6 * k6[j] + D7 * k7[j])
     return 0

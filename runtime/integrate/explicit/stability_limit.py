@@ -15,9 +15,10 @@ Equations II, section IV.2, where stiffness is detected by them.
 
 import numpy as np
 
+from runtime.core.function_table import COORDINATES
 from runtime.core.jit import inner
-from runtime.core.signatures import Vector
-from runtime.core.workspace import ROWS, SIZE
+from runtime.core.signatures import Integers, Vector
+from runtime.core.workspace import SIZE, row_of
 
 # Places in MEMORY: sums of the products of differences over the last steps; and the logarithm of
 # what a vibration has grown by since steps were last short enough.
@@ -35,17 +36,19 @@ _HALVINGS = 12
 
 
 @inner
-def observe(memory: Vector, w: Vector, state: int, other: int, slope: int, other_slope: int) -> int:
+def observe(
+    context: Integers, memory: Vector, state: int, other: int, slope: int, other_slope: int
+) -> int:
     """Take in the rows of two states at one instant, and those of their derivatives."""
-    length = w.size // ROWS
-    n = length // 2
+    size_row = row_of(context, SIZE)
+    n = context[COORDINATES]
     for i in range(_GROWN):
         memory[i] *= _KEPT
     for j in range(n):
-        size = w[SIZE * length + j]
-        q = (w[state * length + j] - w[other * length + j]) / size
-        v = (w[state * length + n + j] - w[other * length + n + j]) / size
-        a = (w[slope * length + n + j] - w[other_slope * length + n + j]) / size
+        size = size_row[j]
+        q = (row_of(context, state)[j] - row_of(context, other)[j]) / size
+        v = (row_of(context, state)[n + j] - row_of(context, other)[n + j]) / size
+        a = (row_of(context, slope)[n + j] - row_of(context, other_slope)[n + j]) / size
         memory[_QQ] += q * q
         memory[_QV] += q * v
         memory[_VV] += v * v

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from numba import njit
 
-from runtime.core.function_table import Slot
 from runtime.core.outcomes import Outcome
 from runtime.core.workspace import ROWS, Y0, Y1, K
 from runtime.integrate import loop as driver
@@ -43,12 +42,12 @@ class Stepper:
         )
         self.run.start()
         arrays = self.run.wiring.arrays
-        lines = arrays[Slot.MEMORY][NUMBERS : NUMBERS + 2 * LINES].reshape(LINES, 2)
+        lines = arrays["memory"][NUMBERS : NUMBERS + 2 * LINES].reshape(LINES, 2)
         past = np.array([oscillator(-i * h) for i in range(7)])
         for j in range(7):
             lines[PAST + j] = sum((-1) ** i * comb(j, i) * past[i] for i in range(j + 1))
-        arrays[Slot.MEMORY][H_BASE] = h
-        arrays[Slot.NOTES][STEP_ORDER] = arrays[Slot.NOTES][NEXT_ORDER] = order
+        arrays["memory"][H_BASE] = h
+        arrays["notes"][STEP_ORDER] = arrays["notes"][NEXT_ORDER] = order
         self.h, self.t = h, 0.0
 
     def step(self):
@@ -112,7 +111,7 @@ def test_a_change_of_partition_costs_neither_order_nor_restart():
     # x or y is the independent coordinate, and changes twice a turn.
     problem = pendulum_problem(0.3, 12.0, 20.0)
     run = _Run(SMOOTH_PENDULUM, problem, Options(method="bdf", rtol=1e-8, t_eval=[20.0]))
-    notes, before, orders = run.wiring.arrays[Slot.NOTES], 0, []
+    notes, before, orders = run.wiring.arrays["notes"], 0, []
     code = driver.GOING if run.start() == Outcome.OK else None
     while code == driver.GOING:
         code = driver.advance(
