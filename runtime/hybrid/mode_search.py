@@ -12,7 +12,6 @@ from runtime.core.function_table import (
     share_low_of,
     share_of,
     sticks_of,
-    switching_rows_of,
 )
 from runtime.core.jit import inner
 from runtime.core.signatures import Integers
@@ -64,7 +63,6 @@ def in_turn(context: Integers, t: float, d: float, state: int, count: int) -> in
     surface that repels makes it run in circles, it gives up: each function has three
     modes, and may be met again once for each of the others.
     """
-    sw = switching_rows_of(context)
     modes = modes_of(context)
     members = members_of(context)
     band = switch_row(context, BAND)
@@ -74,7 +72,7 @@ def in_turn(context: Integers, t: float, d: float, state: int, count: int) -> in
     for k in range(s):
         candidate[k] = modes[k]
     for i in range(count):
-        candidate[members[i]] = int(sw[PREFERRED * s + members[i]]) % GIVEN
+        candidate[members[i]] = int(preferred_row[members[i]]) % GIVEN
     wrong = CONSISTENT
     for _ in range(3 * count * count):
         wrong = contradicted(context, t, d, state, candidate, count)

@@ -7,7 +7,6 @@ announces a singular one in between, and their product is the determinant but fo
 
 import numpy as np
 
-from runtime.core.function_table import parameters_of
 from runtime.core.jit import inner
 from runtime.core.signatures import Integers, Kernel, Matrix, Vector
 
@@ -17,10 +16,10 @@ REDUNDANT = 1e-8
 
 @inner
 def fill(
-    context: Integers,
     jacobian: Kernel,
     t: float,
     q: Vector,
+    p: Vector,
     scale: Vector,
     rows: Integers,
     columns: Integers,
@@ -28,7 +27,6 @@ def fill(
     dense: Matrix,
 ) -> None:
     """Write Φ_q as a dense matrix (m, n), its columns times `scale`, its rows of unit length."""
-    p = parameters_of(context)
     jacobian(t, q, p, values)
     dense[:, :] = 0.0
     for k in range(rows.size):

@@ -164,9 +164,9 @@ def vanishing(context: Integers, t: float, h: float, state: int) -> float:
         moved[j] = q[j] + span * v[j] if state == Y0 else end[j]
     beyond = -1.0
     for candidate in range(_CANDIDATES):
-        fill(context, jacobian, t, q, scale, rows, columns, values, dense)
+        fill(jacobian, t, q, p, scale, rows, columns, values, dense)
         reduce(dense, order, now, 1)
-        fill(context, jacobian, t + span, moved, scale, rows, columns, values, dense)
+        fill(jacobian, t + span, moved, p, scale, rows, columns, values, dense)
         reduce(dense, order, later, 0)
         weakest = smallest(now)
         nearest, which = np.inf, 0
@@ -197,7 +197,7 @@ def vanishing(context: Integers, t: float, h: float, state: int) -> float:
             at_low, at_high = now[which], later[which]
             for _ in range(_REFINED):
                 between(x, span, q, v, end, rate, place)
-                fill(context, jacobian, t + x * span, place, scale, rows, columns, values, dense)
+                fill(jacobian, t + x * span, place, p, scale, rows, columns, values, dense)
                 if not x < 1.0:
                     break
                 reduce(dense, order, later, 0)
@@ -210,7 +210,7 @@ def vanishing(context: Integers, t: float, h: float, state: int) -> float:
         else:
             for j in range(n):
                 place[j] = q[j] + nearest / span * (moved[j] - q[j])
-            fill(context, jacobian, t + nearest, place, scale, rows, columns, values, dense)
+            fill(jacobian, t + nearest, place, p, scale, rows, columns, values, dense)
         # With an order of pivots of its own, is this position as poor as it seems?
         reduce(dense, order, later, 1)
         least = 1.0

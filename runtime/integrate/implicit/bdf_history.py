@@ -198,5 +198,5 @@ def dense(context: Integers, t: float, h: float) -> int:
             summed += line(memory, NOW + j, n)[i]
             value = summed if j > 0 else y1[i]
             for row in range(DENSE_ROWS):
-                f[i] += _NESTING[row, j] * value
+                row_of(context, F + row)[i] += _NESTING[row, j] * value
     return 0

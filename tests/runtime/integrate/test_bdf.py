@@ -26,8 +26,8 @@ def oscillator(t):
 
 
 @njit
-def _attempt(table, t, h, w, record, p, modes, lam):
-    return attempt(table, t, h, w, record, p, modes, lam)
+def _attempt(table, t, h):
+    return attempt(table, t, h)
 
 
 class Stepper:
@@ -51,12 +51,11 @@ class Stepper:
         self.h, self.t = h, 0.0
 
     def step(self):
-        w, _, record, p, modes, _, lam, _ = self.run.fixed_arrays
-        table = self.run.wiring.table
-        _attempt(table, self.t, self.h, w, record, p, modes, lam)
-        accepted(table, self.t, self.h, w, record)
+        table = self.run.table
+        _attempt(table, self.t, self.h)
+        accepted(table, self.t, self.h)
         self.t += self.h
-        rows = w.reshape(ROWS, 2)
+        rows = self.run.rows.reshape(ROWS, 2)
         rows[Y0], rows[K] = rows[Y1], rows[K + 1]
         return rows[Y1].copy()
 
@@ -114,9 +113,7 @@ def test_a_change_of_partition_costs_neither_order_nor_restart():
     notes, before, orders = run.wiring.arrays["notes"], 0, []
     code = driver.GOING if run.start() == Outcome.OK else None
     while code == driver.GOING:
-        code = driver.advance(
-            1, run.wiring.table, *run.fixed_arrays, *run.gathered.out, *run.event_arrays
-        )
+        code = driver.advance(run.table, 1)
         run.gathered.flush(run.r)
         if run.r["repartitions"] > before:
             before = int(run.r["repartitions"])

@@ -163,7 +163,7 @@ def test_t_eval_outside_the_run_is_refused():
 
 def test_a_new_process_loads_from_disk(root):
     code = (
-        "import time, numba; from runtime.integrate import run, driver\n"
+        "import time, numba; from runtime.integrate import run, loop as driver\n"
         "assert not sum(driver.advance.stats.cache_misses.values())\n"
         "print(sum(driver.advance.stats.cache_hits.values()))"
     )
