@@ -8,10 +8,10 @@ from codegen.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from runtime.results.result import Result
+    from runtime.results.time_series import TimeSeries
 
 
-def plot(result: "Result", names: Sequence[str] = ()) -> "Figure":
+def plot(result: "TimeSeries", names: Sequence[str] = ()) -> "Figure":
     """Draw series of a result, those of one unit in one panel.
 
     Parameters

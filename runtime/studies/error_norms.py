@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from runtime.results.result import ENERGIES
+from runtime.results.time_series import ENERGIES
 
 if TYPE_CHECKING:
     from runtime.mechanism.description import Description
@@ -141,7 +141,7 @@ def scales(
     names, units : (j,)
         Quantities as `Result.series` knows them.
     sizes : (n,)
-        Typical sizes of the coordinates: `runtime.assembly.coordinate_scales`.
+        Typical sizes of the coordinates: `runtime.mechanism.dense_equations`.
     reference : (k, j)
     whole : (j,)
         What each is a part of: see `kindred`.

@@ -15,11 +15,11 @@ from codegen.cli import app
 from codegen.derive.equations import derive
 from codegen.driver import sound_scenes
 from codegen.errors import InputError
+from codegen.explain import evaluation_time as timing
+from codegen.explain import kernel_timer as clock
 from codegen.explain.evaluation_time import measured
 from codegen.explain.incremental_cost import counted, grown, operations_of, stages
-from codegen.explain.ledger import evaluation_time as timing
 from codegen.explain.ledger import explain
-from codegen.explain.ledger import kernel_timer as clock
 from codegen.explain.ledger_data import Ledger, Part
 from codegen.explain.marginal_cost import own_operations
 from codegen.explain.picture import figure, page

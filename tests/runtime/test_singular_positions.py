@@ -5,8 +5,8 @@ import pytest
 
 from models.hard.cases import find
 from runtime import Machine
-from runtime.assembly.dense_equations import Equations
 from runtime.linalg.full_pivoting import ordered
+from runtime.mechanism.dense_equations import Equations
 from runtime.singularity.local_motion import Motion, hermite, nearest, taylor
 from runtime.singularity.location import Search
 from runtime.singularity.pivot_orders import Frames, weak_values
@@ -26,7 +26,7 @@ def machine() -> Machine:
 
 @pytest.fixture(scope="module")
 def scaled(machine: Machine) -> ScaledConstraints:
-    equations = Equations(machine, machine.parameter_values())
+    equations = Equations(machine.mechanism, machine.parameter_values())
     scale = 1.0 / np.sqrt(np.diag(equations.mass(np.zeros(equations.n))))
     return equations.scaled(scale, np.arange(equations.m))
 

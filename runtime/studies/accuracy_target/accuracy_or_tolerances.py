@@ -2,21 +2,19 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from codegen.errors import InputError
 from runtime.integrate.problem import Formulation
+from runtime.mechanism.mechanism import Mechanism
 from runtime.results.result import Result
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine
 
 FINEST, COARSEST = 1e-12, 0.1
 """Accuracies that can be asked for."""
 
 
 def accuracy_or_tolerances(
-    machine: "Machine",
+    mechanism: Mechanism,
     accuracy: float | None,
     quantities: Sequence[str] | None,
     rtol: float | None,
@@ -36,7 +34,7 @@ def accuracy_or_tolerances(
 
         chosen = {"rtol": rtol, "atol": atol, "method": method, "formulation": formulation}
         fixed: dict[str, Any] = {name: x for name, x in chosen.items() if x is not None}
-        return partial(simulate, machine, **fixed)
+        return partial(simulate, mechanism, **fixed)
     problems = []
     if accuracy is None:
         problems.append("quantities say whose error is meant; give the error too, accuracy=1e-6.")
@@ -52,12 +50,12 @@ def accuracy_or_tolerances(
                 f"chooses the tolerances. Leave one of them out."
             )
     if problems:
-        raise InputError(f"{machine.description.title}: {text}" for text in problems)
+        raise InputError(f"{mechanism.title}: {text}" for text in problems)
     from runtime.studies.accuracy_target.search import simulate_to
 
     return partial(
         simulate_to,
-        machine,
+        mechanism,
         accuracy=cast(float, accuracy),
         quantities=quantities,
         method=method,

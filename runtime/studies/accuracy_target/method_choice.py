@@ -6,7 +6,6 @@ they are built, and else done without.
 """
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
 from runtime.core.outcomes import Outcome
@@ -14,9 +13,7 @@ from runtime.dynamics.formulations import Coordinates
 from runtime.dynamics.prepared_simulation import Prepared
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine
+from runtime.mechanism.mechanism import Mechanism
 
 
 @dataclass(frozen=True)
@@ -50,10 +47,10 @@ def choose(
     method, formulation
         Those that the user fixed; None: the program may choose.
     """
-    machine = ready.machine
+    mechanism = ready.mechanism
     free = {"method": method is None, "formulation": formulation is None}
     may = frozenset(name for name, is_free in free.items() if is_free)
-    if formulation is None and machine.offers("reduced"):
+    if formulation is None and mechanism.has_companion("reduced"):
         chosen = method or "auto"
         try:
             taken = ready.coordinates("reduced", chosen, correction)
@@ -65,7 +62,7 @@ def choose(
         why = "reduced coordinates are not built (python -m codegen build --reduced)"
     else:
         why = ""
-    chosen = method or _method(machine, formulation or "cartesian", ready)
+    chosen = method or _method(mechanism, formulation or "cartesian", ready)
     taken = ready.coordinates(formulation or "cartesian", chosen, correction)
     return Choice(chosen, formulation or "cartesian", taken, may, (why,) if why else ())
 
@@ -76,7 +73,7 @@ def after(choice: Choice, ready: Prepared, run: Trajectory, correction: Correcti
         if "formulation" not in choice.free:
             return choice
         free = "method" in choice.free
-        method = _method(ready.machine, "cartesian", ready) if free else choice.method
+        method = _method(ready.mechanism, "cartesian", ready) if free else choice.method
         taken = ready.coordinates("cartesian", method, correction)
         why = f"in reduced coordinates the run ends at t = {run.final_t:.6g} s ({run.outcome.name})"
         return replace(choice, method=method, formulation="cartesian", taken=taken, reasons=(why,))
@@ -85,8 +82,8 @@ def after(choice: Choice, ready: Prepared, run: Trajectory, correction: Correcti
     return choice
 
 
-def _method(machine: "Machine", formulation: Formulation, ready: Prepared) -> str:
+def _method(mechanism: Mechanism, formulation: Formulation, ready: Prepared) -> str:
     """The one that finds stiffness, where it has its derivatives; else the explicit one."""
     if formulation == "reduced":
         return "auto"
-    return "auto" if machine.offers("tangents") and not ready.begin.redundant else "dop853"
+    return "auto" if mechanism.has_companion("tangents") and not ready.begin.redundant else "dop853"

@@ -30,10 +30,10 @@ from runtime.dynamics.simulation import finished
 from runtime.integrate.problem import Options
 from runtime.integrate.wiring import IMPLICIT, METHODS, function_table
 from runtime.progress_bar import Progress, silent
+from runtime.results.reached_accuracy import Trial
 from runtime.results.result import Result
 from runtime.studies.accuracy_target.error_estimate import Pair, told
 from runtime.studies.accuracy_target.method_choice import Choice, after, choose
-from runtime.studies.accuracy_target.reached_accuracy import Trial
 from runtime.studies.accuracy_target.run_difference import (
     PARTED,
     Columns,
@@ -43,12 +43,12 @@ from runtime.studies.accuracy_target.run_difference import (
 )
 from runtime.studies.accuracy_target.run_pair import SURE, Compared, Run
 from runtime.studies.error_norms import require_numbers
-from runtime.validation.output_times import instants
+from runtime.validation.arguments import instants
 
 if TYPE_CHECKING:
-    from runtime.assembly.assembled_state import Assembly
     from runtime.integrate.problem import Correction, Formulation
-    from runtime.machine import Machine, Values
+    from runtime.mechanism.mechanism import Mechanism, Values
+    from runtime.results.assembled_state import Assembly
 
 POINTS = 501
 """Output instants where none are asked for."""
@@ -68,7 +68,7 @@ _ORDER, _ORDERS = 5, {"dop853": 8}  # powers of the step with which errors fall
 
 
 def simulate_to(
-    machine: "Machine",
+    mechanism: "Mechanism",
     t_end: float,
     t_eval: npt.ArrayLike | None = None,
     *,
@@ -90,7 +90,7 @@ def simulate_to(
     """Integrate with a global error below `accuracy` at the output instants.
 
     The error of a quantity y is |y - r| / (s + |r|), r the exact one, s its typical size: that of
-    `runtime.assembly.coordinate_scales` for coordinates, the same a second for velocities, and the
+    `runtime.mechanism.dense_equations` for coordinates, the same a second for velocities, and the
     largest value of the run for all else. `Result.accuracy` says what was reached and how that is
     known. Where it cannot be had over all the time, the result ends at the last instant up
     to which it is, with the outcome `INACCURATE`.
@@ -116,7 +116,7 @@ def simulate_to(
     """
     began = clock.perf_counter()
     ready = Prepared(
-        machine, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start
+        mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start
     )
     first, last = ready.begin.t, float(t_end)
     times = np.linspace(first, last, POINTS if last > first else 1)
@@ -129,7 +129,7 @@ def simulate_to(
         h_max=max_step,
         max_steps=max_steps,
     )
-    of = columns(machine.description, quantities, ready.sizes)
+    of = columns(mechanism.description, quantities, ready.sizes)
     search = _Search(ready, accuracy, of, options, correction, progress)
     return search.result(choose(ready, method, formulation, correction), began)
 

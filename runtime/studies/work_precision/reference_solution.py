@@ -15,8 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import LinkwrightError
-from runtime.assembly.coordinate_scales import magnitudes
-from runtime.assembly.dense_equations import Equations
+from runtime.mechanism.dense_equations import Equations, magnitudes
 from runtime.studies.error_norms import (
     Errors,
     Scale,
@@ -131,7 +130,7 @@ def find_truth(
     series = named(told, names)
     units = [best.series(name)[1] for name in series]
     sizes = magnitudes(
-        Equations(runner.machine, runner.machine.parameter_values(runner.parameters)),
+        Equations(runner.machine.mechanism, runner.machine.parameter_values(runner.parameters)),
         runner.begin.t, runner.begin.q,
     )  # fmt: skip
     whole = [kindred(best, name) for name in series]

@@ -198,9 +198,9 @@ def _for_choices(made: Sequence[Line]) -> tuple[Setting, ...]:
 
 
 def _require_integration(machine: "Machine") -> None:
-    require_motion(machine, "accuracy")
+    require_motion(machine.mechanism, "accuracy")
     if not machine.description.has_masses:
-        refuse_massless(machine)
+        refuse_massless(machine.mechanism)
 
 
 def _given(

@@ -18,9 +18,9 @@ from runtime.dynamics.simulation import simulate
 from runtime.studies.work_precision.diagram import DONE, TIMEOUT, Setting
 
 if TYPE_CHECKING:
-    from runtime.assembly.assembled_state import Assembly
     from runtime.integrate.problem import Correction, Formulation
     from runtime.machine import Machine
+    from runtime.results.assembled_state import Assembly
     from runtime.results.result import Result
 
 MOST = 30
@@ -95,7 +95,7 @@ class Runner:
         patience = _Patience(self.limit)
 
         result = simulate(
-            self.machine,
+            self.machine.mechanism,
             float(self.instants[-1]),
             self.instants,
             t_start=self.begin.t,

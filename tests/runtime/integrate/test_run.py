@@ -163,9 +163,9 @@ def test_t_eval_outside_the_run_is_refused():
 
 def test_a_new_process_loads_from_disk(root):
     code = (
-        "import time, numba; from runtime.integrate import run, loop as driver\n"
-        "assert not sum(driver.advance.stats.cache_misses.values())\n"
-        "print(sum(driver.advance.stats.cache_hits.values()))"
+        "import time, numba; from runtime.integrate import run, loop\n"
+        "assert not sum(loop.advance.stats.cache_misses.values())\n"
+        "print(sum(loop.advance.stats.cache_hits.values()))"
     )
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=root, capture_output=True, text=True, check=True
