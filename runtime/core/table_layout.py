@@ -6,6 +6,7 @@ allots a slot and answers with what compiled code takes out of it.
 """
 
 from collections.abc import Callable
+from math import prod
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -17,6 +18,7 @@ from numba.np import arrayobj
 from runtime.core.jit import at
 from runtime.core.signatures import IntegerMatrix, Integers, Matrix, Vector
 
+_ALIGNED = 8  # words of a cache line, in which an array of its own begins
 _arrays: Any = arrayobj
 _tools: Any = cgutils
 
@@ -29,19 +31,9 @@ class ArraySlot(NamedTuple):
 
     slot: int
     item: Any
-    lengths: tuple[Length, ...]
+    lengths: tuple[tuple[int, int | None], ...]
     flat: bool
     allotted: bool
-
-    def shape(self, table: Integers) -> tuple[int, ...]:
-        """The shape where the numbers of `table` hold."""
-        lengths = [_length(table, length) for length in self.lengths]
-        return (int(np.prod(lengths)),) if self.flat else tuple(lengths)
-
-    def zeros(self, table: Integers) -> np.ndarray:
-        """An array of this shape."""
-        kind = np.float64 if self.item is types.float64 else np.int64
-        return np.zeros(self.shape(table), kind)
 
 
 class TableLayout:
@@ -100,26 +92,47 @@ class TableLayout:
     def _array(
         self, name: str, item: Any, lengths: tuple[Length, ...], flat: bool, allotted: bool
     ) -> Callable[[Integers], Any]:
-        array = ArraySlot(self._next(name), item, lengths, flat, allotted)
+        pairs = tuple(length if isinstance(length, tuple) else (1, length) for length in lengths)
+        array = ArraySlot(self._next(name), item, pairs, flat, allotted)
         self.arrays[name] = array
         return _fetcher(array)
 
     def allot(self, table: Integers) -> dict[str, Any]:
         """Arrays of zeros for a table whose numbers are set, their addresses written into it.
 
-        They must live as long as the table.
+        They lie in one block, and are made when they are first asked for.
         """
-        made = {}
+        numbers, end, starts = table.tolist(), 0, {}
         for name, array in self.arrays.items():
             if array.allotted:
-                made[name] = values = array.zeros(table)
-                table[array.slot] = values.ctypes.data
-        return made
+                size = 1
+                for factor, count in array.lengths:
+                    size *= factor if count is None else factor * numbers[count]
+                starts[name] = end
+                end += -(-size // _ALIGNED) * _ALIGNED
+        block = np.zeros(end, np.int64)
+        address = block.ctypes.data
+        for name, start in starts.items():
+            numbers[self.slots[name]] = address + 8 * start
+        table[:] = numbers
+        return _Allotted(self, table, block, starts)
 
 
-def _length(table: Integers, length: Length) -> int:
-    factor, slot = length if isinstance(length, tuple) else (1, length)
-    return factor if slot is None else factor * int(table[slot])
+class _Allotted(dict[str, Any]):
+    """Arrays of a table by name."""
+
+    def __init__(
+        self, layout: TableLayout, table: Integers, block: Integers, starts: dict[str, int]
+    ) -> None:
+        self.layout, self.table, self.block, self.starts = layout, table, block, starts
+
+    def __missing__(self, name: str) -> Any:
+        array, start = self.layout.arrays[name], self.starts[name]
+        shape = [f if count is None else f * int(self.table[count]) for f, count in array.lengths]
+        words = self.block[start : start + prod(shape)]
+        words = words.view(np.float64) if array.item is types.float64 else words
+        self[name] = words = words if array.flat else words.reshape(shape)
+        return words
 
 
 def word(builder: Any, table: Any, slot: int) -> Any:
@@ -138,7 +151,7 @@ def _fetcher(array: ArraySlot) -> Callable[[Integers], Any]:
         def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             table = _arrays.make_array(signature.args[0])(context, builder, arguments[0])
             target = _arrays.make_array(signature.return_type)(context, builder)
-            shape = [_emitted(builder, table, length) for length in array.lengths]
+            shape = [_emitted(builder, table, *length) for length in array.lengths]
             if array.flat:
                 product = shape[0]
                 for other in shape[1:]:
@@ -161,9 +174,8 @@ def _fetcher(array: ArraySlot) -> Callable[[Integers], Any]:
     return cast(Callable[[Integers], Any], intrinsic(fetch))
 
 
-def _emitted(builder: Any, table: Any, length: Length) -> Any:
-    factor, slot = length if isinstance(length, tuple) else (1, length)
-    if slot is None:
+def _emitted(builder: Any, table: Any, factor: int, count: int | None) -> Any:
+    if count is None:
         return _tools.intp_t(factor)
-    value = word(builder, table, slot)
+    value = word(builder, table, count)
     return value if factor == 1 else builder.mul(value, _tools.intp_t(factor))

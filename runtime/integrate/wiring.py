@@ -162,8 +162,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         LOG_ROWS: log_rows,
         CORRECTING: 1,
     }
-    for slot, number in numbers.items():
-        table[slot] = number
+    table[list(numbers)] = list(numbers.values())
     arrays = TABLE.allot(table)
     place(table, arrays, "parameters", p)
     place(table, arrays, "jacobian_rows", np.ascontiguousarray(system.jacobian_rows, np.int64))
