@@ -89,7 +89,6 @@ dense_of = TABLE.function("dense", DENSE)
 propose_of = TABLE.function("propose", PROPOSE)
 accepted_of = TABLE.function("accepted", HOOK)
 restart_of = TABLE.function("restart", HOOK)
-METHOD_PARTS = ("stages", "error", "dense", "propose", "accepted", "restart")
 
 # Parts of the loop.
 CORRECT = i8(integers, f8, i8, i8)  # context t row weighing

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable
-from types import ModuleType
 
 import numpy as np
 
@@ -31,13 +30,14 @@ from runtime.integrate import loop as driver
 from runtime.integrate import step as attempt
 from runtime.integrate.initialization import start
 from runtime.integrate.interrupts import Interrupts
+from runtime.integrate.method import Method, find_method
 from runtime.integrate.method_change import change_method, fill_method
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.recording import Gathered
 from runtime.integrate.singular_crossing.crossing import Crossings
 from runtime.integrate.trajectory import Statistics, Trajectory
 from runtime.integrate.validation import check
-from runtime.integrate.wiring import method, wire
+from runtime.integrate.wiring import wire
 
 Progress = Callable[[float, int], None]
 """Called between chunks with the time reached and the steps taken."""
@@ -110,7 +110,7 @@ class _Run:
     def __init__(self, system: System, problem: Problem, options: Options) -> None:
         self.system = system
         n, m, s = system.coordinates, system.constraint_count, system.switches
-        parts = method(options.method)
+        method = find_method(options.method)
         self.n, self.m, self.s = n, m, s
         self.options = options
         t_eval = options.t_eval
@@ -132,7 +132,7 @@ class _Run:
         self.state = rows[Y0]
         self.switch_rows = arrays["switching_rows"].reshape(SWITCH_ROWS, s)
         self.r = arrays["record"][0]
-        self._fill_record(problem, options, parts)
+        self._fill_record(problem, options, method)
         self.methods = [(float(problem.t0), str(options.method))]
         table[CORRECTING] = _CORRECTING[options.correction]
         stabilized = options.correction in ("baumgarte", "hybrid")
@@ -146,9 +146,9 @@ class _Run:
         arrays["weights"][:n], arrays["weights"][3 * n :] = problem.scale**2, problem.sizes
         arrays["spreads"][:] = problem.spreads
         self.gathered = Gathered(self.wiring, n, s, t_eval)
-        self.crossings = Crossings(system, problem, self, parts)
+        self.crossings = Crossings(system, problem, self, method)
 
-    def _fill_record(self, problem: Problem, options: Options, parts: ModuleType) -> None:
+    def _fill_record(self, problem: Problem, options: Options, method: Method) -> None:
         r = self.r
         duration = problem.t_end - problem.t0
         r["t"], r["t_end"], r["duration"] = problem.t0, problem.t_end, duration
@@ -160,7 +160,7 @@ class _Run:
             r["fixed"], r["h"], r["h_max"] = 1, options.fixed_step, options.fixed_step
         r["rtol"] = options.rtol
         r["max_steps"], r["max_events"] = options.max_steps, options.max_events
-        fill_method(r, parts)
+        fill_method(r, method)
         r["automatic"], r["patience"] = int(options.method == "auto"), 1
         r["error_old"] = 1e-4
         r["every_step"] = 1 if options.t_eval is None else 0

@@ -1,8 +1,6 @@
 """The table of addresses for one run, and the arrays that it points to."""
 
 from functools import cache
-from importlib import import_module
-from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +14,6 @@ from runtime.core.function_table import (
     LOG_ROWS,
     LOOPS,
     MEMORY_SIZE,
-    METHOD_PARTS,
     NONZEROS,
     NOTES_SIZE,
     PARAMETER_COUNT,
@@ -48,21 +45,9 @@ from runtime.hybrid import switching_functions as surfaces
 from runtime.integrate import sampling as outputs
 from runtime.integrate import step as attempt
 from runtime.integrate import step_control as control
-from runtime.linalg.elimination_plan import room
+from runtime.integrate.method import find_method
+from runtime.linalg.elimination_plan import plan_capacity
 from runtime.singularity.detection import PIVOT_ROWS, vanishing
-
-_MODULES = {
-    "dopri5": "runtime.integrate.explicit.dopri5",
-    "dop853": "runtime.integrate.explicit.dop853",
-    "bdf": "runtime.integrate.implicit.bdf",
-    "radau5": "runtime.integrate.implicit.radau5",
-    "auto": "runtime.integrate.implicit.stiffness_switching",
-}
-METHODS = tuple(_MODULES)
-"""Names of the methods."""
-
-IMPLICIT = ("bdf", "radau5", "auto")
-"""Those that need derivatives of the kernels, at times or throughout."""
 
 _KERNEL_SLOTS = slice(TABLE.slots["accelerations"], TABLE.slots["stages"])
 METHOD_SLOTS = slice(TABLE.slots["stages"], TABLE.slots["correct"])
@@ -78,11 +63,6 @@ class Wiring(NamedTuple):
 
     table: Integers
     arrays: dict[str, Any]
-
-
-def method(name: str) -> ModuleType:
-    """The module of a method, compiled when it is first asked for."""
-    return import_module(_MODULES[name])
 
 
 @cache
@@ -116,8 +96,7 @@ def _loop() -> Integers:
 @cache
 def function_table(name: str) -> Integers:
     """Addresses of the functions of the method `name`, in the order of the function table."""
-    parts = method(name)
-    return addresses(getattr(parts, part) for part in METHOD_PARTS)
+    return addresses(find_method(name).functions)
 
 
 @cache
@@ -142,7 +121,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     table[_KERNEL_SLOTS] = _kernels(system)
     table[METHOD_SLOTS] = function_table(name)
     table[_LOOP_SLOTS] = _loop()
-    memory, notes = getattr(method(name), "memory", _no_memory)(n)
+    memory, notes = find_method(name).memory(n)
     numbers = {
         COORDINATES: n,
         CONSTRAINT_COUNT: m,
@@ -153,7 +132,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         RIGID_COUNT: len(system.rigid),
         REACTION_ROWS: system.reaction_rows,
         LOOPS: loops,
-        PLAN_SIZE: room(m, nonzeros),
+        PLAN_SIZE: plan_capacity(m, nonzeros),
         WORKSPACE_SIZE: 2 * n * ROWS,
         SWITCHING_SIZE: s * SWITCH_ROWS,
         PIVOT_SIZE: PIVOT_ROWS * m,
@@ -201,7 +180,3 @@ def _describe_switches(system: System, p: Vector, arrays: dict[str, Any]) -> Non
         reach = high[k] - low[k]
         low[k], high[k] = -reach, reach
     system.restitution(p, arrays["restitution"])
-
-
-def _no_memory(n: int) -> tuple[int, int]:
-    return 0, 0

@@ -9,55 +9,18 @@ less than an implicit method would permit itself. After that has been so for man
 method is due, and the run changes over; see `successor`.
 """
 
+from dataclasses import replace
+
 from runtime.core.function_table import COORDINATES, HOOK, STAGES, memory_of, notes_of
 from runtime.core.jit import addressed, compiled
 from runtime.core.run_record import run_record
 from runtime.core.signatures import Integers
 from runtime.core.workspace import SIZE, Y0, K, row_of
-from runtime.integrate.explicit import dop853
-from runtime.integrate.explicit.dop853 import (
-    BETA,
-    DENSE_CALLS,
-    DENSE_ROWS,
-    ERROR_ORDER,
-    GROW,
-    LAST,
-    NODES,
-    ORDER,
-    SAFETY,
-    SHRINK,
-    STAGE_CALLS,
-    dense,
-    error,
-    propose,
-)
-from runtime.integrate.explicit.stateless import restart
+from runtime.integrate.explicit.generated import dop853
 from runtime.integrate.implicit.method_memory import EQUAL, STIFF, STIFFNESS, memory
 from runtime.integrate.implicit.state_space_form import differentiate, unknowns
 
-__all__ = [
-    "BETA",
-    "DENSE_CALLS",
-    "DENSE_ROWS",
-    "ERROR_ORDER",
-    "GROW",
-    "LAST",
-    "NODES",
-    "ORDER",
-    "SAFETY",
-    "SHRINK",
-    "STAGE_CALLS",
-    "accepted",
-    "dense",
-    "error",
-    "memory",
-    "propose",
-    "restart",
-    "stages",
-    "successor",
-]
-
-_stages = dop853.stages
+_stages, _LAST = dop853.stages, dop853.METHOD.last
 _EVERY = 10  # measured: steps between two estimates of the stiffness
 # measured: h ρ that the explicit method hardly exceeds at tight tolerances: the rest of a fast
 # motion is resolved then, far from the edge of the region of stability, at 6.
@@ -87,8 +50,7 @@ def successor(name: str, freedoms: int, rtol: float) -> str:
 @addressed(STAGES)
 def stages(context: Integers, t: float, h: float) -> int:
     """Take the step from Y0 with derivative K to Y1, and look for stiffness at times."""
-    notes = notes_of(context)
-    if notes[EQUAL] % _EVERY == 0:
+    if notes_of(context)[EQUAL] % _EVERY == 0:
         unknowns(context)
         differentiate(context, t, Y0)
     return _stages(context, t, h)
@@ -99,14 +61,13 @@ def accepted(context: Integers, t: float, h: float) -> int:
     """Count the step; 1 where the steps have long been limited by stability."""
     r = run_record(context)
     n = context[COORDINATES]
-    length = 2 * n
     notes = notes_of(context)
     notes[EQUAL] += 1
     size = row_of(context, SIZE)
     before = row_of(context, K)
-    after = row_of(context, K + LAST)
+    after = row_of(context, K + _LAST)
     change, largest = 0.0, 0.0
-    for j in range(n, length):
+    for j in range(n, 2 * n):
         change = max(change, abs(after[j] - before[j]) / size[j])
         largest = max(largest, abs(after[j]) / size[j])
     easy = change < _EASY * r.rtol**0.2 * largest
@@ -117,3 +78,6 @@ def accepted(context: Integers, t: float, h: float) -> int:
         return 0
     notes[STIFF] = 0
     return 1
+
+
+METHOD = replace(dop853.METHOD, stages=stages, accepted=accepted, memory=memory)
