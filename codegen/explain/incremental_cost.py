@@ -1,9 +1,9 @@
-"""Incremental costs: a scene assembled part by part, each part's cost the difference of two programs.
+"""Incremental costs: a scene assembled part by part, its parts' costs differences of programs.
 
 Effects are added one after another in the order of their declaration, first to the joints, drivers
-and masses alone; the last of these programs is the scene's. An increment depends on the parts before
-it (a sum of two forces costs one operation, whichever came first), but the increments add up to the
-whole exactly, in operations and in time.
+and masses alone; the last of these programs is the scene's. An increment depends on the parts
+before it (a sum of two forces costs one operation, whichever came first), but the increments add up
+to the whole exactly, in operations and in time.
 """
 
 from dataclasses import dataclass

@@ -1,9 +1,9 @@
 """Times of kernels, measured in turns inside one compiled loop.
 
 Other work on the computer only adds to a time, so the minimum of many rounds is kept, and every
-kernel has its turn in each round, so that all see the same conditions. The loop with an empty kernel
-takes its turn too, and its time is subtracted; as numba takes about 0.1 ms to pass a function, every
-turn has the same number of calls.
+kernel has its turn in each round, so that all see the same conditions. The loop with an empty
+kernel takes its turn too, and its time is subtracted; as numba takes about 0.1 ms to pass a
+function, every turn has the same number of calls.
 """
 
 from collections.abc import Callable, Sequence
