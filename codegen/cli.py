@@ -1,4 +1,4 @@
-"""The command line: ``python -m codegen build``, ``explain`` and ``elements``."""
+"""The command line: ``python -m codegen build``, ``explain``, ``elements`` and ``methods``."""
 
 import json
 from collections.abc import Callable
@@ -253,6 +253,28 @@ def elements(
             raise typer.Exit(1)
         changed = len(done.stale)
         output.print(f"{len(done.pages)} pages in {escaped(str(folder))}, {changed} of them new")
+
+
+@app.command()
+@answers_errors
+def methods(
+    out: Annotated[Path | None, typer.Option(help="Folder; the runtime's own by default.")] = None,
+    check: Annotated[
+        bool, typer.Option("--check", help="Write nothing; fail if a file is out of date.")
+    ] = False,
+) -> None:
+    """Write the explicit integration methods of the runtime from their tableaus."""
+    from codegen.generated_files.methods import write_methods
+
+    written, stale = write_methods(out, check=check)
+    for path in stale if check else ():
+        errors.print(
+            f"[bold red]stale:[/] {escaped(str(path))} is missing, or not what its tableau gives; "
+            "run: python -m codegen methods"
+        )
+    if check and stale:
+        raise typer.Exit(1)
+    output.print(f"{len(written)} methods in {escaped(str(written[0].parent))}, {len(stale)} new")
 
 
 def main() -> None:

@@ -10,8 +10,8 @@ from numba import njit
 from codegen.errors import AnalysisError
 from runtime.core.jit import OPTIONS
 from runtime.core.kernels import SIGNATURES, Kernels
+from runtime.integrate.method import EXPLICIT, IMPLICIT, alternatives
 from runtime.integrate.problem import Correction
-from runtime.integrate.wiring import IMPLICIT
 from runtime.linalg.rank_revealing import solve_least_norm, solve_motion
 from runtime.mechanism.description import Description
 from runtime.mechanism.mechanism import Mechanism
@@ -65,7 +65,7 @@ def projecting(
     if method in IMPLICIT:
         raise AnalysisError(
             f"{mechanism.title}: method {method!r} needs independent constraints, and "
-            f"{names} follow from others. Take dop853 or dopri5, or remove them."
+            f"{names} follow from others. Take {alternatives(EXPLICIT)}, or remove them."
         )
     if correction not in {"step", "projection"}:
         raise AnalysisError(

@@ -2,7 +2,6 @@
 
 import time as clock
 from dataclasses import replace
-from typing import Literal, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -58,10 +57,11 @@ def simulate(
     t_start
         First instant in s; that of `start` where one is given.
     method
-        "dop853" or "dopri5", explicit. "radau5" or "bdf", implicit, for what is stiff: contacts and
-        springs much stiffer than the motion is fast; "radau5" also where these vibrate. "auto"
-        starts with "dop853" and changes to an implicit method where it finds the equations stiff,
-        and back. All but the first two take exact derivatives, built when they are first needed.
+        "dop853", of order 8, "dopri5" or "tsit5", of order 5, explicit. "radau5" or "bdf",
+        implicit, for stiff equations: contacts and springs much stiffer than the motion is fast;
+        "radau5" also where these vibrate. "auto" starts with "dop853" and changes to an implicit
+        method where it finds the equations stiff, and back. The last three take exact derivatives,
+        built when they are first needed.
     rtol, atol
         Tolerances of a step: `atol` + `rtol` times the value, for each coordinate and velocity;
         `atol` in m, rad, m/s, rad/s. Unless it is given, it is `rtol` times a typical size: 1 rad
@@ -90,7 +90,7 @@ def simulate(
     taken = ready.coordinates(formulation, method, correction)
     # An unknown method is refused by the integrator, together with all else that is wrong.
     options = Options(
-        method=cast(Literal["dopri5", "dop853", "bdf", "radau5", "auto"], method),
+        method=method,
         rtol=rtol,
         atol_q=atol,
         atol_v=atol,
