@@ -187,8 +187,8 @@ def _why_open(
     mechanism: Mechanism, task: Task, start: Start, closing: Closing, units: list[str]
 ) -> AssemblyError:
     """The error that tells why the joints do not close."""
-    told = mechanism.description
-    drivers = told.driver_rows
+    description = mechanism.description
+    drivers = description.driver_rows
     doubled = structural(task, closing.q, drivers) or overdetermined(task, closing.q, drivers)
     if doubled:
         found = len(task.rows) - int(drivers.sum()) - len(doubled)
@@ -203,8 +203,9 @@ def _why_open(
                 if start.fixed_q[index]
             )
             return AssemblyError(
-                f"{told.title}: the fixed start values contradict the joints at t = {task.t:g} s. "
-                f"Start says {fixed}; with these {_told(equations, phi, units, CLOSED)}. "
+                f"{description.title}: the fixed start values contradict the joints at t = "
+                f"{task.t:g} s. Start says {fixed}; with these "
+                f"{_told(equations, phi, units, CLOSED)}. "
                 f'Give one of them the role "guess", or correct its value.'
             )
     if drivers.any():
@@ -213,16 +214,16 @@ def _why_open(
         if joints.closed:
             driven = close(task._replace(free=free), joints.q)
             gaps = _told(equations, driven.phi, units, CLOSED)
-            names = ", ".join(told.drivers)
+            names = ", ".join(description.drivers)
             return AssemblyError(
-                f"{told.title}: the joints close, but not with what the drivers ({names}) demand "
-                f"at t = {task.t:g} s: {gaps}. The driver asks for a position out of reach, or "
-                f"fights the joints; change its value at this time or the dimensions."
+                f"{description.title}: the joints close, but not with what the drivers ({names}) "
+                f"demand at t = {task.t:g} s: {gaps}. The driver asks for a position out of reach, "
+                f"or fights the joints; change its value at this time or the dimensions."
             )
     return AssemblyError(
-        f"{told.title}: the machine cannot be assembled at t = {task.t:g} s; the nearest that it "
-        f"comes leaves gaps: {_told(equations, phi, units, CLOSED)}. Check the dimensions and "
-        f"attachment points of these joints, or start nearer to an assembled position."
+        f"{description.title}: the machine cannot be assembled at t = {task.t:g} s; the nearest "
+        f"that it comes leaves gaps: {_told(equations, phi, units, CLOSED)}. Check the dimensions "
+        f"and attachment points of these joints, or start nearer to an assembled position."
     )
 
 
@@ -248,24 +249,25 @@ def _redundancy(
     phi: FloatArray | None = None,
 ) -> RedundancyError:
     """The error that names dependent constraints and what to remove."""
-    told = mechanism.description
-    names = told.constraints.names
+    description = mechanism.description
+    names = description.constraints.names
     problems = []
     for row, sources in found:
-        element = told.constraints[row].element
-        from_elements = sorted({told.constraints[source].element for source in sources})
+        element = description.constraints[row].element
+        from_elements = sorted({description.constraints[source].element for source in sources})
         origin = f"follows from {', '.join(from_elements)}" if from_elements else "moves nothing"
         if drivers[row]:
             problems.append(
-                f"{told.title}: driver {element} fights the joints: what it drives is already "
-                f"determined ({names[row]} {origin}). Remove {element}, or free that motion."
+                f"{description.title}: driver {element} fights the joints: what it drives is "
+                f"already determined ({names[row]} {origin}). Remove {element}, or free that "
+                "motion."
             )
             continue
         gap = "" if phi is None else f", and contradicts them (gap {abs(phi[row]):.4g})"
         problems.append(
-            f"{told.title}: constraint {names[row]} is redundant and {kind}: it {origin}{gap}. "
-            f"Remove {element}, or use a joint with fewer constraints in its place "
-            f"({len(told.coordinates)} coordinates, {len(names)} constraints, "
+            f"{description.title}: constraint {names[row]} is redundant and {kind}: it "
+            f"{origin}{gap}. Remove {element}, or use a joint with fewer constraints in its place "
+            f"({len(description.coordinates)} coordinates, {len(names)} constraints, "
             f"{independent} independent)."
         )
     return RedundancyError(problems)

@@ -85,20 +85,22 @@ def spared(start: "Assembly") -> str:
     )
 
 
-def minimum_norm_kernels(kernels: Kernels, told: Description, count: int) -> Kernels:
+def minimum_norm_kernels(kernels: Kernels, description: Description, count: int) -> Kernels:
     """Kernels for which `count` independent constraints suffice."""
-    n, m = len(told.coordinates), len(told.constraints)
-    accelerations = _accelerations(kernels, told, n, m, m - count)
-    correction = _correction(kernels, told, n, m, count)
+    n, m = len(description.coordinates), len(description.constraints)
+    accelerations = _accelerations(kernels, description, n, m, m - count)
+    correction = _correction(kernels, description, n, m, count)
     return kernels._replace(accelerations=accelerations, correction=correction)
 
 
-def _accelerations(kernels: Kernels, told: Description, n: int, m: int, spare: int) -> Any:
+def _accelerations(kernels: Kernels, description: Description, n: int, m: int, spare: int) -> Any:
     jacobian, gamma_of = kernels.jacobian, kernels.acceleration_rhs
     mass_of, forces = kernels.mass, kernels.applied_forces
-    resting = told.analysis == "equilibrium"  # such a scene has no γ: nothing moves, and it is zero
-    rows, columns = _arrays(told.jacobian_rows, told.jacobian_columns)
-    mass_rows, mass_columns = _arrays(told.mass_rows, told.mass_columns)
+    resting = (
+        description.analysis == "equilibrium"
+    )  # such a scene has no γ: nothing moves, and it is zero
+    rows, columns = _arrays(description.jacobian_rows, description.jacobian_columns)
+    mass_rows, mass_columns = _arrays(description.mass_rows, description.mass_columns)
 
     def dynamic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
         values, masses = np.empty(rows.size), np.empty(mass_rows.size)
@@ -120,13 +122,13 @@ def _accelerations(kernels: Kernels, told: Description, n: int, m: int, spare: i
         lam[:] = 0.0
         return 0 if rank >= m - spare else m
 
-    chosen = dynamic if told.has_masses else kinematic
+    chosen = dynamic if description.has_masses else kinematic
     return njit(SIGNATURES["accelerations"], **_OPTIONS)(chosen)
 
 
-def _correction(kernels: Kernels, told: Description, n: int, m: int, count: int) -> Any:
+def _correction(kernels: Kernels, description: Description, n: int, m: int, count: int) -> Any:
     jacobian, constraints, rates = kernels.jacobian, kernels.constraints, kernels.velocity_rhs
-    rows, columns = _arrays(told.jacobian_rows, told.jacobian_columns)
+    rows, columns = _arrays(description.jacobian_rows, description.jacobian_columns)
 
     def correction(t: Any, q: Any, v: Any, p: Any, w: Any, dq: Any, dv: Any) -> int:
         values, right, d = np.empty(rows.size), np.empty((2, m)), np.empty((2, n))

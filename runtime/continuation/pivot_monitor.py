@@ -1,4 +1,4 @@
-"""Looks at the pivots of a driven machine along its walk: compiled.
+"""Compiled monitor of the pivots of Phi_q along the continuation of a driven motion.
 
 A step can be so long that it lands on another assembly of the machine, close to a position in which
 two of them meet or almost meet. So the pivots of Phi_q are compared now and then, in one order: on
@@ -12,7 +12,7 @@ import numpy as np
 from runtime.core.jit import inner
 from runtime.linalg.row_elimination import REDUNDANT, fill, reduce, smallest
 
-# Places in the record that a walk leaves behind. BARRIER: an instant to stop at, or not a number.
+# Entries of the record that a continuation keeps. BARRIER: an instant to stop at, or not a number.
 # TRAVEL: scaled motion since pivots were looked at; LEAST: the smallest then, negative where they
 # are to be looked at first. At a suspicion, END: until when the pivots were followed, and ZERO:
 # where between there and now one of them vanishes.

@@ -1,13 +1,13 @@
-"""Follow a driven motion from instant to instant: a compiled loop.
+"""Compiled predictor-corrector that follows a driven motion from instant to instant.
 
 Each step predicts q from position, velocity and acceleration and corrects it by Newton's method.
 A step is halved where the prediction is poor, so that the machine stays on its branch however far
 apart the instants lie, and where Newton's method fails, so that a lock-up is approached to the
 last position at which the machine still assembles.
 
-Now and then the pivots of Phi_q are looked at (`looking`): a step can be so long that it lands on
-another assembly of the machine. That takes the walk back to where it was last known to be right,
-and is reported.
+A step can be so long that it lands on another assembly of the machine. So the pivots of Phi_q are
+compared from time to time (`pivot_monitor`); at a suspicion the state goes back to the last good
+comparison, and the caller is told.
 """
 
 from typing import Any
@@ -33,7 +33,7 @@ from runtime.continuation.pivot_monitor import (
     look,
     suspicious,
 )
-from runtime.core.jit import ADDRESSES, compiled
+from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernels import FETCH, MATRIX, MODE_ROWS, MODES, SCALAR, TYPES, VECTOR
 
 DONE, STUCK, SUSPECT, ARRIVED = 0, 1, 2, 3
@@ -101,6 +101,31 @@ def settle(
     return 0
 
 
+@inner
+def attempt(
+    correction: Any, accelerations: Any, new: Any, q: Any, v: Any, a: Any, p: Any, w: Any,
+    scale: Any, modes: Any, lam: Any, record: Any, work: Any,
+) -> bool:  # fmt: skip
+    """Predict q and v at the instant `new` in two rows of `work`, and correct them there.
+
+    Accelerations become those at `new`; where the prediction is too poor to tell the branch, they
+    stay, and the answer is False.
+    """
+    t, n = record[T], len(q)
+    h = new - t
+    q_new, v_new, info = work[0], work[1], work[4]
+    for i in range(n):
+        q_new[i] = q[i] + h * (v[i] + 0.5 * h * a[i])
+        v_new[i] = v[i] + h * a[i]
+    reason = settle(correction, new, q_new, v_new, p, w, scale, work[2], work[3], info)
+    record[NEWTON] += info[2]
+    good = reason == 0 and info[0] <= _PREDICTED and abs(h) * info[1] <= 4.0 * _PREDICTED
+    if good and accelerations(new, q_new, v_new, p, modes, a, lam) != 0:
+        accelerations(t, q, v, p, modes, a, lam)
+        good = False
+    return good
+
+
 @compiled(
     types.int64(
         ADDRESSES,
@@ -124,7 +149,7 @@ def settle(
         MODE_ROWS,
     ),
 )
-def walk(
+def advance(
     kernels: Any,
     times: Any,
     p: Any,
@@ -147,18 +172,18 @@ def walk(
 ) -> int:
     """Advance the state (q, v, a, at record[T]) through `times` and store it at each.
 
-    record[MARK] counts the instants done. `sparse` (2, nnz) holds rows and columns of Phi_q;
+    record[MARK] counts the instants done. `sparse` (2, nnz) contains rows and columns of Phi_q;
     `values` (nnz,), `dense` (m, n), `pivots` (3, m) and `orders` (2, m) are work arrays that, like
-    the record, stay as they are between calls.
+    the record, persist between calls.
 
-    Returns DONE; STUCK with the state at the last position reached; SUSPECT with the state where
-    the pivots were last good, where they were not at record[END]; ARRIVED at the barrier.
+    Returns DONE; STUCK with the state at the last position reached; SUSPECT, where the pivots at
+    record[END] are suspicious, with the state of the last good ones; ARRIVED at the barrier.
     """
     correction = correction_of(kernels)
     accelerations = accelerations_of(kernels)
     jacobian = jacobian_of(kernels)
     n = len(q)
-    q_new, v_new, dq, dv, info = work[0], work[1], work[2], work[3], work[4]
+    q_new, v_new, info = work[0], work[1], work[4]
     order, spare = orders[0], orders[1]
     done = int(record[MARK])
     if record[LEAST] < 0.0:
@@ -190,18 +215,9 @@ def walk(
         h = new - t
         if abs(h) <= 8e-16 * max(abs(t), 1e-3 * abs(target)) and not last:
             return STUCK
-        for i in range(n):
-            q_new[i] = q[i] + h * (v[i] + 0.5 * h * a[i])
-            v_new[i] = v[i] + h * a[i]
-        reason = settle(correction, new, q_new, v_new, p, w, scale, dq, dv, info)
-        record[NEWTON] += info[2]
-        good = reason == 0 and info[0] <= _PREDICTED and abs(h) * info[1] <= 4.0 * _PREDICTED
-        if good:
-            reason = accelerations(new, q_new, v_new, p, modes, a, lam)
-            if reason != 0:
-                accelerations(t, q, v, p, modes, a, lam)
-                good = False
-        if not good:
+        if not attempt(
+            correction, accelerations, new, q, v, a, p, w, scale, modes, lam, record, work
+        ):
             record[REJECTED] += 1.0
             record[STEP] = 0.5 * abs(h)
             if abs(h) <= 1e-15 * max(abs(t), abs(target)):

@@ -215,7 +215,7 @@ def _spreads(mechanism: Mechanism, p: FloatArray, begin: Assembly, sizes: FloatA
 
 
 def _refuse(mechanism: Mechanism, begin: Assembly, correction: Correction) -> None:
-    told = mechanism.description
+    description = mechanism.description
     problems = []
     if correction not in _CORRECTIONS:
         problems.append(
@@ -227,8 +227,8 @@ def _refuse(mechanism: Mechanism, begin: Assembly, correction: Correction) -> No
             f"{', '.join(row.name for row in begin.redundant)} follow from other constraints, and "
             "reduced coordinates ask for independent ones; remove them"
         )
-    sticking = [told.switches[k].name for k in told.sought]
-    sticking += [told.switches[k].name for k, *_ in told.friction_limits]
+    sticking = [description.switches[k].name for k in description.sought]
+    sticking += [description.switches[k].name for k, *_ in description.friction_limits]
     if sticking:
         problems.append(
             f"{', '.join(dict.fromkeys(sticking))} stick by the force of a reaction, which reduced "
@@ -241,19 +241,21 @@ def _refuse(mechanism: Mechanism, begin: Assembly, correction: Correction) -> No
         )
     if problems:
         raise InputError(
-            f'{told.title}: {problem}, or take formulation="cartesian".' for problem in problems
+            f'{description.title}: {problem}, or take formulation="cartesian".'
+            for problem in problems
         )
 
 
 def _refuse_dead_centre(
     mechanism: Mechanism, reduced: "Reduced", begin: Assembly, p: FloatArray, sizes: FloatArray
 ) -> None:
-    told = mechanism.description
+    description = mechanism.description
     steep = reduced.steepness(begin.t, begin.q[reduced.kept], p, sizes)
     problems = [
-        f"{told.title}: the run starts with {told.constraints[row].name} at a dead centre of its "
-        f"loop, where both ways to close it meet ({told.coordinates[column].name} moves "
-        f"{ratio:.1e} times as fast as what is left), and reduced coordinates follow one of them; "
+        f"{description.title}: the run starts with {description.constraints[row].name} at a dead "
+        "centre of its loop, where both ways to close it meet "
+        f"({description.coordinates[column].name} moves {ratio:.1e} times as fast as what is "
+        "left), and reduced coordinates follow one of them; "
         f'start further away, or take formulation="cartesian".'
         for (column, row), ratio in zip(reduced.branches, steep, strict=True)
         if not ratio < _STEEP

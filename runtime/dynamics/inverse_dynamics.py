@@ -28,11 +28,11 @@ def inverse_dynamics(
     progress: Progress = silent,
 ) -> Result:
     """Motion, reactions, drives and powers at the instants `t_eval`; see `kinematics`."""
-    told = mechanism.description
-    if not told.has_masses:
+    description = mechanism.description
+    if not description.has_masses:
         raise AnalysisError(
-            f"{told.title}: inverse dynamics needs masses, and this scene has a body without. "
-            f"Give every body a mass and an inertia, or ask for kinematics."
+            f"{description.title}: inverse dynamics needs masses, and this scene has a body "
+            f"without. Give every body a mass and an inertia, or ask for kinematics."
         )
     p = parameter_values(mechanism, parameters)
     require_masses(mechanism, p)

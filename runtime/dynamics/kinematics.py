@@ -98,14 +98,14 @@ def require_driven(mechanism: Mechanism, start: Assembly, analysis: str) -> None
     free = start.degrees_of_freedom
     if free == 0:
         return
-    told = mechanism.description
-    drivers = ", ".join(told.drivers) or "none"
-    left_out = [row.name for row in told.left_out if "driver" in row.kind]
+    description = mechanism.description
+    drivers = ", ".join(description.drivers) or "none"
+    left_out = [row.name for row in description.left_out if "driver" in row.kind]
     hint = f" Declared but left out of this scene: {', '.join(left_out)}." if left_out else ""
     raise AnalysisError(
-        f"{told.title}: {analysis.replace('_', ' ')} needs a machine without freedom, and "
+        f"{description.title}: {analysis.replace('_', ' ')} needs a machine without freedom, and "
         f"{free} degree{'s' if free > 1 else ''} of freedom "
-        f"{'are' if free > 1 else 'is'} left ({len(told.coordinates)} coordinates, drivers: "
+        f"{'are' if free > 1 else 'is'} left ({len(description.coordinates)} coordinates, drivers: "
         f"{drivers}). Add {free} driver{'s' if free > 1 else ''} to the scene, "
         f"or ask for simulate.{hint}"
     )

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.assembly.redundant_kernels import spared
-from runtime.continuation.singularity_classification import passed
+from runtime.continuation.singularity_classification import describe_crossings
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import Coordinates
 from runtime.dynamics.output_quantities import evaluate
@@ -133,7 +133,9 @@ def finished(
     found = _result(mechanism, run, ready.p, began, begin)
     if plan:
         found = with_works(found, plan)
-    found.singular = tuple(passed(equations, begin.t, begin.q, taken.mobility, run.crossings))
+    found.singular = tuple(
+        describe_crossings(equations, begin.t, begin.q, taken.mobility, run.crossings)
+    )
     found.message += carried(mechanism, begin.degrees_of_freedom)
     return found
 
@@ -218,17 +220,17 @@ def _crossed(mechanism: Mechanism, run: Trajectory) -> str:
     first = run.crossings[0]
     worst = max(run.crossings, key=lambda crossing: crossing.error)
     count = len(run.crossings)
-    told = (
+    text = (
         f" Passed {count} singular position{'s' if count > 1 else ''} on the branch on which the "
         f"velocity is continuous, the first at t = {first.t:.6g} s, where "
         f"{mechanism.description.constraints.names[first.row]} lost its hold."
     )
     if worst.error > 1.0:
-        told += (
+        text += (
             f" Rounding there exceeds rtol: the step at t = {worst.t:.6g} s may err by "
             f"{worst.error:.1g} times the tolerance."
         )
-    return told
+    return text
 
 
 def _message(mechanism: Mechanism, run: Trajectory) -> str:
@@ -238,18 +240,18 @@ def _message(mechanism: Mechanism, run: Trajectory) -> str:
             f"Reached t = {run.final_t:g} s in {run.statistics.steps} steps."
             f"{_changes(run)}{_crossed(mechanism, run)}"
         )
-    told = mechanism.description
+    description = mechanism.description
     where = ""
     if run.index >= 0:
         if run.outcome.of_switch:
-            switch = told.switches[run.index]
+            switch = description.switches[run.index]
             where = f", condition {switch.condition} of {switch.name}"
         else:
-            row = told.constraints[run.index]
-            where = f", {'driver' if row.element in told.drivers else 'joint'} {row.name}"
+            row = description.constraints[run.index]
+            where = f", {'driver' if row.element in description.drivers else 'joint'} {row.name}"
     note = f" {run.note}" if run.note else ""
     if run.outcome in {Outcome.SINGULAR, Outcome.NEWTON_FAILED} and run.statistics.steps == 0:
-        held = ", ".join(row.name for row in told.start if row.role == "fixed")
+        held = ", ".join(row.name for row in description.start if row.role == "fixed")
         return (
             f"Stopped at t = {run.final_t:.9g} s{where}. The run starts in a singular position or "
             f"too near to one, and no motion leads out that fits its velocities.{note} Start "

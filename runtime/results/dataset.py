@@ -14,9 +14,9 @@ def dataset(result: TimeSeries) -> "xr.Dataset":
     """Label the arrays of a result; reactions that a joint does not have are NaN."""
     import xarray as xr
 
-    told, samples = result.description, result.samples
+    description, samples = result.description, result.samples
     over = ("time", "coordinate")
-    units = sorted({row.unit for row in told.coordinates})
+    units = sorted({row.unit for row in description.coordinates})
 
     def per(suffix: str) -> str:
         return ", ".join(f"{unit}{suffix}" for unit in units)
@@ -38,12 +38,12 @@ def dataset(result: TimeSeries) -> "xr.Dataset":
     }
     coords: dict[str, Any] = {
         "time": ("time", samples.t, {"units": "s"}),
-        "coordinate": list(told.coordinates.names),
-        "velocity": ("coordinate", [row.velocity for row in told.coordinates]),
-        "unit": ("coordinate", [row.unit for row in told.coordinates]),
+        "coordinate": list(description.coordinates.names),
+        "velocity": ("coordinate", [row.velocity for row in description.coordinates]),
+        "unit": ("coordinate", [row.unit for row in description.coordinates]),
     }
-    if told.has_masses:
-        forces = [row for row in told.reactions if row.element not in told.tracked]
+    if description.has_masses:
+        forces = [row for row in description.reactions if row.element not in description.tracked]
         joints = list(dict.fromkeys(row.element for row in forces))
         components = list(dict.fromkeys(row.component for row in forces))
         reaction = np.full((len(samples.t), len(joints), len(components)), np.nan)
@@ -51,8 +51,8 @@ def dataset(result: TimeSeries) -> "xr.Dataset":
             place = joints.index(row.element), components.index(row.component)
             reaction[:, place[0], place[1]] = result.reaction(row.element, row.component)
         unit_of = {row.component: row.unit for row in forces}
-        sources = [index for index, row in enumerate(told.powers) if row.kind != "work"]
-        powers = [told.powers[index].name for index in sources]
+        sources = [index for index, row in enumerate(description.powers) if row.kind != "work"]
+        powers = [description.powers[index].name for index in sources]
         coords |= {
             "joint": np.array(joints, dtype=np.str_),
             "component": np.array(components, dtype=np.str_),
@@ -64,7 +64,7 @@ def dataset(result: TimeSeries) -> "xr.Dataset":
             "source": np.array(powers, dtype=np.str_),
         }
         energy = np.column_stack([samples.energy, samples.energy.sum(axis=1)])
-        if told.unasked("energy"):
+        if description.unasked("energy"):
             del coords["part"]
         else:
             variables["energy"] = (("time", "part"), energy, {"units": "J"})
@@ -80,14 +80,14 @@ def dataset(result: TimeSeries) -> "xr.Dataset":
         coords["worker"] = np.array(list(result.works), dtype=np.str_)
         work = np.column_stack(list(result.works.values()))
         variables["work"] = (("time", "worker"), work, {"units": "J"})
-    if told.tracked:
-        coords |= {"point": np.array(told.tracked, dtype=np.str_), "axis": ["x", "y"]}
-        paths = np.stack([result.path(name) for name in told.tracked], axis=1)
+    if description.tracked:
+        coords |= {"point": np.array(description.tracked, dtype=np.str_), "axis": ["x", "y"]}
+        paths = np.stack([result.path(name) for name in description.tracked], axis=1)
         variables["path"] = (("time", "point", "axis"), paths, {"units": "m"})
-    if told.switches:
+    if description.switches:
         coords |= {
-            "switch": np.array([row.title for row in told.switches], dtype=np.str_),
-            "switch_kind": ("switch", np.array([row.kind for row in told.switches], dtype=np.str_)),
+            "switch": np.array([row.title for row in description.switches], dtype=np.str_),
+            "switch_kind": ("switch", np.array([row.kind for row in description.switches], dtype=np.str_)),
         }
         variables |= {
             "mode": (

@@ -86,6 +86,6 @@ def shares(direction: Mapping[str, float]) -> str:
     """The larger shares of a direction as text, the largest first."""
     largest = max(map(abs, direction.values()), default=0.0)
     shown = sorted(direction.items(), key=lambda item: -abs(item[1]))
-    told = [f"{name} {part:+.3g}" for name, part in shown if abs(part) > _SMALL * largest]
-    rest = len(told) - _MOST
-    return ", ".join(told[:_MOST]) + (f" and {rest} more" if rest > 0 else "")
+    texts = [f"{name} {part:+.3g}" for name, part in shown if abs(part) > _SMALL * largest]
+    rest = len(texts) - _MOST
+    return ", ".join(texts[:_MOST]) + (f" and {rest} more" if rest > 0 else "")

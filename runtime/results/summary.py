@@ -11,14 +11,14 @@ _SHOWN = 12  # events, before it says how many more there are
 
 def summary(result: TimeSeries, saved: Path | None) -> dict[str, Any]:
     """The JSON object of a run."""
-    told = result.description
+    description = result.description
     last = result.samples
-    names = told.coordinates
+    names = description.coordinates
     some = len(result.t) > 0
     summary: dict[str, Any] = {
         "ok": not result.failed,
-        "model": told.model,
-        "scene": told.scene,
+        "model": description.model,
+        "scene": description.scene,
         "analysis": result.analysis,
         "outcome": result.outcome.name,
         "message": result.message,

@@ -10,23 +10,23 @@ from runtime.validation.parameters import parameter_values
 
 def require_masses(mechanism: Mechanism, p: FloatArray) -> None:
     """Refuse masses and inertias that are not positive finite numbers."""
-    told = mechanism.description
+    description = mechanism.description
     values = _masses(mechanism, p)
-    bodies = frozenset(told.bodies)
+    bodies = frozenset(description.bodies)
     wrong: dict[tuple[str, bool], int] = {}
     for index in np.flatnonzero(~((values > 0.0) & (values < np.inf))).tolist():
-        row = told.coordinates[index]
+        row = description.coordinates[index]
         body = row.name.rpartition(".")[0]
         if body in bodies:  # a coordinate of no body has no mass to refuse
             wrong.setdefault((body, row.unit == "rad"), index)
     problems = []
-    for body in told.bodies if wrong else ():
+    for body in description.bodies if wrong else ():
         for quantity, unit, angle in (("mass", "kg", False), ("inertia", "kg m^2", True)):
             if (body, angle) in wrong:
                 index = wrong[body, angle]
                 problems.append(
-                    f"{told.title}: the {quantity} of {body} is {values[index]:g} {unit}; it "
-                    f"must be a positive finite number. {_behind(mechanism, p, index)}"
+                    f"{description.title}: the {quantity} of {body} is {values[index]:g} {unit}; "
+                    f"it must be a positive finite number. {_behind(mechanism, p, index)}"
                 )
     if problems:
         raise ParameterError(problems)
