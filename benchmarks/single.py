@@ -15,7 +15,7 @@ from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
     from runtime.dynamics.formulations import Coordinates
-    from runtime.dynamics.prepared_simulation import Prepared
+    from runtime.dynamics.prepared_simulation import PreparedSimulation
     from runtime.integrate.problem import Options
     from runtime.integrate.trajectory import Trajectory
     from runtime.machine import Machine
@@ -93,10 +93,12 @@ def _timed(
 
 
 def prepared(machine: "Machine", t: Array) -> "Prepared":
-    from runtime.dynamics.prepared_simulation import Prepared
+    from runtime.dynamics.prepared_simulation import PreparedSimulation
 
     end = float(t[-1])
-    return Prepared(machine.mechanism, end, t_start=0.0, parameters=None, guess=None, start=None)
+    return PreparedSimulation(
+        machine.mechanism, end, t_start=0.0, parameters=None, guess=None, start=None
+    )
 
 
 def error_of(truth: "Result", values: Array, of: "Columns") -> float:

@@ -1,6 +1,6 @@
-"""The one door to a machine: find its generated module, check it, rebuild it if need be, load it.
+"""Loading of a machine: locate its generated module, check it, and rebuild it if stale or missing.
 
-The code generator (and with it SymPy) is imported only where a module is missing or stale.
+The code generator (and with it SymPy) is imported only for a build.
 """
 
 import ast
@@ -65,8 +65,8 @@ def load(
     from runtime.mechanism.mechanism import Mechanism
 
     description = describe(module)
-    made = None if scene is None or isinstance(scene, str) else scene
-    origin = Origin(source, made or description.scene, path, digest)
+    declared = None if scene is None or isinstance(scene, str) else scene
+    origin = Origin(source, declared or description.scene, path, digest)
     return Machine(Mechanism(description, gather(module), path, origin))
 
 

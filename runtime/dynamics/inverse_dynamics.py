@@ -1,9 +1,9 @@
 """Inverse dynamics: the forces and torques that a prescribed motion takes.
 
-The motion is kinematic; the multipliers of the drivers are the drives that produce it. A driver's
-reaction is what it exerts on the body that it moves. Which rigid contacts would be closed is not
-decided here, and friction that does not slip has no force that the motion determines: both are
-refused.
+The motion is that of kinematics; the multipliers of the drivers are the forces and torques that
+produce it. A driver's reaction is what it exerts on the body that it moves. Rigid contacts, whose
+state is not decided here, and friction that does not slip, whose force the motion does not
+determine, are refused.
 """
 
 import numpy.typing as npt
@@ -36,7 +36,7 @@ def inverse_dynamics(
         )
     p = parameter_values(mechanism, parameters)
     require_masses(mechanism, p)
-    found = kinematics(
+    result = kinematics(
         mechanism,
         t_eval,
         parameters=parameters,
@@ -45,5 +45,5 @@ def inverse_dynamics(
         progress=progress,
         analysis="inverse dynamics",
     )
-    require_slip(mechanism, p, found.samples)
-    return found
+    require_slip(mechanism, p, result.samples)
+    return result

@@ -154,14 +154,14 @@ def evaluate(
     v: FloatArray,
     modes: IntArray | None = None,
 ) -> Samples:
-    """Everything that follows from the states at the instants `t`.
+    """Accelerations, reactions, powers, energies and residuals at the instants `t`.
 
     Parameters
     ----------
     q, v
         Shape (instants, n).
     modes
-        Shape (instants, s); found from the states where not given.
+        Shape (instants, s); determined from the states by default.
     """
     description = mechanism.description
     count, n, m = len(t), len(description.coordinates), len(description.constraints)
@@ -196,9 +196,9 @@ def evaluate(
             np.nan
         )
     if (modes == 2).any():
-        from runtime.dynamics.sliding_outputs import mix_held
+        from runtime.dynamics.sliding_outputs import overwrite_sliding
 
-        share = mix_held(mechanism, p, t, q, v, modes, a, lam, reaction, power)
+        share = overwrite_sliding(mechanism, p, t, q, v, modes, a, lam, reaction, power)
     else:
         share = np.full(modes.shape, np.nan)
     return Samples(t, q, v, a, lam, reaction, power, energy, residual, modes, share)

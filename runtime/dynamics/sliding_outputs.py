@@ -1,4 +1,4 @@
-"""Outputs where something is held: where the motion slides, sticks, or a contact is closed."""
+"""Outputs in sliding modes: where the motion slides, friction sticks, or a contact is closed."""
 
 from typing import Any
 
@@ -114,7 +114,7 @@ def _mix_rows(
                 power[row, i] += share[k] * (other[i] - base[i])
 
 
-def mix_held(
+def overwrite_sliding(
     machine: Mechanism,
     p: FloatArray,
     t: FloatArray,
@@ -126,13 +126,13 @@ def mix_held(
     reaction: FloatArray,
     power: FloatArray,
 ) -> FloatArray:
-    """Overwrite accelerations and what follows from them at the instants at which something holds.
+    """Overwrite accelerations, reactions and powers at the instants with a function in mode 2.
 
     Returns
     -------
     (k, s)
-        The share of each function that is held (0: the force of its mode 0, 1: that of mode 1),
-        NaN where it is not.
+        Filippov's share α of each function in mode 2 (0: the force of its mode 0, 1: that of
+        mode 1), NaN elsewhere.
     """
     shares = np.full(modes.shape, np.nan)
     rows = np.flatnonzero((modes == HELD_MODE).any(axis=1))

@@ -1,4 +1,4 @@
-"""Angles that kernels know by their sine and cosine alone, followed through whole turns."""
+"""Unwrapping of angles that kernels give by sine and cosine: followed through whole turns."""
 
 import numpy as np
 import numpy.typing as npt

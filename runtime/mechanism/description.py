@@ -1,4 +1,4 @@
-"""What a generated module says about itself, typed: the only place that knows its layout."""
+"""The tables of a generated module, typed: the only place that knows its layout."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches

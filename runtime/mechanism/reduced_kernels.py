@@ -1,4 +1,4 @@
-"""The equations of a scene in reduced coordinates: those that no constraint gives."""
+"""The equations of a scene in reduced coordinates: those that no constraint gives explicitly."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -81,15 +81,15 @@ class Reduced:
             All coordinates.
         """
         declared, count = len(self.description.parameters), len(self.branches)
-        made = np.zeros(self.slots)
-        made[:declared] = p[:declared]
-        made[declared : declared + count] = 1.0
-        self.kernels.constants(made)
+        values = np.zeros(self.slots)
+        values[:declared] = p[:declared]
+        values[declared : declared + count] = 1.0
+        self.kernels.constants(values)
         sides = np.zeros(count)
-        self.sides(t, np.ascontiguousarray(q), made, sides)
-        made[declared : declared + count] = np.where(sides < 0.0, -1.0, 1.0)
-        self.kernels.constants(made)
-        return made
+        self.sides(t, np.ascontiguousarray(q), values, sides)
+        values[declared : declared + count] = np.where(sides < 0.0, -1.0, 1.0)
+        self.kernels.constants(values)
+        return values
 
     def steepness(self, t: float, q: FloatArray, p: FloatArray, sizes: FloatArray) -> FloatArray:
         """Largest rate of each of `branches` by those of the kept coordinates, in their sizes.

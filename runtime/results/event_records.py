@@ -1,4 +1,4 @@
-"""What happens between the instants of a result."""
+"""Events of a result: changes of modes, impacts, singular configurations."""
 
 from typing import NamedTuple
 

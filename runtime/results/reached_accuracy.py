@@ -1,4 +1,4 @@
-"""How accurate a simulation is found to be, and by what means."""
+"""The estimated global error of a simulation, and how it was determined."""
 
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -57,7 +57,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class ReachedAccuracy:
-    """What was asked of a simulation, and what it reached.
+    """The accuracy target of a simulation, and the accuracy reached.
 
     Attributes
     ----------

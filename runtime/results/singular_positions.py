@@ -1,4 +1,4 @@
-"""Singular positions that a run met: what they are, who is in them, what could move."""
+"""Singular configurations that a run met: kind, joints and drivers involved, null directions."""
 
 from collections.abc import Mapping
 from typing import Literal, NamedTuple
@@ -34,8 +34,8 @@ class SingularPosition(NamedTuple):
     lost
         How many constraints ceased to be independent.
     null_directions
-        What could move with the drivers at rest, one direction a constraint lost: coordinates with
-        their shares, lengths in units of the machine's size, the largest share 1.
+        Directions free with the drivers at rest, one a constraint lost: coordinates with their
+        shares, lengths in units of the machine's size, the largest share 1.
     singular_value
         The smallest of Φ_q, lengths in units of the machine's size, rows of unit length.
     drift
@@ -64,7 +64,7 @@ class SingularPosition(NamedTuple):
         return f"singular: {', '.join((*self.drivers, *self.joints))}"
 
     def facts(self) -> dict[str, object]:
-        """What a file or a JSON text says of it, but for the state; not a number becomes None."""
+        """All but the state as JSON; not a number becomes None."""
         numbers = {"singular_value": self.singular_value, "drift": self.drift}
         return {
             "kind": self.kind,

@@ -15,7 +15,7 @@ from runtime.core.kernels import FETCH, MATRIX, MODES, SCALAR, VECTOR
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import Progress
 from runtime.statics.energy_minimisation import AWAY
-from runtime.statics.reduced_gradient import Rest
+from runtime.statics.reduced_gradient import StaticEquations
 
 # measured: relative error of a step; only the position at which the motion ends matters
 _TOLERANCE = 1e-4
@@ -167,7 +167,7 @@ class Settled(NamedTuple):
     steps: int
 
 
-def settle_down(rest: Rest, q: FloatArray, progress: Progress) -> Settled:
+def settle_down(rest: StaticEquations, q: FloatArray, progress: Progress) -> Settled:
     """Let the machine fall from q, with a slight push to leave an unstable position, and settle."""
     equations, scale = rest.equations, rest.scale
     n, t = equations.n, rest.t

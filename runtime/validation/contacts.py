@@ -1,4 +1,4 @@
-"""What rigid contacts and frictions that stick ask of parameters, of a start and of an analysis."""
+"""Requirements of rigid contacts and sticking friction on parameters, starts and analyses."""
 
 import numpy as np
 import numpy.typing as npt
@@ -12,13 +12,12 @@ _ROUNDING = 1e-12  # by which a ratio of coefficients may miss one
 
 
 def require_sound(mechanism: Mechanism, p: FloatArray) -> None:
-    """Refuse coefficients of restitution, typical forces and static coefficients that are none.
+    """Refuse impossible coefficients of restitution, typical forces and static friction.
 
     Raises
     ------
     ParameterError
-        One sentence for each contact and friction whose numbers, from the parameters `p`, do not
-        make sense.
+        One sentence for each contact and friction that the parameters `p` make impossible.
     """
     description = mechanism.description
     problems = []
@@ -86,7 +85,7 @@ def require_apart(
 
 
 def require_no_rigid(mechanism: Mechanism, analysis: str) -> None:
-    """Refuse an analysis that does not know which rigid contacts are closed."""
+    """Refuse an analysis that does not determine which rigid contacts are closed."""
     description = mechanism.description
     if description.rigid:
         raise AnalysisError(
@@ -98,7 +97,7 @@ def require_no_rigid(mechanism: Mechanism, analysis: str) -> None:
 
 
 def require_no_sticking(mechanism: Mechanism, analysis: str) -> None:
-    """Refuse to look for the place where a machine with friction that sticks would rest."""
+    """Refuse a search for equilibrium with sticking friction, which has no single answer."""
     description = mechanism.description
     names = dict.fromkeys(row.name for row in description.switches if row.kind == "friction")
     if names:
@@ -110,7 +109,7 @@ def require_no_sticking(mechanism: Mechanism, analysis: str) -> None:
 
 
 def require_slip(mechanism: Mechanism, p: FloatArray, samples: Samples) -> None:
-    """Refuse instants at which friction is at rest and stays there: its force is not determined."""
+    """Refuse instants at which friction sticks, so that its force is not determined."""
     description = mechanism.description
     stuck = [k for k, row in enumerate(description.switches) if row.kind == "friction"]
     if not stuck:

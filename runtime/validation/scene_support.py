@@ -1,4 +1,4 @@
-"""Questions that a scene was compiled without the means to answer."""
+"""Refusal of analyses for which a scene was compiled without the equations."""
 
 from typing import NoReturn
 
@@ -7,12 +7,12 @@ from runtime.mechanism.mechanism import Mechanism
 
 
 def require_motion(mechanism: Mechanism, question: str) -> None:
-    """Refuse a motion where the scene asks only where the machine rests.
+    """Refuse an analysis of motion for a scene that was declared for equilibrium.
 
     Raises
     ------
     AnalysisError
-        If its kernels of motion were left out.
+        If the kernels of motion are missing.
     """
     description = mechanism.description
     if description.analysis == "equilibrium":
@@ -39,7 +39,7 @@ def require_energy(mechanism: Mechanism) -> None:
 
 
 def refuse_structure(mechanism: Mechanism) -> None:
-    """Refuse to integrate where joints hold all and no driver moves anything.
+    """Refuse to integrate where the joints determine all coordinates and no driver moves them.
 
     Raises
     ------
@@ -77,8 +77,8 @@ def refuse_massless(mechanism: Mechanism) -> NoReturn:
     )
 
 
-def carried(mechanism: Mechanism, freedom: int) -> str:
-    """What a simulation says where drivers leave nothing to integrate; else nothing."""
+def driven_note(mechanism: Mechanism, freedom: int) -> str:
+    """Sentence of a simulation whose drivers determine the motion; else empty."""
     description = mechanism.description
     if freedom or not description.drivers:
         return ""
