@@ -124,27 +124,9 @@ def equilibrium(
     equations = Equations(mechanism, p)
     _require_finite(equations, float(t), start.q)
     rest = StaticEquations(equations, float(t), equations.scale(equations.size(t, start.q)))
-    stats: dict[str, Any]
-    if method == "settling":
-        if np.abs(equations.velocity_rhs(t, start.q)).max(initial=0.0) > 0.0:
-            raise AnalysisError(
-                f"{mechanism.title}: settling needs drivers at rest, and "
-                f"{', '.join(description.drivers)} "
-                f'moves at t = {t:g} s. Use method="energy".'
-            )
-        from runtime.statics.kinetic_damping import settle_down  # compiles where it is used
-
-        settled = settle_down(rest, start.q, progress)
-        stats = {"steps": settled.steps, "kinetic_energy_peaks": settled.peaks}
-        known = np.isfinite(settled.q).all()
-        found = polish(rest, settled.q) if known else evaluate_position(rest, start.q)
-        ran = _ran(mechanism, rest, start.q, settled.q)
-    else:
-        found = minimise(rest, start.q, progress)
-        stats = {"iterations": found.iterations}
-        ran = _ran(mechanism, rest, start.q, found.q)
-    if found.balanced:
-        ran = []
+    search = _settle if method == "settling" else _minimise
+    found, end, stats = search(rest, start.q, progress)
+    ran = [] if found.balanced else _runaways(mechanism, rest, start.q, end)
     if ran:
         found = evaluate_position(rest, start.q, found.iterations)
     stats |= {"gradient_evaluations": rest.evaluations}
@@ -172,7 +154,35 @@ def equilibrium(
     )
 
 
-def _ran(
+def _minimise(
+    rest: StaticEquations, start: FloatArray, progress: Progress
+) -> tuple[RestPosition, FloatArray, dict[str, Any]]:
+    """Minimise the potential energy: the position, the end of the search, and counts."""
+    found = minimise(rest, start, progress)
+    return found, found.q, {"iterations": found.iterations}
+
+
+def _settle(
+    rest: StaticEquations, start: FloatArray, progress: Progress
+) -> tuple[RestPosition, FloatArray, dict[str, Any]]:
+    """Let a damped motion come to rest: the position, the end of the motion, and counts."""
+    equations = rest.equations
+    description = equations.description
+    if np.abs(equations.velocity_rhs(rest.t, start)).max(initial=0.0) > 0.0:
+        raise AnalysisError(
+            f"{description.title}: settling needs drivers at rest, and "
+            f"{', '.join(description.drivers)} moves at t = {rest.t:g} s. "
+            'Use method="energy".'
+        )
+    from runtime.statics.kinetic_damping import settle_down  # compiles where it is used
+
+    settled = settle_down(rest, start, progress)
+    finite = np.isfinite(settled.q).all()
+    found = polish(rest, settled.q) if finite else evaluate_position(rest, start)
+    return found, settled.q, {"steps": settled.steps, "kinetic_energy_peaks": settled.peaks}
+
+
+def _runaways(
     mechanism: Mechanism, rest: StaticEquations, start: FloatArray, end: FloatArray
 ) -> list[str]:
     """Coordinates so far from the start that no force can be restoring them."""
