@@ -7,7 +7,7 @@ last position at which the machine still assembles.
 
 A step can be so long that it lands on another assembly of the machine. So the pivots of Phi_q are
 compared from time to time (`pivot_monitor`); at a suspicion the state goes back to the last good
-comparison, and the caller is told.
+comparison, and the code is SUSPECT.
 """
 
 from typing import Any

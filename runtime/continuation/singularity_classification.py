@@ -139,7 +139,7 @@ def undefined(equations: Equations, t: float, ahead: float, q: FloatArray) -> st
         return ""
     return (
         f"Stopped at t = {t:.9g} s: {', '.join(dict.fromkeys(without))} has no value just "
-        f"after. Look for a table asked beyond its ends, a division by zero or a root of a "
+        f"after. Look for a table evaluated beyond its ends, a division by zero or a root of a "
         f"negative number."
     )
 
@@ -148,7 +148,7 @@ def unclear(found: SingularPosition) -> str:
     """The message where neither a smooth motion nor a fold was found."""
     return (
         f"Stopped at t = {found.time:.9g} s, at a position that is singular or too near to one to "
-        f"be told from it (smallest singular value of Phi_q {found.singular_value:.1e}, "
+        f"be distinguished from it (smallest singular value of Phi_q {found.singular_value:.1e}, "
         f"{', '.join((*found.drivers, *found.joints))}): no smooth motion leads on. With the "
         f"drivers at rest the machine could move by {found.free}. Change a dimension by a little, "
         f"or drive one of these coordinates."
@@ -218,9 +218,10 @@ def _named(equations: Equations, x: FloatArray) -> dict[str, float]:
 def _of_all(
     equations: Equations, t: float, q: FloatArray, scale: FloatArray, most: int
 ) -> tuple[int, FloatArray]:
-    """How much all rows together have lost, at most `most`, and their null directions, (n, k).
+    """Rank deficiency of all rows together, at most `most`, and their null directions, (n, k).
 
-    Rows that follow from others elsewhere may hold where those do not, and less is free to move.
+    Rows that follow from others elsewhere may be independent where those are not, which leaves
+    fewer directions free.
     """
     matrix = equations.jacobian(t, q) * scale
     lengths = np.linalg.norm(matrix, axis=1)

@@ -216,11 +216,11 @@ def _message(mechanism: Mechanism, run: Trajectory) -> str:
             where = f", {'driver' if row.element in description.drivers else 'joint'} {row.name}"
     note = f" {run.note}" if run.note else ""
     if run.outcome in {Outcome.SINGULAR, Outcome.NEWTON_FAILED} and run.statistics.steps == 0:
-        held = ", ".join(row.name for row in description.start if row.role == "fixed")
+        fixed = ", ".join(row.name for row in description.start if row.role == "fixed")
         return (
             f"Stopped at t = {run.final_t:.9g} s{where}. The run starts in a singular position or "
             f"too near to one, and no motion leads out that fits its velocities.{note} Start "
-            f"further away{f' (held: {held})' if held else ''}, or on the motion that is meant."
+            f"further away{f' (fixed: {fixed})' if fixed else ''}, or on the motion that is meant."
         )
     return (
         f"Stopped at t = {run.final_t:.9g} s{where}. {run.outcome.meaning}{note} "

@@ -38,7 +38,7 @@ _TURN = 2.0 * np.pi
 def follow(
     table: IntArray,
     angles: IntArray,
-    begun: float,
+    t_first: float,
     first: FloatArray,
     here: FloatArray,
     t: FloatArray,
@@ -64,7 +64,7 @@ def follow(
     followed, moved = np.zeros(count), np.zeros(count)
     for i in range(count):
         followed[i] = first[angles[i]]
-    now = begun
+    now = t_first
     for sample in range(t.size):
         way = 0.0
         for j in range(n):

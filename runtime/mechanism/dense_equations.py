@@ -110,7 +110,7 @@ class Equations:
         return Motion(a, lam, weak)
 
     def rest_modes(self, t: float, q: FloatArray) -> IntArray:
-        """Which conditions hold at rest; one at its boundary does not."""
+        """Modes at rest, shape (s,); a condition at its boundary does not hold."""
         g = np.zeros(len(self.description.switches))
         if len(g) == 0:
             return np.zeros(0, dtype=np.int64)

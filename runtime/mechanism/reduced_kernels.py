@@ -52,7 +52,7 @@ class Reduced:
 
     @cached_property
     def system(self) -> System:
-        """What the integrator asks for."""
+        """The reduced equations, as the integrator takes them."""
         m = len(self.closures)
         return replace(
             common_system(self.description, self.kernels, self.jacobian, len(self.kept), m),
@@ -141,11 +141,11 @@ class Reduced:
 
         n, count = len(self.description.coordinates), len(t)
         all_q, all_v = np.zeros((count, n)), np.zeros((count, n))
-        begun, first = start
+        t_first, first = start
         follow(
             self._expanding,
             self.angles,
-            begun,
+            t_first,
             np.ascontiguousarray(first),
             np.ascontiguousarray(first[self.kept]),
             t,

@@ -12,7 +12,7 @@ _WORDS = {1: "began", -1: "ceased", 0: "holds", 2: "impact", CROSSED: "crossed",
 
 
 class Event(NamedTuple):
-    """A switching condition changed, a contact was struck, or a singular position was met.
+    """A change of a mode, an impact, or a singular configuration.
 
     Attributes
     ----------

@@ -26,7 +26,7 @@ class SingularPosition(NamedTuple):
         "crossing": motions cross, and the run went on along the one on which the velocity is
         continuous; "lock-up": the drivers cannot go on; "start": a crossing in which it began;
         "unclear": the run ended where two motions are too much alike, in a corner, or too near to
-        several of these to be told from them.
+        several of these to be distinguished from them.
     time
         In s.
     drivers, joints

@@ -2,7 +2,7 @@
 
 Newton's method with the exact reduced gradient; directions in which the energy falls off are
 followed downhill. Forces without a potential enter through their reduced generalized force: then a
-root is sought, downhill first, and judged afterwards.
+root is searched for, downhill first, and classified afterwards.
 """
 
 from typing import NamedTuple

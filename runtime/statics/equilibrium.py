@@ -259,6 +259,6 @@ def _require_finite(equations: Equations, t: float, q: FloatArray) -> None:
     raise AnalysisError(
         f"{description.title}: at the start position the forces along {', '.join(lost)} are not "
         f"finite (effects: {effects}). Look for a spring whose ends coincide, a division by zero "
-        "or a table asked beyond its ends, and start elsewhere: give guess= or a guess in the "
+        "or a table evaluated beyond its ends, and start elsewhere: give guess= or a guess in the "
         "scene."
     )

@@ -159,7 +159,7 @@ def relax(
 
 
 class Settled(NamedTuple):
-    """Where the machine came to: q, whether it rests, peaks of kinetic energy, steps."""
+    """The end of a settling: q, whether the machine rests, peaks of kinetic energy, steps."""
 
     q: FloatArray
     rests: bool
