@@ -57,6 +57,17 @@ def look(
 
 
 @inner
+def restore_look(record: Any, work: Any, q: Any, v: Any) -> None:
+    """Take the state of the last look back, and let the next look come at once."""
+    for i in range(len(q)):
+        q[i] = work[LOOK_Q, i]
+        v[i] = work[LOOK_V, i]
+    record[T] = record[LOOK_T]
+    record[MARK] = record[LOOK_MARK]
+    record[TRAVEL] = np.inf
+
+
+@inner
 def suspicious(
     jacobian: Any, t: Any, q: Any, p: Any, scale: Any, sparse: Any, values: Any, dense: Any,
     pivots: Any, order: Any, spare: Any, record: Any, work: Any,

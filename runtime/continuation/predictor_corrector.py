@@ -18,10 +18,6 @@ from numba import types
 from runtime.continuation.pivot_monitor import (
     BARRIER,
     LEAST,
-    LOOK_MARK,
-    LOOK_Q,
-    LOOK_T,
-    LOOK_V,
     MARGIN,
     MARK,
     NEWTON,
@@ -31,6 +27,7 @@ from runtime.continuation.pivot_monitor import (
     TRAVEL,
     T,
     look,
+    restore_look,
     suspicious,
 )
 from runtime.core.jit import ADDRESSES, compiled, inner
@@ -150,26 +147,10 @@ def attempt(
     ),
 )
 def advance(
-    kernels: Any,
-    times: Any,
-    p: Any,
-    w: Any,
-    scale: Any,
-    q: Any,
-    v: Any,
-    a: Any,
-    modes: Any,
-    lam: Any,
-    q_out: Any,
-    v_out: Any,
-    record: Any,
-    work: Any,
-    sparse: Any,
-    values: Any,
-    dense: Any,
-    pivots: Any,
-    orders: Any,
-) -> int:
+    kernels: Any, times: Any, p: Any, w: Any, scale: Any, q: Any, v: Any, a: Any, modes: Any,
+    lam: Any, q_out: Any, v_out: Any, record: Any, work: Any, sparse: Any, values: Any,
+    dense: Any, pivots: Any, orders: Any,
+) -> int:  # fmt: skip
     """Advance the state (q, v, a, at record[T]) through `times` and store it at each.
 
     record[MARK] counts the instants done. `sparse` (2, nnz) contains rows and columns of Phi_q;
@@ -239,13 +220,8 @@ def advance(
         if suspicious(
             jacobian, new, q, p, scale, sparse, values, dense, pivots, order, spare, record, work
         ):
-            for i in range(n):
-                q[i] = work[LOOK_Q, i]
-                v[i] = work[LOOK_V, i]
-            record[T] = record[LOOK_T]
-            record[MARK] = record[LOOK_MARK]
+            restore_look(record, work, q, v)
             accelerations(record[T], q, v, p, modes, a, lam)
-            record[TRAVEL] = np.inf
             return SUSPECT
         look(jacobian, new, q, v, p, scale, sparse, values, dense, pivots, order, record, work)
     return DONE
