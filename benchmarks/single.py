@@ -82,7 +82,7 @@ def single_runs(
 
 
 def _timed(
-    ready: "Prepared", taken: "Coordinates", options: "Options"
+    ready: "PreparedSimulation", taken: "Coordinates", options: "Options"
 ) -> tuple[float, "Trajectory"]:
     """A run, and its processor time in s."""
     from runtime.progress_bar import silent
@@ -92,7 +92,7 @@ def _timed(
     return process_time() - began, run
 
 
-def prepared(machine: "Machine", t: Array) -> "Prepared":
+def prepared(machine: "Machine", t: Array) -> "PreparedSimulation":
     from runtime.dynamics.prepared_simulation import PreparedSimulation
 
     end = float(t[-1])

@@ -5,7 +5,8 @@ It takes half a minute once an installation, which the first run would otherwise
 
 from importlib import import_module
 
-from runtime.integrate.wiring import METHODS, function_table
+from runtime.integrate.method import METHODS
+from runtime.integrate.wiring import function_table
 
 ALWAYS = (
     "runtime.integrate.run",

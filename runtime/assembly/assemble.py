@@ -20,6 +20,7 @@ from runtime.assembly.redundancy import (
     structural_redundancy,
     undetermined_rows,
 )
+from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.description import unknown
 from runtime.mechanism.mechanism import Mechanism, Values
@@ -160,7 +161,7 @@ def _velocities(
     for _ in range(3):
         gaps = (matrix @ v - nu) / task.row_scale
         if free.any() and len(gaps):
-            v[free] -= np.linalg.lstsq(slopes, gaps, rcond=1e-10)[0] * task.scale[free]
+            v[free] -= np.linalg.lstsq(slopes, gaps, rcond=NO_PIVOT)[0] * task.scale[free]
     gaps = matrix @ v - nu
     speed = max(1.0, float(np.abs(v / task.scale).max(initial=0.0)))
     if np.abs(gaps / task.row_scale).max(initial=0.0) > _VELOCITY_CLOSED * speed:

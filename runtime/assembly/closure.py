@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.linalg.newton_iteration import newton
+from runtime.linalg.newton_iteration import solve_by_newton
 from runtime.mechanism.dense_equations import Equations, FloatArray
 
 CLOSED = 1e-10  # accuracy: largest scaled gap of joints that are closed
@@ -95,7 +95,9 @@ def refine(task: Task, q: FloatArray) -> FloatArray:
         moved[task.free] += x * scale
         return moved
 
-    x, _ = newton(lambda x: task.gaps(at(x)), lambda x: task.slopes(at(x)), np.zeros(len(scale)))
+    x, _ = solve_by_newton(
+        lambda x: task.gaps(at(x)), lambda x: task.slopes(at(x)), np.zeros(len(scale))
+    )
     return at(x)
 
 

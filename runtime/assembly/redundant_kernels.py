@@ -10,9 +10,9 @@ from numba import njit
 from codegen.errors import AnalysisError
 from runtime.core.jit import OPTIONS
 from runtime.core.kernels import SIGNATURES, Kernels
+from runtime.integrate.method import EXPLICIT, IMPLICIT, alternatives
 from runtime.integrate.problem import Correction
-from runtime.integrate.wiring import IMPLICIT
-from runtime.linalg.rank_revealing import least, motion
+from runtime.linalg.rank_revealing import solve_least_norm, solve_motion
 from runtime.mechanism.description import Description
 from runtime.mechanism.mechanism import Mechanism
 from runtime.results.assembled_state import Assembly
@@ -65,7 +65,7 @@ def projection_only(
     if method in IMPLICIT:
         raise AnalysisError(
             f"{mechanism.title}: method {method!r} needs independent constraints, and "
-            f"{names} follow from others. Take dop853 or dopri5, or remove them."
+            f"{names} follow from others. Take {alternatives(EXPLICIT)}, or remove them."
         )
     if correction not in {"step", "projection"}:
         raise AnalysisError(
@@ -108,14 +108,16 @@ def _accelerations(kernels: Kernels, description: Description, n: int, m: int, s
             gamma_of(t, q, v, p, gamma)
         mass_of(q, p, masses)
         forces(t, q, v, p, modes, force)
-        lost = motion(rows, columns, values, mass_rows, mass_columns, masses, force, gamma, a, lam)
+        lost = solve_motion(
+            rows, columns, values, mass_rows, mass_columns, masses, force, gamma, a, lam
+        )
         return 0 if lost <= spare else m
 
     def kinematic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
         values, right, d = np.empty(rows.size), np.empty((1, m)), np.empty((1, n))
         jacobian(t, q, p, values)
         gamma_of(t, q, v, p, right[0])
-        rank = least(rows, columns, values, np.ones(n), right, d)
+        rank = solve_least_norm(rows, columns, values, np.ones(n), right, d)
         a[:] = d[0]
         lam[:] = 0.0
         return 0 if rank >= m - spare else m
@@ -137,7 +139,7 @@ def _correction(kernels: Kernels, description: Description, n: int, m: int, coun
             right[0, i] = -right[0, i]
         for k in range(rows.size):
             right[1, rows[k]] -= values[k] * v[columns[k]]
-        rank = least(rows, columns, values, w, right, d)
+        rank = solve_least_norm(rows, columns, values, w, right, d)
         dq[:] = d[0]
         dv[:] = d[1]
         return 0 if rank >= count else m

@@ -63,9 +63,10 @@ def accuracy(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
     """What accuracy costs: digits against time, by method, formulation and modelling choice."""
+    from runtime.integrate.method import METHODS
     from runtime.studies.work_precision import accuracy as study
     from runtime.studies.work_precision.picture import check_folder, save
-    from runtime.studies.work_precision.settings_grid import FORMULATIONS, METHODS
+    from runtime.studies.work_precision.settings_grid import FORMULATIONS
 
     try:
         if out is not None:

@@ -16,6 +16,7 @@ from codegen.errors import InputError, LinkwrightError
 from runtime.cli.accuracy import accuracy
 from runtime.cli.common import pairs, print_json, refuse, say
 from runtime.cli.matters import matters
+from runtime.integrate.method import METHODS, alternatives
 
 if TYPE_CHECKING:
     from runtime.integrate.problem import Correction, Formulation
@@ -78,7 +79,7 @@ def simulate(
     ] = None,
     method: Annotated[
         str | None,
-        typer.Option(help="Integration method: dop853 (unless given), dopri5, radau5, bdf, auto."),
+        typer.Option(help=f"Integration method: {alternatives(METHODS)}; dop853 unless given."),
     ] = None,
     rtol: Annotated[
         float | None, typer.Option(help="Relative tolerance of a step; 1e-8 unless given.")

@@ -11,8 +11,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from codegen.errors import AnalysisError
-from runtime.continuation.bifurcation_branches import LOST, SOLVED, Branch, rank_deficiency
+from runtime.continuation.bifurcation_branches import SOLVED, Branch, rank_deficiency
 from runtime.integrate.trajectory import Crossing
+from runtime.linalg.rank_policy import LOST
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.results.singular_positions import Kind, SingularPosition
 

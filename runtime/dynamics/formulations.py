@@ -8,9 +8,9 @@ import numpy as np
 from codegen.errors import InputError
 from runtime.assembly.redundant_kernels import projection_only, with_redundancy
 from runtime.core.system import System
+from runtime.integrate.method import IMPLICIT
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
-from runtime.integrate.wiring import IMPLICIT
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism import Mechanism
 from runtime.results.assembled_state import Assembly

@@ -2,7 +2,6 @@
 
 import time as clock
 from dataclasses import replace
-from typing import Literal, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -55,7 +54,7 @@ def simulate(
     coordinates = ready.coordinates(formulation, method, correction)
     # An unknown method is refused by the integrator, together with all else that is wrong.
     options = Options(
-        method=cast(Literal["dopri5", "dop853", "bdf", "radau5", "auto"], method),
+        method=method,
         rtol=rtol,
         atol_q=atol,
         atol_v=atol,

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from runtime.assembly.closure import CLOSED
 from runtime.constraints.partitioning import eliminate
-from runtime.linalg.newton_iteration import newton
+from runtime.linalg.newton_iteration import solve_by_newton
 from runtime.mechanism.dense_equations import Equations, FloatArray
 
 BALANCED = 1e-10  # accuracy: part of the forces; a gradient below it counts as balanced
@@ -93,7 +93,7 @@ class StaticEquations:
             matrix: FloatArray = equations.jacobian(self.t, position(x))[chosen] * scale
             return matrix / sizes[:, None]
 
-        x, gap = newton(gaps, slopes, np.zeros(len(dependent)))
+        x, gap = solve_by_newton(gaps, slopes, np.zeros(len(dependent)))
         return position(x) if gap <= CLOSED and float(np.abs(x).max()) < _REACH else None
 
     def motions(self, q: FloatArray, part: Partition) -> FloatArray:

@@ -17,6 +17,7 @@ from models.hard.parallel_linkage import parallel_linkage
 from models.hard.suite.case import ROOT
 from models.hard.suite.closed import pendulum
 from runtime import Machine, Outcome, Result, load
+from runtime.integrate.method import EXPLICIT
 from runtime.mechanism.dense_equations import Equations
 
 JOINTS = tuple(f"{pin}{k}" for k in range(4) for pin in "AB")
@@ -109,7 +110,7 @@ def test_what_repeats_is_named_by_joint(table: Machine) -> None:
     assert "Constraint B3.y is redundant and consistent" in str(start)
 
 
-@pytest.mark.parametrize("method", ["dop853", "dopri5"])
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_it_falls_as_if_they_were_not_there(table: Machine, plain: Machine, method: str) -> None:
     run = table.simulate(5.0, TIMES, method=method, rtol=1e-12, progress=False)
     other = plain.simulate(5.0, TIMES, method=method, rtol=1e-12, progress=False)

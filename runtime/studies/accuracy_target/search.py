@@ -19,7 +19,7 @@ where it costs much, the gap is narrow.
 import time as clock
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -27,8 +27,9 @@ import numpy.typing as npt
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import finish_simulation
+from runtime.integrate.method import IMPLICIT, METHODS
 from runtime.integrate.problem import Options
-from runtime.integrate.wiring import IMPLICIT, METHODS, function_table
+from runtime.integrate.wiring import function_table
 from runtime.progress_bar import Progress, silent
 from runtime.results.reached_accuracy import Trial
 from runtime.results.result import Result
@@ -211,7 +212,7 @@ class _Search:
     def _run(self, choice: Choice, rtol: float) -> Run:
         options = replace(
             self.options,
-            method=cast(Literal["dop853"], choice.method),
+            method=choice.method,
             rtol=rtol,
             h_max=self._longest(choice, rtol),
             correction=choice.taken.correction,

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import LinkwrightError
+from runtime.integrate.method import METHODS
 from runtime.mechanism.dense_equations import Equations, magnitudes
 from runtime.studies.error_norms import (
     Errors,
@@ -27,7 +28,7 @@ from runtime.studies.error_norms import (
 )
 from runtime.studies.work_precision.compared_quantities import Given, columns, named
 from runtime.studies.work_precision.diagram import DONE, Check, Reference, Setting
-from runtime.studies.work_precision.settings_grid import FORMULATIONS, METHODS, TIGHTEST
+from runtime.studies.work_precision.settings_grid import FORMULATIONS, TIGHTEST
 from runtime.studies.work_precision.settings_grid import settings as every
 from runtime.studies.work_precision.timed_runs import Runner, Stopwatch
 

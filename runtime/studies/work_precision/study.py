@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError, InputError
+from runtime.integrate.method import METHODS
 from runtime.studies.effect_ranking.trial_run import Plan
 from runtime.studies.variant_builds import loaded
 from runtime.studies.work_precision.build_costs import build_costs
@@ -29,7 +30,6 @@ from runtime.studies.work_precision.reference_solution import PATIENCE, find_tru
 from runtime.studies.work_precision.settings_grid import (
     FORMULATIONS,
     FURTHER,
-    METHODS,
     QUICK,
     RTOLS,
     check_grid,
