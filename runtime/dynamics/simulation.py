@@ -12,7 +12,7 @@ from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import Coordinates
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
-from runtime.dynamics.work import laid, with_works
+from runtime.dynamics.work import integrate_works
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -83,20 +83,16 @@ def finish_simulation(
     began
         When the analysis did, s of `time.perf_counter`.
     run
-        The run, where it has been made; works are integrated in others.
+        The run, if it exists already; a scene with works needs another one.
     """
     times = None if options.t_eval is None else np.asarray(options.t_eval, dtype=np.float64)
-    begin, plan = ready.begin, None
-    if ready.mechanism.description.working:
-        ends = ready.run(coordinates, replace(options, t_eval=None), progress).t
-        plan = laid(begin.t, ends, times)
-        run = ready.run(coordinates, replace(options, t_eval=plan.instants), progress)
-    elif run is None:
-        run = ready.run(coordinates, options, progress)
+    begin, works = ready.begin, bool(ready.mechanism.description.working)
+    if works or run is None:
+        run = ready.run(coordinates, replace(options, quadrature=works), progress)
     mechanism, equations = coordinates.mechanism, Equations(coordinates.mechanism, ready.p)
     result = _result(mechanism, run, ready.p, began, begin)
-    if plan:
-        result = with_works(result, plan)
+    if works:
+        integrate_works(result, len(run.t), times)
     result.singular = tuple(
         describe_crossings(equations, begin.t, begin.q, coordinates.mobility, run.crossings)
     )
