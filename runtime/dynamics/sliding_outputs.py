@@ -99,7 +99,7 @@ def _mix_rows(
             k = sliding[c]
             shares[row, k] = share[k]
             if stiction_place[k] >= 0:
-                # Between the friction forces of both directions of slip, at the present pressing force.
+                # Between the friction forces of both directions, at the present normal force.
                 force, limit = mixed_reaction[limits[2 * k]], mixed_reaction[limits[2 * k + 1]]
                 shares[row, k] = 0.5 - 0.5 * high[k] * force / limit if limit > 0.0 else np.nan
             for i in range(m):
