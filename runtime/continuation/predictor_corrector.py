@@ -123,29 +123,10 @@ def attempt(
     return good
 
 
-@compiled(
-    types.int64(
-        ADDRESSES,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        MODES,
-        VECTOR,
-        MATRIX,
-        MATRIX,
-        VECTOR,
-        MATRIX,
-        MODE_ROWS,
-        VECTOR,
-        MATRIX,
-        MATRIX,
-        MODE_ROWS,
-    ),
-)
+@compiled(types.int64(
+    ADDRESSES, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, MODES, VECTOR, MATRIX,
+    MATRIX, VECTOR, MATRIX, MODE_ROWS, VECTOR, MATRIX, MATRIX, MODE_ROWS,
+))  # fmt: skip
 def advance(
     kernels: Any, times: Any, p: Any, w: Any, scale: Any, q: Any, v: Any, a: Any, modes: Any,
     lam: Any, q_out: Any, v_out: Any, record: Any, work: Any, sparse: Any, values: Any,

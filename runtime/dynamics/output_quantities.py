@@ -27,46 +27,15 @@ switching_of = FETCH["switching"]
 switching_rates_of = FETCH["switching_rates"]
 
 
-@compiled(
-    types.none(
-        ADDRESSES,
-        VECTOR,
-        VECTOR,
-        MATRIX,
-        MATRIX,
-        MODE_ROWS,
-        MODES,
-        MODES,
-        MATRIX,
-        MATRIX,
-        MATRIX,
-        MATRIX,
-        MATRIX,
-        MATRIX,
-        MODES,
-        VECTOR,
-        VECTOR,
-    ),
-)
+@compiled(types.none(
+    ADDRESSES, VECTOR, VECTOR, MATRIX, MATRIX, MODE_ROWS, MODES, MODES, MATRIX, MATRIX, MATRIX,
+    MATRIX, MATRIX, MATRIX, MODES, VECTOR, VECTOR,
+))  # fmt: skip
 def _evaluate(
-    kernels: Any,
-    times: Any,
-    p: Any,
-    q: Any,
-    v: Any,
-    modes: Any,
-    rows: Any,
-    columns: Any,
-    a: Any,
-    lam: Any,
-    reaction: Any,
-    power: Any,
-    energy: Any,
-    residual: Any,
-    weak: Any,
-    slopes: Any,
+    kernels: Any, times: Any, p: Any, q: Any, v: Any, modes: Any, rows: Any, columns: Any, a: Any,
+    lam: Any, reaction: Any, power: Any, energy: Any, residual: Any, weak: Any, slopes: Any,
     phi: Any,
-) -> None:
+) -> None:  # fmt: skip
     accelerations = accelerations_of(kernels)
     constraints = constraints_of(kernels)
     jacobian = jacobian_of(kernels)
@@ -103,32 +72,13 @@ def _evaluate(
         energy[k, 1] = potential(t, q[k], p, modes[k])
 
 
-@compiled(
-    types.none(
-        ADDRESSES,
-        VECTOR,
-        VECTOR,
-        MATRIX,
-        MATRIX,
-        MODE_ROWS,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-    ),
-)
+@compiled(types.none(
+    ADDRESSES, VECTOR, VECTOR, MATRIX, MATRIX, MODE_ROWS, VECTOR, VECTOR, VECTOR, VECTOR,
+))  # fmt: skip
 def _find_modes(
-    kernels: Any,
-    times: Any,
-    p: Any,
-    q: Any,
-    v: Any,
-    modes: Any,
-    a: Any,
-    lam: Any,
-    g: Any,
+    kernels: Any, times: Any, p: Any, q: Any, v: Any, modes: Any, a: Any, lam: Any, g: Any,
     rate: Any,
-) -> None:
+) -> None:  # fmt: skip
     switching = switching_of(kernels)
     switching_rates = switching_rates_of(kernels)
     accelerations = accelerations_of(kernels)

@@ -34,42 +34,14 @@ IntArray = npt.NDArray[np.int64]
 powers_of = FETCH["powers"]
 
 
-@allocating(
-    types.none(
-        ADDRESSES,
-        ADDRESSES,
-        MODES,
-        VECTOR,
-        VECTOR,
-        MATRIX,
-        MATRIX,
-        MODE_ROWS,
-        MATRIX,
-        MATRIX,
-        MATRIX,
-        MATRIX,
-        MATRIX,
-        VECTOR,
-        VECTOR,
-    )
-)
+@allocating(types.none(
+    ADDRESSES, ADDRESSES, MODES, VECTOR, VECTOR, MATRIX, MATRIX, MODE_ROWS, MATRIX, MATRIX, MATRIX,
+    MATRIX, MATRIX, VECTOR, VECTOR,
+))  # fmt: skip
 def _mix_rows(
-    context: Any,
-    kernels: Any,
-    rows: Any,
-    times: Any,
-    p: Any,
-    q: Any,
-    v: Any,
-    modes: Any,
-    a: Any,
-    lam: Any,
-    reaction: Any,
-    power: Any,
-    shares: Any,
-    base: Any,
-    other: Any,
-) -> None:
+    context: Any, kernels: Any, rows: Any, times: Any, p: Any, q: Any, v: Any, modes: Any, a: Any,
+    lam: Any, reaction: Any, power: Any, shares: Any, base: Any, other: Any,
+) -> None:  # fmt: skip
     field = bent_of(context)
     powers = powers_of(kernels)
     m = context[CONSTRAINT_COUNT]

@@ -19,22 +19,10 @@ _FINEST = 1e-4  # safety: part of a stride; no shorter ones are tried
 _TURN = 2.0 * np.pi
 
 
-@allocating(
-    types.none(
-        ADDRESSES,
-        types.int64[::1],
-        SCALAR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        MATRIX,
-        MATRIX,
-        VECTOR,
-        VECTOR,
-        MATRIX,
-        MATRIX,
-    )
-)
+@allocating(types.none(
+    ADDRESSES, types.int64[::1], SCALAR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, VECTOR, VECTOR,
+    MATRIX, MATRIX,
+))  # fmt: skip
 def follow(
     table: IntArray,
     angles: IntArray,

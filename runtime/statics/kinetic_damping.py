@@ -93,38 +93,14 @@ def return_to_constraints(
     return int(weak), change
 
 
-@compiled(
-    types.int64(
-        ADDRESSES,
-        SCALAR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        MODES,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        MATRIX,
-        types.int64,
-    ),
-)
+@compiled(types.int64(
+    ADDRESSES, SCALAR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, MODES, VECTOR, VECTOR, VECTOR,
+    MATRIX, types.int64,
+))  # fmt: skip
 def relax(
-    kernels: Any,
-    t: Any,
-    p: Any,
-    w: Any,
-    scale: Any,
-    q: Any,
-    v: Any,
-    modes: Any,
-    g: Any,
-    lam: Any,
-    record: Any,
-    work: Any,
-    count: Any,
-) -> int:
+    kernels: Any, t: Any, p: Any, w: Any, scale: Any, q: Any, v: Any, modes: Any, g: Any, lam: Any,
+    record: Any, work: Any, count: Any,
+) -> int:  # fmt: skip
     """Take `count` steps at frozen time; 1 at rest, 0 if not yet, negative on a weak row."""
     accelerations = accelerations_of(kernels)
     correction = correction_of(kernels)
