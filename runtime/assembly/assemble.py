@@ -166,7 +166,7 @@ def _velocities(
     speed = max(1.0, float(np.abs(v / task.scale).max(initial=0.0)))
     if np.abs(gaps / task.row_scale).max(initial=0.0) > _VELOCITY_CLOSED * speed:
         fixed = ", ".join(
-            f"{row.velocity} = {start.v[index]:g} {row.unit}/s"
+            f"{row.velocity} = {start.v[index]:g} {row.velocity_unit}"
             for index, row in enumerate(mechanism.description.coordinates)
             if start.fixed_v[index]
         )
@@ -292,7 +292,7 @@ def _report(
         small = 1e-9 * task.scale[index]
         pairs = (
             (row.name, start.q[index], closing.q[index], row.unit),
-            (row.velocity, start.v[index], v[index], f"{row.unit}/s"),
+            (row.velocity, start.v[index], v[index], row.velocity_unit),
         )
         moved += [
             Moved(name, float(start_value), float(reached), unit)

@@ -201,7 +201,7 @@ def _apart(equations: Equations, branch: Branch, choices: list[Branch]) -> str:
     spread = np.ptp(all_v, axis=0)
     differs = spread > 1e-6 * max(float(np.abs(all_v).max()), 1e-300)
     return ", ".join(
-        f"{row.velocity} = {branch.v[k]:.6g} {row.unit}/s"
+        f"{row.velocity} = {branch.v[k]:.6g} {row.velocity_unit}"
         for k, row in enumerate(equations.description.coordinates)
         if differs[k]
     )

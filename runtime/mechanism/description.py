@@ -62,6 +62,21 @@ class Coordinate(NamedTuple):
     velocity: str
     unit: str
 
+    @property
+    def is_angle(self) -> bool:
+        """Whether it is measured in rad."""
+        return self.unit == "rad"
+
+    @property
+    def velocity_unit(self) -> str:
+        """Unit of its velocity."""
+        return f"{self.unit}/s"
+
+    @property
+    def acceleration_unit(self) -> str:
+        """Unit of its acceleration."""
+        return f"{self.unit}/s^2"
+
 
 class Constraint(NamedTuple):
     """One scalar equation of a joint or a driver."""
@@ -243,7 +258,7 @@ class Description(NamedTuple):
     @property
     def is_angle(self) -> npt.NDArray[np.bool_]:
         """True for coordinates that are angles, shape (n,)."""
-        return np.array([row.unit == "rad" for row in self.coordinates], dtype=np.bool_)
+        return np.array([row.is_angle for row in self.coordinates], dtype=np.bool_)
 
 
 def describe(module: ModuleType) -> Description:

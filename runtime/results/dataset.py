@@ -42,13 +42,13 @@ def dataset(result: TimeSeries) -> "xr.Dataset":
 def _motion(result: TimeSeries) -> tuple[Variables, Variables]:
     table, samples, over = result.description.coordinates, result.samples, ("time", "coordinate")
 
-    def units(suffix: str) -> str:
-        return ", ".join(f"{unit}{suffix}" for unit in sorted({row.unit for row in table}))
+    def units(of: str) -> str:
+        return ", ".join(sorted({getattr(row, of) for row in table}))
 
     variables: Variables = {
-        "q": (over, samples.q, {"units": units(""), "long_name": "coordinates"}),
-        "v": (over, samples.v, {"units": units("/s"), "long_name": "velocities"}),
-        "a": (over, samples.a, {"units": units("/s^2"), "long_name": "accelerations"}),
+        "q": (over, samples.q, {"units": units("unit"), "long_name": "coordinates"}),
+        "v": (over, samples.v, {"units": units("velocity_unit"), "long_name": "velocities"}),
+        "a": (over, samples.a, {"units": units("acceleration_unit"), "long_name": "accelerations"}),
         "constraint_residual": (
             "time",
             samples.residual[:, 0],

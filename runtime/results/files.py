@@ -73,9 +73,9 @@ def columns(result: TimeSeries) -> dict[str, FloatArray]:
     for index, row in enumerate(description.coordinates):
         table[f"{row.name} [{row.unit}]"] = samples.q[:, index]
     for index, row in enumerate(description.coordinates):
-        table[f"{row.velocity} [{row.unit}/s]"] = samples.v[:, index]
+        table[f"{row.velocity} [{row.velocity_unit}]"] = samples.v[:, index]
     for index, row in enumerate(description.coordinates):
-        table[f"a({row.name}) [{row.unit}/s^2]"] = samples.a[:, index]
+        table[f"a({row.name}) [{row.acceleration_unit}]"] = samples.a[:, index]
     for index, reaction in enumerate(description.reactions):
         table[f"{reaction.name} [{reaction.unit}]"] = samples.reaction[:, index]
     for index, source in enumerate(description.powers):

@@ -18,7 +18,7 @@ def require_masses(mechanism: Mechanism, p: FloatArray) -> None:
         row = description.coordinates[index]
         body = row.name.rpartition(".")[0]
         if body in bodies:  # a coordinate of no body has no mass to refuse
-            impossible.setdefault((body, row.unit == "rad"), index)
+            impossible.setdefault((body, row.is_angle), index)
     problems = []
     for body in description.bodies if impossible else ():
         for quantity, unit, angle in (("mass", "kg", False), ("inertia", "kg m^2", True)):
