@@ -35,7 +35,7 @@ def test_nothing_is_built_that_no_setting_takes(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     asked: list[str] = []
-    real = companions.load_companion
+    real = mechanisms.load_companion
 
     def load_companion(origin: Any, kind: Any, *rest: Any) -> Any:
         asked.append(kind)
