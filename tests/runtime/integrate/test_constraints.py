@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import ellipj, ellipk
 
-from runtime.constraints.partitioning import eliminate
+from runtime.constraints.partitioning import order_by_pivots
 from runtime.core.outcomes import Outcome
 from runtime.core.signatures import ACCELERATIONS
 from runtime.core.system import System
@@ -103,14 +103,14 @@ def test_elimination_finds_rank_and_redundant_row():
     full = rng.normal(size=(4, 7))
     full = np.vstack([full, full[1] - 2.0 * full[3]])
     rows, columns = np.zeros(5, np.int64), np.zeros(7, np.int64)
-    assert eliminate(full.copy(), np.ones(7), rows, columns) == 4
+    assert order_by_pivots(full.copy(), np.ones(7), rows, columns) == 4
     assert rows[4] in (1, 3, 4)
     dependent = full[rows[:4]][:, columns[:4]]
     assert np.linalg.cond(dependent) < 1e3
     # Units do not matter: coordinate 2 in millimetres.
     units = np.array([1.0, 1.0, 1e3, 1.0, 1.0, 1.0, 1.0])
     other_rows, other = np.zeros(5, np.int64), np.zeros(7, np.int64)
-    assert eliminate(full / units, units, other_rows, other) == 4
+    assert order_by_pivots(full / units, units, other_rows, other) == 4
     assert np.array_equal(other, columns)
 
 
