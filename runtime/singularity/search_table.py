@@ -83,19 +83,17 @@ def lay_out(
     table[ROWS], table[NONZEROS], table[ENTRIES] = independent.size, entries - m, entries
     table[PARAMETER_COUNT] = p.size
     arrays = TABLE.allot(table)
-    given = {
-        "parameters": np.ascontiguousarray(p, dtype=np.float64),
-        "scale": np.ascontiguousarray(scale, dtype=np.float64),
-        "independent": np.ascontiguousarray(independent, dtype=np.int64),
-        "entry_rows": np.ascontiguousarray(places[0], dtype=np.int64),
-        "entry_columns": np.ascontiguousarray(places[1], dtype=np.int64),
-    }
-    for name, array in given.items():
+    arrays["parameters"] = np.ascontiguousarray(p, dtype=np.float64)
+    arrays["scale"] = np.ascontiguousarray(scale, dtype=np.float64)
+    arrays["independent"] = np.ascontiguousarray(independent, dtype=np.int64)
+    arrays["entry_rows"] = np.ascontiguousarray(places[0], dtype=np.int64)
+    arrays["entry_columns"] = np.ascontiguousarray(places[1], dtype=np.int64)
+    for name, array in arrays.items():
         table[TABLE.slots[name]] = array.ctypes.data
     arrays["lengths"][:] = 1.0
     for name in ("row_order", "row_place", "column_order", "column_place"):
         arrays[name][:] = np.arange(arrays[name].size)
-    return Layout(table, {**arrays, **given})
+    return Layout(table, arrays)
 
 
 @inner

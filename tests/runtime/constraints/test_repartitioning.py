@@ -46,7 +46,7 @@ def test_the_same_choice_doubles_the_limits_and_is_not_logged():
 
 
 def test_a_choice_is_poor_where_dependent_coordinates_run_away():
-    wiring, rows, r = begun()
+    wiring, rows, _ = begun()
     swinging(rows, Y1, 0.4, 1.0)
     assert is_poorly_chosen(wiring.table, 0.0) == 0
     swinging(rows, Y1, 1.5, 1.0)  # x moves fourteen times as fast as y
