@@ -46,15 +46,14 @@ def module_text(name: str, tableau: Tableau) -> str:
 
 def _imports(tableau: Tableau) -> Iterator[str]:
     limited = tableau.stability_edge is not None
-    signatures = ["DENSE", "ERROR", "STAGES", "Integers", "Vector"]
+    propose, dense = "PROPOSE, " if limited else "", "F, " if tableau.dense else ""
     yield from ("import numpy as np", "")
     yield "from runtime.core.array_views import view"
     yield "from runtime.core.dense_output import hermite_rows"
     yield "from runtime.core.jit import addressed"
     yield "from runtime.core.rhs import slope"
-    names = ", ".join(sorted(["PROPOSE", *signatures] if limited else signatures, key=_case_first))
-    yield f"from runtime.core.signatures import {names}"
-    yield "from runtime.core.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K, Run"
+    yield f"from runtime.core.signatures import DENSE, ERROR, {propose}STAGES, Integers, Vector"
+    yield f"from runtime.core.workspace import ATOL, ROWS, STAGE, Y0, Y1, {dense}K, Run"
     if limited:
         names = "memory, observe, restart, stable_ratio"
         yield f"from runtime.integrate.explicit.stability_limit import {names}"
@@ -70,9 +69,8 @@ def _imports(tableau: Tableau) -> Iterator[str]:
 
 
 def _stages(tableau: Tableau) -> Iterator[str]:
-    used = tableau.last
     yield from _head("stages", "Take the step from Y0 with derivative K to Y1, not yet corrected.")
-    yield from _views(("y0", "y1", "z"), range(1, used + 1))
+    yield from _views(("y0", "y1", "z"), range(1, tableau.last + 1))
     yield "    taken = 0"
     for number, stage in enumerate(tableau.stages, 2):
         yield from _stage(number, stage)
@@ -156,10 +154,10 @@ def _record(tableau: Tableau) -> Iterator[str]:
     yield from filled("    nodes=(", items(nodes), "),")
     for name in ("beta", "safety", "shrink", "grow"):
         yield f"    {name}={getattr(tableau, name)!r},"
-    names = ["stages", "error", "dense", "propose", "accepted", "restart"]
+    for name in ("stages", "error", "dense", "propose", "accepted", "restart"):
+        yield f"    {name}={name},"
     if tableau.stability_edge is not None:
-        names.append("memory")
-    yield from (f"    {name}={name}," for name in names)
+        yield "    memory=memory,"
     yield ")"
 
 
@@ -202,8 +200,3 @@ def _terms(row: Weights, first: bool = True) -> list[str]:
                 sign = sign.strip(" +")
             found.append(f"{sign}{abs(float(x))!r} * k{number}[j]")
     return found
-
-
-def _case_first(name: str) -> tuple[bool, str]:
-    """As the formatter sorts imported names: constants, then classes."""
-    return (not name.isupper(), name)
