@@ -36,7 +36,7 @@ from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly
 from runtime.results.singular_positions import Kind, SingularPosition
 from runtime.singularity.local_motion import taylor
-from runtime.singularity.singular_position import Positions, Singularity
+from runtime.singularity.singular_position import Singularity, SingularPositions
 
 _ROUNDING = 64.0 * EPS  # accuracy: gap, in parts of the largest coordinate, that is rounding
 _DRIFT = 1e-4  # accuracy: |uᵀ ν|, the drivers' pace 1, at a branch point or a near miss of one
@@ -62,7 +62,7 @@ class Follower:
         self.scale = self.course.scale
         independent = np.asarray(start.independent, dtype=np.int64)
         self.constraints = equations.scaled(self.scale, independent)
-        self.positions = Positions(self.constraints)
+        self.positions = SingularPositions(self.constraints)
         self.awaited: Singularity | None = None
         self.singular: list[SingularPosition] = []
         self.notes = ""
@@ -103,7 +103,7 @@ class Follower:
         t, ahead, speed = course.t, course.ahead, course.speed
         stretch = abs(float(r[END]) - t) if suspect else _ABOUT / speed
         guess = ahead * stretch * float(r[ZERO]) if suspect else 0.0
-        found = self.positions.near(taylor(t, course.q, course.v, course.a), guess)
+        found = self.positions.find(taylor(t, course.q, course.v, course.a), guess)
         if found is not None and not self._on_the_way(found, ahead, stretch):
             found = None
         if found is not None and found.gap <= self._rounding():
@@ -148,7 +148,7 @@ class Follower:
         if choices:
             # Once more from there: what was found by one look from afar is as good as its step.
             motion = taylor(t, q, choices[0].v, choices[0].a)
-            q = (self.positions.near(motion, 0.0) or found).q
+            q = (self.positions.find(motion, 0.0) or found).q
             t = meeting.instant(equations, t, q)
             choices = branches(equations, t, q, coming, self.scale)
         made = None
@@ -183,7 +183,7 @@ class Follower:
             course.q_out[:], course.v_out[:] = q, course.v
             course.record[MARK] = len(course.times)
         else:
-            found = self.positions.near(taylor(t, q, course.v, course.a), 0.0)
+            found = self.positions.find(taylor(t, q, course.v, course.a), 0.0)
             made = self._zone(t, q, choices, course.speed if found is None else found.rate)
             if made is None:
                 raise meeting.no_start(equations, told, [])

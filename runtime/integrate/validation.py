@@ -61,7 +61,7 @@ def _of_derivatives(system: System, options: Options) -> list[str]:
         without = (
             f"method {options.method!r} needs the derivatives of the kernels, and this system has "
             f"none: give it accelerations_tangent and correction_tangent, which "
-            f"runtime.load(...).tangents has, or choose {alternatives(EXPLICIT)}."
+            f"runtime.load(...).mechanism.tangents has, or choose {alternatives(EXPLICIT)}."
         )
         return [without]
     return []

@@ -23,7 +23,7 @@ from runtime.singularity.search_table import (
     NONZEROS,
     ROWS,
     STEP,
-    entries,
+    jacobian_entries,
 )
 
 _ITERATIONS = 40  # safety: Newton iterations
@@ -49,10 +49,10 @@ def differentiate_left(
     delta = _DIFFERENCE / max(np.sqrt(total), 1e-300)
     for j in range(wide):
         aside[j] = z[j] + delta * direction[j]
-    entries(table, speed, aside, ahead)
+    jacobian_entries(table, speed, aside, ahead)
     for j in range(wide):
         aside[j] = z[j] - delta * direction[j]
-    entries(table, speed, aside, behind)
+    jacobian_entries(table, speed, aside, behind)
     for j in range(wide):
         for w in range(weak):
             sums[j, w] = 0.0

@@ -26,8 +26,8 @@ from runtime.singularity.search_table import (
     ROW_PLACE,
     ROWS,
     VALUES,
-    entries,
-    unit_gaps,
+    jacobian_entries,
+    unit_residuals,
 )
 
 
@@ -57,8 +57,8 @@ def eliminate_strong_rows(
     at_column = integers_at(table, ENTRY_COLUMNS, size)
     row_place = integers_at(table, ROW_PLACE, rows)
     column_place = integers_at(table, COLUMN_PLACE, wide)
-    unit_gaps(table, speed, z, gaps)
-    entries(table, speed, z, values)
+    unit_residuals(table, speed, z, gaps)
+    jacobian_entries(table, speed, z, values)
     for i in range(rows):
         for j in range(wide):
             a[i, j] = 0.0

@@ -16,19 +16,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from runtime.core.outcomes import Outcome
+from runtime.core.run_record import APPROACHING, CROSSING, FREE, LEAVING, MISSING
 from runtime.core.signatures import Vector, no_right_side
 from runtime.core.system import System
-from runtime.core.workspace import (
-    APPROACHING,
-    CROSSING,
-    FREE,
-    LEAVING,
-    MISSING,
-    ROWS,
-    Y0,
-    Y1,
-    K,
-)
+from runtime.core.workspace import Y0, Y1, K
 from runtime.integrate import loop as driver
 from runtime.integrate.method import Method
 from runtime.integrate.problem import Problem
@@ -39,7 +30,7 @@ from runtime.integrate.step import TOO_LARGE
 from runtime.integrate.trajectory import Crossing
 from runtime.singularity.local_motion import Motion, hermite, taylor
 from runtime.singularity.scaled_constraints import ScaledConstraints
-from runtime.singularity.singular_position import Positions, Singularity
+from runtime.singularity.singular_position import Singularity, SingularPositions
 
 if TYPE_CHECKING:
     from runtime.integrate.run import _Run
@@ -69,10 +60,10 @@ class Crossings:
             else np.asarray(system.independent, dtype=np.int64),
             system.constraint_count,
         )
-        self.positions = Positions(constraints)
+        self.positions = SingularPositions(constraints)
         self.leaps = Leaps(self.scale, float(self.r["rtol"]), method)
         self.lending = Lending(run, self.leaps)
-        self.continuity = Continuity(system, run.fixed_arrays[3], run.modes, self.scale)
+        self.continuity = Continuity(system, run.p, run.modes, self.scale)
         if system.constraints is no_right_side or system.constraint_count == 0:
             self.r["quiet"] = np.inf  # nothing tells a position that is passed from one missed
         self.passed: list[Crossing] = []
@@ -108,7 +99,7 @@ class Crossings:
             return False
         q, v = run.state
         motion = taylor(float(self.r["t"]), q, v, np.zeros_like(v))
-        found = self.positions.near(motion, 0.0)
+        found = self.positions.find(motion, 0.0)
         if found is None or found.gap > self.leaps.rounding(q):
             return False
         if found.astray > max(_ASTRAY, float(self.r["rtol"])):
@@ -135,7 +126,7 @@ class Crossings:
     def _plan(self, s: float) -> int:
         """Find the singular position about the time `s` hence, and where its step begins."""
         r, motion = self.r, self._motion()
-        found = self.positions.near(motion, s)
+        found = self.positions.find(motion, s)
         self.tries = 0
         usual = self._usual()
         if (found is None or not found.rate > 0.0) and r["weak"] >= driver.WEAK_STATES:
@@ -170,7 +161,7 @@ class Crossings:
         r, motion, found = self.r, self._motion(), self.found
         usual = self._usual()
         assert found is not None
-        again = self.positions.again(motion, found)
+        again = self.positions.find_again(motion, found)
         if again is None or again.gap > self.leaps.rounding(motion.q):
             r["plan"] = FREE
             return self._plan(found.t - motion.t) if self.tries < _TRIES else driver.GOING
@@ -250,12 +241,12 @@ class Crossings:
         a = self.continuity.accelerations(motion, found.t, self.leaps.reach(found))
         if a is None:
             return False
-        self.run.w.reshape(ROWS, 2, self.run.n)[K, 1] = a
+        self.run.rows[K, 1] = a
         return True
 
     def _state(self) -> tuple[float, Vector, Vector, Vector]:
         """t, q, v and dv/dt from which the next step starts."""
-        rows = self.run.w.reshape(ROWS, 2, self.run.n)
+        rows = self.run.rows
         return float(self.r["t"]), rows[Y0, 0].copy(), rows[Y0, 1].copy(), rows[K, 1].copy()
 
     def _instant(self, found: Singularity) -> float:
@@ -267,7 +258,7 @@ class Crossings:
         if not (np.isfinite(a).all() and np.isfinite(after[3]).all()):
             return found.t
         motion = hermite(t, after[0] - t, (q, v, a), after[1:])
-        return self.positions.instant(motion, found)
+        return self.positions.passing_time(motion, found)
 
     # -- what is known -----------------------------------------------------------------------
 
@@ -278,7 +269,7 @@ class Crossings:
     def _motion(self) -> Motion:
         """How the machine moves from where the run stands; over a step just tried, where it was."""
         r, n = self.r, self.run.n
-        rows = self.run.w.reshape(ROWS, 2, n)
+        rows = self.run.rows
         t = float(r["t"])
         start = rows[Y0, 0], rows[Y0, 1], rows[K, 1]
         if not np.isfinite(start[2]).all() or self._bent(start):

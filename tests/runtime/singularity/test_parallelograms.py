@@ -8,10 +8,10 @@ from runtime import Machine
 from runtime.mechanism.dense_equations import Equations
 from runtime.singularity.local_motion import Motion, hermite, nearest_time, taylor
 from runtime.singularity.location import Search
-from runtime.singularity.pivot_orders import Frames, weak_values
+from runtime.singularity.pivot_orders import PivotOrders, count_weak
 from runtime.singularity.scaled_constraints import ScaledConstraints
-from runtime.singularity.search_table import unit_entries
-from runtime.singularity.singular_position import Positions
+from runtime.singularity.search_table import unit_jacobian_entries
+from runtime.singularity.singular_position import SingularPositions
 
 LOOPS = 2
 TURNING = -5.0  # rad/s
@@ -54,7 +54,7 @@ def test_the_level_position_is_found_where_it_is(
     """Every loop loses one constraint there, the motion is on its branch, and nothing is missed."""
     level = 0.0 if angle < 1.0 else np.pi
     ahead = (level - angle) / TURNING
-    found = Positions(scaled).near(taylor(0.0, *parallel(machine, angle)), 1.02 * ahead)
+    found = SingularPositions(scaled).find(taylor(0.0, *parallel(machine, angle)), 1.02 * ahead)
     assert found is not None
     np.testing.assert_allclose(found.q, parallel(machine, level)[0], rtol=0.0, atol=1e-12)
     assert found.lost == LOOPS
@@ -70,7 +70,7 @@ def test_the_rate_is_that_of_the_smallest_singular_value(
 ) -> None:
     """Also per second, and between vectors of unit length."""
     at_level = parallel(machine, 0.0)
-    found = Positions(scaled).near(taylor(0.0, *at_level), 0.0)
+    found = SingularPositions(scaled).find(taylor(0.0, *at_level), 0.0)
     assert found is not None
     span = 1e-5
     values = []
@@ -85,11 +85,11 @@ def test_weak_rows_are_those_of_small_singular_values(
 ) -> None:
     """Within an angle of the level position that tells, and nowhere far from it."""
     for angle, weak in ((0.2, LOOPS), (0.02, LOOPS), (1.5, 0)):
-        search = Search(scaled, Frames(scaled), taylor(0.0, *parallel(machine, angle)), 5.0)
+        search = Search(scaled, PivotOrders(scaled), taylor(0.0, *parallel(machine, angle)), 5.0)
         entries = np.empty(scaled.places[0].size)
-        unit_entries(search.table, 5.0, search.series[0], entries)
+        unit_jacobian_entries(search.table, 5.0, search.series[0], entries)
         values = np.linalg.svd(scaled.dense(entries), compute_uv=False)
-        assert search.weak(0.0) == weak_values(values) == weak
+        assert search.count_weak(0.0) == count_weak(values) == weak
 
 
 def test_a_quintic_has_what_both_ends_have() -> None:
