@@ -54,8 +54,10 @@ def _imports(tableau: Tableau) -> Iterator[str]:
     dense = "F, " if tableau.dense else ""
     yield f"from runtime.core.workspace import ATOL, STAGE, Y0, Y1, {dense}K, row_of"
     if limited:
-        limit = "memory, observe, restart, stable_ratio"
-        yield f"from runtime.integrate.explicit.stability_limit import {limit}"
+        names = "memory, observe, permits_growth, restart, stable_ratio"
+        yield from filled(
+            "from runtime.integrate.explicit.stability_limit import (", items(names), ")"
+        )
     hooks = "accepted" if limited else "accepted, restart"
     yield f"from runtime.integrate.explicit.stateless import {hooks}"
     yield "from runtime.integrate.method import Method"
@@ -68,7 +70,10 @@ def _imports(tableau: Tableau) -> Iterator[str]:
 
 
 def _stages(tableau: Tableau) -> Iterator[str]:
-    yield from _head("stages", "Take the step from Y0 with derivative K to Y1, not yet corrected.")
+    summary = (
+        "Take the step from Y0 with derivative K to Y1, not yet returned onto the constraints."
+    )
+    yield from _head("stages", summary)
     yield from _views(("y0", "y1", "z"), range(1, tableau.last + 1))
     yield "    taken = 0"
     for number, stage in enumerate(tableau.stages, 2):
@@ -98,7 +103,8 @@ def _error(tableau: Tableau) -> Iterator[str]:
         yield f"        ratio = estimate / ({scale})"
         yield "        total += ratio * ratio"
         if tableau.stability_edge is not None:
-            yield f"    observe(context, rtol, EDGE, {_row(tableau.last + 1)})"
+            yield "    if permits_growth(rtol, length, EDGE):"
+            yield f"        observe(context, {_row(tableau.last + 1)})"
         yield "    return float(np.sqrt(total / length))"
         return
     second = [*_terms(tableau.b), *_terms(tuple(-x for x in tableau.lower), first=False)]

@@ -21,7 +21,13 @@ from runtime.core.jit import addressed
 from runtime.core.rhs import slope
 from runtime.core.signatures import Integers
 from runtime.core.workspace import ATOL, STAGE, Y0, Y1, F, K, row_of
-from runtime.integrate.explicit.stability_limit import memory, observe, restart, stable_ratio
+from runtime.integrate.explicit.stability_limit import (
+    memory,
+    observe,
+    permits_growth,
+    restart,
+    stable_ratio,
+)
 from runtime.integrate.explicit.stateless import accepted
 from runtime.integrate.method import Method
 
@@ -34,7 +40,7 @@ POWERS = np.array([
 
 @addressed(STAGES)
 def stages(context: Integers, t: float, h: float) -> int:
-    """Take the step from Y0 with derivative K to Y1, not yet corrected."""
+    """Take the step from Y0 with derivative K to Y1, not yet returned onto the constraints."""
     length = 2 * context[COORDINATES]
     y0 = row_of(context, Y0)
     y1 = row_of(context, Y1)
@@ -99,7 +105,8 @@ def error(context: Integers, h: float, rtol: float) -> float:
         )
         ratio = estimate / (atol[j] + rtol * max(abs(y0[j]), abs(y1[j])))
         total += ratio * ratio
-    observe(context, rtol, EDGE, K + 6)
+    if permits_growth(rtol, length, EDGE):
+        observe(context, K + 6)
     return float(np.sqrt(total / length))
 
 
