@@ -18,7 +18,7 @@ from numba.np import arrayobj
 from runtime.core.jit import at
 from runtime.core.signatures import IntegerMatrix, Integers, Matrix, Vector
 
-_ALIGNED = 8  # words of a cache line, in which an array of its own begins
+_ALIGNED = 8  # layout: words of a cache line, in which an array of its own begins
 _arrays: Any = arrayobj
 _tools: Any = cgutils
 

@@ -57,7 +57,8 @@ from runtime.hybrid.stiction_force import at_rest, finite, jams
 from runtime.hybrid.switching_functions import measure
 from runtime.integrate.sampling import record
 
-_ROUGH = 0.1  # of a function's spread: |g| at which its rounding is some units in the last place
+# accuracy: of a function's spread; |g| at which its rounding is some units in the last place
+_ROUGH = 0.1
 
 
 @inner

@@ -49,16 +49,17 @@ LOOK = -2  # nor is this: a singular position has to be looked at, see `crossing
 CHANGE = -3  # nor is this: another method is due
 UNFINISHED = (GOING, LOOK, CHANGE)
 
-_FLIGHT = 0.6  # of the time between two impacts: a first step that meets none
-_RETAKES = 5
-WEAK_STATES = 3  # accepted states in a row with a weak pivot that make a singular run
-_ZENO_EVENTS = 30  # events in a row with such a ratio that are no accident
-_ZENO_SPAN = 1e-7  # of the run: what eight such events must take at most
-_ZENO_RATIO = 0.98  # of the time of eight events to that of the eight before the last
-_SHARE = 0.3  # of the way to a position that is missed: what a step may cover
-RECENT = 8
-TOO_CLOSE = 1.2  # steps: a singular position no further away than this needs a plan before the step
-LOG_MARGIN = 16  # free rows of the partition log that one step may need
+_FLIGHT = 0.6  # measured: of the time between two impacts; a first step of this length meets none
+_RETAKES = 5  # safety: attempts at a step that ends at its event
+WEAK_STATES = 3  # measured: accepted states in a row with a weak pivot that make a singular run
+_ZENO_EVENTS = 30  # measured: events in a row with such a ratio that are no accident
+_ZENO_SPAN = 1e-7  # measured: of the run; eight such events take at most this time
+_ZENO_RATIO = 0.98  # measured: of the time of eight events to that of the eight before the last
+_SHARE = 0.3  # measured: of the way to a singular position that is missed; a step may cover as much
+RECENT = 8  # measured: events whose time is compared with that of as many before
+# measured: steps; a singular position nearer than this needs a plan before the step
+TOO_CLOSE = 1.2
+LOG_MARGIN = 16  # safety: free rows of the partition log that one step may need
 
 
 @compiled(i8(ADDRESSES, i8))

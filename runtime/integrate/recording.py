@@ -11,7 +11,7 @@ from runtime.core.signatures import IntegerMatrix, Integers, Matrix, Vector
 from runtime.integrate.trajectory import Events, Partitions
 from runtime.integrate.wiring import Wiring, place
 
-_EVENT_ROWS = 64
+_EVENT_ROWS = 64  # layout: events that fit between two returns to Python
 _EVENTS = ("event_times", "event_kinds", "event_states")
 _SAMPLES = ("out_times", "out_states", "out_modes")
 

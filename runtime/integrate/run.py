@@ -42,10 +42,10 @@ from runtime.integrate.wiring import wire
 Progress = Callable[[float, int], None]
 """Called between chunks with the time reached and the steps taken."""
 
-_FIRST_CHUNK = 128  # steps before which an interrupt is raised, as before the run
-_LONGEST_CHUNK = 16384
-_CHUNK_SECONDS = 0.05
-_FOLLOWED = 2.0  # of Baumgarte's time: within longer steps what pulls back swings
+_FIRST_CHUNK = 128  # measured: steps before an interrupt is heard, as before the run
+_LONGEST_CHUNK = 16384  # safety: steps before an interrupt is heard, at most
+_CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress and interrupts
+_FOLLOWED = 2.0  # measured: of Baumgarte's time; in longer steps the stabilisation oscillates
 _CORRECTING = {
     "step": attempt.BY_PARTITION,
     "stage": attempt.BY_PARTITION,

@@ -55,7 +55,7 @@ NEVER, BY_PARTITION, BY_PROJECTION, IF_DRIFTED = 0, 1, 2, 3
 
 SAME = 0  # no result of `correct`: no coordinates are better
 
-_MANY_ITERATIONS = 4
+_MANY_ITERATIONS = 4  # measured: Newton iterations of a return from which on a repartition is tried
 
 
 @inner
