@@ -54,10 +54,10 @@ def _imports(tableau: Tableau) -> Iterator[str]:
     dense = "F, " if tableau.dense else ""
     yield f"from runtime.core.workspace import ATOL, STAGE, Y0, Y1, {dense}K, row_of"
     if limited:
-        names = "memory, observe, permits_growth, restart, stable_ratio"
-        yield from filled(
-            "from runtime.integrate.explicit.stability_limit import (", items(names), ")"
-        )
+        yield "from runtime.integrate.explicit.stability_limit import ("
+        for name in ("memory", "observe", "permits_growth", "restart", "stable_ratio"):
+            yield f"    {name},"
+        yield ")"
     hooks = "accepted" if limited else "accepted, restart"
     yield f"from runtime.integrate.explicit.stateless import {hooks}"
     yield "from runtime.integrate.method import Method"
@@ -70,10 +70,7 @@ def _imports(tableau: Tableau) -> Iterator[str]:
 
 
 def _stages(tableau: Tableau) -> Iterator[str]:
-    summary = (
-        "Take the step from Y0 with derivative K to Y1, not yet returned onto the constraints."
-    )
-    yield from _head("stages", summary)
+    yield from _head("stages", "Take the step from Y0 with derivative K to Y1, not yet corrected.")
     yield from _views(("y0", "y1", "z"), range(1, tableau.last + 1))
     yield "    taken = 0"
     for number, stage in enumerate(tableau.stages, 2):

@@ -40,7 +40,7 @@ POWERS = np.array([
 
 @addressed(STAGES)
 def stages(context: Integers, t: float, h: float) -> int:
-    """Take the step from Y0 with derivative K to Y1, not yet returned onto the constraints."""
+    """Take the step from Y0 with derivative K to Y1, not yet corrected."""
     length = 2 * context[COORDINATES]
     y0 = row_of(context, Y0)
     y1 = row_of(context, Y1)
