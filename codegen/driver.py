@@ -17,6 +17,7 @@ from copy import copy
 from pathlib import Path
 from time import perf_counter
 
+import codegen
 from codegen.check.declaration import check_model, check_scene
 from codegen.check.redundancy import Findings, examine
 from codegen.declare.names import nearest
@@ -39,6 +40,8 @@ from codegen.generated_files.provenance import default_folder, file_name, origin
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.model import Model
 from codegen.model_file import read_model
+
+GENERATOR = f"linkwright {codegen.__version__}"
 
 
 def build(
@@ -109,11 +112,13 @@ def build(
     for equations, lowered, _, clock in prepared:
         path = folder / file_name(file.stem, equations, settings or {})
         with clock("emit"):
-            text = module_text(lowered, origin(file, equations, path, settings or {}))
+            text = module_text(lowered, origin(GENERATOR, file, equations, path, settings or {}))
         files.append(File(path, text, clock))
         for kind in COMPANIONS:
             if kind.is_due(equations, path, requested[kind.name]):
-                provenance = origin(file, equations, path, settings or {}, f" --{kind.name}")
+                provenance = origin(
+                    GENERATOR, file, equations, path, settings or {}, f" --{kind.name}"
+                )
                 files[-1].companions[kind.name] = kind.file(lowered, provenance, files[-1])
     every = [f for main in files for f in (main, *main.companions.values())]
     for f in every:

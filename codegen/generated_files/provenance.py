@@ -6,7 +6,6 @@ from pathlib import Path
 
 import sympy
 
-import codegen
 from codegen.derive.equations import Equations
 from codegen.emit.module import Origin
 from codegen.model_file import ModelFile, library_folder
@@ -29,6 +28,7 @@ def file_name(stem: str, equations: Equations, settings: Mapping[str, float]) ->
 
 
 def origin(
+    generator: str,
     file: ModelFile,
     equations: Equations,
     path: Path,
@@ -39,6 +39,8 @@ def origin(
 
     Parameters
     ----------
+    generator
+        Name and version of the compiler.
     more
         Further options of the command that builds the file.
     """
@@ -50,7 +52,6 @@ def origin(
     command = f"build({file.model.name}, scene={scene})"
     if named and not varied:
         command = f"python -m codegen build {named[0][0]} --scene {equations.scene.name}{options}"
-    generator = f"linkwright {codegen.__version__}"
     engine = f"SymPy {sympy.__version__}"
     return Origin(generator, tuple(named), fingerprint(equations), command, engine)
 
