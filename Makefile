@@ -75,17 +75,19 @@ imports: $(READY) ## who may import whom
 	$(VENV)/bin/lint-imports
 
 # Goes through all the models, and fails at the end where one was stale.
-check: $(READY) ## are generated/ and docs/elements what the declarations say today?
+check: $(READY) ## are generated/, docs/elements and docs/constants.md what the source says today?
 	@test -n "$(MODELS)" || { echo "models/ declares no machine" >&2; exit 1; }
 	@failed=; for model in $(MODELS); do \
 		$(PY) -W error -m codegen build --check $$model || failed="$$failed $$model"; \
 	done; \
 	$(PY) -m codegen elements --out docs/elements --check || failed="$$failed docs/elements"; \
+	$(PY) docs/make_constants.py --check || failed="$$failed docs/constants.md"; \
 	if [ -n "$$failed" ]; then echo "stale or failing:$$failed; run make build and look at the difference" >&2; exit 1; fi
 
-build: $(READY) ## bring generated/ and docs/elements up to date
+build: $(READY) ## bring generated/, docs/elements and docs/constants.md up to date
 	@set -e; for model in $(MODELS); do $(PY) -m codegen build $$model; done
 	$(PY) -m codegen elements --out docs/elements
+	$(PY) docs/make_constants.py
 
 gallery: $(READY) ## run every machine of the chapter: one table, all figures into figures/
 	$(PY) -m models.studies --gallery docs/gallery.md

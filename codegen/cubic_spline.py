@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Any
 
 MARGIN = 1e-9
-"""What a law of time may be asked for beyond its ends, in parts of its length: rounding."""
+"""accuracy: rounding of a law's argument beyond its ends, in parts of the law's length."""
 
 Row = tuple[float, float, float, float]
 

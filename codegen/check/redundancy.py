@@ -18,7 +18,9 @@ from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.scene_kernels import Lowered
 
 Array = npt.NDArray[np.float64]
+# accuracy: rest of a row, columns scaled, below which the row follows from those before it
 TOLERANCE = 1e-8
+# safety: positions about the start that are tried, so that a singular start is not redundancy
 PROBES = 3
 
 

@@ -11,8 +11,9 @@ from codegen.declare.body import Curve
 from codegen.declare.symbols import alpha
 from codegen.declare.table_function import TableAtom
 
-SAMPLES = 720
+SAMPLES = 720  # safety: places on a profile at which its shape is looked at, every half degree
 ALPHAS = tuple(2 * math.pi * k / SAMPLES for k in range(SAMPLES + 1))
+# accuracy: gap, corner or stop of a profile, in parts of its size, that rounding explains
 TOLERANCE = 1e-9
 UNDEFINED = (ArithmeticError, ValueError, TypeError, NameError)
 """What functions of numbers say where they have no value, or no meaning."""

@@ -12,6 +12,7 @@ from codegen.declare.units import is_quantity
 
 DEGREE = 3
 FEWEST = 4
+# accuracy: difference of a periodic table's first and last value, in parts of the largest
 CLOSED = 1e-12
 
 

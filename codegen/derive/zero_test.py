@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 import sympy
 
-_POINTS = (0.6180339887498949, 0.4142135623730951)  # multiples of these, but for whole numbers
-_ROUNDING = 1e-12  # of the sizes of all that is added up
+# safety: golden and silver ratio; symbols get fractional parts of multiples of these
+_POINTS = (0.6180339887498949, 0.4142135623730951)
+_ROUNDING = 1e-12  # accuracy: a sum below this part of its terms' sizes is zero
 
 
 class _Sized(NamedTuple):

@@ -4,12 +4,12 @@ import builtins
 from collections.abc import Iterator
 
 from codegen.emit.formula import formula
-from codegen.emit.line_wrapping import PAGE, fitted, note_of, tail
+from codegen.emit.line_wrapping import PAGE, comments, fitted, note_of, tail
 from codegen.emit.placement import Path, Placement, place
 from codegen.emit.sincos import NAME as SIN_COS
 from codegen.emit.table_lookup import lookups
 from codegen.lower.operation_count import operations
-from codegen.lower.program import LEAVES, Input, Kernel, Lookup, Op, Program, Value
+from codegen.lower.program import LEAVES, Input, Kernel, Lookup, Op, Program
 
 NOTHING, EITHER, BOTH, NEGATION, SUM, PRODUCT, SIGN = range(7)
 """How tightly a piece of text holds together; looser pieces inside tighter ones take brackets."""
@@ -78,6 +78,7 @@ class KernelText:
         self._lookups = lookups(program)
         self._taken: set[str] = {*RESERVED, *kernel.arguments, *self._lookups.values()}
         self._counts: dict[str, int] = {}
+        self._step = -1
 
     def lines(self) -> list[str]:
         """The function, line by line."""
@@ -134,11 +135,11 @@ class KernelText:
         if number in self.plan.pairs:
             yield from self._pair(number, indent)
         elif value.op is Op.SELECT:
-            self.names[number] = self._name(value)
+            self.names[number] = self._name(number)
             yield from self._choice(number, self.names[number], depth)
         else:
             text = self._expression(number)
-            self.names[number] = self._name(value)
+            self.names[number] = self._name(number)
             yield from fitted(f"{indent}{self.names[number]} = ", text)
 
     def _block(self, path: Path, depth: int) -> Iterator[str]:
@@ -148,17 +149,26 @@ class KernelText:
             value = self.program.values[number]
             if self.plan.home[number] != path or not self._has_line(number):
                 continue
-            if depth == 1 and value.serves != serves:
+            if depth == 1 and number in self.plan.steps:
+                yield from self._titles(self.plan.steps[number])
+                serves = None
+            elif depth == 1 and value.serves != serves:
                 serves = value.serves
                 yield f"{indent}# {TITLES.get(serves, serves)}"
             yield from self._line(number, depth)
+
+    def _titles(self, step: int) -> Iterator[str]:
+        """A comment on the steps of the solution up to this one."""
+        titles = self.kernel.steps[self._step + 1 : step + 1]
+        self._step = max(step, self._step)
+        yield from comments(titles)
 
     def _pair(self, number: int, indent: str) -> Iterator[str]:
         """The line that takes sine and cosine of an angle."""
         both = sorted((number, self.plan.pairs[number]), key=self._is_cosine)
         angle = self._text(self.program.values[number].args[0], NOTHING)
         for one in both:
-            self.names[one] = self._name(self.program.values[one])
+            self.names[one] = self._name(one)
         sine, cosine = (self.names[one] for one in both)
         head = f"{indent}{sine}, {cosine} = {SIN_COS}("
         if len(head) + len(angle) < PAGE:
@@ -268,7 +278,10 @@ class KernelText:
 
     # -- names -------------------------------------------------------------------------------
 
-    def _name(self, value: Value) -> str:
+    def _name(self, number: int) -> str:
+        value = self.program.values[number]
+        if number in self.plan.names:
+            return self._counted(self.plan.names[number])
         if value.op in (Op.SIN, Op.COS) and value.args[0] in self.names:
             return self._free(f"{value.op.value}_{self.names[value.args[0]]}")
         stem = SHORT.get(value.serves, value.serves)
@@ -277,6 +290,11 @@ class KernelText:
             name = f"{stem}_{self._counts[stem]}"
             if name not in self._taken:
                 return self._free(name)
+
+    def _counted(self, name: str) -> str:
+        """The name, or with a number behind it: an entry that changes again."""
+        count = self._counts[name] = self._counts.get(name, 0) + 1
+        return self._free(name if count == 1 else f"{name}_{count}")
 
     def _free(self, name: str) -> str:
         while name in self._taken:

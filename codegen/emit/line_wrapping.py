@@ -1,6 +1,6 @@
 """How the lines of a generated function fit the page."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from codegen.lower.program import Output
 
@@ -23,6 +23,20 @@ def fitted(head: str, text: str, note: str = "") -> Iterator[str]:
         yield f"{head}{text}{note}"
     else:
         yield from (f"{head}(", f"{indent}    {text}", f"{indent})")
+
+
+def comments(titles: Sequence[str]) -> Iterator[str]:
+    """Comments inside a function; titles that begin with the same word share a line."""
+    line = ""
+    for title in titles:
+        verb = title.partition(" ")[0]
+        joined = f"{line}; {title.removeprefix(verb).strip()}"
+        if line.startswith(f"    # {verb} ") and len(joined) <= PAGE:
+            line = joined
+        else:
+            yield from [line] if line else []
+            line = f"    # {title}"
+    yield from [line] if line else []
 
 
 def note_of(out: Output) -> str:

@@ -7,13 +7,14 @@ becomes part of that user's line while the line stays short.
 from collections import defaultdict
 from dataclasses import dataclass
 
-from codegen.lower.program import LEAVES, LOGICAL, Kernel, Op, Program
+from codegen.emit.solution_steps import BESIDE_ELEMENTS, in_steps, labelled
+from codegen.lower.program import LEAVES, LOGICAL, Input, Kernel, Op, Program
 
 Path = tuple[tuple[int, bool], ...]
 """The choices, outermost first, inside which something stands."""
 
-WIDTH = 76
-NAME_WIDTH = 12
+WIDTH = 80
+"""Characters of an expression, from which on its longest operand has a line of its own."""
 
 
 @dataclass(frozen=True)
@@ -23,29 +24,35 @@ class Placement:
     Attributes
     ----------
     numbers
-        Values needed, in order; constants of ``p`` are leaves here.
+        Values needed, in order, those of a solution step by step; constants of ``p`` are leaves.
     home
         Value → the branch that it stands in.
     inlined
         Values written inside their only user; a choice inside another is a branch of it.
     pairs
         Sine of an angle → its cosine, and the other way round, where both stand in one branch.
+    names, steps
+        Of the values of a solution: the names that they have, and the steps that compute them.
     """
 
     numbers: tuple[int, ...]
     home: dict[int, Path]
     inlined: frozenset[int]
     pairs: dict[int, int]
+    names: dict[int, str]
+    steps: dict[int, int]
 
 
 def place(program: Program, kernel: Kernel) -> Placement:
     """Decide the place of every value that `kernel` needs."""
-    numbers = program.reachable(kernel)
     hoisted = set(program.constants) if kernel.name != "constants" else set()
+    numbers, step_of = in_steps(program, kernel, hoisted)
     uses = _uses(program, kernel, numbers, hoisted)
     home = _homes(program, numbers, hoisted, uses)
     pairs = {} if kernel.name == "constants" else _pairs(program, numbers, hoisted, home)
-    return Placement(numbers, home, _inlined(program, kernel, numbers, hoisted, home, pairs), pairs)
+    names = labelled(program, kernel, numbers)
+    inlined = _inlined(program, kernel, numbers, hoisted, home, pairs, names)
+    return Placement(numbers, home, inlined, pairs, names, step_of)
 
 
 def _pairs(
@@ -113,18 +120,18 @@ def _common(paths: list[Path]) -> Path:
     return first
 
 
-def _name_width(program: Program, number: int, hoisted: set[int]) -> int:
+def _name_width(program: Program, number: int, hoisted: set[int], names: dict[int, str]) -> int:
     """About how long the name of a value is, or a number's digits."""
     value = program.values[number]
-    if number in hoisted:
-        return NAME_WIDTH
+    if number in names:
+        return len(names[number]) + 2
+    if isinstance(value.literal, Input):
+        return len(value.literal.name)
     if value.op is Op.CONST:
         return len(str(value.literal))
-    if value.op is Op.INPUT:
-        return max(NAME_WIDTH, len(value.literal.name))  # type: ignore[union-attr]
-    if value.op in (Op.SIN, Op.COS):
-        return _name_width(program, value.args[0], hoisted) + 4
-    return max(NAME_WIDTH, len(value.serves) + 4)
+    if number not in hoisted and value.op in (Op.SIN, Op.COS):
+        return _name_width(program, value.args[0], hoisted, names) + 4
+    return 6 if number in hoisted or value.serves in BESIDE_ELEMENTS else len(value.serves) + 4
 
 
 def _inlined(
@@ -134,6 +141,7 @@ def _inlined(
     hoisted: set[int],
     home: dict[int, Path],
     pairs: dict[int, int],
+    names: dict[int, str],
 ) -> frozenset[int]:
     uses = _uses(program, kernel, numbers, hoisted)
     watched = {v for check in kernel.checks for v in (check.pivot, check.reference)}
@@ -142,18 +150,18 @@ def _inlined(
     for number in numbers:
         value = program.values[number]
         if number in hoisted or value.op in LEAVES:
-            width[number] = _name_width(program, number, hoisted)
+            width[number] = _name_width(program, number, hoisted, names)
             continue
         # A choice has lines of its own for each side.
         inside = [] if value.op is Op.SELECT else [a for a in value.args if a in inlined]
-        names = {a: _name_width(program, a, hoisted) for a in value.args}
-        shown = {a: width[a] if a in inlined else names[a] for a in value.args}
-        while inside and sum(shown.values()) + 5 * len(value.args) > WIDTH:
+        widths = {a: _name_width(program, a, hoisted, names) for a in value.args}
+        shown = {a: width[a] if a in inlined else widths[a] for a in value.args}
+        while inside and sum(shown[a] + 5 for a in value.args) > WIDTH:
             longest = max(inside, key=lambda a: (shown[a], a))
             inside.remove(longest)
             inlined.discard(longest)
-            shown[longest] = names[longest]
-        width[number] = sum(shown.values()) + 5 * len(value.args)
+            shown[longest] = widths[longest]
+        width[number] = sum(shown[a] + 5 for a in value.args)
         users = uses[number]
         sign = value.op is Op.NEG and program.values[value.args[0]].op in LEAVES
         if value.op in LOGICAL or sign:

@@ -10,10 +10,10 @@ from codegen.explain.kernel_timer import Floats, States
 from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.scene_kernels import Lowered
 
-COUNT = 64
+COUNT = 64  # measured: states at which kernels are timed
 SPREAD = 1e-3
-"""m or rad, and m/s or rad/s, by which states about a start differ."""
-NEWTON = 30
+"""measured: m or rad, and m/s or rad/s, by which states about a start differ."""
+NEWTON = 30  # safety: iterations that bring a sampled state onto the constraints
 
 
 def parameters(equations: Equations) -> list[float]:

@@ -7,7 +7,9 @@ from codegen.lower.graph import Graph
 from codegen.lower.program import Input, Kernel, Op, Output, Program, Value
 
 WEAK_PIVOT = 1e-9
-"""A pivot of S below this part of its diagonal is weak: two constraints agree to 3e-5 rad."""
+"""accuracy: a pivot of S below this part of its diagonal is weak: two constraints agree to 3e-5
+rad.
+"""
 
 
 def with_constants(graph: Graph, kernels: tuple[Kernel, ...], declared: int) -> Program:

@@ -125,6 +125,14 @@ class Check(NamedTuple):
     part: float = 1.0
 
 
+class Label(NamedTuple):
+    """A name for `value` in the text of a kernel, and the step of a solution that computes it."""
+
+    value: int
+    name: str
+    step: int = 0
+
+
 @dataclass(frozen=True, slots=True)
 class Kernel:
     """One function of the generated module.
@@ -139,6 +147,8 @@ class Kernel:
         What is stored; an output to the array ``"return"`` is returned.
     checks
         Pivots to watch; a kernel with `watched` returns 0 or 1 + the first weak constraint.
+    labels, steps
+        For the text alone: names of values, and what each step of a solution does.
     """
 
     name: str
@@ -147,6 +157,8 @@ class Kernel:
     outputs: tuple[Output, ...]
     checks: tuple[Check, ...] = ()
     watched: bool = False
+    labels: tuple[Label, ...] = ()
+    steps: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

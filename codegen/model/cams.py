@@ -18,6 +18,7 @@ from codegen.elements.joints.point_follower import PointFollower
 from codegen.model.axis import read_axis
 from codegen.model.base import Declarations
 
+# accuracy: first and last point of a path that agree to this part of its size are one
 ROUNDING = 1e-9
 
 

@@ -27,10 +27,10 @@ from codegen.lower.program import Kernel, Op, Program, store
 from codegen.lower.substitution import reached, rebuilt
 
 PLACES = 4
-"""Places at which an identity is tested."""
+"""safety: positions at which two expressions are compared."""
 
 AGREED = 1e-9
-"""Difference of two numbers, in parts of their sizes, below which they are the same."""
+"""accuracy: difference of two numbers, in parts of their sizes, below which they are equal."""
 
 
 @dataclass(frozen=True)

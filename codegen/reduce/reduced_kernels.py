@@ -157,6 +157,7 @@ def _of_motion(equations: Projected) -> list[Kernel]:
             [places.replaced[scene.v[k]] for k in places.kept],
             weights,
             names,
+            scene.row_names(places.closures),
         ),
     ]
 

@@ -4,8 +4,9 @@ import numpy as np
 
 from runtime.assembly.dense_equations import Equations, FloatArray
 
-_PLACES = 0.01  # of the largest distance from the origin: a machine counts as no smaller
-_NOTHING = 1e-9  # m; a length below this is rounding
+# measured: part of the largest distance from the origin; a machine counts as no smaller
+_PLACES = 0.01
+_NOTHING = 1e-9  # accuracy: m; a length below this is rounding
 
 
 def magnitudes(equations: Equations, t: float, q: FloatArray) -> FloatArray:

@@ -13,15 +13,17 @@ import numpy as np
 
 from runtime.assembly.closure import CLOSED, Task
 from runtime.assembly.dense_equations import FloatArray
+from runtime.core.rounding import EPS
 from runtime.singularity.local_motion import taylor
 from runtime.singularity.singular_position import Positions
 
-_EPS = 2.2e-16
-_NEAR = _EPS ** (1.0 / 3.0)  # distance at which d and eps / d² are the same
-_TOLD = 4.0 * _EPS**0.5  # distance from which on a position says on which branch it is
-_ROUNDING = 64.0 * _EPS
-_ASTRAY = 1e-6  # of a velocity: what it may be off its branch, as at the start of a run
-_AGREED = 1e-9  # of the speed: what fixed velocities of a branch may differ from those asked for
+_NEAR = EPS ** (1.0 / 3.0)  # accuracy: distance d at which the errors d and eps / d² are equal
+_TOLD = 4.0 * EPS**0.5  # accuracy: distance from which on a position shows on which branch it is
+_ROUNDING = 64.0 * EPS  # accuracy: scaled gap that is rounding
+# accuracy: error of a velocity against its branch, relative, as at the start of a run
+_ASTRAY = 1e-6
+# accuracy: difference of a branch's fixed velocities from the given ones, in parts of the speed
+_AGREED = 1e-9
 
 
 class Beside(NamedTuple):

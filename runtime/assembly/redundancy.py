@@ -12,9 +12,11 @@ import numpy.typing as npt
 from runtime.assembly.closure import CLOSED, Task, nearest, refine
 from runtime.assembly.dense_equations import FloatArray
 
-RANK_TOLERANCE = 1e-6  # below this a direction is lost; an assembled dead centre is good to 1e-8
-_SIZES = (0.02, -0.05, 0.1, 0.02, -0.05, 0.1, -0.2)  # scaled lengths of the ways that are tried
-_APART = 1e-3  # scaled distance at which what is lost at a position only is no longer lost
+# accuracy: below it a direction is lost; an assembled dead centre is good to 1e-8
+RANK_TOLERANCE = 1e-6
+# measured: scaled lengths of the displacements at whose ends the rank is taken again
+_SIZES = (0.02, -0.05, 0.1, 0.02, -0.05, 0.1, -0.2)
+_APART = 1e-3  # measured: scaled distance at which a rank deficiency of a single position has ended
 
 
 class Dependency(NamedTuple):

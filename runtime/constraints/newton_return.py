@@ -13,12 +13,14 @@ from runtime.core.jit import addressed
 from runtime.core.signatures import CORRECT, Integers, Vector
 from runtime.core.workspace import DELTA, ROWS, SIZE
 
-ITERATIONS = 10
+ITERATIONS = 10  # safety: Newton iterations before the return counts as failed
 WEAK = 64  # a converged result of WEAK * c + i: i iterations, constraint c - 1 has a weak pivot
 FAILED = -1_000_000  # negative also when iterations of other stages are added to it
-_ROUNDING = 4e-16  # relative change of a position that is none: what rests stays where it is
-_POSITION = 3e-14  # relative change of a position below which the velocities are right too
-_VELOCITY = 1e-8  # relative change of a velocity that one linear solve brings to rounding
+# accuracy: relative change of a position that is rounding; a machine at rest stays there
+_ROUNDING = 4e-16
+# accuracy: relative change of a position below which the velocities are right too
+_POSITION = 3e-14
+_VELOCITY = 1e-8  # accuracy: relative change of a velocity that one linear solve brings to rounding
 
 
 @addressed(CORRECT)

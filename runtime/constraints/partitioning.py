@@ -24,7 +24,7 @@ from runtime.core.signatures import (
 )
 from runtime.linalg.full_pivoting import pivoted
 
-RANK_TOLERANCE = 1e-10  # a pivot below this, rows and columns scaled, is none
+RANK_TOLERANCE = 1e-10  # accuracy: a pivot below this, rows and columns scaled, is zero
 
 
 @compiled(i8(matrix, vector, integers, integers))

@@ -29,8 +29,9 @@ from runtime.core.jit import addressed, inner
 from runtime.core.signatures import REPARTITION, Integers, Vector
 from runtime.core.workspace import DELTA, PARTITION, ROWS, UNIT, Y1, Run
 
-GROWTH_LIMIT = 2.0  # entries of H that full pivoting keeps near one
-_CHECK_EVERY = 4  # steps between probes of the independent coordinates
+# measured: entries of H, which full pivoting keeps near one, that call for a repartition
+GROWTH_LIMIT = 2.0
+_CHECK_EVERY = 4  # measured: steps between probes of the independent coordinates
 
 
 @inner

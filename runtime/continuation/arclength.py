@@ -16,11 +16,13 @@ import numpy as np
 from runtime.assembly.dense_equations import FloatArray
 from runtime.singularity.scaled_constraints import ScaledConstraints
 
-_LARGEST, _SMALLEST = 0.2, 1e-11  # length of a step
-_STRAIGHT, _BENT = 0.995, 0.95  # cosine of two tangents: a step that may grow, one too long
-_ITERATIONS = 8
-_MOST_STEPS = 4000
-_ROOT = 200
+_LARGEST = 0.2  # measured: longest step along the curve, scaled
+_SMALLEST = 1e-11  # safety: shortest step along the curve, scaled
+_STRAIGHT = 0.995  # measured: cosine of two tangents above which the next step may grow
+_BENT = 0.95  # measured: cosine of two tangents below which a step is too long
+_ITERATIONS = 8  # safety: Newton iterations of a corrector
+_MOST_STEPS = 4000  # safety: steps of one trace
+_ROOT = 200  # safety: iterations of the search for a root along the curve
 
 
 class Point(NamedTuple):

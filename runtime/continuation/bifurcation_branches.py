@@ -13,13 +13,15 @@ import numpy.typing as npt
 
 from runtime.assembly.dense_equations import Equations, FloatArray
 
-LOST = 1e-5  # singular value, rows and coordinates scaled, below which a direction is lost
-SOLVED = 1e-6
-_REAL = 1e-6
-_ALIKE = 1e-6  # of the speed: velocities that are the same, or equally near
-_FLAT = 1e-9
-_GRID = 3  # up to as many lost rows the search for branches begins from a grid
-_ITERATIONS = 60
+# accuracy: singular value, rows and coordinates scaled, below which a direction is lost
+LOST = 1e-5
+SOLVED = 1e-6  # accuracy: |uᵀ ν|, in parts of the speed, below which velocities exist
+_REAL = 1e-6  # accuracy: imaginary part of a root that is rounding
+# accuracy: difference of equal velocities, or of equal distances, in parts of the speed
+_ALIKE = 1e-6
+_FLAT = 1e-9  # accuracy: coefficients of the quadratic equations below this are zero
+_GRID = 3  # safety: lost rows up to which the search for branches starts from a grid
+_ITERATIONS = 60  # safety: Newton iterations from each start of that search
 
 
 class Branch(NamedTuple):

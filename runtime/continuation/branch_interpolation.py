@@ -13,10 +13,13 @@ from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.continuation.bifurcation_branches import Branch
 from runtime.continuation.predictor_corrector import settle
 
-DISTANCE = 2e-2  # of the scale of time: states at this and twice this distance
+# measured: of the time scale; states at this and twice this distance are interpolated
+DISTANCE = 2e-2
+# measured: multiples of `DISTANCE`, in the order in which they are tried
 _TRIED = (1.0, 0.5, 2.0, 0.25, 4.0, 0.125)
-_NEAR = 0.2  # of the way to the next branch: a state that is on this one
-_ENDS = (-1.0, 1.0, -2.0, 2.0)
+# accuracy: distance from its branch, over that of the next branch, at which a state is on it
+_NEAR = 0.2
+_ENDS = (-1.0, 1.0, -2.0, 2.0)  # formula: nodes of the interpolation, in units of the distance
 
 
 class Zone(NamedTuple):

@@ -27,9 +27,11 @@ from runtime.continuation.predictor_corrector import walk
 from runtime.core.outcomes import Outcome
 from runtime.results.singular_positions import SingularPosition
 
-_CHUNK = 4096
-_KNOWN = 1e-9  # of a zone's reach: how well its instant is known
-_SAME = 1e-8  # scaled: positions that are one but for rounding near a singular position
+_CHUNK = 4096  # measured: instants between two returns to Python, for progress and interrupts
+# accuracy: uncertainty of the instant of a singular position, in parts of its zone's reach
+_KNOWN = 1e-9
+# accuracy: scaled distance of positions that differ by rounding, near a singular position
+_SAME = 1e-8
 
 
 class Walk(NamedTuple):

@@ -32,6 +32,7 @@ from runtime.continuation.pivot_monitor import (
 )
 from runtime.continuation.predictor_corrector import ARRIVED, DONE, SUSPECT
 from runtime.core.outcomes import Outcome
+from runtime.core.rounding import EPS
 from runtime.progress_bar import Progress
 from runtime.results.singular_positions import Kind, SingularPosition
 from runtime.singularity.local_motion import taylor
@@ -40,17 +41,20 @@ from runtime.singularity.singular_position import Positions, Singularity
 if TYPE_CHECKING:
     from runtime.machine import Machine
 
-_ROUNDING = 64.0 * 2.2e-16  # of the largest coordinate: a gap that closes but for rounding
-_DRIFT = 1e-4  # |uᵀ ν|, the drivers' pace 1, where motions cross or their continuations would
-_SEEN = 17  # instants at which the drivers' pace is looked at
-_CLOSE = 1e-3  # scaled: a stretch that is followed by its length where nothing was found on it
-_ABOUT = 1e-2  # scaled: how far from where a walk is stuck the cause may lie
-_NEARER = 0.3  # of the way to the next branch: a state or velocity that is on this one
-_PATIENCE = 100  # looks for what stands in the way, without coming further
-_WITHIN = 0.99  # of the reach of a zone: well inside
-_REGAINED = 0.3  # of the smallest singular value where a trace began: it has left the narrows
-_WIDE = 1e-2  # or this singular value
-_FARTHEST = 1.0  # scaled length of a trace
+_ROUNDING = 64.0 * EPS  # accuracy: gap, in parts of the largest coordinate, that is rounding
+_DRIFT = 1e-4  # accuracy: |uᵀ ν|, the drivers' pace 1, at a branch point or a near miss of one
+_SEEN = 17  # safety: instants at which the drivers' pace is sampled
+# measured: scaled length of a stretch that is traced where no singular position was found
+_CLOSE = 1e-3
+_ABOUT = 1e-2  # measured: scaled distance of a cause from the position at which the walk is stuck
+# accuracy: distance from its branch, over that of the next branch, at which a state is on it
+_NEARER = 0.3
+_PATIENCE = 100  # safety: searches for a cause in a row without progress
+_WITHIN = 0.99  # measured: part of a zone's reach that is well inside
+# measured: part of the smallest singular value at its start with which a trace has left
+_REGAINED = 0.3
+_WIDE = 1e-2  # measured: or this singular value, with which it has
+_FARTHEST = 1.0  # safety: scaled length of a trace
 
 
 class Follower:

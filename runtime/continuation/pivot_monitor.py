@@ -25,9 +25,10 @@ RECORD = 16
 LOOK_Q, LOOK_V, SPARE, GOOD_Q, GOOD_V = range(5, 10)
 ROWS = 10
 
-MARGIN = 0.5  # of the smallest pivot: scaled motion after which pivots are looked at again
-_POOR = 0.5  # of the smallest pivots at both ends: one in between that is suspicious
-_GOOD = 0.05  # a pivot from which on a state is good to come back to
+# measured: of the smallest pivot: scaled motion after which pivots are looked at again
+MARGIN = 0.5
+_POOR = 0.5  # measured: of the smallest pivots at both ends; a smaller one in between is suspicious
+_GOOD = 0.05  # measured: smallest pivot of a state that the walk may return to
 
 
 @inner

@@ -38,8 +38,9 @@ from runtime.core.kernels import FETCH, MATRIX, MODE_ROWS, MODES, SCALAR, TYPES,
 
 DONE, STUCK, SUSPECT, ARRIVED = 0, 1, 2, 3
 
-_PREDICTED = 0.05  # largest scaled error of a prediction that is trusted to name the branch
-_TRAVEL = 0.5  # largest scaled motion of one step
+# measured: scaled error of a prediction up to which it is trusted to name the branch
+_PREDICTED = 0.05
+_TRAVEL = 0.5  # measured: scaled motion of the longest step
 correction_of = FETCH["correction"]
 accelerations_of = FETCH["accelerations"]
 jacobian_of = FETCH["jacobian"]

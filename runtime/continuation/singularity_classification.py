@@ -16,8 +16,9 @@ from runtime.continuation.bifurcation_branches import LOST, SOLVED, Branch, lost
 from runtime.integrate.trajectory import Crossing
 from runtime.results.singular_positions import Kind, SingularPosition
 
-_TAKING = 0.05  # of the largest share in what is lost: constraints that are named
-_FEW = 4
+# measured: part of the largest share in a rank deficiency; constraints above it are named
+_TAKING = 0.05
+_FEW = 4  # layout: branches that a message lists
 
 
 def met(

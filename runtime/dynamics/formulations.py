@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from runtime.mechanism.reduced_kernels import Reduced
 
 FORMULATIONS = ("cartesian", "reduced")
-_STEEP = 1e6  # rate of an angle by those of what is left, at a dead centre of its loop
+# measured: rate of an angle by the kept coordinates that tells a dead centre of its loop
+_STEEP = 1e6
 _CORRECTIONS = ("step", "stage")
 
 

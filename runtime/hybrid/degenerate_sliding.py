@@ -16,7 +16,7 @@ from runtime.core.function_table import (
 from runtime.core.jit import inner
 from runtime.core.signatures import Integers, Vector
 
-SINGULAR = 1e-11  # pivot of a row whose largest entry is one, below which it is rounding
+SINGULAR = 1e-11  # accuracy: pivot of a row whose largest entry is one, below which it is rounding
 
 
 @inner

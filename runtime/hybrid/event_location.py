@@ -9,6 +9,7 @@ crossings is not stepped over.
 from runtime.core.dense_output import interpolate
 from runtime.core.function_table import SWITCHES, sampled_of
 from runtime.core.jit import addressed, inner
+from runtime.core.rounding import EPS
 from runtime.core.run_arrays import mode_numbers, parameters, surfaces, workspace
 from runtime.core.signatures import LOCATE, SAMPLED, Integers, Vector
 from runtime.core.workspace import (
@@ -29,11 +30,13 @@ from runtime.core.workspace import (
 from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.hybrid.switching_functions import functions
 
-INSTANT = 4.0 * 2.3e-16  # of the time: what the clock cannot tell
-NOWHERE = 2.0  # a fraction of the step that is none
-_MARGIN = 0.15  # of the variation of g over the step: closer to zero than this is looked at
-_NOISE = 1e-14  # of the largest |g|: a dip of this depth is none
-_GOLDEN = 0.3819660112501051
+# accuracy: of the time; difference of two instants that the clock cannot resolve
+INSTANT = 4.0 * EPS
+NOWHERE = 2.0  # code: a fraction of the step that says that there is no such place
+# measured: of the variation of g over the step; closer to zero than this g is scanned
+_MARGIN = 0.15
+_NOISE = 1e-14  # accuracy: of the largest |g|; a dip of this depth is rounding
+_GOLDEN = 0.3819660112501051  # formula: golden section
 
 
 @inner

@@ -34,13 +34,15 @@ from runtime.hybrid.switching_functions import functions, measure
 
 UNRESOLVED = -1  # the step is too long to tell
 
-_RESOLVED = 0.2  # of the variation of g over the step: what the two cubics may differ by
-_NEAR = 3.0  # differences, at most variations, from zero within which that matters
-_ROUNDING = 1e-11  # of the largest |g|: a difference of this size is none
-_FINEST = 1e-10  # of the run: steps of this length are never too long
-_COARSER, _FINER = 4.0, 0.8  # change of that length at a step that stays unresolved, at others
+# measured: of the variation of g over the step; difference of the two cubics that is let pass
+_RESOLVED = 0.2
+_NEAR = 3.0  # measured: differences, at most variations, from zero within which that matters
+_ROUNDING = 1e-11  # accuracy: of the largest |g|; a difference of this size is rounding
+_FINEST = 1e-10  # safety: of the run; steps of this length are never too long
+_COARSER = 4.0  # measured: growth of that length at a step that stays unresolved
+_FINER = 0.8  # measured: its change at other steps
 
-# Weights of the cubic through y0, y1 with slopes k0, k1 at the fraction x of a step:
+# Formula: weights of the cubic through y0, y1 with slopes k0, k1 at the fraction x of a step:
 # y0 + RISE (y1 - y0) + h (LEAVE k0 + ARRIVE k1). The fractions are no ratios of small numbers, so
 # that a period which divides the step is not met at the same phase.
 X1, X2, X3 = 0.1732050807568877, 0.4142135623730951, 0.7307704011542153

@@ -26,14 +26,18 @@ from runtime.hybrid.degenerate_sliding import least, solve
 from runtime.hybrid.sliding_modes import CANCELLED, HELD_MODE, shares, units
 from runtime.hybrid.stiction_force import FREE_MODE
 
-ON_SURFACE = 1e-13  # |g| over its running maximum below which g counts as zero at an event
+ON_SURFACE = 1e-13  # accuracy: |g| over its running maximum below which g is zero at an event
 
-_SWEEPS = 200
-_AGREED = 1e-14  # of the fastest approach: what a sweep may still change
-_ROUNDING = 1e-15  # of the largest velocity: the same
-_HOPELESS = 1e-6  # of the fastest approach: what sweeps that do not converge still change
-_LOW_FLIGHT = 0.01  # of the tolerance of a position: flights that rise no higher have ended
-_UNSEEN = 2e-12  # of the largest gap: heights at which rounding would move the next impact
+_SWEEPS = 200  # safety: sweeps over all contacts with rebound, and as many again without
+# accuracy: of the fastest approach; change by a sweep at which impulses have converged
+_AGREED = 1e-14
+_ROUNDING = 1e-15  # accuracy: of the largest velocity; the same
+# accuracy: of the fastest approach; change that sweeps without convergence still make
+_HOPELESS = 1e-6
+# accuracy: of the tolerance of a position; flights that rise no higher have ended
+_LOW_FLIGHT = 0.01
+# accuracy: of the largest gap; heights at which rounding would move the next impact
+_UNSEEN = 2e-12
 
 
 @inner

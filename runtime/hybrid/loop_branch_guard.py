@@ -21,13 +21,15 @@ from runtime.core.system import System
 from runtime.core.workspace import ROWS, Y0, Y1, Run
 
 AGAIN = -1
-_ADDED = 2.0  # steps: the sum of both times below which a loop has passed its dead centre
+_ADDED = 2.0  # measured: steps; sum of both times below which a loop has passed its dead centre
 # Of the largest ρ² so far:
-_LEAST = 1e-14  # rounding
-_NEAR = 1e-2  # within which steps become shorter on the way there
-_AT_ONCE = 1e-3  # of a usual step: how near to a dead centre a run comes that ends there
-_SHORT_OF = 0.9  # of the way to a dead centre that the next step may go
-_SHORT = 1e-4  # of the last step from further away: one that rounding asks for
+_LEAST = 1e-14  # accuracy: of the largest ρ² so far; rounding
+# measured: of the largest ρ² so far; below it steps become shorter on the way to a dead centre
+_NEAR = 1e-2
+_AT_ONCE = 1e-3  # measured: of a usual step; how near to a dead centre a run comes that ends there
+_SHORT_OF = 0.9  # measured: of the way to a dead centre that the next step may go
+# accuracy: of the last step from further away; a shorter one is asked for by rounding
+_SHORT = 1e-4
 
 MET = (
     "At t = {:.9g} s its loop is at a dead centre, where both ways to close it meet, and reduced "

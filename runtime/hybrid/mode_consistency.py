@@ -38,9 +38,9 @@ from runtime.hybrid.sliding_modes import HELD_MODE
 
 CONSISTENT = -1
 GIVEN = 4  # is added to a preferred mode that is known to be right, and needs no look-ahead
-_SIGNIFICANT = 1e-14  # change of g over its maximum that is no rounding
-_FIRST = 1e-7  # first look-ahead over the last
-MISSED = 1e-9  # by which a share may miss its bounds at an event
+_SIGNIFICANT = 1e-14  # accuracy: change of g over its maximum that is more than rounding
+_FIRST = 1e-7  # measured: first look-ahead over the last
+MISSED = 1e-9  # accuracy: amount by which a share may miss its bounds at an event
 
 
 @inner

@@ -10,8 +10,8 @@ from runtime.core.workspace import BAND, PREFERRED
 from runtime.hybrid.mode_consistency import CONSISTENT, GIVEN, contradicted, hold
 from runtime.hybrid.sliding_modes import HELD_MODE
 
-MOST = 10  # functions whose modes are tried in all combinations
-MOST_THREE = 6  # of those that may also be held; more are first settled in turn
+MOST = 10  # safety: functions whose modes are tried in all combinations
+MOST_THREE = 6  # safety: of those that may also slide; more are first settled in turn
 
 
 @inner

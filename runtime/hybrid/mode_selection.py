@@ -39,8 +39,8 @@ from runtime.hybrid.mode_search import MOST, MOST_THREE, exhaustively, in_turn
 from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.hybrid.switching_functions import margin
 
-TOUCHING = 1e-9  # of the machine's lengths: a gap at the start is assembled no closer
-_TOLD = 1e-12  # of the largest velocity: an impact at the start that is none
+TOUCHING = 1e-9  # accuracy: of the machine's lengths; assembly closes a gap at the start no better
+_TOLD = 1e-12  # accuracy: of the largest velocity; an approach at the start that is no impact
 
 
 @addressed(SETTLE)

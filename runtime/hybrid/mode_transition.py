@@ -20,6 +20,7 @@ from runtime.core.function_table import (
 )
 from runtime.core.jit import addressed, inner
 from runtime.core.rhs import field
+from runtime.core.rounding import EPS
 from runtime.core.signatures import (
     TRANSITION,
     IntegerMatrix,
@@ -51,13 +52,15 @@ from runtime.hybrid.mode_selection import go_on, prefer
 from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.hybrid.switching_functions import UNBOUNDED, margin, measure
 
-LOOK_AHEAD = 0.05  # of a step: how far ahead modes are judged
+LOOK_AHEAD = 0.05  # measured: of a step; how far ahead modes are judged
 BEGAN, CEASED, HELD, IMPACT = 1, -1, 0, 2
 """Directions of an event."""
 
-_FREE = 0.02  # by which the ratio of two flights in a row may differ from that of free ones
-_STILL = 1e-12  # of the rate at which a contact was struck: slower, it does not leave
-_CLOCK = 8.0 * 2.3e-16  # of the time: what an instant cannot tell
+_FREE = 0.02  # measured: difference of the ratio of two flights in a row from that of free flights
+# accuracy: of the rate before an impact; a contact that is slower after it does not leave
+_STILL = 1e-12
+# accuracy: of the time; difference of two instants that the clock cannot resolve
+_CLOCK = 8.0 * EPS
 
 
 @inner

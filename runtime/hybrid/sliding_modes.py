@@ -34,6 +34,7 @@ from runtime.core.function_table import (
     switching_rates_of,
 )
 from runtime.core.jit import inner
+from runtime.core.rounding import EPS
 from runtime.core.signatures import Integers, Vector
 from runtime.hybrid.degenerate_sliding import SINGULAR, least, solve
 from runtime.hybrid.stiction_force import (
@@ -44,13 +45,13 @@ from runtime.hybrid.stiction_force import (
     release,
 )
 
-CANCELLED = 64.0 * 2.3e-16
-"""Of the largest of some terms: a sum below it is their rounding."""
+CANCELLED = 64.0 * EPS
+"""accuracy: of the largest of some terms; a sum below it is their rounding."""
 
 HELD_MODE = 2
 """A mode that is neither 0 nor 1: the motion stays on the surface."""
 
-_UNITS = 3  # attempts at a unit of the size of the force
+_UNITS = 3  # safety: attempts at a unit of the size of the force
 
 
 def work_size(n: int, m: int, s: int, r: int) -> int:

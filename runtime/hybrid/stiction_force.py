@@ -36,7 +36,8 @@ FREE_MODE = 3
 GIVEN_MODE = 2
 """Of such a friction, as the kernels take it: the force is what stands in p."""
 
-_COARSE = 8.0  # units in a force, above which their rounding would be seen: another unit is taken
+# accuracy: units in a force above which their rounding would show; another unit is taken
+_COARSE = 8.0
 
 
 @inner

@@ -31,8 +31,8 @@ from runtime.core.workspace import DELTA, ROWS, SAMPLE, SWITCH_ROWS
 from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.hybrid.sliding_rhs import STEP
 
-_AHEAD = 1e-4  # of a step: the distance over which the rate of a margin is taken
-UNBOUNDED = -1e300  # a lower bound below this is none
+_AHEAD = 1e-4  # accuracy: of a step; the distance over which the rate of a margin is differenced
+UNBOUNDED = -1e300  # code: a lower bound below this is none
 
 
 @inlined

@@ -12,9 +12,10 @@ IntArray = npt.NDArray[np.int64]
 
 _EXPAND = types.FunctionType(types.none(SCALAR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR))
 _expand = at(_EXPAND, 0)
-_STRIDE = 0.5  # rad, or of a length's size: between two places of which angles are followed
-_FAR = 1.0  # rad by which an angle may move from one place to the next
-_FINEST = 1e-4  # of such a stride: no shorter ones are tried
+# measured: rad, or part of a length's size, between two positions at which angles are followed
+_STRIDE = 0.5
+_FAR = 1.0  # safety: rad by which an angle may move from one position to the next
+_FINEST = 1e-4  # safety: part of a stride; no shorter ones are tried
 _TURN = 2.0 * np.pi
 
 

@@ -26,10 +26,10 @@ from runtime.singularity.search_table import (
     entries,
 )
 
-_ITERATIONS = 40
-_CONVERGED = 1e-12
-_DIFFERENCE = 6e-6  # eps ** (1/3), the relative size of a central difference
-_LEAST = 1e-13  # of the largest: squares of singular values below this determine nothing
+_ITERATIONS = 40  # safety: Newton iterations
+_CONVERGED = 1e-12  # accuracy: scaled change at which they have converged
+_DIFFERENCE = 6e-6  # accuracy: eps ** (1/3), the relative size of a central difference
+_LEAST = 1e-13  # accuracy: of the largest; squares of singular values below this determine nothing
 
 
 @inner

@@ -24,24 +24,26 @@ from runtime.core.function_table import (
     jacobian_of,
 )
 from runtime.core.jit import addressed, inner
+from runtime.core.rounding import EPS
 from runtime.core.signatures import VANISHING, Integers, Vector
 from runtime.core.workspace import PARTITION, ROWS, SAMPLE, SIZE, Y0, K, Run
 from runtime.linalg.elimination_plan import draw_up, replay
 from runtime.linalg.row_elimination import REDUNDANT, fill, reduce, smallest
 
-BEHIND, AHEAD = 0.1, 2.5  # of a step: how far back and ahead is looked
-_REACH = 0.5  # of the coordinates' sizes: how far a motion is continued
-_MARGIN = 0.5  # of the time in which a pivot could vanish: when to look again
-_TRUST = 0.5  # of the time over which nothing announced itself: when to look again
-_NEAR = 1e-5  # a pivot that counts as small in any case
-_CANDIDATES = 4  # pivots that change sign, most of them by way of infinity
-_REFINED = 6  # steps by which a pivot that changes sign within a step is followed
+BEHIND = 0.1  # measured: of a step; how far back the motion is looked at
+AHEAD = 2.5  # measured: of a step; how far ahead it is
+_REACH = 0.5  # measured: of the coordinates' sizes; how far a motion is continued
+_MARGIN = 0.5  # measured: of the time in which a pivot could vanish; when to look again
+_TRUST = 0.5  # measured: of the time over which nothing announced itself; when to look again
+_NEAR = 1e-5  # measured: a pivot that counts as small in any case
+_CANDIDATES = 4  # measured: pivots that change sign, most of them by way of infinity
+_REFINED = 6  # safety: steps by which a pivot that changes sign within a step is followed
 # Rows of the array PIVOTS: pivots now, later, at the last look, and one over the lengths of Φ_q's
 # rows. Behind them: the time of that look, and the smallest pivot when an order was found.
 PIVOT_ROWS = 4
 WHEN, LEAST = 0, 1
-_POORER = 0.5  # of the smallest pivot when the order was found: below it is found anew
-_EPS = 2.2e-16
+# measured: part of the smallest pivot at its search below which an order is found anew
+_POORER = 0.5
 
 
 @inner
@@ -144,7 +146,7 @@ def vanishing(
     haste = greatest(view(w, K * 2 * n + n, n), size)
     if state == Y0:
         # Rounding fails steps that are shorter and shorter within this distance, on either side.
-        noisy = np.cbrt(_EPS / r.rtol) / max(speed, 1e-300)
+        noisy = np.cbrt(EPS / r.rtol) / max(speed, 1e-300)
         back, ahead = -max(BEHIND * h, noisy), max(h, noisy)
         span = min(h, _REACH / max(speed, 1e-300))
     for j in range(n):

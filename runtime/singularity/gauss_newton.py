@@ -31,11 +31,12 @@ from runtime.singularity.search_table import (
     unit_gaps,
 )
 
-_ITERATIONS = 40
-_KEEP = 5  # iterations with the same second derivatives, but for the first one's
-_CONVERGED = 1e-12
-_FAR = 0.5  # of a coordinate's size: a root so far from where it was looked for is another
-_FLAT = 1e-6  # what is left of the complement at a singular position
+_ITERATIONS = 40  # safety: Gauss-Newton iterations
+_KEEP = 5  # measured: iterations with the same second derivatives, except for the first one's
+_CONVERGED = 1e-12  # accuracy: scaled change at which they have converged
+# safety: of a coordinate's size; a root further from the start of the search is another one
+_FAR = 0.5
+_FLAT = 1e-6  # accuracy: rest of the complement at a singular configuration
 
 
 @inner

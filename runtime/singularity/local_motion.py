@@ -10,7 +10,7 @@ from runtime.core.signatures import f8, matrix, none, vector
 
 FloatArray = NDArray[np.float64]
 
-_PASSES = 4
+_PASSES = 4  # safety: Newton iterations for the nearest point of a motion
 _QUINTIC = np.array([[10.0, -4.0, 0.5], [-15.0, 7.0, -1.0], [6.0, -3.0, 0.5]])
 """Coefficients of the powers 3 to 5 by what the lower ones leave of q, v and a at the end."""
 

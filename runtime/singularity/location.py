@@ -26,7 +26,7 @@ from runtime.singularity.search_table import (
 
 FloatArray = NDArray[np.float64]
 
-_PASSES = 3
+_PASSES = 3  # safety: searches, each from the position of the last one
 
 
 class Root(NamedTuple):

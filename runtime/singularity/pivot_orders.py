@@ -12,12 +12,13 @@ from runtime.singularity.search_table import COLUMN_ORDER, ROW_ORDER
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-_WEAK = 0.3  # a singular value above this, columns scaled and rows made unit length, is not weak
-_APART = 3.0  # factor by which the weak singular values lie below the others
-_NONE = 1e-9  # singular values below this are not told apart
-_KNOWN = 0.02  # Jacobians that differ by no more than this share their order of pivots
-_KEPT = 4
-_STRONG = 0.5  # a pivot above this belongs to no weak row
+# measured: singular values above this, columns scaled and rows of unit length, are not weak
+_WEAK = 0.3
+_APART = 3.0  # measured: factor by which the weak singular values lie below the others
+_NONE = 1e-9  # accuracy: singular values below this are all zero
+_KNOWN = 0.02  # measured: difference of two Jacobians up to which they share an order of pivots
+_KEPT = 4  # measured: orders of pivots that are remembered
+_STRONG = 0.5  # measured: a pivot above this belongs to no weak row
 
 
 class Frame(NamedTuple):

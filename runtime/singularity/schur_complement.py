@@ -24,8 +24,8 @@ from runtime.singularity.search_table import (
     entries,
 )
 
-_LEAST = 1e-13  # a pivot below this, rows of unit length, is none
-_NOTHING = 1e-14  # of vectors with a component 1: smaller ones are rounding
+_LEAST = 1e-13  # accuracy: a pivot below this, rows of unit length, is zero
+_NOTHING = 1e-14  # accuracy: entries below this, in vectors with an entry 1, are rounding
 
 
 @inner

@@ -21,10 +21,12 @@ from runtime.singularity.scaled_constraints import ScaledConstraints
 
 FloatArray = NDArray[np.float64]
 
-_SAME = 0.05  # of the way there: a motion that comes as near to a known position passes it
-_ROUNDED = 1e-13  # a gap of unit rows that is none
-_CLEARLY = 1e-3  # of a gap: a gap that is another's
-_LOST = 1e-6  # of unit rows: singular values below this are lost, as at a start
+# measured: of the way there; a motion that comes as near to a known position passes it
+_SAME = 0.05
+_ROUNDED = 1e-13  # accuracy: gap of unit rows that is rounding
+# measured: part of a gap; a smaller one belongs to another position
+_CLEARLY = 1e-3
+_LOST = 1e-6  # accuracy: singular values of unit rows below this are lost, as at a start
 
 
 class Singularity(NamedTuple):

@@ -13,11 +13,12 @@ from runtime.assembly.dense_equations import FloatArray
 from runtime.progress_bar import Progress
 from runtime.statics.reduced_gradient import BALANCED, Partition, Rest, Stiffness
 
-_REACH = 0.3  # largest scaled change in one iteration; lengths may go on where K foretells it
-_FORETOLD = 0.1  # share of the force by which the stiffness may err in foretelling the next one
-_ITERATIONS = 300
-AWAY = 1e9  # scaled distance from the start at which nothing will bring the machine back
-_TINY = 1e-300
+# measured: largest scaled change in one iteration; lengths may go on where K predicts it
+_REACH = 0.3
+_FORETOLD = 0.1  # measured: part of the force by which K may err in predicting the next one
+_ITERATIONS = 300  # safety: Newton iterations of one search
+AWAY = 1e9  # safety: scaled distance from the start from which no machine comes back
+_TINY = 1e-300  # safety: keeps quotients from 0 / 0
 
 
 class Found(NamedTuple):

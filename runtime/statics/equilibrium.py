@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from runtime.machine import Machine, Values
 
 METHODS = ("energy", "settling")
-_TURNED, _FAR = 25.0, 1e6  # rad and scaled length after which nothing holds what is unbalanced
+_TURNED = 25.0  # safety: rad after which nothing holds a machine whose forces do not balance
+_FAR = 1e6  # safety: scaled length after which nothing does
 
 
 class Equilibrium(Result):

@@ -17,14 +17,15 @@ from runtime.progress_bar import Progress
 from runtime.statics.energy_minimisation import AWAY
 from runtime.statics.reduced_gradient import Rest
 
+# measured: relative error of a step; only the position at which the motion ends matters
 _TOLERANCE = 1e-4
-_SHARE = 0.3  # longest step, as a share of the time from rest to the last peak
-_QUIET = 1e-10  # share of the largest peak of kinetic energy at which the machine rests
-_CROSSING = 0.02  # longest step over a change of modes, as a share of the time since rest
-_SHORTEST = 1e-12  # s; a step that is never too long for a change of modes
-_CORRECTED = 1e-9  # scaled change at which a correction has converged
-_CHUNK = 2000
-_CHUNKS = 300
+_SHARE = 0.3  # measured: longest step, in parts of the time from rest to the last peak
+_QUIET = 1e-10  # accuracy: part of the largest peak of kinetic energy at which the machine rests
+_CROSSING = 0.02  # measured: longest step over a change of modes, in parts of the time since rest
+_SHORTEST = 1e-12  # safety: s; a step that is never too long for a change of modes
+_CORRECTED = 1e-9  # accuracy: scaled change at which a return onto the constraints has converged
+_CHUNK = 2000  # measured: steps between two returns to Python, for progress and interrupts
+_CHUNKS = 300  # safety: such chunks before the search is given up
 
 # Places in the record.
 STEP, LIMIT, SINCE, ENERGY, HIGHEST, PEAKS, STEPS, RECORD = 0, 1, 2, 3, 4, 5, 6, 7

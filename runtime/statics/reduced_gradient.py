@@ -15,10 +15,12 @@ from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.constraints.partitioning import eliminate
 from runtime.linalg.newton_iteration import newton
 
-BALANCED = 1e-10  # a gradient below this share of the forces counts as balanced
-_DIFFERENCES = (3e-5, 3e-7, 3e-9)  # scaled steps of the difference quotients, finer at an edge
-_ROUNDING = 1.5e-14  # error of a gradient as a share of stiffness times coordinate: 64 roundings
-_REACH = 30.0  # scaled change of a dependent coordinate that is no longer a correction
+BALANCED = 1e-10  # accuracy: part of the forces; a gradient below it counts as balanced
+# accuracy: scaled steps of the difference quotients, finer at an edge
+_DIFFERENCES = (3e-5, 3e-7, 3e-9)
+# accuracy: error of a gradient, in parts of stiffness times coordinate: 64 roundings
+_ROUNDING = 1.5e-14
+_REACH = 30.0  # safety: scaled change of a dependent coordinate that is no correction any more
 
 
 class Partition(NamedTuple):

@@ -9,7 +9,7 @@ from runtime.assembly.dense_equations import FloatArray
 from runtime.statics.energy_minimisation import Found
 from runtime.statics.reduced_gradient import Rest
 
-_FLAT = 1e-8
+_FLAT = 1e-8  # accuracy: part of the largest stiffness; a smaller one is indifferent
 
 
 class Stability(StrEnum):

@@ -11,8 +11,9 @@ from codegen.declare.symbols import t
 from codegen.elements.drivers.time_law import law_problems
 from codegen.elements.registry import element
 
-# (1e-90 m)² is lost in the rounding of any distance, and keeps d / |d| and its derivative from
-# 0 / 0 where a guess puts both points in one place: the Jacobian is 0 there, as that of dᵀ d is.
+# safety: (1e-90 m)² is lost in the rounding of any distance, and keeps d / |d| and its derivative
+# from 0 / 0 where a guess puts both points in one place: the Jacobian is 0 there, as that of dᵀ d
+# is.
 NOTHING = 1e-180
 SPAN = J.point - I.point
 DISTANCE = sympy.sqrt(SPAN.dot(SPAN) + NOTHING)

@@ -11,6 +11,7 @@ from codegen.declare.symbols import Coordinate, side
 from codegen.elements.forces.contact import gap_problems
 from codegen.elements.registry import element
 
+# formula: m/s²; with the masses the typical force of a contact, unless one is declared
 GRAVITY = 9.81
 
 

@@ -15,8 +15,8 @@ from codegen.elements.registry import element
 
 AT_I, AT_J = coordinate("contact", "alpha"), coordinate("contact", "beta")
 
-FACING, AWAY = -0.999, 20.0
-"""Normals that oppose; what a step beside the normal counts against one along it."""
+FACING = -0.999  # accuracy: cosine of two normals that oppose each other
+AWAY = 20.0  # measured: weight of a step beside the normal against one along it
 
 
 @element

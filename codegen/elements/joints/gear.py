@@ -13,7 +13,7 @@ from codegen.elements.joints.common_axle import held_apart
 from codegen.elements.registry import element
 
 ROUNDING = 1e-6
-"""Relative difference of centre distance and radii that rounded inputs explain."""
+"""accuracy: relative difference of centre distance and radii that rounded inputs explain."""
 
 SHARE_I, SHARE_J, LINE = given("share_i"), given("share_j"), given("line")
 SPAN = J.point - I.point

@@ -28,7 +28,7 @@ from codegen.lower.program import (
 from codegen.lower.substitution import reached
 
 TINY = 1e-300
-"""Added to what stands under a root where it divides: √(vᵀv) has the slope 0 at v = 0, not 0/0."""
+"""safety: added under a root where the root divides: √(vᵀv) has the slope 0 at v = 0, not 0/0."""
 
 SPLINE_DEGREE = 3
 """The derivative of a table from which on there is no further one."""

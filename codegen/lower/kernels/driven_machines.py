@@ -8,24 +8,26 @@ determinant of such a set vanishes the machine is in a singular position: det² 
 product of the rows' squares, as the pivots of Φ_q Φ_qᵀ are against its diagonal.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
 
 from codegen.lower.graph import Graph
 from codegen.lower.linear.factorization import LEAST_PIVOT, Elimination
+from codegen.lower.linear.labels import Labels
 from codegen.lower.program import Check
 
 LARGEST = 3
-"""Rows of a set that is solved by its adjugate."""
+"""measured: rows of the largest set that is solved by its adjugate."""
 
 ROUNDING = 1e-12
-"""A number below this part of what it was subtracted from is zero."""
+"""accuracy: a number below this part of the numbers it is a difference of is zero."""
 
 SHARPER = 1e-6
-"""Part of the rows' squares against which det² is held."""
+"""accuracy: part of the product of the rows' squares that det² is compared with."""
 
 SEARCHED = 30
-"""Rows among which sets are looked for; more are taken together."""
+"""safety: rows among which such sets are searched for; more are solved together."""
 
 
 @dataclass
@@ -38,6 +40,8 @@ class Square:
         (row, column) → value, structural non-zeros only.
     right
         Right sides, one list of rows each.
+    labels, coordinates
+        Names for the text, of rows and of the unknowns.
     checks
         What is held against its size; the constraint of a check is a row.
     """
@@ -45,6 +49,8 @@ class Square:
     graph: Graph
     entries: dict[tuple[int, int], int]
     right: list[list[int]]
+    labels: Labels = field(default_factory=Labels)
+    coordinates: Sequence[str] = ()
     checks: list[Check] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
@@ -65,10 +71,13 @@ class Square:
             if len(self._columns(chosen)) != len(chosen):
                 return None
             self._solve_set(chosen, x)
+        self.labels.step("Substitute back")
         for k, row, right in reversed(self._given):
             for known, start in zip(x, right, strict=True):
                 known[k] = self._less(start, row, known)
-        return [[known[k] for k in range(len(known))] for known in x]
+        solutions = [[known[k] for k in range(len(known))] for known in x]
+        self.labels.solved(solutions)
+        return solutions
 
     def _less(self, start: int, row: dict[int, int], known: dict[int, int]) -> int:
         for j, factor in row.items():
@@ -97,8 +106,13 @@ class Square:
     def _substitute(self, i: int, k: int) -> None:
         graph = self.graph
         row = self._rows.pop(i)
-        inverse = graph.div(graph.one, row.pop(k))
+        pivot = row.pop(k)
+        inverse = graph.div(graph.one, pivot)
+        self._step([i], [k])
+        self.labels.pivot(pivot, inverse, i)
         given = {j: graph.mul(inverse, entry) for j, entry in row.items()}
+        for j, entry in given.items():
+            self._name(entry, "L", i, j)
         right = [graph.mul(inverse, column[i]) for column in self.right]
         for other, entries in self._rows.items():
             if k not in entries:
@@ -109,9 +123,20 @@ class Square:
                 changed = graph.sub(before, product)
                 if not self._nothing(changed, before):
                     entries[j] = changed
+                    self._name(changed, "Phi", other, j)
             for column, known in zip(self.right, right, strict=True):
                 column[other] = graph.sub(column[other], graph.mul(factor, known))
+            self.labels.sides(self.right, other)
         self._given.append((k, given, right))
+
+    def _step(self, rows: Sequence[int], columns: Sequence[int]) -> None:
+        if self.coordinates:
+            unknowns = ", ".join(self.coordinates[k] for k in columns)
+            self.labels.step(f"Solve {self.labels.titles(*rows)} for {unknowns}")
+
+    def _name(self, value: int, stem: str, row: int, column: int) -> None:
+        if self.coordinates:
+            self.labels.add(value, f"{self.labels.of(stem, row)}_{self.coordinates[column]}")
 
     def _nothing(self, entry: int, before: int) -> bool:
         """Whether an entry is zero, or a number that only rounding has left of another."""
@@ -139,12 +164,16 @@ class Square:
         """Solve the rows for their unknowns, and take these out of the other rows."""
         graph = self.graph
         columns = self._columns(chosen)
+        self._step(chosen, columns)
         matrix = [[self._rows[i].get(k, graph.zero) for k in columns] for i in chosen]
         right = [[column[i] for i in chosen] for column in self.right]
         if len(chosen) <= LARGEST:
             solutions = self._by_adjugate(chosen, matrix, right)
         else:
             solutions = self._by_normal_equations(chosen, matrix, right)
+        for names, values in zip(self.labels.solution, solutions, strict=False):
+            for k, value in zip(columns, values, strict=True):
+                self.labels.add(value, names[k])
         for i in chosen:
             del self._rows[i]
         for column, known, found in zip(self.right, x, solutions, strict=True):
@@ -170,8 +199,13 @@ class Square:
                 reference = graph.mul(reference, graph.total(squares))
             # Nothing has been squared to find det, so that it may be smaller than a pivot of
             # Φ_q Φ_qᵀ; and short arms make it so where nothing is singular.
-            self.checks.append(Check(graph.mul(det, det), reference, max(chosen), SHARPER))
+            square = graph.mul(det, det)
+            self.checks.append(Check(square, reference, max(chosen), SHARPER))
+            self.labels.add(square, self.labels.of("det2", *chosen))
+            self.labels.add(reference, self.labels.of("size", *chosen))
         inverse = graph.div(graph.one, det)
+        self.labels.add(det, self.labels.of("det", *chosen))
+        self.labels.add(inverse, self.labels.of("inverse_det", *chosen))
         return [
             [
                 graph.mul(

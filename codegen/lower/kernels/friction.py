@@ -25,10 +25,10 @@ ALONE, SWEEPS = 6, 12
 """Steps for a single friction; sweeps over several."""
 
 AGREED = 1e-7
-"""The remainder that is let pass, in parts of the loads."""
+"""accuracy: remainder of the equation of the loads, in parts of the loads, that is let pass."""
 
 TINY = 1e-300
-"""Added to squares under a root, so that a load of nothing has a size of nothing."""
+"""safety: added to squares under a root, so that a load of zero has the size zero."""
 
 Loads = list[list[tuple[int, list[int]]]]
 """A contact → its entries → (value without friction, change for a unit of each friction)."""

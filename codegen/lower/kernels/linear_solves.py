@@ -8,6 +8,7 @@ from codegen.lower.graph import Graph
 from codegen.lower.kernels.driven_machines import Square
 from codegen.lower.kernels.friction import with_friction
 from codegen.lower.linear.factorization import Elimination, Strategy
+from codegen.lower.linear.labels import Labels
 from codegen.lower.operation_count import cost
 from codegen.lower.program import STATE, Check, Kernel, Output, store
 from codegen.lower.scene_graph import SceneGraph
@@ -15,9 +16,14 @@ from codegen.lower.scene_graph import SceneGraph
 Entries = dict[tuple[int, int], int]
 """(row, column) → value, structural non-zeros of Φ_q."""
 
+MISSING = ["rhs_q", "rhs_v"]
+"""Stems of the names of -Φ and -(Φ_q q̇ + Φ_t) where they are right sides."""
+
 FAR = 1e5
-"""Ratio of the largest to the smallest mass, or moment of inertia, from which on solutions are
-refined: an elimination that divides by the wrong ones loses as many digits as the ratio has."""
+"""accuracy: ratio of the largest to the smallest mass, or moment of inertia, from which on
+solutions are refined: an elimination that divides by the wrong ones loses as many digits as the
+ratio has.
+"""
 
 
 def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Strategy]:
@@ -68,6 +74,8 @@ def _dynamics(
     lengths = {k for k, q in enumerate(scene.equations.coordinates) if q.unit == "m"}
     with_lengths = {i for i, k in scene.jacobian if k in lengths}
     located = [(k, n + i, i not in with_lengths) for i, k in scene.own]
+    labels = _labels(scene)
+    labels.step("Sizes that the pivots are compared with: the diagonal of Φ_q M⁻¹ Φ_qᵀ")
     with graph.serving("factorization"):
         for (i, k), entry in scene.jacobian.items():
             entries[n + i, k] = entries[k, n + i] = entry
@@ -75,6 +83,8 @@ def _dynamics(
                 continue
             part = graph.div(graph.mul(entry, entry), scene.masses[k])
             references[n + i] = graph.add(references.get(n + i, graph.zero), part)
+        for i, size in references.items():
+            labels.add(size, labels.of("size", i))
         system = Elimination(
             graph,
             entries,
@@ -82,11 +92,17 @@ def _dynamics(
             frozenset(range(n, n + scene.m)),
             references,
             located,
+            labels,
         )
         columns = system.solve(strategy)
         if refine:
             columns = [system.substitution.refined(k, x) for k, x in enumerate(columns)]
+            labels.step("Refine by what the equations as stated still lack")
+            labels.solved(columns)
+        if scene.frictions:
+            labels.step("Friction: its forces, and what they change")
         solution, rubbing = with_friction(scene, columns)
+        labels.solved([solution])
     outputs = store("a", solution[:n], [q.rate.name for q in scene.equations.coordinates])
     names = scene.row_names()
     told = range(scene.m) if rows is None else rows
@@ -100,6 +116,24 @@ def _dynamics(
         outputs,
         checks,
         watched=True,
+        labels=tuple(labels.found.values()),
+        steps=tuple(labels.steps),
+    )
+
+
+def _labels(scene: SceneGraph) -> Labels:
+    """Names of the equations of motion: without friction, and for a unit force of each friction."""
+    coordinates = [q.name for q in scene.equations.coordinates]
+    rates = [f"{q.rate.name}_rate" for q in scene.equations.coordinates]
+    rows = scene.row_names()
+    right = [*(f"Q_{name}" for name in coordinates), *(f"gamma_{name}" for name in rows)]
+    solution = [*rates, *(f"lambda_{name}" for name in rows)]
+    frictions = [e.name for e in scene.equations.effects if e.terms.friction]
+    tails = ["", *(f"_{name}" for name in frictions)]
+    return Labels(
+        [*coordinates, *rows],
+        [[name + tail for name in right] for tail in tails],
+        [[name + tail for name in solution] for tail in tails],
     )
 
 
@@ -114,9 +148,15 @@ def _pushes(scene: SceneGraph) -> list[list[int]]:
 
 def _kinematics(scene: SceneGraph) -> Kernel:
     """Accelerations that the constraints alone determine."""
-    with scene.graph.serving("factorization"):
-        (solution,), checks = _only(scene, [scene.gamma], [scene.graph.one] * scene.n)
     names = [q.rate.name for q in scene.equations.coordinates]
+    with scene.graph.serving("factorization"):
+        (solution,), checks, labels = _only(
+            scene,
+            [scene.gamma],
+            [scene.graph.one] * scene.n,
+            ["gamma"],
+            [[f"{name}_rate" for name in names]],
+        )
     return Kernel(
         "accelerations",
         "q̈ of Φ_q q̈ = γ (of least norm while drivers are missing).",
@@ -124,6 +164,8 @@ def _kinematics(scene: SceneGraph) -> Kernel:
         store("a", solution, names),
         checks,
         watched=True,
+        labels=tuple(labels.found.values()),
+        steps=tuple(labels.steps),
     )
 
 
@@ -132,8 +174,10 @@ def correction(scene: SceneGraph) -> Kernel:
     graph = scene.graph
     with graph.serving("correction"):
         right = _missing(graph, scene.jacobian, scene.phi, scene.nu, scene.v)
-        changes, checks = _only(scene, right, scene.w)
-    return _correction([q.name for q in scene.equations.coordinates], changes, checks)
+        names = [q.name for q in scene.equations.coordinates]
+        unknowns = _stemmed(["dq", "dv"], names)
+        changes, checks, labels = _only(scene, right, scene.w, MISSING, unknowns)
+    return _correction(names, changes, checks, labels)
 
 
 def least_correction(
@@ -144,12 +188,13 @@ def least_correction(
     v: list[int],
     w: list[int],
     names: list[str],
+    rows: list[str],
 ) -> Kernel:
-    """The same for constraints that stand in a graph without their scene."""
+    """The same for constraints, named `rows`, that stand in a graph without their scene."""
     with graph.serving("correction"):
         right = _missing(graph, jacobian, phi, nu, v)
-        changes, checks = _least(graph, jacobian, right, w)
-    return _correction(names, changes, checks)
+        changes, checks, labels = _least(graph, jacobian, right, w, rows, MISSING)
+    return _correction(names, changes, checks, labels)
 
 
 def _missing(
@@ -162,7 +207,9 @@ def _missing(
     return [[graph.neg(one) for one in phi], [graph.neg(rate) for rate in rates]]
 
 
-def _correction(names: list[str], changes: list[list[int]], checks: tuple[Check, ...]) -> Kernel:
+def _correction(
+    names: list[str], changes: list[list[int]], checks: tuple[Check, ...], labels: Labels
+) -> Kernel:
     dq, dv = changes
     return Kernel(
         "correction",
@@ -171,42 +218,79 @@ def _correction(names: list[str], changes: list[list[int]], checks: tuple[Check,
         store("dq", dq, names) + store("dv", dv, names),
         checks,
         watched=True,
+        labels=tuple(labels.found.values()),
+        steps=tuple(labels.steps),
     )
 
 
 def _only(
-    scene: SceneGraph, right: list[list[int]], weights: list[int]
-) -> tuple[list[list[int]], tuple[Check, ...]]:
-    """Solutions d of Φ_q d = right; where the constraints leave a choice, the least by weight."""
+    scene: SceneGraph,
+    right: list[list[int]],
+    weights: list[int],
+    stems: list[str],
+    unknowns: list[list[str]],
+) -> tuple[list[list[int]], tuple[Check, ...], Labels]:
+    """Solutions d of Φ_q d = right; where the constraints leave a choice, the least by weight.
+
+    Parameters
+    ----------
+    stems, unknowns
+        With which the names of the right sides begin, and names of the entries of d, by right side.
+    """
+    rows = scene.row_names()
     if scene.driven:
-        system = Square(scene.graph, scene.jacobian, right)
+        coordinates = [q.name for q in scene.equations.coordinates]
+        labels = Labels(rows, _stemmed(stems, rows), unknowns)
+        system = Square(scene.graph, scene.jacobian, right, labels, coordinates)
         solutions = system.solve()
         if solutions is not None:
-            return solutions, tuple(system.checks)
-    return _least(scene.graph, scene.jacobian, right, weights)
+            return solutions, tuple(system.checks), labels
+    return _least(scene.graph, scene.jacobian, right, weights, rows, stems)
 
 
 def _least(
-    graph: Graph, jacobian: Entries, right: list[list[int]], weights: list[int]
-) -> tuple[list[list[int]], tuple[Check, ...]]:
+    graph: Graph,
+    jacobian: Entries,
+    right: list[list[int]],
+    weights: list[int],
+    names: list[str],
+    stems: list[str],
+) -> tuple[list[list[int]], tuple[Check, ...], Labels]:
     """Solutions d of Φ_q d = right that are least in the norm dᵀ W⁻¹ d."""
     by_row: dict[int, dict[int, int]] = {}
     for (i, k), entry in jacobian.items():
         by_row.setdefault(i, {})[k] = entry
     entries: dict[tuple[int, int], int] = {}
+    labels = Labels(
+        names,
+        _stemmed(stems, names),
+        _stemmed([stem.replace("rhs", "mu") for stem in stems], names),
+        "S",
+    )
+    labels.step("The matrix and the right sides")
     rows = range(len(right[0]))
     for i, j in combinations_with_replacement(rows, 2):
         shared = [k for k in by_row.get(i, {}) if k in by_row.get(j, {})]
         if shared or i == j:
             terms = [graph.mul(graph.mul(by_row[i][k], weights[k]), by_row[j][k]) for k in shared]
             entries[i, j] = entries[j, i] = graph.total(terms)
+            labels.entry(entries[i, j], i, j)
+    for i in rows:
+        labels.sides(right, i)
     references = {i: entries[i, i] for i in rows}
-    system = Elimination(graph, entries, [list(r) for r in right], references=references)
+    system = Elimination(
+        graph, entries, [list(r) for r in right], references=references, labels=labels
+    )
     multipliers = system.solve("schur")
+    labels.step("W Φ_qᵀ μ")
     solutions = []
     for mu in multipliers:
         d = [graph.zero] * len(weights)
         for (i, k), entry in jacobian.items():
             d[k] = graph.add(d[k], graph.mul(entry, mu[i]))
         solutions.append([graph.mul(w, x) for w, x in zip(weights, d, strict=True)])
-    return solutions, tuple(system.checks)
+    return solutions, tuple(system.checks), labels
+
+
+def _stemmed(stems: list[str], names: list[str]) -> list[list[str]]:
+    return [[f"{stem}_{name}" for name in names] for stem in stems]

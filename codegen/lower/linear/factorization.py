@@ -19,13 +19,14 @@ from typing import Literal
 
 from codegen.lower.graph import Graph
 from codegen.lower.linear.back_substitution import Loop, Pair, Single, Substitution
+from codegen.lower.linear.labels import Labels
 from codegen.lower.program import Check
 
 DIVISION = 8
-"""What a division counts in the choice of an order, in products."""
+"""measured: operations that one division is worth in the choice of an order."""
 
 LEAST_PIVOT = 0.1
-"""What a pair's entry must be of the largest number in its row of Φ_q."""
+"""accuracy: part of the largest number in its row of Φ_q that a pair's entry must have."""
 
 Strategy = Literal["substitute", "mixed", "schur", "square"]
 """Pairs while there are any; whatever is cheapest now; accelerations, then multipliers; what
@@ -51,6 +52,8 @@ class Elimination:
         determines it, and whether to watch that it does. Along a curve without cusps it does
         always; where two directions have to differ, the entry is held against those of the row as
         it was stated, which are angles like it.
+    labels
+        Names for the text, of entries, pivots, right sides and unknowns.
     """
 
     graph: Graph
@@ -59,6 +62,7 @@ class Elimination:
     duals: frozenset[int] = frozenset()
     references: dict[int, int] = field(default_factory=dict)
     located: list[tuple[int, int, bool]] = field(default_factory=list)
+    labels: Labels = field(default_factory=Labels)
     checks: list[Check] = field(default_factory=list, init=False)
     substitution: Substitution = field(init=False)
 
@@ -83,11 +87,17 @@ class Elimination:
             if last := self._last_loop():
                 loop = self._close_loop(*last)
                 known = [loop.solve(self.graph, right) for right in self.right]
+                for names, x in zip(self.labels.solution, known, strict=False):
+                    for i, value in x.items():
+                        self.labels.add(value, names[i])
                 break
             step = self._cheapest(strategy)
             steps.append(self._pair(*step) if len(step) == 2 else self._single(*step))
         self.substitution = Substitution(self.graph, *stated, steps, loop)
-        return [self.substitution.back(n, x) for n, x in enumerate(known)]
+        self.labels.step("Substitute back")
+        columns = [self.substitution.back(n, x) for n, x in enumerate(known)]
+        self.labels.solved(columns)
+        return columns
 
     # -- order -------------------------------------------------------------------------------
 
@@ -138,6 +148,7 @@ class Elimination:
         if value == self.graph.zero:
             return
         self.entries[i, j] = self.entries[j, i] = self.graph.sub(self._at(i, j), value)
+        self.labels.entry(self.entries[i, j], i, j, self.duals)
         if i != j:
             self._neighbours[i].add(j)
             self._neighbours[j].add(i)
@@ -157,14 +168,20 @@ class Elimination:
             if not known:  # two numbers are compared before the build
                 self.checks.append(Check(size, self.references[i], i))
         inverse = graph.div(graph.one, pivot)
+        labels = self.labels
+        labels.step(f"Eliminate {labels.titles(i)}")
+        labels.pivot(pivot, inverse, i)
         around = self._detach(i)
         row = {j: self._at(i, j) for j in around}
         scaled = {j: graph.mul(inverse, row[j]) for j in around}
+        for j in around:
+            labels.add(scaled[j], labels.of("L", j, i))
         for n, j in enumerate(around):
             for k in around[n:]:
                 self._subtract(j, k, graph.mul(scaled[j], row[k]))
             for right in self.right:
                 right[j] = graph.sub(right[j], graph.mul(scaled[j], right[i]))
+            labels.sides(self.right, j)
         return Single(i, inverse, scaled, tuple(right[i] for right in self.right))
 
     def _row_size(self, c: int) -> int:
@@ -181,10 +198,16 @@ class Elimination:
     def _pair(self, k: int, c: int) -> Pair:
         graph = self.graph
         a, over_b = self._at(k, k), graph.div(graph.one, self._at(k, c))
+        labels = self.labels
+        labels.step(f"Eliminate {labels.titles(k)} with {labels.titles(c)}")
+        labels.pivot(self._at(k, c), over_b, c)
         around = self._detach(k, c)
         along = {j: self._at(k, j) for j in around}
         across = {j: graph.mul(over_b, self._at(c, j)) for j in around}
         rest = {j: graph.sub(along[j], graph.mul(a, across[j])) for j in around}
+        for j in around:
+            labels.add(across[j], labels.of("L", c, j))
+            labels.entry(rest[j], k, j, self.duals)
         right_k = tuple(right[k] for right in self.right)
         right_c = tuple(graph.mul(over_b, right[c]) for right in self.right)
         for n, i in enumerate(around):
@@ -195,6 +218,7 @@ class Elimination:
                 inner = graph.sub(r_k, graph.mul(a, r_c))
                 both = graph.mul(along[i], r_c), graph.mul(across[i], inner)
                 right[i] = graph.sub(right[i], graph.add(*both))
+            labels.sides(self.right, i)
         return Pair(k, c, a, over_b, along, across, right_k, right_c)
 
     def _last_loop(self) -> tuple[int, int, int] | None:
@@ -218,7 +242,15 @@ class Elimination:
         minor_i, minor_j = sub(mul(d, u), mul(b, v)), sub(mul(a, v), mul(b, u))
         area = sub(mul(a, d), mul(b, b))
         form = graph.add(mul(u, minor_i), mul(v, minor_j))
+        labels = self.labels
+        labels.step(f"Solve for {labels.titles(i, j)} and the multiplier of {labels.titles(c)}")
         if c in self.references:
-            self.checks.append(Check(form, mul(area, self.references[c]), c))
+            size = mul(area, self.references[c])
+            self.checks.append(Check(form, size, c))
+            labels.add(size, labels.of("limit", c))
         inverse = graph.div(graph.one, form)
+        labels.pivot(form, inverse, c)
+        labels.add(area, labels.of("det_M", i, j))
+        labels.add(minor_i, labels.of("minor", i))
+        labels.add(minor_j, labels.of("minor", j))
         return Loop(i, j, c, u, v, minor_i, minor_j, area, inverse)

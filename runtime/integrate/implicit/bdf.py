@@ -80,17 +80,20 @@ ORDER = 2  # power of the step in the error of the first order, with which every
 ERROR_ORDER = 1
 STAGE_CALLS = 0  # counted where they happen
 DENSE_CALLS = 0
-BETA, SAFETY = 0.0, 0.9
-FORESIGHT = 0.5  # as far as a few steps of the explicit method that leads across reach
-SHRINK = 0.2
+BETA = 0.0  # measured: proportional part of the step control: none
+SAFETY = 0.9  # measured: part of the length that the error permits
+# measured: of the coordinates' sizes; a few steps of the explicit method that leads across
+FORESIGHT = 0.5
+SHRINK = 0.2  # measured: smallest ratio of the lengths of two steps
 
 
-_SHARE = 0.2
-NEWTON = 3e-3  # how far Newton's method is taken, over the tolerance asked
+_SHARE = 0.2  # measured: factor of rtol^(1/5), the tolerance of a step over that of the user
+NEWTON = 3e-3  # measured: how far Newton's method is taken, over the tolerance of the user
 # Cosines of the angles of A(α) stability, of the NDF: Shampine and Reichelt, table 1.
 _DAMPED = np.append([-1.0, -1.0, -1.0], np.cos(np.radians([80.0, 66.0, 51.0])))
-_RESOLVED, _PASSED = 0.5, 15.0  # rad in a step; between these the roots may lie outside the circle
-_SAME = 1.1  # a step that could grow by less stays as it is, and with it the matrix
+_RESOLVED = 0.5  # measured: rad in a step; a vibration that turns by less is resolved
+_PASSED = 15.0  # measured: rad in a step; between both the roots may lie outside the circle
+_SAME = 1.1  # measured: a step that could grow by less keeps its length, and its matrix
 
 
 @inner

@@ -30,16 +30,16 @@ from runtime.integrate.implicit.method_memory import (
 HIGHEST = 5
 KAPPA = np.array([0.0, -0.1850, -1.0 / 9.0, -0.0823, -0.0415, 0.0])
 GAMMA = np.concatenate([[0.0], np.cumsum(1.0 / np.arange(1, HIGHEST + 1))])
-ALPHA = (1.0 - KAPPA) * GAMMA
+ALPHA = (1.0 - KAPPA) * GAMMA  # formula: of the numerical differentiation formulas
 ERROR_CONSTANT = np.append(KAPPA * GAMMA + 1.0 / np.arange(1, HIGHEST + 2), 1.0)
 DENSE_ROWS = 6
-GROW = 10.0  # largest ratio of the lengths of two steps
+GROW = 10.0  # measured: largest ratio of the lengths of two steps
 
 # Rows of MEMORY: backward differences of the past, the same at this step's length, and a step's:
 # what is foreseen of the change, psi, and the difference k + 1 of the unknowns at its end.
 PAST, NOW, AHEAD, PSI, DIFFERENCE = 0, 8, 16, 17, 18
 
-_FAILURES = 3  # rejections in a row after which higher differences say nothing
+_FAILURES = 3  # measured: rejections in a row after which higher differences say nothing
 
 
 def _basis() -> list[list[Fraction]]:

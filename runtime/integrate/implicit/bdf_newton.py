@@ -32,9 +32,9 @@ from runtime.integrate.implicit.state_space_form import along, arrive, carry
 from runtime.linalg.lu import solve
 
 LAST = 1  # row, after K, of the derivative at the end of the step
-MOST_ITERATIONS = 4
+MOST_ITERATIONS = 4  # safety: Newton iterations of a step
 RESIDUAL = 19  # row of MEMORY
-_SEEN = 0.01  # of the tolerance: what rounding a position may change in a velocity
+_SEEN = 0.01  # accuracy: of the tolerance; change of a velocity by the rounding of a position
 
 
 @inner

@@ -4,6 +4,7 @@ import numpy as np
 
 from runtime.core.array_views import view
 from runtime.core.jit import inner
+from runtime.core.rounding import EPS
 from runtime.core.signatures import Integers, Vector
 from runtime.core.workspace import ATOL, PARTITION, ROWS, SIZE, Y0
 from runtime.integrate.implicit.method_memory import (
@@ -26,15 +27,19 @@ from runtime.integrate.implicit.state_space_form import carry
 from runtime.linalg.lu import factor, solve
 
 DONE, GOING, DIVERGING = 0, 1, 2
-SLOW = 0.05  # convergence at which derivatives are taken anew for the next step
-_LOOSEST = 0.03  # of the tolerance of a step: how far Newton's method is taken at least
-_EPS = 2.2e-16
-_ROUNDED = 64.0 * _EPS  # rounding in a difference of high order, relative to a step's change
-_STIFF = 16.0 * _EPS  # in such a difference of velocities, where stiff forces hold a position
-_SOLVED = 4.0 * _EPS  # in Newton's residual
-_LEAST = 8.0 * _EPS  # in the past of what was dependent, relative to the largest coordinate
-_RECOVERED = 4.0 * _EPS  # and this times the square of the ratio of speeds
-_FASTEST = 10.0  # the largest ratio of speeds of dependent to independent coordinates reckoned with
+# measured: rate of convergence above which derivatives are taken anew for the next step
+SLOW = 0.05
+_LOOSEST = 0.03  # measured: of the tolerance of a step; how far Newton's method is taken at least
+# accuracy: rounding in a difference of high order, relative to a step's change
+_ROUNDED = 64.0 * EPS
+# accuracy: in such a difference of velocities, where stiff forces hold a position
+_STIFF = 16.0 * EPS
+_SOLVED = 4.0 * EPS  # accuracy: rounding in Newton's residual
+# accuracy: in the past of dependent coordinates, relative to the largest coordinate
+_LEAST = 8.0 * EPS
+_RECOVERED = 4.0 * EPS  # accuracy: and this times the square of the ratio of speeds
+# safety: largest ratio of speeds of dependent to independent coordinates that counts
+_FASTEST = 10.0
 
 
 @inner

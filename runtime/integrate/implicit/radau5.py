@@ -15,6 +15,7 @@ from runtime.constraints.newton_return import FAILED
 from runtime.core.array_views import view
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed, compiled, inner
+from runtime.core.rounding import EPS
 from runtime.core.signatures import DENSE, ERROR, HOOK, PROPOSE, STAGES, Integers, Vector
 from runtime.core.workspace import ROWS, Y0, Y1, F, K, Run
 from runtime.integrate.implicit.method_memory import (
@@ -60,13 +61,16 @@ ERROR_ORDER = 3
 STAGE_CALLS = 0  # counted where they happen
 DENSE_ROWS = 6
 DENSE_CALLS = 0
-BETA, SAFETY = 0.0, 0.9
-FORESIGHT = 0.5  # as far as a few steps of the explicit method that leads across reach
-SHRINK, GROW = 0.2, 8.0
+BETA = 0.0  # measured: proportional part of the step control: none
+SAFETY = 0.9  # measured: part of the length that the error permits
+# measured: of the coordinates' sizes; a few steps of the explicit method that leads across
+FORESIGHT = 0.5
+SHRINK = 0.2  # measured: smallest ratio of the lengths of two steps
+GROW = 8.0  # measured: largest ratio of the lengths of two steps
 
-_SAME = 1.2  # a step that could grow by less stays as it is, and with it the matrices
-_SMOOTH = 10.0  # h² |G_u| + h |G_u̇| up to which the ends' accelerations add a sixth of their error
-_ROUNDING = 2.2e-16
+_SAME = 1.2  # measured: a step that could grow by less keeps its length, and its matrices
+# measured: h² |G_u| + h |G_u̇| up to which end accelerations add a sixth of their error
+_SMOOTH = 10.0
 
 
 @inner
@@ -231,6 +235,6 @@ def dense(
         # The velocity's integral over the step is the change of position, but for rounding.
         mean = (y1[i] - y0[i]) / h
         f4[j] = 30.0 * (mean - y0[j] - f1[j] / 2.0 - f2[j] / 6.0 - f3[j] / 12.0)
-        if abs(f4[j]) < 30.0 * _ROUNDING * ((abs(y0[i]) + abs(y1[i])) / h + abs(y0[j])):
+        if abs(f4[j]) < 30.0 * EPS * ((abs(y0[i]) + abs(y1[i])) / h + abs(y0[j])):
             f4[j] = 0.0
     return 0

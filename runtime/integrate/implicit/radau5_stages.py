@@ -59,8 +59,9 @@ POLYNOMIAL, VELOCITIES, SIDES = 0, 3, 6
 # Rows of the workspace after K: the stages' derivatives and states.
 SLOPES, STATES = 2, 5
 
-NEWTON = 5e-4  # how far Newton's method is taken, over the tolerance asked: steps are few
-MOST_ITERATIONS = 7
+# measured: how far Newton's method is taken, over the tolerance of the user: steps are few
+NEWTON = 5e-4
+MOST_ITERATIONS = 7  # safety: Newton iterations of a step
 
 
 @inner

@@ -43,7 +43,8 @@ from runtime.integrate.implicit.method_memory import (
 from runtime.integrate.implicit.stiffness_estimate import take_spectrum
 
 BY_PARTITION = 1  # the number CORRECTING of a machine whose steps are corrected by partitioning
-_DIFFERENCE = 1e-7  # relative change by which a field along surfaces is differenced
+# accuracy: relative change by which a right-hand side in sliding modes is differenced
+_DIFFERENCE = 1e-7
 
 
 @inner

@@ -19,8 +19,9 @@ from runtime.integrate.implicit.method_memory import (
     matrix,
 )
 
-_POWERS = 8  # iterations of the power method before the mean is taken, and in it
-_QUIET, _LONG = 0.5, 30  # h ρ with which an explicit method is at ease, and steps until it returns
+_POWERS = 8  # safety: iterations of the power method before the mean is taken, and in it
+_QUIET = 0.5  # measured: h ρ with which an explicit method is at ease
+_LONG = 30  # measured: steps at ease until the run returns to it
 
 
 @inner

@@ -57,17 +57,19 @@ __all__ = [
 ]
 
 _stages = dop853.stages
-_EVERY = 10  # steps between two looks at the derivatives
-# h ρ that the explicit method hardly exceeds at tight tolerances: what is left of a fast motion is
-# resolved then, far from the edge of the region of stability, at 6.
+_EVERY = 10  # measured: steps between two estimates of the stiffness
+# measured: h ρ that the explicit method hardly exceeds at tight tolerances: the rest of a fast
+# motion is resolved then, far from the edge of the region of stability, at 6.
 _TURN = 0.3
-_EDGE = 4.0  # h ρ that no accuracy permits the explicit method: it is at the edge itself
-_EASY = 0.5  # of the relative change of accelerations in a step of Radau IIA, about rtol^(1/5)
-_SEEN = 30  # such steps
-_DOUBT = 2  # of them are forgotten for one other
+# measured: h ρ that no accuracy permits the explicit method; it is at its stability limit
+_EDGE = 4.0
+# measured: of the relative change of accelerations in a step of Radau IIA, about rtol^(1/5)
+_EASY = 0.5
+_SEEN = 30  # measured: such steps before the method changes
+_DOUBT = 2  # measured: of them are forgotten for one other
 
-_MANY = 20  # unknowns from which on three stages at a time cost more than small steps
-_LOOSE = 1e-5  # relative tolerance down to which those are few
+_MANY = 20  # measured: unknowns from which on three stages at a time cost more than small steps
+_LOOSE = 1e-5  # measured: relative tolerance down to which those are few
 
 
 def successor(name: str, freedoms: int, rtol: float) -> str:

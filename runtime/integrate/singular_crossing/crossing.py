@@ -44,10 +44,10 @@ from runtime.singularity.singular_position import Positions, Singularity
 if TYPE_CHECKING:
     from runtime.integrate.run import _Run
 
-_ALLOWANCE = 100.0  # the part of rounding in an error may be this many times what is expected
-_ASTRAY = 1e-6  # of a velocity: what a start may be off the branch that it follows
-_SLACK = 1e3  # where rounding rules, the estimate of it may be wrong by as much as this
-_TRIES = 4
+_ALLOWANCE = 100.0  # measured: ratio of rounding in an error to its expectation that is let pass
+_ASTRAY = 1e-6  # accuracy: of a velocity; error of a start against the branch that it follows
+_SLACK = 1e3  # measured: factor by which the estimate may be wrong where rounding rules
+_TRIES = 4  # safety: plans for one crossing
 
 
 class Crossings:

@@ -13,17 +13,17 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.core.jit import compiled, inner
+from runtime.core.rounding import EPS
 from runtime.core.signatures import f8, matrix, none, vector
 from runtime.singularity.singular_position import Singularity
 
 FloatArray = npt.NDArray[np.float64]
 
-_EPS = 2.2e-16
-_ROUNDING = 64.0  # units of rounding within which a constraint counts as satisfied
-_RESIDUE = 1e-15  # of a position: what Newton's iterations leave of a constraint
-_ROOM = 0.1  # of a step: the distance from a node below which errors of stages tell
-_WEIGHT = 0.1  # of one stage in the result of a step
-_TAYLOR = 5e-3  # eps ** (1/7): of the time scale, where rounding balances a cubic's error
+_ROUNDING = 64.0  # accuracy: units of rounding within which a constraint counts as satisfied
+_RESIDUE = 1e-15  # accuracy: of a position; rest of a constraint after Newton's iterations
+_ROOM = 0.1  # measured: of a step; the distance from a node below which errors of stages show
+_WEIGHT = 0.1  # measured: of one stage in the result of a step
+_TAYLOR = 5e-3  # accuracy: eps ** (1/7) of the time scale, where rounding balances a cubic's error
 
 
 class Leap(NamedTuple):
@@ -128,7 +128,7 @@ class Leaps:
 
     def rounding(self, q: FloatArray) -> float:
         """What a constraint misses by rounding alone."""
-        return _ROUNDING * _EPS * float(_size(q, self.scale))
+        return _ROUNDING * EPS * float(_size(q, self.scale))
 
     def noise(self, found: Singularity) -> float:
         """Error over tolerance, times g³ h², of a step h that keeps the distance g h."""

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 _LEADING = "dop853"  # across, for methods that do not reach
 _ITERATING = ("bdf", "radau5")
-_POOR = 10.0  # error over tolerance from which on another method leads across
-_LEARNING = 0.2  # of the way there: the first step of a method that is lent
+_POOR = 10.0  # measured: error over tolerance from which on another method leads across
+_LEARNING = 0.2  # measured: of the way there; the first step of the method that takes over
 
 
 class Lending:

@@ -15,6 +15,7 @@ from tests.codegen.workbench import Interpreted
 
 Scenes = dict[str, Interpreted]
 Texts = dict[str, str]
+STEPS = r"    # (Sizes|Eliminate|Solve|Substitute|The matrix|W Φ|Refine|Friction)"
 HASHES = """
 from hashlib import sha256
 from pathlib import Path
@@ -263,6 +264,7 @@ def test_headings_stand_above_lines_of_their_own(texts: Texts) -> None:
             if not re.match(r"    # \S", line) or line == "    # Outputs":
                 continue
             headings += 1
-            assert not re.match(r"    # ", after), (line, after)
+            if not re.match(STEPS, after):
+                assert re.match(STEPS, line) or not re.match(r"    # ", after), (line, after)
             assert not re.search(rf"= {SIN_COS}\(\w+_phi\)", after), (line, after)
     assert headings > 100

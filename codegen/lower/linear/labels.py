@@ -1,0 +1,83 @@
+"""Names for the values of a solution, by which a reader of the generated text finds his way.
+
+An entry of the reduced matrix is called after its unknowns (``M_crank_phi``, ``Phi_B_x_rod_phi``),
+a right side after its equation, a pivot and its inverse after the unknown that it eliminates. Names
+change nothing in the operations; the first role of a value counts.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from codegen.lower.program import Label
+
+
+@dataclass
+class Labels:
+    """Collects the names of one solution, step by step.
+
+    Attributes
+    ----------
+    names
+        Names of the unknowns; empty where nothing is to be named.
+    right, solution
+        Names of the right sides and of the unknowns' values, one list a column.
+    matrix
+        Stem of an entry between two unknowns that are no multipliers.
+    found
+        Value → its name and the step that computes it.
+    steps
+        What each step does, for a comment.
+    """
+
+    names: Sequence[str] = ()
+    right: Sequence[Sequence[str]] = ()
+    solution: Sequence[Sequence[str]] = ()
+    matrix: str = "M"
+    found: dict[int, Label] = field(default_factory=dict)
+    steps: list[str] = field(default_factory=list)
+
+    def step(self, title: str) -> None:
+        """Begin a step: `title` says what it does."""
+        self.steps.append(title)
+
+    def add(self, value: int, name: str) -> None:
+        """Name a value, unless it has a name."""
+        if self.names and value not in self.found:
+            self.found[value] = Label(value, name, len(self.steps) - 1)
+
+    def of(self, stem: str, *unknowns: int) -> str:
+        """A name made of a stem and unknowns."""
+        return "_".join((stem, *(self.names[i] for i in unknowns))) if self.names else stem
+
+    def pivot(self, value: int, inverse: int, unknown: int) -> None:
+        """Name a pivot and its inverse."""
+        if self.names:
+            name = self.of("pivot", unknown)
+            self.found[value] = self.found.get(value, Label(value, name, len(self.steps) - 1))
+            self.found[value] = self.found[value]._replace(name=name)
+            self.add(inverse, self.of("inverse", unknown))
+
+    def entry(self, value: int, i: int, j: int, duals: frozenset[int] = frozenset()) -> None:
+        """Name an entry of the reduced matrix: Phi of a multiplier and a coordinate."""
+        if i in duals and j not in duals:
+            i, j = j, i
+        mixed = j in duals and i not in duals
+        stem = "Phi" if mixed else "S" if i in duals else self.matrix
+        pair = (j, i) if mixed else tuple(sorted({i, j}))
+        self.add(value, self.of(stem, *pair))
+
+    def sides(self, values: Sequence[Sequence[int]], unknown: int) -> None:
+        """Name the right sides of one equation."""
+        if self.names:
+            for names, column in zip(self.right, values, strict=True):
+                self.add(column[unknown], names[unknown])
+
+    def solved(self, columns: Sequence[Sequence[int]]) -> None:
+        """Name the values of the unknowns."""
+        for names, column in zip(self.solution, columns, strict=False):
+            for name, value in zip(names, column, strict=True):
+                self.add(value, name)
+
+    def titles(self, *unknowns: int) -> str:
+        """Names of unknowns, for a comment."""
+        return ", ".join(self.names[i] for i in unknowns) if self.names else ""
