@@ -6,8 +6,9 @@ would overstate the longer run. Other processes only ever lengthen a run, throug
 for a while at a time: runs are therefore repeated in turns, and the least time counts.
 """
 
+import math
 import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from time import perf_counter, process_time
 from typing import TypeVar
 
@@ -74,3 +75,27 @@ def take_turns(watches: Sequence[Stopwatch], finished: Callable[[Stopwatch], boo
     waiting = list(watches)
     while waiting:
         waiting = [watch for watch in waiting if watch.repeat() and not finished(watch)]
+
+
+def time_to_error(points: Iterable[tuple[float, float]], error: float) -> float | None:
+    """Time in which runs, from the loosest to the tightest, first reach an error.
+
+    Interpolated between the run that reaches it and the run before, logarithm over logarithm; the
+    time of the first run if that reaches it; None if no run does.
+
+    Parameters
+    ----------
+    points
+        Error and time of each run.
+    """
+    loose: tuple[float, float] | None = None
+    for worst, seconds in points:
+        if worst <= error:
+            if loose is None or math.isinf(loose[0]):
+                return seconds
+            far, near = math.log(loose[0]), math.log(max(worst, 1e-17))
+            share = (far - math.log(error)) / (far - near)
+            fast, slow = math.log(loose[1]), math.log(seconds)
+            return math.exp(fast + share * (slow - fast))
+        loose = worst, seconds
+    return None

@@ -2,11 +2,12 @@
 
 import math
 import textwrap
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from runtime.studies.timing import time_to_error
 from runtime.studies.work_precision.diagram import Choice, Line, Point, Setting, WorkPrecision
 
 TARGETS = (1e-3, 1e-6, 1e-9)
@@ -27,30 +28,6 @@ class Best(NamedTuple):
 def digits(error: float) -> str:
     """1e-6 → "6"."""
     return f"{-math.log10(error):.3g}"
-
-
-def time_to_error(points: Iterable[tuple[float, float]], error: float) -> float | None:
-    """Time in which runs, from the loosest to the tightest, first reach an error.
-
-    Interpolated between the run that reaches it and the run before, logarithm over logarithm; the
-    time of the first run if that reaches it; None if no run does.
-
-    Parameters
-    ----------
-    points
-        Error and time of each run.
-    """
-    loose: tuple[float, float] | None = None
-    for worst, seconds in points:
-        if worst <= error:
-            if loose is None or math.isinf(loose[0]):
-                return seconds
-            far, near = math.log(loose[0]), math.log(max(worst, 1e-17))
-            share = (far - math.log(error)) / (far - near)
-            fast, slow = math.log(loose[1]), math.log(seconds)
-            return math.exp(fast + share * (slow - fast))
-        loose = worst, seconds
-    return None
 
 
 def time_at(line: Line, error: float) -> float | None:

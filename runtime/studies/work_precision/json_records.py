@@ -19,7 +19,7 @@ LIBRARIES = ("numba", "llvmlite", "numpy", "scipy", "sympy")
 def environment() -> dict[str, str]:
     """Processor, operating system and versions: name → text."""
     found = {
-        "machine": _processor(),
+        "machine": processor(),
         "system": f"{platform.system()} {platform.machine()}",
         "python": platform.python_version(),
         "linkwright": __version__,
@@ -32,7 +32,8 @@ def environment() -> dict[str, str]:
     return found
 
 
-def _processor() -> str:
+def processor() -> str:
+    """Name of the processor."""
     information = Path("/proc/cpuinfo")
     if information.is_file():
         for line in information.read_text(encoding="utf-8").splitlines():

@@ -43,7 +43,7 @@ def test_a_row_is_written_for_every_run(swing: WorkPrecision, tmp_path: Path) ->
 def test_picture_has_a_line_a_setting_and_the_floor(swing: WorkPrecision) -> None:
     axes = accuracy_picture.figure(swing).axes[0]
     labels = axes.get_legend_handles_labels()[1]
-    assert labels[0] == "nothing is faster (Pareto)"
+    assert labels[0] == "Pareto front"
     assert labels[1:] == [line.setting.title for line in swing.lines]
     assert axes.get_yscale() == "log"
     (band,) = (patch for patch in axes.patches if patch.get_hatch())
@@ -84,15 +84,15 @@ def command(rig: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Callable
 def test_command_line(command: Callable[..., Result], tmp_path: Path) -> None:
     done = command("--json", "--out", str(tmp_path / "study"))
     assert done.exit_code == 0, done.stderr
-    told = json.loads(done.stdout)
-    assert told["ok"] is True
-    assert len(told["lines"]) == 3
-    assert "at most 10 s and 1e+06 steps a run" in done.stderr
+    answer = json.loads(done.stdout)
+    assert answer["ok"] is True
+    assert len(answer["lines"]) == 3
+    assert "at most 10 s and 1e+06 steps per run" in done.stderr
     made = sorted(path.name for path in (tmp_path / "study").iterdir())
     assert made == ["rig__swing.jsonl", "rig__swing.png"]
     done = command("--quantity", "body.x")
     assert done.exit_code == 0
-    assert "milliseconds for so many digits" in done.stdout
+    assert "time in ms for this many digits" in done.stdout
     assert "Three more digits" in done.stdout
     file = tmp_path / "file"
     file.write_text("", encoding="utf-8")
