@@ -20,17 +20,20 @@ from runtime.cli.common import (
 )
 
 
+Quantities = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="A series that is compared, such as crank.phi; again for more. Unless given, the "
+        "coordinates that the scene starts from, and their velocities. a.x|b.x is whichever of "
+        "them a scene has."
+    ),
+]
+
+
 def accuracy(
     model: Model,
     scene: Scene = None,
-    quantity: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="A series that is compared, such as crank.phi; again for more. Unless given, "
-            "the coordinates that the scene starts from, and their velocities. a.x|b.x is "
-            "whichever of them a scene has."
-        ),
-    ] = None,
+    quantity: Quantities = None,
     t_end: OptionalTEnd = None,
     t_start: MotionStart = 0.0,
     method: Annotated[
