@@ -75,18 +75,20 @@ imports: $(READY) ## who may import whom
 	$(VENV)/bin/lint-imports
 
 # Goes through all the models, and fails at the end where one was stale.
-check: $(READY) ## are generated/, docs/elements and docs/constants.md what the source says today?
+check: $(READY) ## is what is written from the source what the source says today?
 	@test -n "$(MODELS)" || { echo "models/ declares no machine" >&2; exit 1; }
 	@failed=; for model in $(MODELS); do \
 		$(PY) -W error -m codegen build --check $$model || failed="$$failed $$model"; \
 	done; \
 	$(PY) -m codegen elements --out docs/elements --check || failed="$$failed docs/elements"; \
+	$(PY) -m codegen methods --check || failed="$$failed methods"; \
 	$(PY) docs/make_constants.py --check || failed="$$failed docs/constants.md"; \
 	if [ -n "$$failed" ]; then echo "stale or failing:$$failed; run make build and look at the difference" >&2; exit 1; fi
 
-build: $(READY) ## bring generated/, docs/elements and docs/constants.md up to date
+build: $(READY) ## bring all that is written from the source up to date
 	@set -e; for model in $(MODELS); do $(PY) -m codegen build $$model; done
 	$(PY) -m codegen elements --out docs/elements
+	$(PY) -m codegen methods
 	$(PY) docs/make_constants.py
 
 gallery: $(READY) ## run every machine of the chapter: one table, all figures into figures/

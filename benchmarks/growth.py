@@ -104,7 +104,7 @@ def kernel(machine: Machine, formulation: str, count: int, repeats: int) -> tupl
     q, v, rows, path = start.q, start.v, len(machine.constraints), machine.path
     kernels = machine.kernels
     if formulation == "reduced":
-        reduced = machine.reduced
+        reduced = machine.mechanism.reduced
         p, kernels = reduced.parameters(p, start.t, start.q), reduced.kernels
         q, v, rows = q[reduced.kept], v[reduced.kept], len(reduced.closures)
         path = companion_path(path, "reduced")
@@ -131,7 +131,7 @@ def built(entry: Entry, formulation: str, folder: Path) -> tuple[Machine, float]
     machine = linkwright_runs.machine_of(entry, folder)
     if formulation == "reduced":
         began = time.perf_counter()
-        _ = machine.reduced.kernels
+        _ = machine.mechanism.reduced.kernels
     return machine, time.perf_counter() - began
 
 

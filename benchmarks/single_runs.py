@@ -95,7 +95,7 @@ def prepared(machine: "Machine", t: Array) -> "Prepared":
     from runtime.dynamics.prepared_simulation import Prepared
 
     end = float(t[-1])
-    return Prepared(machine, end, t_start=0.0, parameters=None, guess=None, start=None)
+    return Prepared(machine.mechanism, end, t_start=0.0, parameters=None, guess=None, start=None)
 
 
 def error_of(reference: "Result", values: Array, quantities: "Quantities") -> float:

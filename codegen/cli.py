@@ -1,4 +1,4 @@
-"""The command line: ``python -m codegen build``, ``explain`` and ``elements``."""
+"""The command line: ``python -m codegen build``, ``explain``, ``elements`` and ``methods``."""
 
 import json
 from collections.abc import Callable
@@ -11,6 +11,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from codegen.emit.line_wrapping import quantity
 from codegen.errors import InputError, ParameterError
 
 app = typer.Typer(
@@ -141,8 +142,9 @@ def _print_build(done: Any, check: bool) -> None:
         output.print(f"  file          {escaped(str(s.path))}")
         output.print(f"  bodies        {', '.join(s.bodies)}")
         output.print(
-            f"  equations     {s.coordinates} coordinates, {s.constraints} constraints, "
-            f"{s.degrees_of_freedom} degrees of freedom"
+            f"  equations     {quantity(s.coordinates, 'coordinate')}, "
+            f"{quantity(s.constraints, 'constraint')}, "
+            f"{quantity(s.degrees_of_freedom, 'degree of freedom')}"
         )
         output.print(f"  effects       {', '.join(s.effects) or 'none'}")
         output.print(f"  left out      {', '.join(s.left_out) or 'nothing'}")
@@ -251,6 +253,28 @@ def elements(
             raise typer.Exit(1)
         changed = len(done.stale)
         output.print(f"{len(done.pages)} pages in {escaped(str(folder))}, {changed} of them new")
+
+
+@app.command()
+@answers_errors
+def methods(
+    out: Annotated[Path | None, typer.Option(help="Folder; the runtime's own by default.")] = None,
+    check: Annotated[
+        bool, typer.Option("--check", help="Write nothing; fail if a file is out of date.")
+    ] = False,
+) -> None:
+    """Write the explicit integration methods of the runtime from their tableaus."""
+    from codegen.generated_files.methods import write_methods
+
+    written, stale = write_methods(out, check=check)
+    for path in stale if check else ():
+        errors.print(
+            f"[bold red]stale:[/] {escaped(str(path))} is missing, or not what its tableau gives; "
+            "run: python -m codegen methods"
+        )
+    if check and stale:
+        raise typer.Exit(1)
+    output.print(f"{len(written)} methods in {escaped(str(written[0].parent))}, {len(stale)} new")
 
 
 def main() -> None:

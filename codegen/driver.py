@@ -17,6 +17,8 @@ from copy import copy
 from pathlib import Path
 from time import perf_counter
 
+import sympy
+
 import codegen
 from codegen.check.declaration import check_model, check_scene
 from codegen.check.redundancy import Findings, examine
@@ -191,7 +193,8 @@ def origin(
     if named and not made:
         command = f"python -m codegen build {named[0][0]} --scene {equations.scene.name}{options}"
     generator = f"linkwright {codegen.__version__}"
-    return Origin(generator, tuple(named), fingerprint(equations), command)
+    engine = f"SymPy {sympy.__version__}"
+    return Origin(generator, tuple(named), fingerprint(equations), command, engine)
 
 
 def _relative(source: Path, base: Path) -> str:

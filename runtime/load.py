@@ -62,11 +62,12 @@ def load(
     from runtime.machine import Machine
     from runtime.mechanism.companion_modules import Origin
     from runtime.mechanism.description import describe
+    from runtime.mechanism.mechanism import Mechanism
 
     description = describe(module)
     made = None if scene is None or isinstance(scene, str) else scene
     origin = Origin(source, made or description.scene, path, digest)
-    return Machine(description, gather(module), path, origin)
+    return Machine(Mechanism(description, gather(module), path, origin))
 
 
 class _Place(NamedTuple):

@@ -1,207 +1,63 @@
-"""What a user holds: a loaded mechanism, its tables, and the analyses."""
+"""The machine that a user holds: its tables and values, and the analyses as methods."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from codegen.errors import AnalysisError, ParameterError
-from runtime.core.kernels import Kernels
-from runtime.mechanism.description import (
-    Constraint,
-    Coordinate,
-    Description,
-    Effect,
-    Parameter,
-    Table,
-)
-from runtime.mechanism.parameters import resolved
+from runtime.mechanism.mechanism import Values
+from runtime.mechanism.tables import MechanismTables
 from runtime.progress_bar import bar
 from runtime.validation.arguments import check
-from runtime.validation.contacts import require_sound
+from runtime.validation.parameters import parameter_values
 from runtime.validation.scene_support import require_energy, require_motion
 
 if TYPE_CHECKING:
-    from runtime.assembly.assembled_state import Assembly
-    from runtime.core.system import System
     from runtime.integrate.problem import Correction, Formulation
-    from runtime.mechanism.companion_modules import Kind, Origin
-    from runtime.mechanism.reduced_kernels import Reduced
-    from runtime.mechanism.tangent_kernels import Tangents
+    from runtime.results.assembled_state import Assembly
     from runtime.results.result import Result
     from runtime.statics.equilibrium import Equilibrium
 
 FloatArray = npt.NDArray[np.float64]
-Values = Mapping[str, float]
 
 
-class Machine:
-    """A mechanism in one scene, ready to be analysed.
-
-    Parameters
-    ----------
-    description
-        The literals of the generated module.
-    kernels
-        Its compiled functions, callable from any numba code.
-    path
-        The generated module's file.
-    origin
-        What it was made from; needed where derivatives are asked for.
-    """
-
-    def __init__(
-        self,
-        description: Description,
-        kernels: Kernels,
-        path: Path,
-        origin: "Origin | None" = None,
-    ) -> None:
-        self.description = description
-        self.kernels = kernels
-        self.path = path
-        self._origin = origin
-        self._independent = tuple(range(len(description.constraints)))
-        self._bearing: dict[tuple[int, ...], Machine] = {}
-
-    @cached_property
-    def tangents(self) -> "Tangents":
-        """Exact derivatives of the kernels: see `runtime.mechanism.tangent_kernels`.
-
-        Their file is built when it is first asked for.
-
-        Raises
-        ------
-        AnalysisError
-            If the scene has no masses, or the machine was not loaded from a model.
-        """
-        from runtime.mechanism.companion_modules import load_companion
-        from runtime.mechanism.tangent_kernels import gather
-
-        if not self.description.has_masses:
-            raise AnalysisError(
-                f"{self.description.title} is kinematic: no masses move in it, so there are no "
-                "accelerations under forces to differentiate. Load a scene with masses."
-            )
-        title = self.description.title
-        return gather(load_companion(self._origin, "tangents", title, self.path))
-
-    @cached_property
-    def reduced(self) -> "Reduced":
-        """The equations in reduced coordinates, see `runtime.mechanism.reduced_kernels`."""
-        from runtime.mechanism.companion_modules import load_companion
-        from runtime.mechanism.reduced_kernels import gather
-
-        told = self.description
-        return gather(load_companion(self._origin, "reduced", told.title, self.path), told)
-
-    def offers(self, kind: "Kind") -> bool:
-        """Whether a companion of the generated module, "tangents" or "reduced", is built."""
-        from runtime.mechanism.companion_modules import has_companion
-
-        return kind in self.__dict__ or has_companion(self._origin, kind)
-
-    def bearing(self, independent: tuple[int, ...]) -> "Machine":
-        """The machine with kernels that bear redundant constraints.
-
-        Parameters
-        ----------
-        independent
-            Indices of constraints that suffice.
-        """
-        from runtime.assembly.redundant_kernels import bearing_kernels
-
-        if independent not in self._bearing:
-            kernels = bearing_kernels(self.kernels, self.description, len(independent))
-            made = Machine(self.description, kernels, self.path, self._origin)
-            made._independent = independent
-            self._bearing[independent] = made
-        return self._bearing[independent]
-
-    @cached_property
-    def kernel_table(self) -> npt.NDArray[np.int64]:
-        """Addresses of the kernels, for compiled loops of the runtime."""
-        return self.kernels.table()
-
-    @cached_property
-    def system(self) -> "System":
-        """The kernels and sizes that the integrator asks for."""
-        from runtime.mechanism.system import system
-
-        told, kernels = self.description, self.kernels
-        jacobian = told.jacobian_rows.astype(np.int64), told.jacobian_columns.astype(np.int64)
-        return replace(
-            system(told, kernels, jacobian, len(told.coordinates), len(told.constraints)),
-            reactions=kernels.reactions,
-            switched_reactions=kernels.switched_reactions,
-            reaction_rows=len(told.reactions),
-            limits=told.friction_limits,
-            sought=tuple((k, len(told.parameters) + i) for i, k in enumerate(told.sought)),
-            independent=self._independent,
-        )
-
-    @property
-    def independent(self) -> tuple[int, ...]:
-        """Indices of constraints of which none follows from others; all but after `bearing`."""
-        return self._independent
-
-    @property
-    def model(self) -> str:
-        """Name of the model."""
-        return self.description.model
-
-    @property
-    def scene(self) -> str:
-        """Name of the scene."""
-        return self.description.scene
-
-    @property
-    def coordinates(self) -> Table[Coordinate]:
-        """Generalized coordinates, in the order of q."""
-        return self.description.coordinates
-
-    @property
-    def constraints(self) -> Table[Constraint]:
-        """Scalar constraints, in the order of the multipliers."""
-        return self.description.constraints
-
-    @property
-    def parameters(self) -> Table[Parameter]:
-        """Declared parameters, in the order of p."""
-        return self.description.parameters
-
-    @property
-    def effects(self) -> Table[Effect]:
-        """What acts on the bodies in this scene."""
-        return self.description.effects
+class Machine(MechanismTables):
+    """A mechanism in one scene, ready to be analysed; `runtime.load` makes one."""
 
     @cached_property
     def degrees_of_freedom(self) -> int:
-        """Coordinates less independent constraints, drivers included, where it assembles.
+        """Coordinates less independent constraints, those of drivers included, at the start.
 
-        Raises what `assemble` raises where the machine cannot be assembled.
+        Raises
+        ------
+        AssemblyError
+            If the scene's start cannot be assembled.
         """
         return self.assemble().degrees_of_freedom
 
     def parameter_values(self, overrides: Values | None = None) -> FloatArray:
-        """Parameters followed by the constants derived from them.
+        """Parameters followed by the constants derived from them, as the kernels take them.
 
         Parameters
         ----------
         overrides
             New values by name, in the declared units; the others keep their defaults.
+
+        Returns
+        -------
+        (np,) float64
+
+        Raises
+        ------
+        InputError
+            If `overrides` is no mapping from names to numbers.
+        ParameterError
+            One sentence for each value that is unknown, not finite or of the wrong sign, and for
+            each contact and friction whose coefficients make no sense.
         """
-        check(self, parameters=overrides)
-        values, problems = resolved(self.description, overrides or {})
-        if problems:
-            raise ParameterError(problems)
-        self.kernels.constants(values)
-        require_sound(self, values)
-        return values
+        return parameter_values(self.mechanism, overrides)
 
     def initial_modes(
         self,
@@ -210,21 +66,40 @@ class Machine:
         v: FloatArray | None = None,
         parameters: Values | None = None,
     ) -> npt.NDArray[np.int64]:
-        """Which conditions hold at a state, shape (s,): 1 where one does, else 0.
+        """Modes of the switching functions at a state, as the kernels take them.
 
-        Without a state it is the assembled start. A condition that is exactly at its boundary
-        holds if the motion is about to make it hold; it is 2 where the motion stays on the
-        boundary, because both sides push onto it, friction sticks, or a rigid contact is closed.
+        Parameters
+        ----------
+        t
+            Instant in s.
+        q, v : (n,)
+            Coordinates and velocities, on the constraints; the assembled start unless both are
+            given.
+        parameters
+            Values by name, in the declared units; the others keep their defaults.
+
+        Returns
+        -------
+        (s,) int64
+            1 where the condition holds, 0 where it does not. A condition exactly at its boundary
+            holds if the motion is about to make it hold. 2 where the switching function stays at
+            zero: the motion slides on the switching surface, friction sticks, or a rigid contact is
+            closed.
+
+        Raises
+        ------
+        InputError
+            If t, q or v are not finite numbers of the right shape.
         """
         from runtime.integrate.run import initial_modes
 
-        check(self, t=t, **({} if q is None and v is None else {"q": q, "v": v}))
+        check(self.mechanism, t=t, **({} if q is None and v is None else {"q": q, "v": v}))
         if not self.description.switches:
             return np.zeros(0, dtype=np.int64)
         if q is None or v is None:
             start = self.assemble(parameters=parameters, t=t)
             q, v = start.q, start.v
-        return initial_modes(self.system, t, q, v, self.parameter_values(parameters))
+        return initial_modes(self.mechanism.system, t, q, v, self.parameter_values(parameters))
 
     def assemble(
         self,
@@ -232,11 +107,38 @@ class Machine:
         parameters: Values | None = None,
         t: float = 0.0,
     ) -> "Assembly":
-        """Put the machine together at time t: see `runtime.assembly.assemble`."""
+        """Positions and velocities that satisfy the joints and the drivers at time t.
+
+        Start values with the role "fixed" are kept. The others are guesses: positions move as
+        little as closing the joints allows, velocities as little as Φ_q v = ν allows.
+
+        Parameters
+        ----------
+        guess
+            Start values by name of coordinate (m, rad) or velocity (m/s, rad/s), over those of the
+            scene; a name that the scene fixes stays fixed, at the new value.
+        parameters
+            Values by name, in the declared units; the others keep their defaults.
+        t
+            Instant in s.
+
+        Returns
+        -------
+        Assembly
+            The state, its residuals, the coordinates that had to move, the degrees of freedom, and
+            redundant or singular constraints.
+
+        Raises
+        ------
+        AssemblyError
+            If the joints do not close; it names the joints, with the gaps that are left.
+        RedundancyError
+            If constraints contradict each other, or a driver drives what the joints determine.
+        """
         from runtime.assembly.assemble import assemble
 
-        check(self, guess=guess, parameters=parameters, t=t)
-        return assemble(self, guess, parameters, t)
+        check(self.mechanism, guess=guess, parameters=parameters, t=t)
+        return assemble(self.mechanism, guess, parameters, t)
 
     def simulate(
         self,
@@ -260,14 +162,80 @@ class Machine:
         max_steps: int = 100_000_000,
         progress: bool = True,
     ) -> "Result":
-        """Motion under the forces that act: see `runtime.dynamics.simulation`.
+        """Integrate the equations of motion from the assembled start.
 
-        With `accuracy`, the relative error of the `quantities` that the result may have, in place
-        of tolerances: see `runtime.studies.accuracy_target`.
+        A run that cannot go on keeps its results up to that instant: see `Result.outcome` and
+        `Result.message`.
+
+        Parameters
+        ----------
+        t_end
+            Last instant in s.
+        t_eval
+            Output instants in s, increasing; without them, the end of every step.
+        accuracy
+            Relative global error that the result may have, from 1e-12 to 0.1, in place of
+            tolerances. The program then chooses tolerances, and method and formulation unless they
+            are given; `Result.accuracy` says what was reached.
+        quantities
+            With `accuracy`: names of the series whose error is meant; all coordinates and
+            velocities by default.
+        t_start
+            First instant in s; that of `start` where one is given.
+        method
+            "dop853" (default) or "dopri5", explicit. "radau5" or "bdf", implicit, for stiff
+            equations: contacts and springs much stiffer than the motion is fast; "radau5" also
+            where these vibrate. "auto" starts with "dop853" and changes to an implicit method where
+            the equations are stiff, and back. All but the first two take exact derivatives, built
+            when they are first needed.
+        rtol, atol
+            Tolerances of a step: `atol` + `rtol` (1e-8 by default) times the value, for each
+            coordinate and velocity; `atol` in m, rad, m/s, rad/s. By default `atol` is `rtol` times
+            a typical size: 1 rad for angles; for lengths that of the machine at its start (its
+            longest arm; without arms its largest distance from the origin, or a fixed length), but
+            not more than 1 m; the same a second for velocities.
+        parameters
+            Values by name, in the declared units; the others keep their defaults.
+        guess
+            Start values by name of coordinate or velocity, SI units, over those of the scene.
+        start
+            An assembled state to start from, in place of the scene's start.
+        correction
+            Return onto the constraints: once a "step" (dependent coordinates from independent
+            ones), at every "stage", by "projection", by "baumgarte" or "hybrid"; see
+            `runtime.integrate.problem.Options`.
+        formulation
+            "cartesian" (default) integrates all coordinates; "reduced" those that no constraint
+            gives explicitly, with the same results.
+        time_scale
+            τ of Baumgarte's accelerations, s; a thousandth of the run by default.
+        first_step, max_step
+            Lengths in s; chosen by default.
+        max_steps
+            Trial steps after which the run ends with `Outcome.MAX_STEPS`.
+        progress
+            Whether a terminal shows a bar, once the run has taken a second.
+
+        Returns
+        -------
+        Result
+            Motion, reactions, powers, energies, modes and events.
+
+        Raises
+        ------
+        InputError
+            One sentence for each argument of the wrong kind or value.
+        ParameterError
+            If parameters are unknown, or give masses or coefficients that make no sense.
+        AssemblyError
+            If the machine cannot be assembled at the start.
+        AnalysisError
+            If the scene has no masses, if nothing is left to integrate, or if not even the
+            beginning can be computed to the `accuracy` asked for.
         """
         from runtime.studies.accuracy_target import accuracy_or_tolerances
 
-        require_motion(self, "simulate")
+        require_motion(self.mechanism, "simulate")
         given: dict[str, Any] = {
             "t_start": t_start,
             "parameters": parameters,
@@ -277,9 +245,9 @@ class Machine:
             "max_step": max_step,
             "max_steps": max_steps,
         }
-        check(self, t_end=t_end, rtol=rtol, atol=atol, accuracy=accuracy, **given)
+        check(self.mechanism, t_end=t_end, rtol=rtol, atol=atol, accuracy=accuracy, **given)
         analyse = accuracy_or_tolerances(
-            self, accuracy, quantities, rtol, atol, method, formulation
+            self.mechanism, accuracy, quantities, rtol, atol, method, formulation
         )
         with bar(f"simulate {self.description.title}", progress) as report:
             return analyse(
@@ -300,15 +268,42 @@ class Machine:
         t_start: float = 0.0,
         progress: bool = True,
     ) -> "Result":
-        """Motion of a fully driven machine: see `runtime.dynamics.kinematics`."""
+        """Positions, velocities and accelerations of a machine whose drivers leave no freedom.
+
+        Where the machine locks up, the result reaches to the last instant before, followed by the
+        position in which it locks, where velocities are not a number; the outcome says so. Singular
+        configurations in which motions cross are passed on the branch on which the velocity is
+        continuous. Both are events, and described in `Result.singular`.
+
+        Parameters
+        ----------
+        t_eval
+            Instants in s, increasing.
+        parameters
+            Values by name, in the declared units; the others keep their defaults.
+        guess
+            Start values by name of coordinate or velocity, SI units, over those of the scene.
+        t_start
+            Instant in s to which the start values belong. The machine is assembled there and
+            followed to the first of `t_eval`, so that it stays on the branch on which it starts.
+        progress
+            Whether a terminal shows a bar.
+
+        Raises
+        ------
+        AnalysisError
+            If the drivers leave degrees of freedom, if the scene has rigid contacts, or if the
+            machine starts in a singular configuration and no velocities say on which branch.
+        AssemblyError, InputError
+            As `simulate`.
+        """
         from runtime.dynamics.kinematics import kinematics
 
-        require_motion(self, "kinematics")
-        check(self, parameters=parameters, guess=guess, t_start=t_start)
+        require_motion(self.mechanism, "kinematics")
+        given: dict[str, Any] = {"parameters": parameters, "guess": guess, "t_start": t_start}
+        check(self.mechanism, **given)
         with bar(f"kinematics of {self.description.title}", progress) as report:
-            return kinematics(
-                self, t_eval, parameters=parameters, guess=guess, t_start=t_start, progress=report
-            )
+            return kinematics(self.mechanism, t_eval, **given, progress=report)
 
     def inverse_dynamics(
         self,
@@ -319,15 +314,39 @@ class Machine:
         t_start: float = 0.0,
         progress: bool = True,
     ) -> "Result":
-        """Forces and torques of a prescribed motion: see `runtime.dynamics.inverse_dynamics`."""
+        """Forces and torques that a prescribed motion takes, and the reactions in the joints.
+
+        The motion is that of `kinematics`; the reaction of a driver is the force or torque that it
+        exerts on the body that it moves.
+
+        Parameters
+        ----------
+        t_eval
+            Instants in s, increasing.
+        parameters
+            Values by name, in the declared units; the others keep their defaults.
+        guess
+            Start values by name of coordinate or velocity, SI units, over those of the scene.
+        t_start
+            Instant in s to which the start values belong.
+        progress
+            Whether a terminal shows a bar.
+
+        Raises
+        ------
+        AnalysisError
+            As `kinematics`; also if the scene has no masses, or if friction sticks, so that the
+            motion does not determine its force.
+        AssemblyError, InputError
+            As `simulate`.
+        """
         from runtime.dynamics.inverse_dynamics import inverse_dynamics
 
-        require_motion(self, "inverse_dynamics")
-        check(self, parameters=parameters, guess=guess, t_start=t_start)
+        require_motion(self.mechanism, "inverse_dynamics")
+        given: dict[str, Any] = {"parameters": parameters, "guess": guess, "t_start": t_start}
+        check(self.mechanism, **given)
         with bar(f"inverse dynamics of {self.description.title}", progress) as report:
-            return inverse_dynamics(
-                self, t_eval, parameters=parameters, guess=guess, t_start=t_start, progress=report
-            )
+            return inverse_dynamics(self.mechanism, t_eval, **given, progress=report)
 
     def equilibrium(
         self,
@@ -338,48 +357,43 @@ class Machine:
         t: float = 0.0,
         progress: bool = True,
     ) -> "Equilibrium":
-        """Where the machine rests: see `runtime.statics.equilibrium`."""
+        """A rest position near the start, its stability, and the reactions in it.
+
+        Parameters
+        ----------
+        method
+            "energy": a minimum of the total potential energy. "settling": a damped motion until
+            rest, which also finds the way from a start far off.
+        guess
+            Start values by name of coordinate, SI units, over those of the scene; positions that
+            the scene fixes are free here.
+        parameters
+            Values by name, in the declared units; the others keep their defaults.
+        t
+            Instant in s at which drivers and forces are frozen.
+        progress
+            Whether a terminal shows a bar.
+
+        Returns
+        -------
+        Equilibrium
+            A result of one instant, with stability, natural frequencies and the unbalanced share of
+            the forces. Its outcome is `Outcome.UNBALANCED` where no equilibrium was found.
+
+        Raises
+        ------
+        AnalysisError
+            If the scene has no masses or no degree of freedom, if it has rigid contacts or friction
+            that sticks, if forces at the start are not finite, or if `method` does not exist.
+        AssemblyError, InputError
+            As `simulate`.
+        """
         from runtime.statics.equilibrium import equilibrium
 
         if method == "settling":
-            require_motion(self, 'equilibrium(method="settling")')
-        require_energy(self)
-        check(self, parameters=parameters, guess=guess, t=t)
+            require_motion(self.mechanism, 'equilibrium(method="settling")')
+        require_energy(self.mechanism)
+        given: dict[str, Any] = {"parameters": parameters, "guess": guess, "t": t}
+        check(self.mechanism, **given)
         with bar(f"equilibrium of {self.description.title}", progress) as report:
-            return equilibrium(
-                self, method, guess=guess, parameters=parameters, t=t, progress=report
-            )
-
-    def __repr__(self) -> str:
-        """Short summary for a person."""
-        told = self.description
-        rows = [
-            f"{told.title}: {len(told.bodies)} bodies, {len(told.coordinates)} coordinates, "
-            f"{len(told.constraints)} constraints"
-            + (f" ({int(told.driver_rows.sum())} of drivers)" if told.drivers else ""),
-            f"  bodies      {', '.join(told.bodies)}",
-            f"  effects     {', '.join(told.effects.names) or 'none'}",
-        ]
-        if told.left_out:
-            rows.append(f"  left out    {', '.join(told.left_out.names)}")
-        if not told.has_masses:
-            rows.append("  no masses: kinematics only")
-        shown = ", ".join(f"{row.name} = {row.default:g} {row.unit}" for row in told.parameters[:8])
-        more = len(told.parameters) - 8
-        rows.append(f"  parameters  {shown}{f', and {more} more' if more > 0 else ''}")
-        return "\n".join(rows)
-
-    def _repr_html_(self) -> str:
-        """The summary as a table, for notebooks."""
-        from html import escape
-
-        rows = "".join(
-            f"<tr><td>{escape(row.name)}</td><td style='text-align:right'>{row.default:g}</td>"
-            f"<td>{escape(row.unit)}</td></tr>"
-            for row in self.parameters
-        )
-        head = "<br>".join(escape(line) for line in repr(self).splitlines()[:-1])
-        return (
-            f"<div><p>{head}</p><table><thead><tr><th>parameter</th><th>default</th><th>unit</th>"
-            f"</tr></thead><tbody>{rows}</tbody></table></div>"
-        )
+            return equilibrium(self.mechanism, method, **given, progress=report)

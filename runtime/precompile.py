@@ -6,7 +6,8 @@ for it then.
 
 from importlib import import_module
 
-from runtime.integrate.wiring import METHODS, function_table
+from runtime.integrate.method import METHODS
+from runtime.integrate.wiring import function_table
 
 ALWAYS = (
     "runtime.integrate.run",

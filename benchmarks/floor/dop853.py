@@ -9,40 +9,29 @@ time that the method can take, and what the runtime is measured against.
 import linecache
 import math
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from typing import Any
 
 import numba
 
-from runtime.integrate.explicit import dop853_coefficients as table
-from runtime.integrate.explicit.dop853 import BETA, GROW, SAFETY, SHRINK
+from codegen.tableaus.dop853 import TABLEAU as METHOD
 
 OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
 
 
-def coefficients(letter: str) -> dict[tuple[int, ...], float]:
-    """Those of the method that begin with a letter, by their indices."""
-    found = {}
-    for name, value in vars(table).items():
-        indices = name[1:].split("_")
-        if name[0] == letter and all(index.isdigit() for index in indices):
-            found[tuple(map(int, indices))] = float(value)
-    return found
+def products(row: Sequence[Fraction], state: str) -> str:
+    """A linear combination of the stages of a state."""
+    terms = (f"{float(a)!r} * {state}_{k}" for k, a in enumerate(row, 1) if a)
+    return " + ".join(terms)
 
 
 def written_out(states: Sequence[str], parameters: Sequence[str]) -> str:
     """The text of the integrator of dy/dt = slope(*y, *parameters)."""
-    a, b, e, h = (coefficients(letter) for letter in "ABEH")
-
-    def combined(weights: dict[int, float], state: str) -> str:
-        return " + ".join(f"{weight!r} * {state}_{k}" for k, weight in sorted(weights.items()))
 
     def called(stage: int, at: Sequence[str]) -> str:
         slopes = ", ".join(f"{state}_{stage}" for state in states)
         return f"{slopes}{',' if len(states) == 1 else ''} = slope({', '.join([*at, *parameters])})"
 
-    last = {k: weight for (k,), weight in b.items()}
-    fifth = {k: weight for (k,), weight in e.items()}
-    lower = {k: weight for (k,), weight in h.items()}
     lines = [
         f"def run({', '.join(states)}, t, t_end, h, tolerance, {', '.join(parameters)}):",
         "    steps = rejected = 0",
@@ -52,35 +41,37 @@ def written_out(states: Sequence[str], parameters: Sequence[str]) -> str:
         "        if t + 1.01 * h >= t_end:",
         "            h = t_end - t",
     ]
-    for stage in range(2, 13):
-        row = {j: weight for (i, j), weight in a.items() if i == stage}
-        lines += [f"        z_{s} = {s} + h * ({combined(row, s)})" for s in states]
-        lines.append(f"        {called(stage, [f'z_{s}' for s in states])}")
+    for number, stage in enumerate(METHOD.stages, 2):
+        lines += [f"        z_{s} = {s} + h * ({products(stage.a, s)})" for s in states]
+        lines.append(f"        {called(number, [f'z_{s}' for s in states])}")
     lines.append("        large = small = 0.0")
     for s in states:
         lines += [
-            f"        rate = {combined(last, s)}",
+            f"        rate = {products(METHOD.b, s)}",
             f"        next_{s} = {s} + h * rate",
             f"        size = tolerance * (1.0 + max(abs({s}), abs(next_{s})))",
-            f"        large += (({combined(fifth, s)}) / size) ** 2",
-            f"        small += ((rate - ({combined(lower, s)})) / size) ** 2",
+            f"        large += (({products(METHOD.error, s)}) / size) ** 2",
+            f"        small += ((rate - ({products(METHOD.lower, s)})) / size) ** 2",
         ]
     lines += [
         "        error = 0.0",
         "        if large + small > 0.0:",
         f"            error = h * large / math.sqrt((large + 0.01 * small) * {len(states)})",
         "        if error > 1.0:",
-        f"            h *= max({SHRINK!r}, {SAFETY!r} / error**0.125)",
+        f"            h *= max({METHOD.shrink!r}, {METHOD.safety!r} / error**0.125)",
         "            failed = True",
         "            rejected += 1",
         "            continue",
         "        t += h",
         *(f"        {s} = next_{s}" for s in states),
         f"        {called(1, states)}",
-        f"        ratio = {GROW!r}",
+        f"        ratio = {METHOD.grow!r}",
         "        if error > 0.0:",
-        f"            ratio = {SAFETY!r} * before**{BETA!r} / error**{0.125 - 0.75 * BETA!r}",
-        f"        ratio = max({SHRINK!r}, min({GROW!r}, ratio))",
+        (
+            f"            ratio = {METHOD.safety!r} * before**{METHOD.beta!r}"
+            f" / error**{0.125 - 0.75 * METHOD.beta!r}"
+        ),
+        f"        ratio = max({METHOD.shrink!r}, min({METHOD.grow!r}, ratio))",
         "        h *= min(ratio, 1.0) if failed else ratio",
         "        before, failed = max(error, 1e-4), False",
         "        steps += 1",

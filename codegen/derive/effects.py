@@ -80,6 +80,8 @@ class EffectTerms:
         How the effect holds on to its surface, if it does.
     reported
         (component, unit, value) of the forces that it reports.
+    weights
+        (body, mass, acceleration) of the products that stand in V as one number.
     """
 
     potential: sympy.Expr | None
@@ -88,6 +90,7 @@ class EffectTerms:
     friction: FrictionTerms | None = None
     hold: Sticking | Rigid | None = None
     reported: tuple[tuple[str, str, sympy.Expr], ...] = ()
+    weights: tuple[tuple[str, sympy.Expr, sympy.Expr], ...] = ()
 
     @cached_property
     def gradient(self) -> tuple[tuple[Coordinate, sympy.Expr], ...]:
@@ -116,7 +119,8 @@ def effect_terms(effect: Effect, bodies: tuple[Body, ...]) -> EffectTerms:
     pulls = tuple((s, _pull(s, f)) for s, f in pulling(effect, bodies) if f != 0)
     told = tuple((part, unit, _pieces(value)) for part, unit, value in reported(effect, bodies))
     holding = hold(effect, bodies)
-    return EffectTerms(potential, loads, pulls, _friction(effect, holding), holding, told)
+    weights = effect.weights(bodies) if hasattr(effect, "weights") else ()
+    return EffectTerms(potential, loads, pulls, _friction(effect, holding), holding, told, weights)
 
 
 @cache

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from codegen.emit.arguments import Arguments
 from codegen.emit.module import Origin, counted, laid_out
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.program import Program
@@ -15,7 +16,7 @@ def companion_text(
     module: str,
     docstring: tuple[str, ...],
     tables: Mapping[str, Any] | None = None,
-    declared: int | None = None,
+    arguments: Arguments | None = None,
 ) -> str:
     """The whole module, signed with the SHA-256 of its own text.
 
@@ -29,8 +30,8 @@ def companion_text(
         What it is, on the first line after the names of machine and scene, and more lines.
     tables
         Tables of its own.
-    declared
-        Number of slots of ``p`` before the constants; the scene's parameters unless given.
+    arguments
+        Of its kernels, if they are not the scene's own.
     """
     told = lowered.description
     first, *more = docstring
@@ -45,5 +46,4 @@ def companion_text(
         "OPERATIONS": counted(program),
     }
     lines = [f'"""Machine {told.model}, scene {told.scene}: {first}', "", *more, '"""']
-    slots = len(told.parameters) if declared is None else declared
-    return laid_out(program, origin, lines, head, slots)
+    return laid_out(program, origin, lines, head, arguments or Arguments.of(told))

@@ -3,8 +3,9 @@
 import builtins
 from collections.abc import Iterator
 
+from codegen.emit.arguments import Arguments
 from codegen.emit.formula import formula
-from codegen.emit.line_wrapping import PAGE, comments, fitted, note_of, tail
+from codegen.emit.line_wrapping import PAGE, comments, fitted, note_of, quantity, tail
 from codegen.emit.placement import Path, Placement, place
 from codegen.emit.sincos import NAME as SIN_COS
 from codegen.emit.table_lookup import lookups
@@ -61,17 +62,18 @@ class KernelText:
     ----------
     program, kernel
         What to write.
-    declared
-        Number of declared parameters, behind which the constants stand in ``p``.
+    arguments
+        Shapes and units of what it takes.
     """
 
-    def __init__(self, program: Program, kernel: Kernel, declared: int) -> None:
+    def __init__(self, program: Program, kernel: Kernel, arguments: Arguments) -> None:
+        self.arguments = arguments
         self.program, self.kernel = program, kernel
         self.plan: Placement = place(program, kernel)
         slots = (
             {}
             if kernel.name == "constants"
-            else {number: declared + k for k, number in enumerate(program.constants)}
+            else {number: arguments.declared + k for k, number in enumerate(program.constants)}
         )
         self.constants: dict[int, int] = {n: slots[n] for n in self.plan.numbers if n in slots}
         self.names: dict[int, str] = {}
@@ -89,7 +91,8 @@ class KernelText:
             f"def {kernel.name}({', '.join(kernel.arguments)}):",
             f'    """{kernel.summary}',
             "",
-            f"    {count} operation{'' if count == 1 else 's'}.",
+            *(f"    {line}" for line in self.arguments.lines(self.program, kernel)),
+            f"    {quantity(count, 'operation')}.",
             '    """',
         ]
         before = [*self._loads(), *self._angles()]
@@ -160,8 +163,14 @@ class KernelText:
     def _titles(self, step: int) -> Iterator[str]:
         """A comment on the steps of the solution up to this one."""
         titles = self.kernel.steps[self._step + 1 : step + 1]
+        busy = set(self.plan.steps.values())
+        kept = (
+            title
+            for k, title in enumerate(titles, self._step + 1)
+            if k in busy or title.startswith(("Eliminate", "Solve"))
+        )
         self._step = max(step, self._step)
-        yield from comments(titles)
+        yield from comments(tuple(kept))
 
     def _pair(self, number: int, indent: str) -> Iterator[str]:
         """The line that takes sine and cosine of an angle."""

@@ -8,6 +8,12 @@ PAGE = 100
 """Characters in a line."""
 
 
+def quantity(count: int, noun: str) -> str:
+    """``1 degree of freedom``, ``2 degrees of freedom``."""
+    first, *rest = noun.split(" ", 1)
+    return " ".join([str(count), first if count == 1 else f"{first}s", *rest])
+
+
 def tail(lines: list[str]) -> str:
     """What the last of the lines sets its name to."""
     return lines[-1].partition(" = ")[2]
@@ -42,3 +48,25 @@ def comments(titles: Sequence[str]) -> Iterator[str]:
 def note_of(out: Output) -> str:
     """What a line that stores an output says behind it."""
     return f"  # {out.note}" if out.note else ""
+
+
+def filled(head: str, pieces: Sequence[str], end: str) -> Iterator[str]:
+    """Pieces between `head` and `end` on one line; else on lines of their own, each filled."""
+    line = f"{head}{' '.join(pieces)}{end}"
+    if len(line) <= PAGE:
+        yield line
+        return
+    indent = head[: len(head) - len(head.lstrip())]
+    yield head
+    line = f"{indent}   "
+    for piece in pieces:
+        if len(line) + 1 + len(piece) > PAGE:
+            yield line
+            line = f"{indent}   "
+        line += f" {piece}"
+    yield from (line, f"{indent}{end}")
+
+
+def items(text: str) -> list[str]:
+    """The items of a list, each with the comma behind it."""
+    return text.replace(", ", ",\n").split("\n")

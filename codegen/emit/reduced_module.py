@@ -1,5 +1,6 @@
 """The module of a scene's equations in fewer coordinates."""
 
+from codegen.emit.arguments import Arguments
 from codegen.emit.companion_module import companion_text
 from codegen.emit.formula import formula
 from codegen.emit.module import Origin
@@ -37,5 +38,5 @@ def reduced_text(lowered: Lowered, reduced: Reduced, origin: Origin, module: str
         "MASS_ROWS": reduced.mass.rows,
         "MASS_COLUMNS": reduced.mass.columns,
     }
-    declared = len(told.parameters) + len(reduced.branches)
-    return companion_text(lowered, program, origin, module, about, tables, declared)
+    arguments = Arguments.of(told, reduced.kept, len(reduced.branches))
+    return companion_text(lowered, program, origin, module, about, tables, arguments)

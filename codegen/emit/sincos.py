@@ -1,9 +1,10 @@
-"""The function of a generated module that takes sine and cosine at once.
+"""The function of a generated module that computes sine and cosine together.
 
-Machines turn: nearly every angle is wanted with both. The library's functions reduce the angle
-twice, and to more digits than it has; brought to ±π/4 once, by π/2 in three parts (W. J. Cody and
-W. Waite, Software Manual for the Elementary Functions, 1980), both are polynomials, those of
-fdlibm, without a branch: within two units of the last digit, in 7 ns instead of 9 to 12.
+Nearly every angle of a mechanism is needed with both. The library's functions reduce the angle
+twice, and to more digits than it has. Here the argument is reduced once, to ±π/4, with π/2 in three
+parts (W. J. Cody and W. Waite, Software Manual for the Elementary Functions, 1980); sine and cosine
+are then the polynomials of fdlibm, without a branch: accurate to two units of the last digit, in
+7 ns instead of 9 to 12.
 """
 
 NAME = "sin_cos"
@@ -11,7 +12,7 @@ NAME = "sin_cos"
 FUNCTION = f'''
 @numba.njit(**OPTIONS)
 def {NAME}(x):
-    """sin x and cos x, from those of what x is beside a multiple of π/2."""
+    """sin x and cos x: x = k π/2 + r with r in ±π/4, then polynomials in r."""
     if not abs(x) < 1e6:
         return math.sin(x), math.cos(x)
     k = math.floor(x * 0.6366197723675814 + 0.5)
@@ -46,6 +47,6 @@ def {NAME}(x):
 '''
 
 
-def turning_lines(needed: bool) -> list[str]:
-    """The function, if a kernel calls it."""
+def sin_cos_lines(needed: bool) -> list[str]:
+    """The function, where a kernel calls it."""
     return ["", *FUNCTION.rstrip().split("\n")] if needed else []

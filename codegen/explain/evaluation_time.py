@@ -9,6 +9,7 @@ import numpy as np
 
 from codegen.artefact import import_generated
 from codegen.derive.equations import Equations
+from codegen.emit.arguments import Arguments
 from codegen.emit.module import Origin, laid_out
 from codegen.explain.incremental_cost import Stage
 from codegen.explain.kernel_timer import ROUNDS, States, Timed, times
@@ -56,7 +57,7 @@ def measured(
 
 def _timed(equations: Equations, program: Program, path: Path) -> Timed:
     declared = parameters(equations)
-    text = laid_out(program, ORIGIN, ['"""A stage of a ledger."""'], {}, len(declared))
+    text = laid_out(program, ORIGIN, ['"""A stage of a ledger."""'], {}, Arguments(len(declared)))
     path.write_text(text, encoding="utf-8")
     module = import_generated(path)
     p = np.array([*declared, *[0.0] * len(program.constants)])

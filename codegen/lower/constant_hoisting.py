@@ -36,7 +36,7 @@ def with_constants(graph: Graph, kernels: tuple[Kernel, ...], declared: int) -> 
     declared += len(forces)
     first = Kernel(
         "constants",
-        "What follows from the parameters alone, into p behind them.",
+        "Constants that depend on the parameters alone, stored in p behind them.",
         ("p",),
         tuple(Output("p", declared + k, number) for k, number in enumerate(hoisted)),
     )

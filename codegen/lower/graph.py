@@ -49,7 +49,7 @@ class Graph(Numbering):
         """a + b."""
         x, y = self.number(a), self.number(b)
         if x is not None and y is not None:
-            return self.constant(x + y)
+            return self.constant(x + y, "+", x, y)
         if x == 0.0:
             return b
         if y == 0.0:
@@ -84,7 +84,7 @@ class Graph(Numbering):
         """a - b."""
         x, y = self.number(a), self.number(b)
         if x is not None and y is not None:
-            return self.constant(x - y)
+            return self.constant(x - y, "-", x, y)
         if y == 0.0:
             return a
         if x == 0.0:
@@ -112,7 +112,7 @@ class Graph(Numbering):
         """a b; a structural zero annihilates, a sign moves outside."""
         x, y = self.number(a), self.number(b)
         if x is not None and y is not None:
-            return self.constant(x * y)
+            return self.constant(x * y, "*", x, y)
         if y is not None:
             a, b, x, y = b, a, y, x
         if x is not None:
@@ -126,7 +126,7 @@ class Graph(Numbering):
                 one, other = self.values[b].args
                 for inner, rest in ((one, other), (other, one)):
                     if (z := self.number(inner)) is not None:
-                        return self.mul(self.constant(x * z), rest)
+                        return self.mul(self.constant(x * z, "*", x, z), rest)
         for one, other in ((a, b), (b, a)):
             if self.values[one].op is Op.NEG:
                 return self.neg(self.mul(self.values[one].args[0], other))
@@ -148,11 +148,11 @@ class Graph(Numbering):
         """a / b; a division by what is known before the run becomes a product."""
         x, y = self.number(a), self.number(b)
         if x is not None and y is not None and y != 0.0:
-            return self.constant(x / y)
+            return self.constant(x / y, "/", x, y)
         if x == 0.0:
             return self.zero
         if y is not None and y != 0.0:
-            return self.mul(self.constant(1.0 / y), a)
+            return self.mul(self.constant(1.0 / y, "/", 1.0, y), a)
         if x is not None and x < 0.0:
             return self.neg(self.div(self.constant(-x), b))
         for k, value in enumerate((self.values[a], self.values[b])):
@@ -185,11 +185,11 @@ class Graph(Numbering):
 
     def function(self, op: Op, *args: int) -> int:
         """An elementary function; numbers are folded, sin(-x) = -sin(x), cos(-x) = cos(x)."""
-        numbers = [self.number(a) for a in args]
-        if all(n is not None for n in numbers):
+        numbers = [n for a in args if (n := self.number(a)) is not None]
+        if len(numbers) == len(args):
             fold: Callable[..., float] = UNARY.get(op) or BINARY[op]
             with suppress(ValueError, OverflowError):  # left to the run: log(0) is -inf there
-                return self.constant(fold(*numbers))
+                return self.constant(fold(*numbers), op.value, *numbers)
         if op in ODD | EVEN and self.values[args[0]].op is Op.NEG:
             inner = self._add(op, self.values[args[0]].args)
             return self.neg(inner) if op in ODD else inner

@@ -85,6 +85,14 @@ class Lookup(NamedTuple):
     order: int
 
 
+class Folded(NamedTuple):
+    """How a constant came about: `sign` (``+``, ``*``, ``sin`` …) of `numbers`; `note` names it."""
+
+    sign: str
+    numbers: tuple[float, ...]
+    note: str = ""
+
+
 @dataclass(frozen=True, slots=True)
 class Value:
     """One operation.
@@ -99,12 +107,15 @@ class Value:
         The float of a constant, the slot of an input, the number of a mode, a table's derivative.
     serves
         Name of the element for which the value was first needed; a comment in the text.
+    origin
+        Of a constant that was computed from others: from which; for the text alone.
     """
 
     op: Op
     args: tuple[int, ...] = ()
     literal: float | int | Input | Lookup | None = None
     serves: str = ""
+    origin: Folded | None = None
 
 
 class Output(NamedTuple):

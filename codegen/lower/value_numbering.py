@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from typing import Self
 
 from codegen.errors import ModelError
-from codegen.lower.program import COMMUTATIVE, Input, Lookup, Op, Value
+from codegen.lower.program import COMMUTATIVE, Folded, Input, Lookup, Op, Value
 
 
 class Numbering:
@@ -39,7 +39,7 @@ class Numbering:
         graph = cls()
         for value in values:
             with graph.serving(value.serves):
-                graph._add(value.op, value.args, value.literal)
+                graph._add(value.op, value.args, value.literal, value.origin)
         return graph
 
     @contextmanager
@@ -52,14 +52,18 @@ class Numbering:
             self._serves = before
 
     def _add(
-        self, op: Op, args: tuple[int, ...], literal: float | int | Input | Lookup | None = None
+        self,
+        op: Op,
+        args: tuple[int, ...],
+        literal: float | int | Input | Lookup | None = None,
+        origin: Folded | None = None,
     ) -> int:
         if op in COMMUTATIVE:
             args = tuple(sorted(args))
         key = (op, args, literal)
         if key not in self._numbers:
             self._numbers[key] = len(self.values)
-            self.values.append(Value(op, args, literal, self._serves))
+            self.values.append(Value(op, args, literal, self._serves, origin))
             self.settled.append(
                 literal.array == "p"
                 if isinstance(literal, Input)
@@ -83,8 +87,8 @@ class Numbering:
 
     # -- leaves ------------------------------------------------------------------------------
 
-    def constant(self, number: float) -> int:
-        """A number.
+    def constant(self, number: float, sign: str = "", *numbers: float) -> int:
+        """A number, or the result of the operation `sign` on `numbers`.
 
         Raises
         ------
@@ -97,7 +101,9 @@ class Numbering:
                 f"an expression{where} comes to {number} when its numbers are multiplied out; "
                 "give numbers that a float can hold."
             )
-        return self._add(Op.CONST, (), float(number) + 0.0)  # no negative zero
+        known = abs(number) in (abs(other) for other in numbers)
+        origin = Folded(sign, numbers) if sign and not known else None
+        return self._add(Op.CONST, (), float(number) + 0.0, origin)  # no negative zero
 
     def input(self, array: str, index: int, name: str) -> int:
         """A slot of an argument."""

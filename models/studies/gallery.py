@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 HEAD = """# Gallery
 
 The machines of Haug's chapter 8 and its projects, each from its declaration to the numbers and
-figures of the book. "Ours" is what this program computes, "exact" an independent solution in
-extended precision or a closed form, "book" what is printed. Where the book differs from the exact
-value, a reason stands below. The figures are drawn by `make gallery` into `figures/`, as PNG and
-SVG.
+figures of the book. "Ours" is the result of this program, "exact" an independent solution in
+extended precision or a closed form, "book" the printed value. Where the book differs from the
+exact value, the reason stands below the table. `make gallery` draws the figures into `figures/`,
+as PNG and SVG.
 """
 
 TABLE = "| where | quantity | ours | exact | book | |\n|---|---|--:|--:|--:|---|"

@@ -4,15 +4,13 @@ Start values with the role "fixed" are held. The others are guesses: positions m
 closing the joints allows, velocities as little as Phi_q v = nu allows.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AssemblyError, RedundancyError
-from runtime.assembly.assembled_state import Assembly, Moved, Redundant
 from runtime.assembly.closure import CLOSED, Closing, Task, close
-from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.assembly.near_singular_start import beside
 from runtime.assembly.redundancy import (
     Dependency,
@@ -22,11 +20,13 @@ from runtime.assembly.redundancy import (
     structural,
     undetermined,
 )
+from runtime.linalg.rank_policy import NO_PIVOT
+from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.description import unknown
+from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.results.assembled_state import Assembly, Moved, Redundant
 from runtime.validation.arguments import number
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine, Values
+from runtime.validation.parameters import parameter_values
 
 BoolArray = npt.NDArray[np.bool_]
 
@@ -46,15 +46,15 @@ class Start(NamedTuple):
     named_q: BoolArray
 
 
-def start_values(machine: "Machine", guess: "Values | None") -> Start:
+def start_values(mechanism: Mechanism, guess: Values | None) -> Start:
     """The scene's start values, with the user's in place of those of the same name."""
-    table = machine.coordinates
+    table = mechanism.description.coordinates
     q_places = {row.name: index for index, row in enumerate(table)}
     v_places = {row.velocity: index for index, row in enumerate(table)}
     q, v = np.zeros(len(table)), np.zeros(len(table))
     fixed_q, fixed_v = np.zeros(len(table), np.bool_), np.zeros(len(table), np.bool_)
     named_q = np.zeros(len(table), np.bool_)
-    for row in machine.description.start:
+    for row in mechanism.description.start:
         if row.name in q_places:
             place = q_places[row.name]
             q[place], fixed_q[place], named_q[place] = row.value, row.role == "fixed", True
@@ -78,9 +78,9 @@ def start_values(machine: "Machine", guess: "Values | None") -> Start:
 
 
 def assemble(
-    machine: "Machine",
-    guess: "Values | None" = None,
-    parameters: "Values | None" = None,
+    mechanism: Mechanism,
+    guess: Values | None = None,
+    parameters: Values | None = None,
     t: float = 0.0,
     *,
     release: bool = False,
@@ -96,13 +96,13 @@ def assemble(
         Treat fixed positions as guesses and leave velocities at zero change, as a search for
         equilibrium does.
     """
-    equations = Equations(machine, machine.parameter_values(parameters))
-    start = start_values(machine, guess)
+    equations = Equations(mechanism, parameter_values(mechanism, parameters))
+    start = start_values(mechanism, guess)
     if release:
         nowhere = np.zeros_like(start.fixed_q)
         start = start._replace(fixed_q=nowhere, fixed_v=nowhere, v=np.zeros_like(start.v))
     t = float(t)
-    drivers = machine.description.driver_rows
+    drivers = mechanism.description.driver_rows
     _require_scale(equations, t, start.q, {**(guess or {}), **(parameters or {})})
     size = equations.size(t, start.q)
     matrix = equations.jacobian(t, start.q)
@@ -118,20 +118,20 @@ def assemble(
     )
     closing = close(task, start.q)
     if not closing.closed:
-        raise _why_open(machine, task, start, closing, units)
+        raise _why_open(mechanism, task, start, closing, units)
     findings = inspect(task, closing.q, drivers, start.v)
     if any(drivers[row] for row, _ in findings.lasting):
-        raise _redundancy(machine, findings.lasting, drivers, findings.rank, "consistent")
-    v, velocity_gaps = _velocities(machine, task, start, closing.q)
+        raise _redundancy(mechanism, findings.lasting, drivers, findings.rank, "consistent")
+    v, velocity_gaps = _velocities(mechanism, task, start, closing.q)
     near = None if findings.lasting else beside(task, closing.q, v, start.fixed_v)
     if near is not None:
         phi, v = equations.constraints(t, near.q), near.v
         closing = Closing(near.q, phi, closing.gap)
         velocity_gaps = equations.jacobian(t, near.q) @ v - equations.velocity_rhs(t, near.q)
-    return _report(machine, task, start, closing, v, velocity_gaps, findings, units)
+    return _report(mechanism, task, start, closing, v, velocity_gaps, findings, units)
 
 
-def _require_scale(equations: Equations, t: float, q: FloatArray, given: "Values") -> None:
+def _require_scale(equations: Equations, t: float, q: FloatArray, given: Values) -> None:
     """Refuse values with which the equations leave the range of numbers."""
     phi, matrix = equations.constraints(t, q), equations.jacobian(t, q)
     largest = max(
@@ -150,7 +150,7 @@ def _require_scale(equations: Equations, t: float, q: FloatArray, given: "Values
 
 
 def _velocities(
-    machine: "Machine", task: Task, start: Start, q: FloatArray
+    mechanism: Mechanism, task: Task, start: Start, q: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Velocities nearest to the start values that satisfy Phi_q v = nu, and what is left of it."""
     equations, t = task.equations, task.t
@@ -161,23 +161,23 @@ def _velocities(
     for _ in range(3):
         gaps = (matrix @ v - nu) / task.row_scale
         if free.any() and len(gaps):
-            v[free] -= np.linalg.lstsq(slopes, gaps, rcond=1e-10)[0] * task.scale[free]
+            v[free] -= np.linalg.lstsq(slopes, gaps, rcond=NO_PIVOT)[0] * task.scale[free]
     gaps = matrix @ v - nu
     speed = max(1.0, float(np.abs(v / task.scale).max(initial=0.0)))
     if np.abs(gaps / task.row_scale).max(initial=0.0) > _VELOCITY_CLOSED * speed:
         fixed = ", ".join(
             f"{row.velocity} = {start.v[index]:g} {row.unit}/s"
-            for index, row in enumerate(machine.coordinates)
+            for index, row in enumerate(mechanism.description.coordinates)
             if start.fixed_v[index]
         )
         misses = _told(equations, gaps, equations.row_units(matrix), 1e-9 * speed, "/s")
         if not fixed:
             raise AssemblyError(
-                f"{machine.description.title}: no velocities satisfy joints and drivers at "
+                f"{mechanism.title}: no velocities satisfy joints and drivers at "
                 f"t = {t:g} s: {misses}. The position is singular for this motion; start elsewhere."
             )
         raise AssemblyError(
-            f"{machine.description.title}: the fixed start velocities contradict the joints. "
+            f"{mechanism.title}: the fixed start velocities contradict the joints. "
             f"Start says {fixed}; with these {misses}. "
             f'Give one of them the role "guess", or correct its value.'
         )
@@ -185,22 +185,22 @@ def _velocities(
 
 
 def _why_open(
-    machine: "Machine", task: Task, start: Start, closing: Closing, units: list[str]
+    mechanism: Mechanism, task: Task, start: Start, closing: Closing, units: list[str]
 ) -> AssemblyError:
     """The error that tells why the joints do not close."""
-    told = machine.description
+    told = mechanism.description
     drivers = told.driver_rows
     doubled = structural(task, closing.q, drivers) or overdetermined(task, closing.q, drivers)
     if doubled:
         found = len(task.rows) - int(drivers.sum()) - len(doubled)
-        return _redundancy(machine, doubled, drivers, found, "contradictory", closing.phi)
+        return _redundancy(mechanism, doubled, drivers, found, "contradictory", closing.phi)
     phi, equations = closing.phi, task.equations
     if start.fixed_q.any():
         loose = close(task._replace(free=np.ones_like(task.free)), start.q)
         if loose.closed:
             fixed = ", ".join(
                 f"{row.name} = {start.q[index]:g} {row.unit}"
-                for index, row in enumerate(machine.coordinates)
+                for index, row in enumerate(mechanism.description.coordinates)
                 if start.fixed_q[index]
             )
             return AssemblyError(
@@ -241,7 +241,7 @@ def _told(
 
 
 def _redundancy(
-    machine: "Machine",
+    mechanism: Mechanism,
     found: list[Dependency],
     drivers: BoolArray,
     independent: int,
@@ -249,7 +249,7 @@ def _redundancy(
     phi: FloatArray | None = None,
 ) -> RedundancyError:
     """The error that names dependent constraints and what to remove."""
-    told = machine.description
+    told = mechanism.description
     names = told.constraints.names
     problems = []
     for row, sources in found:
@@ -273,7 +273,7 @@ def _redundancy(
 
 
 def _report(
-    machine: "Machine",
+    mechanism: Mechanism,
     task: Task,
     start: Start,
     closing: Closing,
@@ -283,7 +283,7 @@ def _report(
     units: list[str],
 ) -> Assembly:
     moved = []
-    for index, row in enumerate(machine.coordinates):
+    for index, row in enumerate(mechanism.description.coordinates):
         small = 1e-9 * task.scale[index]
         pairs = (
             (row.name, start.q[index], closing.q[index], row.unit),
@@ -294,7 +294,7 @@ def _report(
             for name, asked, reached, unit in pairs
             if abs(reached - asked) > small * max(1.0, abs(reached))
         ]
-    table = machine.constraints
+    table = mechanism.description.constraints
     names = table.names
     redundant = tuple(
         Redundant(
@@ -318,10 +318,10 @@ def _report(
         residual=by_element(closing.phi),
         velocity_residual=by_element(velocity_gaps),
         moved=tuple(moved),
-        degrees_of_freedom=len(machine.coordinates) - findings.rank,
+        degrees_of_freedom=len(mechanism.description.coordinates) - findings.rank,
         singular=tuple(names[found.row] for found in findings.here_only),
         redundant=redundant,
         not_unique=tuple(dict.fromkeys(table[row].element for row in shares)),
         independent=tuple(row for row in range(len(names)) if row not in lost),
-        coordinates=machine.coordinates,
+        coordinates=mechanism.description.coordinates,
     )

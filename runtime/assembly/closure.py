@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.assembly.dense_equations import Equations, FloatArray
-from runtime.linalg.newton_iteration import newton
+from runtime.linalg.newton_iteration import solve_by_newton
+from runtime.mechanism.dense_equations import Equations, FloatArray
 
 CLOSED = 1e-10  # accuracy: largest scaled gap of joints that are closed
 # measured: growing penalties r of (q - q0)ᵀ W (q - q0) + r Φᵀ Φ
@@ -96,7 +96,7 @@ def refine(task: Task, q: FloatArray) -> FloatArray:
         moved[task.free] += x * scale
         return moved
 
-    found, _ = newton(
+    found, _ = solve_by_newton(
         lambda x: task.gaps(at(x)), lambda x: task.slopes(at(x)), np.zeros(len(scale))
     )
     return at(found)

@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from runtime.assembly.closure import CLOSED, Task
-from runtime.assembly.dense_equations import FloatArray
 from runtime.core.rounding import EPS
+from runtime.mechanism.dense_equations import FloatArray
 from runtime.singularity.local_motion import taylor
-from runtime.singularity.singular_position import Positions
+from runtime.singularity.singular_position import SingularPositions
 
 _NEAR = EPS ** (1.0 / 3.0)  # accuracy: distance d at which the errors d and eps / d² are equal
 _TOLD = 4.0 * EPS**0.5  # accuracy: distance from which on a position shows on which branch it is
@@ -49,9 +49,9 @@ def beside(
     values = np.linalg.svd(matrix / lengths[:, None], compute_uv=False)
     if not values[-1] < _NEAR:
         return None
-    positions = Positions(equations.scaled(task.scale, np.arange(equations.m)))
+    positions = SingularPositions(equations.scaled(task.scale, np.arange(equations.m)))
     rest = np.zeros_like(v)
-    found = positions.near(taylor(task.t, q, v, rest), 0.0)
+    found = positions.find(taylor(task.t, q, v, rest), 0.0)
     if found is None or found.gap > _ROUNDING:
         return None
     away = q - found.q
@@ -59,7 +59,7 @@ def beside(
         part = float(away[fixed_v] @ v[fixed_v]) if fixed_v.any() else float(away @ v)
         along = away * np.sign(part or 1.0)
         along *= np.linalg.norm(v / task.scale) / np.linalg.norm(along / task.scale)
-        found = positions.near(taylor(task.t, q, along, rest), 0.0)
+        found = positions.find(taylor(task.t, q, along, rest), 0.0)
         if found is None or found.gap > _ROUNDING:
             return None
     elif found.astray > _ASTRAY:

@@ -10,10 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.assembly.closure import CLOSED, Task, nearest, refine
-from runtime.assembly.dense_equations import FloatArray
+from runtime.linalg.rank_policy import LOST
+from runtime.mechanism.dense_equations import FloatArray
 
-# accuracy: below it a direction is lost; an assembled dead centre is good to 1e-8
-RANK_TOLERANCE = 1e-6
 # measured: scaled lengths of the displacements at whose ends the rank is taken again
 _SIZES = (0.02, -0.05, 0.1, 0.02, -0.05, 0.1, -0.2)
 _APART = 1e-3  # measured: scaled distance at which a rank deficiency of a single position has ended
@@ -38,7 +37,7 @@ def dependent_rows(matrix: FloatArray, order: list[int]) -> list[Dependency]:
     rows = unit[order]
     if len(rows) <= rows.shape[1]:
         least = np.linalg.svd(rows, compute_uv=False).min(initial=np.inf)
-        if least > 2.0 * RANK_TOLERANCE:
+        if least > 2.0 * LOST:
             return []
     basis: list[FloatArray] = []
     accepted: list[int] = []
@@ -49,7 +48,7 @@ def dependent_rows(matrix: FloatArray, order: list[int]) -> list[Dependency]:
             for vector in basis:
                 rest -= (vector @ rest) * vector
         size = float(np.linalg.norm(rest))
-        if size > RANK_TOLERANCE:
+        if size > LOST:
             basis.append(rest / size)
             accepted.append(row)
             continue
@@ -132,9 +131,9 @@ def undetermined(task: Task, q: FloatArray) -> list[int]:
     matrix = _scaled(task, q)
     matrix = matrix / np.maximum(np.linalg.norm(matrix, axis=1), 1e-300)[:, None]
     left, values, _ = np.linalg.svd(matrix)
-    rank = int(np.sum(values > RANK_TOLERANCE))
+    rank = int(np.sum(values > LOST))
     shares = np.abs(left[:, rank:]).max(axis=1, initial=0.0)
-    return [int(row) for row in np.flatnonzero(shares > RANK_TOLERANCE)]
+    return [int(row) for row in np.flatnonzero(shares > LOST)]
 
 
 def _neighbours(
@@ -145,7 +144,7 @@ def _neighbours(
     matrix = joints.slopes(q)
     if matrix.shape[0]:
         _, values, right = np.linalg.svd(matrix)
-        count = int(np.sum(values > RANK_TOLERANCE * max(1.0, float(values.max(initial=0.0)))))
+        count = int(np.sum(values > LOST * max(1.0, float(values.max(initial=0.0)))))
         motions = right[count:]
     else:
         motions = np.eye(len(q))

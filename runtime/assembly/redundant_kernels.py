@@ -1,6 +1,8 @@
 """A machine whose constraints are more than its motion needs: kernels that bear with it."""
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numba import njit
@@ -8,39 +10,46 @@ from numba import njit
 from codegen.errors import AnalysisError
 from runtime.core.jit import OPTIONS
 from runtime.core.kernels import SIGNATURES, Kernels
+from runtime.integrate.method import EXPLICIT, IMPLICIT, alternatives
 from runtime.integrate.problem import Correction
-from runtime.integrate.wiring import IMPLICIT
-from runtime.linalg.rank_revealing import least, motion
+from runtime.linalg.rank_revealing import solve_least_norm, solve_motion
 from runtime.mechanism.description import Description
+from runtime.mechanism.mechanism import Mechanism
+from runtime.results.assembled_state import Assembly
 
-if TYPE_CHECKING:
-    from runtime.assembly.assembled_state import Assembly
-    from runtime.machine import Machine
-
+_VARIANTS: WeakKeyDictionary[Mechanism, dict[tuple[int, ...], Mechanism]] = WeakKeyDictionary()
+"""Compiled once for each mechanism and choice of independent constraints."""
 _OPTIONS = {name: value for name, value in OPTIONS.items() if name != "cache"}
 
 
-def sound(machine: "Machine", start: "Assembly") -> "Machine":
+def sound(mechanism: Mechanism, start: "Assembly") -> Mechanism:
     """The machine itself, or, where constraints are redundant at its start, one that bears it.
 
     Accelerations and corrections are then solved for with pivots chosen by size, for as many
     independent constraints as there are at the start; of the multipliers those of least norm.
     """
     if not start.redundant:
-        return machine
+        return mechanism
     # A dry friction has a normal force of its own, which needs no reaction.
-    friction = [row.name for row in machine.effects if row.kind == "friction"]
+    friction = [row.name for row in mechanism.description.effects if row.kind == "friction"]
     if friction:
         raise AnalysisError(
-            f"{machine.description.title}: friction in joints ({', '.join(friction)}) follows from "
+            f"{mechanism.title}: friction in joints ({', '.join(friction)}) follows from "
             f"their reactions, which redundant constraints leave undetermined "
             f"({', '.join(row.name for row in start.redundant)}). Remove one or the other."
         )
-    return machine.bearing(start.independent)
+    variants = _VARIANTS.setdefault(mechanism, {})
+    if start.independent not in variants:
+        count = len(start.independent)
+        kernels = minimum_norm_kernels(mechanism.kernels, mechanism.description, count)
+        variants[start.independent] = replace(
+            mechanism, kernels=kernels, sufficient=start.independent
+        )
+    return variants[start.independent]
 
 
 def projecting(
-    machine: "Machine", begin: "Assembly", method: str, correction: Correction
+    mechanism: Mechanism, begin: "Assembly", method: str, correction: Correction
 ) -> Correction:
     """The way back onto redundant constraints; refuses methods that need independent ones.
 
@@ -55,12 +64,12 @@ def projecting(
     names = ", ".join(row.name for row in begin.redundant)
     if method in IMPLICIT:
         raise AnalysisError(
-            f"{machine.description.title}: method {method!r} needs independent constraints, and "
-            f"{names} follow from others. Take dop853 or dopri5, or remove them."
+            f"{mechanism.title}: method {method!r} needs independent constraints, and "
+            f"{names} follow from others. Take {alternatives(EXPLICIT)}, or remove them."
         )
     if correction not in {"step", "projection"}:
         raise AnalysisError(
-            f"{machine.description.title}: with redundant constraints ({names}) states return by "
+            f"{mechanism.title}: with redundant constraints ({names}) states return by "
             f'projection; correction={correction!r} needs independent ones. Leave it at "step".'
         )
     return "projection"
@@ -76,8 +85,8 @@ def spared(start: "Assembly") -> str:
     )
 
 
-def bearing_kernels(kernels: Kernels, told: Description, count: int) -> Kernels:
-    """Kernels in which `count` independent constraints suffice."""
+def minimum_norm_kernels(kernels: Kernels, told: Description, count: int) -> Kernels:
+    """Kernels for which `count` independent constraints suffice."""
     n, m = len(told.coordinates), len(told.constraints)
     accelerations = _accelerations(kernels, told, n, m, m - count)
     correction = _correction(kernels, told, n, m, count)
@@ -99,14 +108,16 @@ def _accelerations(kernels: Kernels, told: Description, n: int, m: int, spare: i
             gamma_of(t, q, v, p, gamma)
         mass_of(q, p, masses)
         forces(t, q, v, p, modes, force)
-        lost = motion(rows, columns, values, mass_rows, mass_columns, masses, force, gamma, a, lam)
+        lost = solve_motion(
+            rows, columns, values, mass_rows, mass_columns, masses, force, gamma, a, lam
+        )
         return 0 if lost <= spare else m
 
     def kinematic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
         values, right, d = np.empty(rows.size), np.empty((1, m)), np.empty((1, n))
         jacobian(t, q, p, values)
         gamma_of(t, q, v, p, right[0])
-        rank = least(rows, columns, values, np.ones(n), right, d)
+        rank = solve_least_norm(rows, columns, values, np.ones(n), right, d)
         a[:] = d[0]
         lam[:] = 0.0
         return 0 if rank >= m - spare else m
@@ -128,7 +139,7 @@ def _correction(kernels: Kernels, told: Description, n: int, m: int, count: int)
             right[0, i] = -right[0, i]
         for k in range(rows.size):
             right[1, rows[k]] -= values[k] * v[columns[k]]
-        rank = least(rows, columns, values, w, right, d)
+        rank = solve_least_norm(rows, columns, values, w, right, d)
         dq[:] = d[0]
         dv[:] = d[1]
         return 0 if rank >= count else m

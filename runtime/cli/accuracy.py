@@ -19,7 +19,6 @@ from runtime.cli.common import (
     write_line,
 )
 
-
 Quantities = Annotated[
     list[str] | None,
     typer.Option(
@@ -70,9 +69,10 @@ def accuracy(
     as_json: Json = False,
 ) -> None:
     """Work-precision: digits against time, by method, formulation and modelling choice."""
+    from runtime.integrate.method import METHODS
     from runtime.studies.work_precision import accuracy as work_precision
     from runtime.studies.work_precision.picture import check_folder, save
-    from runtime.studies.work_precision.settings_grid import FORMULATIONS, METHODS
+    from runtime.studies.work_precision.settings_grid import FORMULATIONS
 
     with exit_on_error(as_json):
         if out is not None:

@@ -30,6 +30,7 @@ from runtime.cli.common import (
     write_line,
 )
 from runtime.cli.matters import matters
+from runtime.integrate.method import METHODS, alternatives
 
 if TYPE_CHECKING:
     from runtime.machine import Machine
@@ -77,7 +78,7 @@ def simulate(
     ] = None,
     method: Annotated[
         str | None,
-        typer.Option(help="Integration method: dop853 (unless given), dopri5, radau5, bdf, auto."),
+        typer.Option(help=f"Integration method: {alternatives(METHODS)}; dop853 unless given."),
     ] = None,
     rtol: Annotated[
         float | None, typer.Option(help="Relative tolerance of a step; 1e-8 unless given.")

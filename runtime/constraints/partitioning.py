@@ -22,9 +22,8 @@ from runtime.core.signatures import (
     matrix,
     vector,
 )
-from runtime.linalg.full_pivoting import pivoted
-
-RANK_TOLERANCE = 1e-10  # accuracy: a pivot below this, rows and columns scaled, is zero
+from runtime.linalg.full_pivoting import factor_fully
+from runtime.linalg.rank_policy import NO_PIVOT
 
 
 @compiled(i8(matrix, vector, integers, integers))
@@ -56,7 +55,7 @@ def eliminate(dense: Matrix, scale: Vector, row_order: Integers, column_order: I
         if largest > 0.0:
             for j in range(n):
                 dense[i, j] /= largest
-    return pivoted(dense, row_order, column_order, RANK_TOLERANCE)
+    return factor_fully(dense, row_order, column_order, NO_PIVOT)
 
 
 @compiled(

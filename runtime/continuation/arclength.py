@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.assembly.dense_equations import FloatArray
+from runtime.mechanism.dense_equations import FloatArray
 from runtime.singularity.scaled_constraints import ScaledConstraints
 
 _LARGEST = 0.2  # measured: longest step along the curve, scaled

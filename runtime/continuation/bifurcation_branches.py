@@ -11,10 +11,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.assembly.dense_equations import Equations, FloatArray
+from runtime.linalg.rank_policy import LOST, NO_PIVOT
+from runtime.mechanism.dense_equations import Equations, FloatArray
 
-# accuracy: singular value, rows and coordinates scaled, below which a direction is lost
-LOST = 1e-5
 SOLVED = 1e-6  # accuracy: |uᵀ ν|, in parts of the speed, below which velocities exist
 _REAL = 1e-6  # accuracy: imaginary part of a root that is rounding
 # accuracy: difference of equal velocities, or of equal distances, in parts of the speed
@@ -142,7 +141,7 @@ def _roots(constant: FloatArray, slope: FloatArray, square: FloatArray) -> list[
         c = np.array(start, dtype=np.float64)
         for _ in range(_ITERATIONS):
             left = constant + slope @ c + (square @ c) @ c
-            step = np.linalg.lstsq(slope + 2.0 * (square @ c), -left, rcond=1e-10)[0]
+            step = np.linalg.lstsq(slope + 2.0 * (square @ c), -left, rcond=NO_PIVOT)[0]
             c = c + step
             if not np.linalg.norm(step) > 1e-14 * (1.0 + np.linalg.norm(c)):
                 break

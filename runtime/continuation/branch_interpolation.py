@@ -9,9 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.continuation.bifurcation_branches import Branch
 from runtime.continuation.predictor_corrector import settle
+from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.singularity.local_motion import Motion, interpolate
 
 # measured: of the time scale; states at this and twice this distance are interpolated
 DISTANCE = 2e-2
@@ -23,14 +24,11 @@ _ENDS = (-1.0, 1.0, -2.0, 2.0)  # formula: nodes of the interpolation, in units 
 
 
 class Zone(NamedTuple):
-    """A branch about a singular instant t; within `reach` of it, s, q is a polynomial.
-
-    `coefficients`, shape (8, n), are those of the powers of 2 (time - t) / reach.
-    """
+    """A branch about a singular instant t; within `reach` of it, s, q is a polynomial."""
 
     t: float
     reach: float
-    coefficients: FloatArray
+    motion: Motion
 
     def holds(self, t: float) -> bool:
         """Whether an instant lies within the zone."""
@@ -38,12 +36,7 @@ class Zone(NamedTuple):
 
     def at(self, t: float) -> tuple[FloatArray, FloatArray]:
         """q and dq/dt at an instant within, each (n,)."""
-        unit = 0.5 * self.reach
-        x = (t - self.t) / unit
-        powers = np.arange(len(self.coefficients))
-        q = x**powers @ self.coefficients
-        v = powers[1:] * x ** (powers[1:] - 1) @ self.coefficients[1:] / unit
-        return q, v
+        return self.motion.at(t - self.t)
 
 
 def zone(
@@ -82,7 +75,7 @@ def _zone(
 ) -> Zone | None:
     w = scale * scale
     values: list[FloatArray] = []
-    slopes: list[FloatArray] = []
+    rates: list[FloatArray] = []
     a = branch.a
     for x in _ENDS:
         h = x * unit
@@ -99,13 +92,10 @@ def _zone(
         if off > _NEAR * apart * abs(h) or veered > _NEAR * apart:
             return None
         values.append(there)
-        slopes.append(unit * v)
+        rates.append(v)
         if x == 1.0:
             # What the equations leave open of the acceleration follows from the nearer two.
-            a = (slopes[1] - slopes[0]) / (2.0 * unit * unit)
-    nodes = np.array(_ENDS)[:, None]
-    powers = np.arange(2.0 * len(nodes))
-    rates = powers[1:] * nodes ** (powers[1:] - 1)
-    matrix = np.vstack([nodes**powers, np.column_stack([np.zeros(len(nodes)), rates])])
-    coefficients = np.linalg.solve(matrix, np.vstack([*values, *slopes]))
-    return Zone(t, 2.0 * unit, coefficients)
+            a = (rates[1] - rates[0]) / (2.0 * unit)
+    orders = [0] * len(_ENDS) + [1] * len(_ENDS)
+    motion = interpolate(t, unit, 2 * _ENDS, orders, np.vstack([*values, *rates]))
+    return Zone(t, 2.0 * unit, motion)

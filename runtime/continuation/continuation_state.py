@@ -4,8 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.assembly.assembled_state import Assembly
-from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.continuation.arclength import Curve, Piece
 from runtime.continuation.branch_interpolation import Zone
 from runtime.continuation.pivot_monitor import (
@@ -25,6 +23,8 @@ from runtime.continuation.pivot_monitor import (
 )
 from runtime.continuation.predictor_corrector import walk
 from runtime.core.outcomes import Outcome
+from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.results.assembled_state import Assembly
 from runtime.results.singular_positions import SingularPosition
 
 _CHUNK = 4096  # measured: instants between two returns to Python, for progress and interrupts

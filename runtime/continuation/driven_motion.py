@@ -8,12 +8,9 @@ come close, or where time turns back, the curve of positions is followed by its 
 
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from runtime.assembly.assembled_state import Assembly
-from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.continuation import singularity_classification as meeting
 from runtime.continuation.arclength import Curve, Point
 from runtime.continuation.bifurcation_branches import Branch, ambiguous, branches
@@ -33,13 +30,13 @@ from runtime.continuation.pivot_monitor import (
 from runtime.continuation.predictor_corrector import ARRIVED, DONE, SUSPECT
 from runtime.core.outcomes import Outcome
 from runtime.core.rounding import EPS
+from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.mechanism import Mechanism
 from runtime.progress_bar import Progress
+from runtime.results.assembled_state import Assembly
 from runtime.results.singular_positions import Kind, SingularPosition
 from runtime.singularity.local_motion import taylor
-from runtime.singularity.singular_position import Positions, Singularity
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine
+from runtime.singularity.singular_position import Singularity, SingularPositions
 
 _ROUNDING = 64.0 * EPS  # accuracy: gap, in parts of the largest coordinate, that is rounding
 _DRIFT = 1e-4  # accuracy: |uᵀ ν|, the drivers' pace 1, at a branch point or a near miss of one
@@ -65,7 +62,7 @@ class Follower:
         self.scale = self.course.scale
         independent = np.asarray(start.independent, dtype=np.int64)
         self.constraints = equations.scaled(self.scale, independent)
-        self.positions = Positions(self.constraints)
+        self.positions = SingularPositions(self.constraints)
         self.awaited: Singularity | None = None
         self.singular: list[SingularPosition] = []
         self.notes = ""
@@ -106,7 +103,7 @@ class Follower:
         t, ahead, speed = course.t, course.ahead, course.speed
         stretch = abs(float(r[END]) - t) if suspect else _ABOUT / speed
         guess = ahead * stretch * float(r[ZERO]) if suspect else 0.0
-        found = self.positions.near(taylor(t, course.q, course.v, course.a), guess)
+        found = self.positions.find(taylor(t, course.q, course.v, course.a), guess)
         if found is not None and not self._on_the_way(found, ahead, stretch):
             found = None
         if found is not None and found.gap <= self._rounding():
@@ -151,7 +148,7 @@ class Follower:
         if choices:
             # Once more from there: what was found by one look from afar is as good as its step.
             motion = taylor(t, q, choices[0].v, choices[0].a)
-            q = (self.positions.near(motion, 0.0) or found).q
+            q = (self.positions.find(motion, 0.0) or found).q
             t = meeting.instant(equations, t, q)
             choices = branches(equations, t, q, coming, self.scale)
         made = None
@@ -186,7 +183,7 @@ class Follower:
             course.q_out[:], course.v_out[:] = q, course.v
             course.record[MARK] = len(course.times)
         else:
-            found = self.positions.near(taylor(t, q, course.v, course.a), 0.0)
+            found = self.positions.find(taylor(t, q, course.v, course.a), 0.0)
             made = self._zone(t, q, choices, course.speed if found is None else found.rate)
             if made is None:
                 raise meeting.no_start(equations, told, [])
@@ -270,7 +267,7 @@ class Follower:
 
 
 def follow(
-    machine: "Machine",
+    mechanism: Mechanism,
     times: FloatArray,
     start: Assembly,
     wished: FloatArray,
@@ -278,7 +275,7 @@ def follow(
     progress: Progress,
 ) -> Walk:
     """Walk from the assembled start through `times`; `wished`: the start velocities asked for."""
-    follower = Follower(Equations(machine, p), times, start)
+    follower = Follower(Equations(mechanism, p), times, start)
     course = follower.course
     if course.weak or start.singular:
         # Here Phi_q says neither which branch it is nor how it curves.

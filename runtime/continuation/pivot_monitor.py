@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from runtime.core.jit import inner
-from runtime.linalg.row_elimination import REDUNDANT, fill, reduce, smallest
+from runtime.linalg.rank_policy import REDUNDANT
+from runtime.linalg.row_elimination import eliminate_rows, fill_unit_rows, smallest_pivot
 
 # Places in the record that a walk leaves behind. BARRIER: an instant to stop at, or not a number.
 # TRAVEL: scaled motion since pivots were looked at; LEAST: the smallest then, negative where they
@@ -38,9 +39,9 @@ def look(
 ) -> None:  # fmt: skip
     """Keep this state and the pivots there as what the next look is compared with."""
     n = len(q)
-    fill(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
-    reduce(dense, order, pivots[0], 1)
-    record[LEAST] = smallest(pivots[0])
+    fill_unit_rows(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
+    eliminate_rows(dense, order, pivots[0], 1)
+    record[LEAST] = smallest_pivot(pivots[0])
     record[TRAVEL] = 0.0
     record[LOOK_T] = t
     record[LOOK_MARK] = record[MARK]
@@ -69,8 +70,8 @@ def suspicious(
     """
     now, later, between = pivots[0], pivots[1], pivots[2]
     before, moved = work[LOOK_Q], work[SPARE]
-    fill(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
-    reduce(dense, order, later, 0)
+    fill_unit_rows(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
+    eliminate_rows(dense, order, later, 0)
     changes = 0
     poorest = np.inf
     for i in range(now.size):
@@ -81,18 +82,18 @@ def suspicious(
         middle = record[LOOK_T] + share * (t - record[LOOK_T])
         for j in range(len(q)):
             moved[j] = before[j] + share * (q[j] - before[j])
-        fill(jacobian, middle, moved, p, scale, sparse[0], sparse[1], values, dense)
-        reduce(dense, spare, between, 1)
-        least = smallest(between)
+        fill_unit_rows(jacobian, middle, moved, p, scale, sparse[0], sparse[1], values, dense)
+        eliminate_rows(dense, spare, between, 1)
+        least = smallest_pivot(between)
         if least < poorest:
             poorest = least
             record[ZERO] = share
     if changes % 2 == 0:
         if changes == 0:
             return False
-        fill(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
-        reduce(dense, spare, between, 1)
-        if poorest >= _POOR * min(record[LEAST], smallest(between)):
+        fill_unit_rows(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
+        eliminate_rows(dense, spare, between, 1)
+        if poorest >= _POOR * min(record[LEAST], smallest_pivot(between)):
             return False
     record[END] = t
     return True

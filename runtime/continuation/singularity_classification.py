@@ -11,9 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from codegen.errors import AnalysisError
-from runtime.assembly.dense_equations import Equations, FloatArray
-from runtime.continuation.bifurcation_branches import LOST, SOLVED, Branch, lost
+from runtime.continuation.bifurcation_branches import SOLVED, Branch, lost
 from runtime.integrate.trajectory import Crossing
+from runtime.linalg.rank_policy import LOST
+from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.results.singular_positions import Kind, SingularPosition
 
 # measured: part of the largest share in a rank deficiency; constraints above it are named

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from codegen.errors import InputError
-from runtime.assembly.assembled_state import Assembly
-from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.assembly.redundant_kernels import projecting, sound
 from runtime.core.system import System
+from runtime.integrate.method import IMPLICIT
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
-from runtime.integrate.wiring import IMPLICIT
+from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.mechanism import Mechanism
+from runtime.results.assembled_state import Assembly
 
 if TYPE_CHECKING:
-    from runtime.machine import Machine
     from runtime.mechanism.reduced_kernels import Reduced
 
 FORMULATIONS = ("cartesian", "reduced")
@@ -45,7 +45,7 @@ class Coordinates(Protocol):
         How states return onto the constraints.
     """
 
-    machine: "Machine"
+    mechanism: Mechanism
     system: System
     p: FloatArray
     q: FloatArray
@@ -65,22 +65,25 @@ class AllCoordinates:
 
     def __init__(
         self,
-        machine: "Machine",
+        mechanism: Mechanism,
         p: FloatArray,
         begin: Assembly,
         sizes: FloatArray,
         method: str,
         correction: Correction,
     ) -> None:
-        self.machine, self.p, self.sizes, self.correction = machine, p, sizes, correction
+        self.mechanism, self.p, self.sizes, self.correction = mechanism, p, sizes, correction
         if begin.redundant:
-            self.machine = sound(machine, begin)
-            self.correction = projecting(machine, begin, method, correction)
-        self.system, self.spreads = self.machine.system, np.zeros(len(machine.description.switches))
+            self.mechanism = sound(mechanism, begin)
+            self.correction = projecting(mechanism, begin, method, correction)
+        self.system, self.spreads = (
+            self.mechanism.system,
+            np.zeros(len(mechanism.description.switches)),
+        )
         if method in IMPLICIT:
-            self.system = replace(self.system, **self.machine.tangents._asdict())
+            self.system = replace(self.system, **self.mechanism.tangents._asdict())
         self.q, self.v = np.ascontiguousarray(begin.q), np.ascontiguousarray(begin.v)
-        self.scale = self.mobility = _mobility(Equations(machine, p).mass(begin.q))
+        self.scale = self.mobility = _mobility(Equations(mechanism, p).mass(begin.q))
 
     def whole(self, run: Trajectory) -> Trajectory:
         """The run itself."""
@@ -98,33 +101,33 @@ class KeptCoordinates:
 
     def __init__(
         self,
-        machine: "Machine",
+        mechanism: Mechanism,
         p: FloatArray,
         begin: Assembly,
         sizes: FloatArray,
         correction: Correction,
     ) -> None:
-        _refuse(machine, begin, correction)
-        self.machine, self.correction, self._begin = machine, correction, begin
-        self.reduced = reduced = machine.reduced
+        _refuse(mechanism, begin, correction)
+        self.mechanism, self.correction, self._begin = mechanism, correction, begin
+        self.reduced = reduced = mechanism.reduced
         self.system = reduced.system
         kept = reduced.kept
         self.q, self.v = begin.q[kept].copy(), begin.v[kept].copy()
         self.sizes = sizes[kept]
         self.p = reduced.parameters(p, begin.t, begin.q)
-        _refuse_dead_centre(machine, reduced, begin, self.p, self.sizes)
+        _refuse_dead_centre(mechanism, reduced, begin, self.p, self.sizes)
         values, mass = np.zeros(len(reduced.mass[0])), np.zeros((len(kept), len(kept)))
         reduced.kernels.mass(self.q, self.p, values)
         mass[reduced.mass] = values
         self.scale = _mobility(mass)
-        self.spreads = _spreads(machine, p, begin, sizes)
+        self.spreads = _spreads(mechanism, p, begin, sizes)
         self.mobility = np.ones(len(begin.q))
         self.mobility[kept] = self.scale
 
     def whole(self, run: Trajectory) -> Trajectory:
         """All coordinates at the samples, the events and the end."""
         reduced, events = self.reduced, run.events
-        count, n = len(run.t), len(self.machine.coordinates)
+        count, n = len(run.t), len(self.mechanism.description.coordinates)
         t = np.concatenate([run.t, events.t, [run.final_t]])
         q = np.vstack([run.q, events.q, run.final_q[None, :]])
         v = np.vstack([run.v, events.v, run.final_v[None, :]])
@@ -153,14 +156,14 @@ class KeptCoordinates:
         )
 
     def _all(self, direction: FloatArray) -> FloatArray:
-        found = np.zeros(len(self.machine.coordinates))
+        found = np.zeros(len(self.mechanism.description.coordinates))
         found[self.reduced.kept] = direction
         return found
 
 
 def coordinates(
     formulation: Formulation,
-    machine: "Machine",
+    mechanism: Mechanism,
     p: FloatArray,
     begin: Assembly,
     sizes: FloatArray,
@@ -177,8 +180,8 @@ def coordinates(
     if formulation not in FORMULATIONS:
         raise InputError(f"formulation = {formulation!r} must be one of {', '.join(FORMULATIONS)}.")
     if formulation == "reduced":
-        return KeptCoordinates(machine, p, begin, sizes, correction)
-    return AllCoordinates(machine, p, begin, sizes, method, correction)
+        return KeptCoordinates(mechanism, p, begin, sizes, correction)
+    return AllCoordinates(mechanism, p, begin, sizes, method, correction)
 
 
 def _mobility(mass: FloatArray) -> FloatArray:
@@ -192,13 +195,13 @@ def _mobility(mass: FloatArray) -> FloatArray:
     return 1.0 / np.sqrt(np.where(heavy, inertia, 0.01 * inertia[heavy].min()))
 
 
-def _spreads(machine: "Machine", p: FloatArray, begin: Assembly, sizes: FloatArray) -> FloatArray:
+def _spreads(mechanism: Mechanism, p: FloatArray, begin: Assembly, sizes: FloatArray) -> FloatArray:
     """Σ |∂g/∂(q, q̇)| times the sizes: the rounding of g is that of what it is made of.
 
     At a dead point of what is watched, nothing of that is seen from the kept coordinates.
     """
-    n, s = len(sizes), len(machine.description.switches)
-    rates = machine.kernels.switching_rates
+    n, s = len(sizes), len(mechanism.description.switches)
+    rates = mechanism.kernels.switching_rates
     found, rest, now = np.zeros(s), np.zeros(s), np.zeros(s)
     unit = np.zeros(2 * n)
     rates(begin.t, begin.q, unit[:n], unit[n:], p, rest)
@@ -211,8 +214,8 @@ def _spreads(machine: "Machine", p: FloatArray, begin: Assembly, sizes: FloatArr
     return found
 
 
-def _refuse(machine: "Machine", begin: Assembly, correction: Correction) -> None:
-    told = machine.description
+def _refuse(mechanism: Mechanism, begin: Assembly, correction: Correction) -> None:
+    told = mechanism.description
     problems = []
     if correction not in _CORRECTIONS:
         problems.append(
@@ -243,9 +246,9 @@ def _refuse(machine: "Machine", begin: Assembly, correction: Correction) -> None
 
 
 def _refuse_dead_centre(
-    machine: "Machine", reduced: "Reduced", begin: Assembly, p: FloatArray, sizes: FloatArray
+    mechanism: Mechanism, reduced: "Reduced", begin: Assembly, p: FloatArray, sizes: FloatArray
 ) -> None:
-    told = machine.description
+    told = mechanism.description
     steep = reduced.steepness(begin.t, begin.q[reduced.kept], p, sizes)
     problems = [
         f"{told.title}: the run starts with {told.constraints[row].name} at a dead centre of its "

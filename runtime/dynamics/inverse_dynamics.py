@@ -6,41 +6,38 @@ decided here, and friction that does not slip has no force that the motion deter
 refused.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError
 from runtime.dynamics.kinematics import kinematics
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
 from runtime.validation.contacts import require_slip
 from runtime.validation.masses import require_masses
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine, Values
+from runtime.validation.parameters import parameter_values
 
 
 def inverse_dynamics(
-    machine: "Machine",
+    mechanism: Mechanism,
     t_eval: npt.ArrayLike,
     *,
-    parameters: "Values | None" = None,
-    guess: "Values | None" = None,
+    parameters: Values | None = None,
+    guess: Values | None = None,
     t_start: float = 0.0,
     progress: Progress = silent,
 ) -> Result:
     """Motion, reactions, drives and powers at the instants `t_eval`; see `kinematics`."""
-    told = machine.description
+    told = mechanism.description
     if not told.has_masses:
         raise AnalysisError(
             f"{told.title}: inverse dynamics needs masses, and this scene has a body without. "
             f"Give every body a mass and an inertia, or ask for kinematics."
         )
-    p = machine.parameter_values(parameters)
-    require_masses(machine, p)
+    p = parameter_values(mechanism, parameters)
+    require_masses(mechanism, p)
     found = kinematics(
-        machine,
+        mechanism,
         t_eval,
         parameters=parameters,
         guess=guess,
@@ -48,5 +45,5 @@ def inverse_dynamics(
         progress=progress,
         analysis="inverse dynamics",
     )
-    require_slip(machine, p, found.samples)
+    require_slip(mechanism, p, found.samples)
     return found

@@ -1,37 +1,35 @@
 """Kinematic analysis: the motion of a machine whose drivers leave it no freedom."""
 
 import time as clock
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError
 from runtime.assembly.assemble import assemble, start_values
-from runtime.assembly.assembled_state import Assembly
 from runtime.assembly.redundant_kernels import sound, spared
 from runtime.continuation.driven_motion import follow
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
+from runtime.results.assembled_state import Assembly
 from runtime.results.event_records import CROSSED, LOCKED, Event
 from runtime.results.result import Result
 from runtime.results.singular_positions import SingularPosition
+from runtime.validation.arguments import instants
 from runtime.validation.contacts import require_no_rigid
-from runtime.validation.output_times import instants
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine, Values
+from runtime.validation.parameters import parameter_values
 
 _DIRECTIONS = {"crossing": CROSSED, "lock-up": LOCKED}
 
 
 def kinematics(
-    machine: "Machine",
+    mechanism: Mechanism,
     t_eval: npt.ArrayLike,
     *,
-    parameters: "Values | None" = None,
-    guess: "Values | None" = None,
+    parameters: Values | None = None,
+    guess: Values | None = None,
     t_start: float = 0.0,
     progress: Progress = silent,
     analysis: str = "kinematics",
@@ -56,15 +54,15 @@ def kinematics(
         to the first of `t_eval`, so that it stays on the branch on which it starts.
     """
     began = clock.perf_counter()
-    require_no_rigid(machine, analysis)
+    require_no_rigid(mechanism, analysis)
     times = instants(t_eval)
-    start = assemble(machine, guess, parameters, t_start)
-    require_driven(machine, start, analysis)
-    machine = sound(machine, start)
-    wished = start_values(machine, guess).v
-    p = machine.parameter_values(parameters)
-    found = follow(machine, times, start, wished, p, progress)
-    samples = evaluate(machine, p, found.t, found.q, found.v)
+    start = assemble(mechanism, guess, parameters, t_start)
+    require_driven(mechanism, start, analysis)
+    mechanism = sound(mechanism, start)
+    wished = start_values(mechanism, guess).v
+    p = parameter_values(mechanism, parameters)
+    found = follow(mechanism, times, start, wished, p, progress)
+    samples = evaluate(mechanism, p, found.t, found.q, found.v)
     instants_lost = np.flatnonzero(np.isnan(samples.a).any(axis=1))
     found.stats["singular_instants"] = len(instants_lost)
     message = found.message
@@ -76,7 +74,7 @@ def kinematics(
         )
     found.stats["wall_seconds"] = clock.perf_counter() - began
     return Result(
-        machine,
+        mechanism.description,
         samples,
         p,
         analysis=analysis,
@@ -95,12 +93,12 @@ def _event(row: SingularPosition) -> Event:
     return Event(row.title, row.time, _DIRECTIONS[row.kind], row.q, row.v)
 
 
-def require_driven(machine: "Machine", start: Assembly, analysis: str) -> None:
+def require_driven(mechanism: Mechanism, start: Assembly, analysis: str) -> None:
     """Refuse a machine that its drivers leave free to move."""
     free = start.degrees_of_freedom
     if free == 0:
         return
-    told = machine.description
+    told = mechanism.description
     drivers = ", ".join(told.drivers) or "none"
     left_out = [row.name for row in told.left_out if "driver" in row.kind]
     hint = f" Declared but left out of this scene: {', '.join(left_out)}." if left_out else ""

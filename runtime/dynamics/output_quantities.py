@@ -1,6 +1,6 @@
 """Accelerations, reactions, powers, energies and residuals at given states: one compiled loop."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -8,10 +8,8 @@ from numba import types
 
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.kernels import FETCH, MATRIX, MODE_ROWS, MODES, VECTOR
+from runtime.mechanism.mechanism import Mechanism
 from runtime.results.samples import Samples
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -149,7 +147,7 @@ def _find_modes(
 
 
 def evaluate(
-    machine: "Machine",
+    mechanism: Mechanism,
     p: FloatArray,
     t: FloatArray,
     q: FloatArray,
@@ -165,7 +163,7 @@ def evaluate(
     modes
         Shape (instants, s); found from the states where not given.
     """
-    told = machine.description
+    told = mechanism.description
     count, n, m = len(t), len(told.coordinates), len(told.constraints)
     t, q, v = (np.ascontiguousarray(array, dtype=np.float64) for array in (t, q, v))
     if modes is None:
@@ -173,7 +171,7 @@ def evaluate(
         if told.switches:
             s = len(told.switches)
             _find_modes(
-                machine.kernel_table, t, p, q, v, modes,
+                mechanism.kernel_table, t, p, q, v, modes,
                 np.zeros(n), np.zeros(m), np.zeros(s), np.zeros(s),
             )  # fmt: skip
     modes = np.ascontiguousarray(modes, dtype=np.int64)
@@ -186,7 +184,7 @@ def evaluate(
     for contact in told.rigid:
         plain[:, contact.switch] = 1
     _evaluate(
-        machine.kernel_table, t, p, q, v, plain,
+        mechanism.kernel_table, t, p, q, v, plain,
         told.jacobian_rows.astype(np.int64), told.jacobian_columns.astype(np.int64),
         a, lam, reaction, power, energy, residual, weak, np.zeros(len(told.jacobian_rows)),
         np.zeros(m),
@@ -198,7 +196,7 @@ def evaluate(
     if (modes == 2).any():
         from runtime.dynamics.sliding_outputs import mix_held
 
-        share = mix_held(machine, p, t, q, v, modes, a, lam, reaction, power)
+        share = mix_held(mechanism, p, t, q, v, modes, a, lam, reaction, power)
     else:
         share = np.full(modes.shape, np.nan)
     return Samples(t, q, v, a, lam, reaction, power, energy, residual, modes, share)

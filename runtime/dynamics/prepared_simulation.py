@@ -1,22 +1,18 @@
 """A machine put together at its start, from which it may be integrated more than once."""
 
-from typing import TYPE_CHECKING
-
 from runtime.assembly.assemble import assemble
-from runtime.assembly.assembled_state import Assembly
-from runtime.assembly.coordinate_scales import magnitudes
-from runtime.assembly.dense_equations import Equations
 from runtime.dynamics.formulations import Coordinates, coordinates
 from runtime.integrate.problem import Correction, Formulation, Options, Problem
 from runtime.integrate.run import integrate
 from runtime.integrate.trajectory import Trajectory
+from runtime.mechanism.dense_equations import Equations, magnitudes
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress
+from runtime.results.assembled_state import Assembly
 from runtime.validation.contacts import require_apart
 from runtime.validation.masses import require_masses
+from runtime.validation.parameters import parameter_values
 from runtime.validation.scene_support import refuse_massless, refuse_structure
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine, Values
 
 
 class Prepared:
@@ -39,33 +35,33 @@ class Prepared:
 
     def __init__(
         self,
-        machine: "Machine",
+        mechanism: Mechanism,
         t_end: float,
         *,
         t_start: float,
-        parameters: "Values | None",
-        guess: "Values | None",
+        parameters: Values | None,
+        guess: Values | None,
         start: Assembly | None,
     ) -> None:
-        if not machine.description.has_masses:
-            refuse_massless(machine)
-        self.machine, self.t_end = machine, float(t_end)
-        self.p = p = machine.parameter_values(parameters)
-        require_masses(machine, p)
-        begin = start if start is not None else assemble(machine, guess, parameters, t_start)
-        equations = Equations(machine, p)
+        if not mechanism.description.has_masses:
+            refuse_massless(mechanism)
+        self.mechanism, self.t_end = mechanism, float(t_end)
+        self.p = p = parameter_values(mechanism, parameters)
+        require_masses(mechanism, p)
+        begin = start if start is not None else assemble(mechanism, guess, parameters, t_start)
+        equations = Equations(mechanism, p)
         self.begin, self.sizes = begin, magnitudes(equations, begin.t, begin.q)
         least = float(self.sizes.min(initial=1.0))
-        require_apart(machine, p, begin.t, begin.q, begin.v, least)
+        require_apart(mechanism, p, begin.t, begin.q, begin.v, least)
         if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
-            refuse_structure(machine)
+            refuse_structure(mechanism)
 
     def coordinates(
         self, formulation: Formulation, method: str, correction: Correction
     ) -> Coordinates:
         """What is integrated: see `runtime.dynamics.formulations`."""
         return coordinates(
-            formulation, self.machine, self.p, self.begin, self.sizes, method, correction
+            formulation, self.mechanism, self.p, self.begin, self.sizes, method, correction
         )
 
     def run(self, taken: Coordinates, options: Options, progress: Progress) -> Trajectory:

@@ -2,13 +2,10 @@
 
 import time as clock
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal, NamedTuple, cast
 
 import numpy as np
 import numpy.typing as npt
 
-from runtime.assembly.assembled_state import Assembly
-from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.assembly.redundant_kernels import spared
 from runtime.continuation.singularity_classification import passed
 from runtime.core.outcomes import Outcome
@@ -18,33 +15,19 @@ from runtime.dynamics.prepared_simulation import Prepared
 from runtime.dynamics.work import laid, with_works
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.trajectory import Trajectory
+from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
+from runtime.results.assembled_state import Assembly
 from runtime.results.event_records import Event
 from runtime.results.result import Result
-from runtime.validation.output_times import instants
+from runtime.results.samples import Partition
+from runtime.validation.arguments import instants
 from runtime.validation.scene_support import carried
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine, Values
-
-
-class Partition(NamedTuple):
-    """The independent coordinates were chosen anew.
-
-    Attributes
-    ----------
-    time
-        From which on they hold, s.
-    independent
-        Their names; the others follow from them by the constraints.
-    """
-
-    time: float
-    independent: tuple[str, ...]
 
 
 def simulate(
-    machine: "Machine",
+    mechanism: Mechanism,
     t_end: float,
     t_eval: npt.ArrayLike | None = None,
     *,
@@ -52,8 +35,8 @@ def simulate(
     method: str = "dop853",
     rtol: float = 1e-8,
     atol: float | None = None,
-    parameters: "Values | None" = None,
-    guess: "Values | None" = None,
+    parameters: Values | None = None,
+    guess: Values | None = None,
     start: Assembly | None = None,
     correction: Correction = "step",
     formulation: Formulation = "cartesian",
@@ -74,10 +57,11 @@ def simulate(
     t_start
         First instant in s; that of `start` where one is given.
     method
-        "dop853" or "dopri5", explicit. "radau5" or "bdf", implicit, for what is stiff: contacts and
-        springs much stiffer than the motion is fast; "radau5" also where these vibrate. "auto"
-        starts with "dop853" and changes to an implicit method where it finds the equations stiff,
-        and back. All but the first two take exact derivatives, built when they are first needed.
+        "dop853", of order 8, "dopri5" or "tsit5", of order 5, explicit. "radau5" or "bdf",
+        implicit, for stiff equations: contacts and springs much stiffer than the motion is fast;
+        "radau5" also where these vibrate. "auto" starts with "dop853" and changes to an implicit
+        method where it finds the equations stiff, and back. The last three take exact derivatives,
+        built when they are first needed.
     rtol, atol
         Tolerances of a step: `atol` + `rtol` times the value, for each coordinate and velocity;
         `atol` in m, rad, m/s, rad/s. Unless it is given, it is `rtol` times a typical size: 1 rad
@@ -101,12 +85,12 @@ def simulate(
     """
     began = clock.perf_counter()
     ready = Prepared(
-        machine, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start
+        mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start
     )
     taken = ready.coordinates(formulation, method, correction)
     # An unknown method is refused by the integrator, together with all else that is wrong.
     options = Options(
-        method=cast(Literal["dopri5", "dop853", "bdf", "radau5", "auto"], method),
+        method=method,
         rtol=rtol,
         atol_q=atol,
         atol_v=atol,
@@ -139,23 +123,23 @@ def finished(
     """
     times = None if options.t_eval is None else np.asarray(options.t_eval, dtype=np.float64)
     begin, plan = ready.begin, None
-    if ready.machine.description.working:
+    if ready.mechanism.description.working:
         ends = ready.run(taken, replace(options, t_eval=None), progress).t
         plan = laid(begin.t, ends, times)
         run = ready.run(taken, replace(options, t_eval=plan.instants), progress)
     elif run is None:
         run = ready.run(taken, options, progress)
-    machine, equations = taken.machine, Equations(taken.machine, ready.p)
-    found = _result(machine, run, ready.p, began, begin)
+    mechanism, equations = taken.mechanism, Equations(taken.mechanism, ready.p)
+    found = _result(mechanism, run, ready.p, began, begin)
     if plan:
         found = with_works(found, plan)
     found.singular = tuple(passed(equations, begin.t, begin.q, taken.mobility, run.crossings))
-    found.message += carried(machine, begin.degrees_of_freedom)
+    found.message += carried(mechanism, begin.degrees_of_freedom)
     return found
 
 
 def _result(
-    machine: "Machine", run: Trajectory, p: FloatArray, began: float, begin: Assembly
+    mechanism: Mechanism, run: Trajectory, p: FloatArray, began: float, begin: Assembly
 ) -> Result:
     """Outputs at the samples; a run that stopped early gets its last state as one more."""
     t, q, v, modes = run.t, run.q, run.v, run.modes
@@ -163,7 +147,7 @@ def _result(
         t = np.append(t, run.final_t)
         q, v = np.vstack([q, run.final_q]), np.vstack([v, run.final_v])
         modes = np.vstack([modes, run.final_modes[None, :]])
-    samples = evaluate(machine, p, t, q, v, modes)
+    samples = evaluate(mechanism, p, t, q, v, modes)
     counts = run.statistics
     stats = {
         "steps": counts.steps,
@@ -185,7 +169,7 @@ def _result(
         "integration_seconds": counts.seconds,
         "wall_seconds": clock.perf_counter() - began,
     }
-    switches = machine.description.switches
+    switches = mechanism.description.switches
     events = [
         Event(
             switches[int(index)].title,
@@ -199,18 +183,18 @@ def _result(
             strict=True,
         )
     ]  # fmt: skip
-    names = machine.coordinates.names
+    names = mechanism.description.coordinates.names
     partitions = [
         Partition(float(t), tuple(name for name, free in zip(names, chosen, strict=True) if free))
         for t, chosen in zip(run.partitions.t, run.partitions.independent, strict=True)
     ]
     return Result(
-        machine,
+        mechanism.description,
         samples,
         p,
         analysis="simulation",
         outcome=run.outcome,
-        message=_message(machine, run) + spared(begin),
+        message=_message(mechanism, run) + spared(begin),
         stats=stats,
         events=events,
         partitions=partitions,
@@ -227,7 +211,7 @@ def _changes(run: Trajectory) -> str:
     return f" Methods: {', '.join(shown)}{f', and {rest} more changes' if rest else ''}."
 
 
-def _crossed(machine: "Machine", run: Trajectory) -> str:
+def _crossed(mechanism: Mechanism, run: Trajectory) -> str:
     """Which singular positions were passed, and what it cost, where there were any."""
     if not run.crossings:
         return ""
@@ -237,7 +221,7 @@ def _crossed(machine: "Machine", run: Trajectory) -> str:
     told = (
         f" Passed {count} singular position{'s' if count > 1 else ''} on the branch on which the "
         f"velocity is continuous, the first at t = {first.t:.6g} s, where "
-        f"{machine.constraints.names[first.row]} lost its hold."
+        f"{mechanism.description.constraints.names[first.row]} lost its hold."
     )
     if worst.error > 1.0:
         told += (
@@ -247,14 +231,14 @@ def _crossed(machine: "Machine", run: Trajectory) -> str:
     return told
 
 
-def _message(machine: "Machine", run: Trajectory) -> str:
+def _message(mechanism: Mechanism, run: Trajectory) -> str:
     """How the run ended, with its time and the element concerned."""
     if run.outcome is Outcome.OK:
         return (
             f"Reached t = {run.final_t:g} s in {run.statistics.steps} steps."
-            f"{_changes(run)}{_crossed(machine, run)}"
+            f"{_changes(run)}{_crossed(mechanism, run)}"
         )
-    told = machine.description
+    told = mechanism.description
     where = ""
     if run.index >= 0:
         if run.outcome.of_switch:

@@ -1,6 +1,6 @@
 """Outputs where something is held: where the motion slides, sticks, or a contact is closed."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -30,9 +30,7 @@ from runtime.hybrid.mode_reactions import mix
 from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.hybrid.stiction_force import engage, release
 from runtime.integrate.wiring import wire
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine
+from runtime.mechanism.mechanism import Mechanism
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -117,7 +115,7 @@ def _mix_rows(
 
 
 def mix_held(
-    machine: "Machine",
+    machine: Mechanism,
     p: FloatArray,
     t: FloatArray,
     q: FloatArray,

@@ -15,60 +15,8 @@ from runtime.core.function_table import (
 )
 from runtime.core.jit import inner
 from runtime.core.signatures import Integers, Vector
-
-SINGULAR = 1e-11  # accuracy: pivot of a row whose largest entry is one, below which it is rounding
-
-
-@inner
-def balance(matrix: Vector, right: Vector, count: int) -> int:
-    """Divide each row and its right side by its largest entry; 1 where a row is empty, else 0."""
-    for i in range(count):
-        largest = 0.0
-        for j in range(count):
-            largest = max(largest, abs(matrix[i * count + j]))
-        if not largest > 0.0:
-            return 1
-        for j in range(count):
-            matrix[i * count + j] /= largest
-        right[i] /= largest
-    return 0
-
-
-@inner
-def solve(matrix: Vector, right: Vector, count: int) -> int:
-    """Solve a small dense system in place, `matrix` by rows; 0, or 1 where it is singular.
-
-    Rows are first divided by their largest entries, so that a pivot tells by its size alone
-    whether one of several holds does what the others do already.
-    """
-    if balance(matrix, right, count) != 0:
-        return 1
-    for step in range(count):
-        at = step
-        for i in range(step + 1, count):
-            if abs(matrix[i * count + step]) > abs(matrix[at * count + step]):
-                at = i
-        pivot = matrix[at * count + step]
-        if not abs(pivot) > SINGULAR:
-            return 1
-        if at != step:
-            for j in range(count):
-                matrix[step * count + j], matrix[at * count + j] = (
-                    matrix[at * count + j],
-                    matrix[step * count + j],
-                )
-            right[step], right[at] = right[at], right[step]
-        for i in range(step + 1, count):
-            factor = matrix[i * count + step] / pivot
-            for j in range(step, count):
-                matrix[i * count + j] -= factor * matrix[step * count + j]
-            right[i] -= factor * right[step]
-    for i in range(count - 1, -1, -1):
-        total = right[i]
-        for j in range(i + 1, count):
-            total -= matrix[i * count + j] * right[j]
-        right[i] = total / matrix[i * count + i]
-    return 0
+from runtime.linalg.lu import equilibrate
+from runtime.linalg.rank_policy import SAME_HOLD
 
 
 @inner
@@ -80,7 +28,7 @@ def least(
     reach: Vector,
     slack: float,
 ) -> int:
-    """As `solve`, for the smallest of many solutions; 1 where there is none.
+    """As `solve_equilibrated`, for the smallest of many solutions; 1 where there is none.
 
     Several frictions of one freedom hold it in many ways, of which the sum of |column| x²/reach is
     least here: each then bears the same part of its reach, so that they hold whatever can be held,
@@ -101,7 +49,7 @@ def least(
     s = machine[SWITCHES]
     rigid = integers_at(machine, RIGID, s)
     held = view(integers_at(machine, PLAIN, 2 * s), s, s)
-    if balance(matrix, right, count) != 0:
+    if equilibrate(matrix, right, count) != 0:
         return 1
     for c in range(count):
         norm = 0.0
@@ -136,7 +84,7 @@ def least(
             for c in range(count):
                 rest += matrix[i * count + c] ** 2
             root = np.sqrt(rest)
-            if root > SINGULAR * np.sqrt(size):
+            if root > SAME_HOLD * np.sqrt(size):
                 for c in range(count):
                     matrix[i * count + c] /= root
                 right[i] /= root
@@ -170,4 +118,4 @@ def same(machine: Integers, k: int, other: int) -> bool:
         d = i if held[i] == other else d
     product = matrix[c * count + c] * matrix[d * count + d]
     crossed = matrix[c * count + d] * matrix[d * count + c]
-    return bool(abs(product - crossed) <= SINGULAR * abs(product))
+    return bool(abs(product - crossed) <= SAME_HOLD * abs(product))

@@ -22,9 +22,11 @@ from runtime.core.function_table import (
 from runtime.core.jit import addressed, inner
 from runtime.core.signatures import IMPACT, RETURN_HELD, Integers, Vector
 from runtime.core.workspace import ATOL, LARGEST, NOW, RATE_NOW, RESERVE, ROWS
-from runtime.hybrid.degenerate_sliding import least, solve
+from runtime.hybrid.degenerate_sliding import least
 from runtime.hybrid.sliding_modes import CANCELLED, HELD_MODE, shares, units
 from runtime.hybrid.stiction_force import FREE_MODE
+from runtime.linalg.lu import solve_equilibrated
+from runtime.linalg.rank_policy import SAME_HOLD
 
 ON_SURFACE = 1e-13  # accuracy: |g| over its running maximum below which g is zero at an event
 
@@ -232,7 +234,7 @@ def return_held(
                     copy[i * count + j] = matrix[i * count + j]
                     if level == 0 and not closed:
                         copy[i * count + j] = 1.0 if i == j else 0.0
-            if attempt == 0 and solve(copy, right, count) == 0:
+            if attempt == 0 and solve_equilibrated(copy, right, count, SAME_HOLD) == 0:
                 break
             if attempt == 1:
                 for c in range(count):

@@ -36,7 +36,7 @@ from runtime.core.function_table import (
 from runtime.core.jit import inner
 from runtime.core.rounding import EPS
 from runtime.core.signatures import Integers, Vector
-from runtime.hybrid.degenerate_sliding import SINGULAR, least, solve
+from runtime.hybrid.degenerate_sliding import least
 from runtime.hybrid.stiction_force import (
     FREE_MODE,
     choose_units,
@@ -44,6 +44,8 @@ from runtime.hybrid.stiction_force import (
     outgrown,
     release,
 )
+from runtime.linalg.lu import solve_equilibrated
+from runtime.linalg.rank_policy import SAME_HOLD
 
 CANCELLED = 64.0 * EPS
 """accuracy: of the largest of some terms; a sum below it is their rounding."""
@@ -191,7 +193,7 @@ def balanced(machine: Integers, count: int) -> None:
         right[i] = -base[i]
     for i in range(count * count):
         copy[i] = matrix[i]
-    if solve(copy, right, count) != 0:
+    if solve_equilibrated(copy, right, count, SAME_HOLD) != 0:
         low, high = floats_at(machine, LOW, s), floats_at(machine, HIGH, s)
         middle = view(work, (s + 1) * size + s * s + 2 * s, s)
         reach = view(work, (s + 1) * size + s * s + s, s)
@@ -207,7 +209,7 @@ def balanced(machine: Integers, count: int) -> None:
             for c in range(count):
                 copy[i * count + c] = matrix[i * count + c]
                 right[i] -= matrix[i * count + c] * middle[c]
-        found = least(machine, copy, right, count, reach, SINGULAR)
+        found = least(machine, copy, right, count, reach, SAME_HOLD)
         for i in range(count):
             right[i] = right[i] + middle[i] if found == 0 else np.nan
     for c in range(count):

@@ -1,29 +1,27 @@
 """The change of method in a run, between two steps."""
 
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from runtime.core.function_table import Slot
 from runtime.core.workspace import PARTITION, ROWS
-from runtime.integrate.wiring import function_table, method
+from runtime.integrate.method import Method, find_method
+from runtime.integrate.wiring import function_table
 
 if TYPE_CHECKING:
     from runtime.integrate.run import _Run
 
-_FORESIGHT = 0.1  # of the coordinates' sizes: what is nearer matters to the finest tolerances
-_MOST_PATIENCE = 1024  # times the first, before a method is changed
+_MOST_PATIENCE = 1024  # safety: times the first, before a method is changed
 
 
-def fill_method(r: Any, parts: ModuleType) -> None:
-    """Write into a run's record the numbers of the method that is the module `parts`."""
-    r["order"], r["last"] = parts.ORDER, parts.LAST
-    r["stage_calls"], r["dense_calls"] = parts.STAGE_CALLS, parts.DENSE_CALLS
-    r["dense_rows"] = parts.DENSE_ROWS
-    r["exponent"], r["beta"] = 1.0 / (parts.ERROR_ORDER + 1), parts.BETA
-    r["foresight"] = getattr(parts, "FORESIGHT", _FORESIGHT)
-    r["safety"], r["shrink"], r["grow"] = parts.SAFETY, parts.SHRINK, parts.GROW
+def fill_method(r: Any, method: Method) -> None:
+    """Write the numbers of a method into a run's record."""
+    r["order"], r["last"] = method.order, method.last
+    r["stage_calls"], r["dense_calls"] = method.stage_calls, method.dense_calls
+    r["dense_rows"], r["foresight"] = method.dense_rows, method.foresight
+    r["exponent"], r["beta"] = 1.0 / (method.error_order + 1), method.beta
+    r["safety"], r["shrink"], r["grow"] = method.safety, method.shrink, method.grow
 
 
 def change_method(run: "_Run") -> None:
@@ -46,10 +44,10 @@ def change_method(run: "_Run") -> None:
 
 def adopt(run: "_Run", name: str) -> None:
     """Take the next steps with the method `name`, for which nothing is to be remembered."""
-    r, table, parts = run.r, run.wiring.table, method(name)
-    fill_method(r, parts)
-    run.crossings.follow(parts)
+    r, table, method = run.r, run.wiring.table, find_method(name)
+    fill_method(r, method)
+    run.crossings.follow(method)
     functions = function_table(name)
     table[Slot.STAGES : Slot.STAGES + functions.size] = functions
     run.wiring.arrays[Slot.NOTES][:] = 0
-    parts.restart(table, r["t"], r["h"], run.w, run.record)
+    method.restart(table, r["t"], r["h"], run.w, run.record)

@@ -50,8 +50,9 @@ class Options:
     Attributes
     ----------
     method
-        "dopri5" or "dop853", explicit; "radau5" or "bdf", implicit, for stiff equations: these take
-        the derivatives of the kernels; "auto", which starts with "dop853" and changes to and fro.
+        One of `runtime.integrate.method.METHODS`: "dopri5", "tsit5" or "dop853", explicit; "radau5"
+        or "bdf", implicit, for stiff equations: these take the derivatives of the kernels; "auto",
+        which starts with "dop853" and changes to and fro.
     rtol
         Relative tolerance of a step.
     atol_q, atol_v
@@ -80,7 +81,7 @@ class Options:
         Trial steps between two looks at the clock; None: chosen for about 50 ms.
     """
 
-    method: Literal["dopri5", "dop853", "bdf", "radau5", "auto"] = "dop853"
+    method: str = "dop853"
     rtol: float = 1e-8
     atol_q: ArrayLike | None = None
     atol_v: ArrayLike | None = None

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -33,13 +32,14 @@ from runtime.integrate import loop as driver
 from runtime.integrate import step as attempt
 from runtime.integrate.initialization import start
 from runtime.integrate.interrupts import Interrupts
+from runtime.integrate.method import Method, find_method
 from runtime.integrate.method_change import change_method, fill_method
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.recording import Gathered
 from runtime.integrate.singular_crossing.crossing import Crossings
 from runtime.integrate.trajectory import Statistics, Trajectory
 from runtime.integrate.validation import check
-from runtime.integrate.wiring import method, wire
+from runtime.integrate.wiring import wire
 
 Progress = Callable[[float, int], None]
 """Called between chunks with the time reached and the steps taken."""
@@ -113,7 +113,7 @@ class _Run:
     def __init__(self, system: System, problem: Problem, options: Options) -> None:
         self.system = system
         n, m, s = system.coordinates, system.constraint_count, system.switches
-        parts = method(options.method)
+        method = find_method(options.method)
         self.n, self.m, self.s = n, m, s
         self.options = options
         self.t_eval = np.ascontiguousarray(
@@ -132,7 +132,7 @@ class _Run:
         self.sw = np.zeros(SWITCH_ROWS * s)
         self.record = np.zeros(1, RUN)
         self.r = self.record[0]
-        self._fill_record(problem, options, parts)
+        self._fill_record(problem, options, method)
         self.modes = np.zeros(s, np.int64)
         self.methods = [(float(problem.t0), str(options.method))]
         p = np.ascontiguousarray(problem.p, dtype=np.float64)
@@ -165,13 +165,13 @@ class _Run:
         for slot, array in zip(_SHOWN, shown, strict=True):
             table[slot] = array.ctypes.data
         table[Slot.PARAMETER_COUNT] = p.size
-        self.crossings = Crossings(system, problem, self, parts)
+        self.crossings = Crossings(system, problem, self, method)
         self.event_arrays: tuple[Any, ...] = (
             np.full(driver.RECENT, -np.inf),
             *self.gathered.events_out,
         )
 
-    def _fill_record(self, problem: Problem, options: Options, parts: ModuleType) -> None:
+    def _fill_record(self, problem: Problem, options: Options, method: Method) -> None:
         r = self.r
         duration = problem.t_end - problem.t0
         r["t"], r["t_end"], r["duration"] = problem.t0, problem.t_end, duration
@@ -183,7 +183,7 @@ class _Run:
             r["fixed"], r["h"], r["h_max"] = 1, options.fixed_step, options.fixed_step
         r["rtol"] = options.rtol
         r["max_steps"], r["max_events"] = options.max_steps, options.max_events
-        fill_method(r, parts)
+        fill_method(r, method)
         r["automatic"], r["patience"] = int(options.method == "auto"), 1
         r["error_old"] = 1e-4
         r["every_step"] = 1 if options.t_eval is None else 0

@@ -8,8 +8,8 @@ import numpy as np
 from codegen.errors import InputError
 from runtime.core.signatures import no_accelerations_tangent
 from runtime.core.system import System
+from runtime.integrate.method import EXPLICIT, IMPLICIT, METHODS, alternatives
 from runtime.integrate.problem import Options, Problem
-from runtime.integrate.wiring import IMPLICIT, METHODS
 
 CORRECTIONS = ("step", "stage", "projection", "baumgarte", "hybrid")
 _MOST = 2**62  # what a count may be
@@ -61,7 +61,7 @@ def _of_derivatives(system: System, options: Options) -> list[str]:
         without = (
             f"method {options.method!r} needs the derivatives of the kernels, and this system has "
             f"none: give it accelerations_tangent and correction_tangent, which "
-            f"runtime.load(...).tangents has, or choose dop853 or dopri5."
+            f"runtime.load(...).tangents has, or choose {alternatives(EXPLICIT)}."
         )
         return [without]
     return []

@@ -1,8 +1,6 @@
 """The table of addresses for one run, and the arrays that it points to."""
 
 from functools import cache
-from importlib import import_module
-from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,23 +24,9 @@ from runtime.hybrid.sliding_modes import work_size
 from runtime.integrate import sampling as outputs
 from runtime.integrate import step as attempt
 from runtime.integrate import step_control as control
-from runtime.linalg.elimination_plan import room
+from runtime.integrate.method import find_method
+from runtime.linalg.elimination_plan import plan_capacity
 from runtime.singularity.detection import PIVOT_ROWS, vanishing
-
-_MODULES = {
-    "dopri5": "runtime.integrate.explicit.dopri5",
-    "dop853": "runtime.integrate.explicit.dop853",
-    "bdf": "runtime.integrate.implicit.bdf",
-    "radau5": "runtime.integrate.implicit.radau5",
-    "auto": "runtime.integrate.implicit.stiffness_switching",
-}
-METHODS = tuple(_MODULES)
-"""Names of the methods."""
-
-IMPLICIT = ("bdf", "radau5", "auto")
-"""Those that need derivatives of the kernels, at times or throughout."""
-
-_METHOD = ("stages", "error", "dense", "propose", "accepted", "restart")
 
 
 class Wiring(NamedTuple):
@@ -50,11 +34,6 @@ class Wiring(NamedTuple):
 
     table: Integers
     arrays: dict[Slot, Any]
-
-
-def method(name: str) -> ModuleType:
-    """The module of a method, compiled when it is first asked for."""
-    return import_module(_MODULES[name])
 
 
 @cache
@@ -88,8 +67,7 @@ def _loop() -> Integers:
 @cache
 def function_table(name: str) -> Integers:
     """Addresses of the functions of the method `name`, in the order of `Slot` from STAGES on."""
-    parts = method(name)
-    return addresses(getattr(parts, part) for part in _METHOD)
+    return addresses(find_method(name).functions)
 
 
 @cache
@@ -114,7 +92,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     table[: kernels.size] = kernels
     table[Slot.STAGES : Slot.STAGES + parts.size] = parts
     table[Slot.CORRECT : Slot.CORRECT + loop.size] = loop
-    memory, notes = getattr(method(name), "memory", _no_memory)(n)
+    memory, notes = find_method(name).memory(n)
     s, contacts = system.switches, len(system.rigid)
     rigid = np.full(s, -1, np.int64)
     rigid[list(system.rigid)] = np.arange(contacts)
@@ -152,7 +130,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         Slot.NOTES: np.zeros(notes, np.int64),
         Slot.PIVOTS: np.zeros(PIVOT_ROWS * m + 2),
         Slot.PIVOT_COLUMNS: np.zeros(m, np.int64),
-        Slot.PLAN: np.zeros(room(m, nonzeros), np.int64),
+        Slot.PLAN: np.zeros(plan_capacity(m, nonzeros), np.int64),
         Slot.LOOP_ROWS: np.array(system.loop_rows, dtype=np.int64),
         Slot.NEARNESS: np.zeros(dead_centres.numbers_for(len(system.loop_rows))),
         Slot.SPREADS: np.zeros(s),
@@ -169,9 +147,5 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     system.restitution(p, arrays[Slot.RESTITUTION])
     table[Slot.RIGID_COUNT], table[Slot.REACTION_ROWS] = contacts, system.reaction_rows
     table[Slot.LOG_ROWS], table[Slot.LOOPS] = log_rows, len(system.loop_rows)
-    table[Slot.CORRECTING], table[Slot.PLAN_SIZE] = 1, room(m, nonzeros)
+    table[Slot.CORRECTING], table[Slot.PLAN_SIZE] = 1, plan_capacity(m, nonzeros)
     return Wiring(table, arrays)
-
-
-def _no_memory(n: int) -> tuple[int, int]:
-    return 0, 0

@@ -1,28 +1,29 @@
-"""The reduction of Φ_q once more, in the order of pivots of an earlier one.
+"""Symbolic elimination of Φ_q in a given order of pivots, and its numerical replay.
 
-Which entries a reduction meets is settled by the order of its pivots. A plan lists them, and a
-later reduction follows the list: it looks at no entry to find it zero.
+The order of pivots alone determines which entries an elimination by rows changes. A plan lists
+them, and each later elimination follows the list: it tests no entry for being zero.
 
-A plan is integers: how many they are (0: there is no plan), how many entries begin at zero, and for
-every row the place of its pivot, how many rows are taken from it, and for each of these the places
-of the factor and of the other row's pivot, how many entries change, and the places of each and of
-what is taken from it. A place is i n + j. The entries that begin at zero are listed from the end.
+A plan is an array of integers: their number (0: there is no plan), the number of entries that fill
+in, and for every row the place of its pivot, the number of rows subtracted from it, and for each of
+these the places of the factor and of the other row's pivot, the number of entries that change, and
+the places of each and of its subtrahend. A place is i n + j. The entries that fill in are listed
+from the end. (T. A. Davis, Direct Methods for Sparse Linear Systems, chapters 3 and 6.)
 """
 
 import numpy as np
 
 from runtime.core.jit import inner
 from runtime.core.signatures import Integers, Kernel, Matrix, Vector
-from runtime.linalg.row_elimination import REDUNDANT
+from runtime.linalg.rank_policy import REDUNDANT
 
 
-def room(m: int, nonzeros: int) -> int:
-    """Integers kept for a plan; where a reduction fills in so much that it needs more, none is."""
+def plan_capacity(m: int, nonzeros: int) -> int:
+    """Integers reserved for a plan; an elimination with more fill-in than that has none."""
     return 64 + 32 * m + 16 * nonzeros
 
 
 @inner
-def draw_up(
+def write_plan(
     order: Integers,
     rows: Integers,
     columns: Integers,
@@ -32,9 +33,10 @@ def draw_up(
     plan: Integers,
     lengths: Vector,
 ) -> None:
-    """Write the plan of the reduction with its pivots in the columns `order`; overwrites `dense`.
+    """Write the plan of the elimination with its pivots in the columns `order`; overwrites `dense`.
 
-    `lengths` are those of the rows, inverted, of the Jacobian `values` with columns times `scale`.
+    `lengths` receives the inverse lengths of the rows of the Jacobian `values`, columns times
+    `scale`.
     """
     m, n = dense.shape
     lengths[:] = 0.0
@@ -77,7 +79,7 @@ def draw_up(
 
 
 @inner
-def replay(
+def replay_plan(
     jacobian: Kernel,
     t: float,
     q: Vector,
@@ -91,7 +93,7 @@ def replay(
     lengths: Vector,
     pivots: Vector,
 ) -> bool:
-    """The pivots of Φ_q, its columns times `scale`, its rows times `lengths`, by the plan.
+    """Pivots of Φ_q by the plan, columns times `scale` and rows times `lengths`.
 
     `flat` is overwritten. False where a row follows from those before it.
     """

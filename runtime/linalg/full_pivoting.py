@@ -1,17 +1,18 @@
-"""Gaussian elimination with full pivoting, which does not search the same rows twice.
+"""Gaussian elimination with full pivoting, in compiled code, for matrices with few non-zeros.
 
 The largest entry of a row is searched again only where an elimination step has changed the row: in
-a Jacobian, whose rows have few entries, that is the case for a few of them at every step.
+a Jacobian, whose rows have few entries, that is the case for a few of them at every step. (G. H.
+Golub and C. F. Van Loan, Matrix Computations, section 3.4.)
 """
 
 from runtime.core.jit import compiled, inner
 from runtime.core.signatures import Integers, Matrix, Vector, f8, i8, integers, matrix, vector
 
-_TIED = 1e-9  # entries that differ by no more than this part are equal
+_TIED = 1e-9  # safety: entries that differ by no more than this part are equal
 
 
 @inner
-def largest_in(dense: Matrix, row: int, first: int) -> int:
+def largest_column(dense: Matrix, row: int, first: int) -> int:
     """Column of the largest entry of a row, from `first` on; of equal ones the first."""
     n = dense.shape[1]
     at, largest = first, 0.0
@@ -23,14 +24,14 @@ def largest_in(dense: Matrix, row: int, first: int) -> int:
 
 
 @inner
-def pivoted(dense: Matrix, row_order: Integers, column_order: Integers, least: float) -> int:
+def factor_fully(dense: Matrix, row_order: Integers, column_order: Integers, least: float) -> int:
     """Eliminate with full pivoting until no pivot is larger than `least`; count the pivots.
 
     Parameters
     ----------
     dense : (m, n) float64
-        Overwritten: rows and columns in the order of pivots; right of the diagonal what is left of
-        the rows, below it the shares of the pivots' rows that were taken off.
+        Overwritten: rows and columns in the order of pivots; U on the diagonal and right of it, L
+        below; behind the pivots what is left.
     row_order, column_order : (m,), (n,) int64
         Out: rows and columns in the order of pivots, then the others.
 
@@ -44,7 +45,7 @@ def pivoted(dense: Matrix, row_order: Integers, column_order: Integers, least: f
         column_order[j] = j
     # Until the end a row's place holds its number and, times m, the column of its largest entry.
     for i in range(m):
-        row_order[i] = i + m * largest_in(dense, i, 0)
+        row_order[i] = i + m * largest_column(dense, i, 0)
     rank = min(m, n)
     for step in range(min(m, n)):
         pivot, at_row = 0.0, step
@@ -67,21 +68,21 @@ def pivoted(dense: Matrix, row_order: Integers, column_order: Integers, least: f
             column_order[at_column] = column_order[step]
             column_order[step] = taken
         for i in range(step + 1, m):
-            share = dense[i, step] / dense[step, step]
-            dense[i, step] = share
-            if share != 0.0:
+            ratio = dense[i, step] / dense[step, step]
+            dense[i, step] = ratio
+            if ratio != 0.0:
                 for j in range(step + 1, n):
-                    dense[i, j] -= share * dense[step, j]
+                    dense[i, j] -= ratio * dense[step, j]
             # The column that was exchanged stands further back now.
-            if share != 0.0 or row_order[i] // m == step:
-                row_order[i] = row_order[i] % m + m * largest_in(dense, i, step + 1)
+            if ratio != 0.0 or row_order[i] // m == step:
+                row_order[i] = row_order[i] % m + m * largest_column(dense, i, step + 1)
     for i in range(m):
         row_order[i] %= m
     return int(rank)
 
 
 @compiled(i8(vector, integers, integers, f8, matrix, integers, integers))
-def ordered(
+def factor_entries(
     entries: Vector,
     rows: Integers,
     columns: Integers,
@@ -90,7 +91,7 @@ def ordered(
     row_order: Integers,
     column_order: Integers,
 ) -> int:
-    """`pivoted`, of the matrix with these entries (nnz,); those in rows beyond it are left out."""
+    """As `factor_fully`, for the matrix with these entries (nnz,); rows beyond it are left out."""
     m, n = dense.shape
     for i in range(m):
         for j in range(n):
@@ -98,4 +99,4 @@ def ordered(
     for e in range(entries.size):
         if rows[e] < m:
             dense[rows[e], columns[e]] += entries[e]
-    return int(pivoted(dense, row_order, column_order, least))
+    return int(factor_fully(dense, row_order, column_order, least))

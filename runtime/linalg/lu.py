@@ -1,11 +1,45 @@
-"""Dense linear equations inside compiled code: LU factors by rows, pivots from the column.
+"""LU factors of a small dense matrix by Gaussian elimination with row pivoting, in compiled code.
 
 A matrix of order f is one flat array, row after row. The orders are those of mechanisms' degrees of
-freedom, so nothing is blocked; nothing is allocated.
+freedom, so nothing is blocked; nothing is allocated. (G. H. Golub and C. F. Van Loan, Matrix
+Computations, section 3.4.)
 """
 
-from runtime.core.jit import inner
+from runtime.core.jit import inlined, inner
 from runtime.core.signatures import Integers, Vector
+
+
+@inlined
+def pivot_row(a: Vector, f: int, k: int) -> int:
+    """Row of the largest entry of column k on or below the diagonal; of equal ones the first."""
+    at = k
+    for i in range(k + 1, f):
+        if abs(a[i * f + k]) > abs(a[at * f + k]):
+            at = i
+    return at
+
+
+@inlined
+def eliminate_column(a: Vector, f: int, k: int, at: int) -> None:
+    """Exchange rows k and `at`; eliminate column k below the diagonal, where L takes its place."""
+    if at != k:
+        for j in range(f):
+            a[k * f + j], a[at * f + j] = a[at * f + j], a[k * f + j]
+    for i in range(k + 1, f):
+        ratio = a[i * f + k] / a[k * f + k]
+        a[i * f + k] = ratio
+        if ratio != 0.0:
+            for j in range(k + 1, f):
+                a[i * f + j] -= ratio * a[k * f + j]
+
+
+@inlined
+def back_substitute(a: Vector, f: int, b: Vector) -> None:
+    """Overwrite `b` with the solution of U x = b."""
+    for i in range(f - 1, -1, -1):
+        for j in range(i + 1, f):
+            b[i] -= a[i * f + j] * b[j]
+        b[i] /= a[i * f + i]
 
 
 @inner
@@ -25,23 +59,11 @@ def factor(a: Vector, f: int, pivots: Integers) -> int:
         0, or 1 where a pivot is zero or not a number.
     """
     for k in range(f):
-        at = k
-        for i in range(k + 1, f):
-            if abs(a[i * f + k]) > abs(a[at * f + k]):
-                at = i
+        at = pivot_row(a, f, k)
         pivots[k] = at
-        pivot = a[at * f + k]
-        if not abs(pivot) > 0.0:
+        if not abs(a[at * f + k]) > 0.0:
             return 1
-        if at != k:
-            for j in range(f):
-                a[k * f + j], a[at * f + j] = a[at * f + j], a[k * f + j]
-        for i in range(k + 1, f):
-            share = a[i * f + k] / pivot
-            a[i * f + k] = share
-            if share != 0.0:
-                for j in range(k + 1, f):
-                    a[i * f + j] -= share * a[k * f + j]
+        eliminate_column(a, f, k, at)
     return 0
 
 
@@ -55,7 +77,41 @@ def solve(a: Vector, f: int, pivots: Integers, b: Vector) -> None:
     for i in range(f):
         for j in range(i):
             b[i] -= a[i * f + j] * b[j]
-    for i in range(f - 1, -1, -1):
-        for j in range(i + 1, f):
-            b[i] -= a[i * f + j] * b[j]
-        b[i] /= a[i * f + i]
+    back_substitute(a, f, b)
+
+
+@inner
+def equilibrate(a: Vector, b: Vector, f: int) -> int:
+    """Divide each row and its right side by its largest entry; 1 where a row is empty, else 0."""
+    for i in range(f):
+        largest = 0.0
+        for j in range(f):
+            largest = max(largest, abs(a[i * f + j]))
+        if not largest > 0.0:
+            return 1
+        for j in range(f):
+            a[i * f + j] /= largest
+        b[i] /= largest
+    return 0
+
+
+@inner
+def solve_equilibrated(a: Vector, b: Vector, f: int, least: float) -> int:
+    """Overwrite `b` with the solution of A x = b, and `a`; needs no room for pivots.
+
+    Returns 0, or 1 where a pivot is no larger than `least`. Rows are first divided by their largest
+    entries, so that the size of a pivot alone tells whether a row follows from others.
+    """
+    if equilibrate(a, b, f) != 0:
+        return 1
+    for k in range(f):
+        at = pivot_row(a, f, k)
+        if not abs(a[at * f + k]) > least:
+            return 1
+        eliminate_column(a, f, k, at)
+        if at != k:
+            b[k], b[at] = b[at], b[k]
+        for i in range(k + 1, f):
+            b[i] -= a[i * f + k] * b[k]
+    back_substitute(a, f, b)
+    return 0

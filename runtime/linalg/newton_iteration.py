@@ -1,43 +1,47 @@
-"""Newton's method for equations and unknowns of like size, in as many of each as there are."""
+"""Newton's method for equations and unknowns of any number, by steps of least norm."""
 
 from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
 
+from runtime.linalg.rank_policy import NO_PIVOT
+
 FloatArray = npt.NDArray[np.float64]
 
-ROUNDING = 4e-16
-_ITERATIONS = 60
+_ROUNDING = 4e-16  # accuracy: a residual that no step makes smaller, of equations of size 1
+_ITERATIONS = 60  # safety
 
 
-def newton(
-    gaps: Callable[[FloatArray], FloatArray],
-    slopes: Callable[[FloatArray], FloatArray],
+def solve_by_newton(
+    residual: Callable[[FloatArray], FloatArray],
+    jacobian: Callable[[FloatArray], FloatArray],
     x: FloatArray,
 ) -> tuple[FloatArray, float]:
-    """Bring `gaps` to rounding by minimum-norm steps, or go on for as long as they help.
+    """Bring the residual to rounding by steps of least norm, or go on for as long as they help.
 
     Parameters
     ----------
-    gaps, slopes
+    residual, jacobian
         The scaled equations, shape (m,), and their derivatives by x, shape (m, n).
+    x
+        Where to begin, shape (n,).
 
     Returns
     -------
-    x, gap
-        The best point, and the largest gap there; what counts as solved is for the caller.
+    x, largest
+        The best point, and the largest residual there; the caller decides what counts as solved.
     """
-    best = float(np.abs(gaps(x)).max(initial=0.0))
+    best = float(np.abs(residual(x)).max(initial=0.0))
     for _ in range(_ITERATIONS):
-        if best <= ROUNDING:
+        if best <= _ROUNDING:
             break
-        trial = x + np.linalg.lstsq(slopes(x), -gaps(x), rcond=1e-10)[0]
-        gap = float(np.abs(gaps(trial)).max(initial=0.0))
-        if not gap < best:
+        trial = x + np.linalg.lstsq(jacobian(x), -residual(x), rcond=NO_PIVOT)[0]
+        largest = float(np.abs(residual(trial)).max(initial=0.0))
+        if not largest < best:
             break
-        slow = gap > 0.9 * best
-        x, best = trial, gap
+        slow = largest > 0.9 * best
+        x, best = trial, largest
         if slow:
             break
     return x, best

@@ -1,30 +1,49 @@
 """Solutions where constraints are redundant: pivots are chosen by size, and none is too small.
 
-The static factorization of a generated module needs independent constraints. These are slower by an
-order of magnitude and need nothing: rows that follow from others are left without a pivot. The
-accelerations do not depend on which; of the multipliers, of which there are many, those of least
-norm are given.
+The static factorization of a generated module needs independent constraints. These routines are
+slower by an order of magnitude and need nothing: rows that follow from others are left without a
+pivot. The accelerations do not depend on which; of the multipliers, of which there are many, those
+of least norm are given.
 """
 
 import numpy as np
 from numba import types
 
-from runtime.core.jit import allocating
-from runtime.core.signatures import Integers, Matrix, Vector, i8, matrix, vector
+from runtime.core.jit import allocating, inner
+from runtime.core.signatures import Integers, Matrix, Vector, i8, integers, matrix, none, vector
+from runtime.linalg.cholesky import factor_cholesky, multiply_gram, solve_cholesky
+from runtime.linalg.full_pivoting import factor_fully
+from runtime.linalg.leading_block import complete_solution, null_vectors
+from runtime.linalg.rank_policy import NO_PIVOT
 
 constant = types.Array(types.int64, 1, "C", readonly=True)  # integers that a closure holds
 
-_NONE = 1e-10  # a pivot below this, rows and columns scaled to unit diagonal, is none
-_NULL = 1e-9
+_NULL = 1e-9  # accuracy: component of a null vector with a component 1, below which it is none
+
+
+@allocating(none(matrix, i8, integers, integers, vector, vector))
+def solve_factored(
+    a: Matrix, rank: int, row_order: Integers, column_order: Integers, right: Vector, x: Vector
+) -> None:
+    """A solution of A x = right, A as `factor_fully` left it; unknowns without a pivot are zero."""
+    reduced, placed = np.zeros(rank), np.zeros(a.shape[1])
+    for k in range(rank):
+        reduced[k] = right[row_order[k]]
+        for j in range(k):
+            reduced[k] -= a[k, j] * reduced[j]
+    complete_solution(a, rank, reduced, placed)
+    for k in range(x.size):
+        x[column_order[k]] = placed[k]
 
 
 @allocating(i8(constant, constant, vector, vector, matrix, matrix))
-def least(
+def solve_least_norm(
     rows: Integers, columns: Integers, values: Vector, w: Vector, right: Matrix, d: Matrix
 ) -> int:
     """Solve Φ_q d = right for the d that are least in dᵀ W⁻¹ d, W = diag(w).
 
-    LDLᵀ of Φ_q W Φ_qᵀ with diagonal pivoting.
+    d = W Φ_qᵀ μ with Φ_q W Φ_qᵀ μ = right. Rounding of that matrix is the square of a distance of
+    rows: what the tolerance of its pivots says of them is its root.
 
     Parameters
     ----------
@@ -47,119 +66,73 @@ def least(
     dense = np.zeros((m, n))
     for k in range(rows.size):
         dense[rows[k], columns[k]] += values[k]
-    S = np.zeros((m, m))
+    for i in range(m):
+        total = 0.0
+        for k in range(n):
+            total += dense[i, k] ** 2 * w[k]
+        if total > 0.0:
+            unit = 1.0 / np.sqrt(total)
+            for k in range(n):
+                dense[i, k] *= unit
+            for c in range(count):
+                right[c, i] *= unit
+    normal = np.zeros((m, m))
     for i in range(m):
         for j in range(i + 1):
-            total = 0.0
             for k in range(n):
-                total += dense[i, k] * w[k] * dense[j, k]
-            S[i, j] = S[j, i] = total
-    unit = np.ones(m)
-    for i in range(m):
-        if S[i, i] > 0.0:
-            unit[i] = 1.0 / np.sqrt(S[i, i])
-    for i in range(m):
-        for j in range(m):
-            S[i, j] *= unit[i] * unit[j]
-        for c in range(count):
-            right[c, i] *= unit[i]
-    order = np.arange(m)
-    rank = m
-    for step in range(m):
-        best = step
-        for i in range(step + 1, m):
-            if S[order[i], order[i]] > S[order[best], order[best]]:
-                best = i
-        order[step], order[best] = order[best], order[step]
-        pivot = order[step]
-        if not S[pivot, pivot] > _NONE:
-            rank = step
-            break
-        for i in range(step + 1, m):
-            row = order[i]
-            factor = S[row, pivot] / S[pivot, pivot]
-            if factor != 0.0:
-                for j in range(step + 1, m):
-                    S[row, order[j]] -= factor * S[pivot, order[j]]
-                for c in range(count):
-                    right[c, row] -= factor * right[c, pivot]
+                normal[i, j] += dense[i, k] * w[k] * dense[j, k]
+            normal[j, i] = normal[i, j]
+    row_order, column_order, mu = np.zeros(m, np.int64), np.zeros(m, np.int64), np.zeros(m)
+    rank = factor_fully(normal, row_order, column_order, NO_PIVOT)
     d[:, :] = 0.0
-    mu = np.zeros(m)
     for c in range(count):
-        for step in range(rank - 1, -1, -1):
-            pivot = order[step]
-            total = right[c, pivot]
-            for j in range(step + 1, rank):
-                total -= S[pivot, order[j]] * mu[order[j]]
-            mu[pivot] = total / S[pivot, pivot]
-        for step in range(rank):
-            i = order[step]
+        solve_factored(normal, rank, row_order, column_order, right[c], mu)
+        for i in range(m):
             for k in range(n):
-                d[c, k] += w[k] * dense[i, k] * unit[i] * mu[i]
+                d[c, k] += w[k] * dense[i, k] * mu[i]
     return int(rank)
 
 
-@allocating(i8(matrix, vector, vector, matrix))
-def eliminated(matrix: Matrix, right: Vector, x: Vector, null: Matrix) -> int:
-    """Solve a square system by Gaussian elimination with full pivoting.
+@inner
+def scale_symmetrically(matrix: Matrix, n: int, scale: Vector) -> None:
+    """Scale (M Φ_qᵀ; Φ_q 0) to a unit diagonal of M and rows of Φ_q with largest entry 1."""
+    size = scale.size
+    scale[:] = 1.0
+    for j in range(n):
+        if matrix[j, j] > 0.0:
+            scale[j] = 1.0 / np.sqrt(matrix[j, j])
+    for i in range(n, size):
+        largest = 0.0
+        for j in range(n):
+            largest = max(largest, abs(matrix[i, j]) * scale[j])
+        if largest > 0.0:
+            scale[i] = 1.0 / largest
+    for i in range(size):
+        for j in range(size):
+            matrix[i, j] *= scale[i] * scale[j]
 
-    Parameters
-    ----------
-    matrix : (N, N)
-        Overwritten, as is `right`.
-    x : (N,)
-        Out: a solution; unknowns without a pivot are zero.
-    null : (N, N)
-        Out: in its first rows, vectors that span the null space.
 
-    Returns
-    -------
-    int
-        Dimension of the null space.
-    """
-    size = right.size
-    row, column = np.arange(size), np.arange(size)
-    rank = size
-    for step in range(size):
-        largest, at_row, at_column = 0.0, step, step
-        for i in range(step, size):
-            for j in range(step, size):
-                entry = abs(matrix[row[i], column[j]])
-                if entry > largest:
-                    largest, at_row, at_column = entry, i, j
-        row[step], row[at_row] = row[at_row], row[step]
-        column[step], column[at_column] = column[at_column], column[step]
-        if not largest > _NONE:
-            rank = step
-            break
-        pivot = matrix[row[step], column[step]]
-        for i in range(step + 1, size):
-            factor = matrix[row[i], column[step]] / pivot
-            if factor != 0.0:
-                for j in range(step + 1, size):
-                    matrix[row[i], column[j]] -= factor * matrix[row[step], column[j]]
-                right[row[i]] -= factor * right[row[step]]
-    x[:] = 0.0
-    for step in range(rank - 1, -1, -1):
-        total = right[row[step]]
-        for j in range(step + 1, rank):
-            total -= matrix[row[step], column[j]] * x[column[j]]
-        x[column[step]] = total / matrix[row[step], column[step]]
-    for k in range(size - rank):
-        null[k, :] = 0.0
-        null[k, column[rank + k]] = 1.0
-        for step in range(rank - 1, -1, -1):
-            total = -matrix[row[step], column[rank + k]]
-            for j in range(step + 1, rank):
-                total -= matrix[row[step], column[j]] * null[k, column[j]]
-            null[k, column[step]] = total / matrix[row[step], column[step]]
-    return size - rank
+@allocating(none(matrix, vector))
+def minimise_norm(free: Matrix, lam: Vector) -> None:
+    """Take off λ what it has of the columns of `free`, (m, k), which may be added to it."""
+    m, count = free.shape
+    gram, share = np.zeros((count, count)), np.zeros(count)
+    multiply_gram(free, gram)
+    if not factor_cholesky(gram):
+        return
+    for k in range(count):
+        for i in range(m):
+            share[k] += free[i, k] * lam[i]
+    solve_cholesky(gram, share)
+    for i in range(m):
+        for k in range(count):
+            lam[i] -= free[i, k] * share[k]
 
 
 @allocating(
     i8(constant, constant, vector, constant, constant, vector, vector, vector, vector, vector)
 )
-def motion(
+def solve_motion(
     rows: Integers,
     columns: Integers,
     values: Vector,
@@ -189,57 +162,31 @@ def motion(
     """
     n, m = force.size, gamma.size
     size = n + m
-    matrix = np.zeros((size, size))
+    matrix, scale, right, x = np.zeros((size, size)), np.zeros(size), np.zeros(size), np.zeros(size)
     for k in range(mass_rows.size):
         matrix[mass_rows[k], mass_columns[k]] += masses[k]
     for k in range(rows.size):
         matrix[n + rows[k], columns[k]] += values[k]
         matrix[columns[k], n + rows[k]] += values[k]
-    scale = np.ones(size)
-    for j in range(n):
-        if matrix[j, j] > 0.0:
-            scale[j] = 1.0 / np.sqrt(matrix[j, j])
-    for i in range(n, size):
-        largest = 0.0
-        for j in range(n):
-            largest = max(largest, abs(matrix[i, j]) * scale[j])
-        if largest > 0.0:
-            scale[i] = 1.0 / largest
-    right = np.empty(size)
+    scale_symmetrically(matrix, n, scale)
     for i in range(size):
         right[i] = scale[i] * (force[i] if i < n else gamma[i - n])
-        for j in range(size):
-            matrix[i, j] *= scale[i] * scale[j]
-    x = np.empty(size)
-    null = np.empty((size, size))
-    lost = eliminated(matrix, right, x, null)
+    row_order, column_order = np.zeros(size, np.int64), np.zeros(size, np.int64)
+    rank = factor_fully(matrix, row_order, column_order, NO_PIVOT)
+    solve_factored(matrix, rank, row_order, column_order, right, x)
+    null = np.zeros((size, size - rank))
+    null_vectors(matrix, rank, column_order, null)
+    lost = size - rank
+    undetermined = 0
     for j in range(n):
         a[j] = scale[j] * x[j]
+        for k in range(lost):
+            if abs(null[j, k]) > _NULL:
+                undetermined = size
+    free = np.zeros((m, lost))
     for i in range(m):
         lam[i] = scale[n + i] * x[n + i]
-    # Modified Gram-Schmidt on what may be added to λ; then none of it is left.
-    undetermined = 0
-    for k in range(lost):
-        for j in range(n):
-            if abs(null[k, j]) > _NULL:
-                undetermined = size
-        for i in range(m):
-            null[k, n + i] *= scale[n + i]
-    for k in range(lost):
-        for other in range(k):
-            share = 0.0
-            for i in range(m):
-                share += null[k, n + i] * null[other, n + i]
-            for i in range(m):
-                null[k, n + i] -= share * null[other, n + i]
-        length = 0.0
-        for i in range(m):
-            length += null[k, n + i] ** 2
-        length = np.sqrt(length)
-        share = 0.0
-        for i in range(m):
-            null[k, n + i] /= length
-            share += null[k, n + i] * lam[i]
-        for i in range(m):
-            lam[i] -= share * null[k, n + i]
-    return lost + undetermined
+        for k in range(lost):
+            free[i, k] = scale[n + i] * null[n + i, k]
+    minimise_norm(free, lam)
+    return int(lost + undetermined)

@@ -1,21 +1,19 @@
-"""The constraints' Jacobian as a dense matrix, and its reduction row by row: compiled.
+"""Elimination of the constraints' Jacobian row by row, in a given order of pivots or a new one.
 
-Each row is reduced by its largest remaining entry: its pivot is about its distance from the rows
-before it. In one and the same order of pivots a pivot that changes sign between two positions
-announces a singular one in between, and their product is the determinant but for its sign.
+Rows keep their places; the pivot of each is its largest remaining entry, about the distance of the
+row from those before it. In one and the same order of pivots a pivot that changes sign between two
+positions announces a singular one in between: their product is the determinant but for its sign.
 """
 
 import numpy as np
 
 from runtime.core.jit import inner
 from runtime.core.signatures import Integers, Kernel, Matrix, Vector
-
-REDUNDANT = 1e-8
-"""A row whose pivot is below this at two positions says what other rows say."""
+from runtime.linalg.rank_policy import REDUNDANT
 
 
 @inner
-def fill(
+def fill_unit_rows(
     jacobian: Kernel,
     t: float,
     q: Vector,
@@ -43,8 +41,8 @@ def fill(
 
 
 @inner
-def reduce(dense: Matrix, order: Integers, pivots: Vector, search: int) -> None:
-    """Reduce row by row; `order` holds the column of each row's pivot, found where asked for."""
+def eliminate_rows(dense: Matrix, order: Integers, pivots: Vector, search: int) -> None:
+    """Eliminate row by row; `order` holds the column of each row's pivot, chosen if `search`."""
     m, n = dense.shape
     for i in range(m):
         if search != 0:
@@ -66,8 +64,8 @@ def reduce(dense: Matrix, order: Integers, pivots: Vector, search: int) -> None:
 
 
 @inner
-def smallest(pivots: Vector) -> float:
-    """The least size of a pivot, at most 1, of rows that are not redundant."""
+def smallest_pivot(pivots: Vector) -> float:
+    """The smallest |pivot|, at most 1, of rows that are not redundant."""
     least = 1.0
     for i in range(pivots.size):
         if REDUNDANT < abs(pivots[i]) < least:

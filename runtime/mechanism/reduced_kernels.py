@@ -11,11 +11,8 @@ from runtime.core import kernels
 from runtime.core.jit import addresses
 from runtime.core.kernels import Kernel
 from runtime.core.system import System
-from runtime.mechanism.angle_unwrapping import follow
 from runtime.mechanism.description import Description
-from runtime.mechanism.system import system
-from runtime.mechanism.tangent_kernels import Tangents
-from runtime.mechanism.tangent_kernels import gather as gather_tangents
+from runtime.mechanism.system import Tangents, common_system, gather_tangents
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -58,7 +55,7 @@ class Reduced:
         """What the integrator asks for."""
         m = len(self.closures)
         return replace(
-            system(self.told, self.kernels, self.jacobian, len(self.kept), m),
+            common_system(self.told, self.kernels, self.jacobian, len(self.kept), m),
             dead_centres=self.dead_centres,
             loop_rows=tuple(m + row for _, row in self.branches),
             **self.tangents._asdict(),
@@ -140,6 +137,8 @@ class Reduced:
         sizes : (f,)
             Typical sizes of the kept coordinates.
         """
+        from runtime.mechanism.angle_unwrapping import follow  # compiles where it is used
+
         n, count = len(self.told.coordinates), len(t)
         all_q, all_v = np.zeros((count, n)), np.zeros((count, n))
         begun, first = start
@@ -160,7 +159,7 @@ class Reduced:
         return all_q, all_v
 
 
-def gather(module: ModuleType, told: Description) -> Reduced:
+def gather_reduced(module: ModuleType, told: Description) -> Reduced:
     """Take the equations out of a loaded module."""
 
     def indices(name: str) -> IntArray:

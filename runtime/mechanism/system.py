@@ -1,19 +1,44 @@
-"""A scene's kernels as the system that the integrator asks for, in all coordinates or in fewer."""
+"""A scene's kernels, and their exact derivatives, as the system that the integrator takes."""
 
-from runtime.core.kernels import Kernels
+from types import ModuleType
+from typing import NamedTuple
+
+from runtime.core.kernels import Kernel, Kernels
 from runtime.core.signatures import Integers
 from runtime.core.system import System
 from runtime.mechanism.description import Description
 
 
-def system(
-    told: Description,
+class Tangents(NamedTuple):
+    """The compiled derivatives of a scene, along one direction (dq, dv) a call.
+
+    The fields are called as those of `runtime.integrate.problem.System`, which takes them.
+
+    Attributes
+    ----------
+    accelerations_tangent
+        (t, q, v, p, modes, dq, dv, da): da = (∂a/∂q) dq + (∂a/∂v) dv of what `accelerations`
+        answers, the modes held. All of q, v, dq, dv, da have shape (n,), SI units.
+    correction_tangent
+        (t, q, v, p, w, dq_in, dv_in, dq, dv): the same for both answers of `correction`. At a
+        state on the constraints, with w = 0 on the independent coordinates: e_k plus dq along
+        (e_k, 0) is the column H e_k of δq = H δq_independent, in which the dependent rows are
+        -Φ_u⁻¹ Φ_v (R. A. Wehage and E. J. Haug, Journal of Mechanical Design 104, 1982, 247-255);
+        dv along (H e_k, 0) is what that does to the dependent velocities.
+    """
+
+    accelerations_tangent: Kernel
+    correction_tangent: Kernel
+
+
+def common_system(
+    description: Description,
     kernels: Kernels,
     jacobian: tuple[Integers, Integers],
     coordinates: int,
     constraints: int,
 ) -> System:
-    """What is the same in every formulation.
+    """The entries that all formulations have in common.
 
     Parameters
     ----------
@@ -31,7 +56,7 @@ def system(
         jacobian_columns=columns,
         coordinates=coordinates,
         constraint_count=constraints,
-        switches=len(told.switches),
+        switches=len(description.switches),
         switching=kernels.switching,
         switching_rates=kernels.switching_rates,
         constraints=kernels.constraints,
@@ -42,6 +67,11 @@ def system(
         gap_accelerations=kernels.gap_accelerations,
         holds=kernels.holds,
         restitution=kernels.restitution,
-        rigid=tuple(contact.switch for contact in told.rigid),
-        sticking=tuple(k for k, row in enumerate(told.switches) if row.kind == "friction"),
+        rigid=tuple(contact.switch for contact in description.rigid),
+        sticking=tuple(k for k, row in enumerate(description.switches) if row.kind == "friction"),
     )
+
+
+def gather_tangents(module: ModuleType) -> Tangents:
+    """Take the derivatives out of a loaded module that has them."""
+    return Tangents(*(getattr(module, name) for name in Tangents._fields))

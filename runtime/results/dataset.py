@@ -4,13 +4,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from runtime.results.time_series import TimeSeries
+
 if TYPE_CHECKING:
     import xarray as xr
 
-    from runtime.results.result import Result
 
-
-def dataset(result: "Result") -> "xr.Dataset":
+def dataset(result: TimeSeries) -> "xr.Dataset":
     """Label the arrays of a result; reactions that a joint does not have are NaN."""
     import xarray as xr
 

@@ -1,4 +1,4 @@
-"""The arrays of a result: one row an output instant."""
+"""The arrays of a result, one row an output instant, and its partitions of the coordinates."""
 
 from typing import NamedTuple
 
@@ -44,3 +44,18 @@ class Samples(NamedTuple):
     residual: FloatArray
     modes: npt.NDArray[np.int64]
     share: FloatArray
+
+
+class Partition(NamedTuple):
+    """A choice of independent coordinates.
+
+    Attributes
+    ----------
+    time
+        From which on they hold, s.
+    independent
+        Their names; the others follow from them by the constraints.
+    """
+
+    time: float
+    independent: tuple[str, ...]

@@ -3,15 +3,13 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from runtime.cli.json_values import plain
-
-if TYPE_CHECKING:
-    from runtime.results.result import Result
+from runtime.results.json_values import plain
+from runtime.results.time_series import TimeSeries
 
 _SHOWN = 12  # events, before it says how many more there are
 
 
-def summary(result: "Result", saved: Path | None) -> dict[str, Any]:
+def summary(result: TimeSeries, saved: Path | None) -> dict[str, Any]:
     """The JSON object of a run."""
     told = result.description
     last = result.samples
@@ -43,7 +41,7 @@ def summary(result: "Result", saved: Path | None) -> dict[str, Any]:
     return summary
 
 
-def last_values(result: "Result") -> list[str]:
+def last_values(result: TimeSeries) -> list[str]:
     """The last state, a line a coordinate."""
     width = max((len(row.name) for row in result.description.coordinates), default=0)
     return [
@@ -52,12 +50,12 @@ def last_values(result: "Result") -> list[str]:
     ]
 
 
-def accuracy(result: "Result") -> list[str]:
+def accuracy(result: TimeSeries) -> list[str]:
     """How accurate a run is that was asked for an accuracy; else nothing."""
     return [] if result.accuracy is None else [f"  {x}" for x in result.accuracy.sentences()[1:]]
 
 
-def events(result: "Result") -> list[str]:
+def events(result: TimeSeries) -> list[str]:
     """What happened between the instants, a line an event; of many, the first and the last ones."""
     happened = result.events
     width = max((len(event.what) for event in happened), default=0)

@@ -1,7 +1,7 @@
-"""Derivatives of what a singular position loses: differences of Jacobians between its vectors.
+"""Derivative of the Schur complement, and the branch nearest to a motion, in compiled code.
 
-The derivative of Schur's complement in the direction of a null vector is uᵀ J' z, between the left
-vectors u and the null vectors z (see `complement`).
+In a direction d it is uᵀ J'(d) z between the left vectors u and the null vectors z (see
+`schur_complement`); J'(d) is the central difference of two Jacobians.
 """
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from runtime.core.array_views import floats_at, integers_at, view
 from runtime.core.jit import compiled, inner
 from runtime.core.signatures import Integers, Matrix, Vector, f8, i8, integers, matrix, vector
-from runtime.singularity.schur_complement import cholesky, gram, solved
+from runtime.linalg.cholesky import factor_cholesky, multiply_gram, solve_cholesky
 from runtime.singularity.search_table import (
     AHEAD,
     ALL_ROWS,
@@ -23,27 +23,25 @@ from runtime.singularity.search_table import (
     NONZEROS,
     ROWS,
     STEP,
-    entries,
+    jacobian_entries,
 )
 
 _ITERATIONS = 40  # safety: Newton iterations
-_CONVERGED = 1e-12  # accuracy: scaled change at which they have converged
-_DIFFERENCE = 6e-6  # accuracy: eps ** (1/3), the relative size of a central difference
-_LEAST = 1e-13  # accuracy: of the largest; squares of singular values below this determine nothing
+_CONVERGED = 1e-12  # accuracy: a step over the length of the direction that is the last
+_DIFFERENCE = 6e-6  # accuracy: EPS ** (1/3), the relative size of a central difference
+_REGULAR = 1e-13  # accuracy: of the largest: squared singular values below this determine nothing
 
 
 @inner
-def bend(
+def differentiate_left(
     table: Integers, speed: float, z: Vector, direction: Vector, left: Matrix, sums: Matrix
 ) -> None:
-    """uᵀ J' in a direction from z, for all left vectors: `sums`, (n + 1, weak)."""
+    """Fill `sums`, (n + 1, weak), with uᵀ J'(direction) at z for all left vectors."""
     rows, wide, weak = table[ROWS], table[COORDINATES] + 1, left.shape[1]
     size = table[NONZEROS] + table[ALL_ROWS]
     ahead, behind = floats_at(table, AHEAD, size), floats_at(table, BEHIND, size)
-    at_row, at_column = (
-        integers_at(table, ENTRY_ROWS, size),
-        integers_at(table, ENTRY_COLUMNS, size),
-    )
+    at_row = integers_at(table, ENTRY_ROWS, size)
+    at_column = integers_at(table, ENTRY_COLUMNS, size)
     lengths, aside = floats_at(table, LENGTHS, rows), floats_at(table, ASIDE, wide)
     total = 0.0
     for j in range(wide):
@@ -51,10 +49,10 @@ def bend(
     delta = _DIFFERENCE / max(np.sqrt(total), 1e-300)
     for j in range(wide):
         aside[j] = z[j] + delta * direction[j]
-    entries(table, speed, aside, ahead)
+    jacobian_entries(table, speed, aside, ahead)
     for j in range(wide):
         aside[j] = z[j] - delta * direction[j]
-    entries(table, speed, aside, behind)
+    jacobian_entries(table, speed, aside, behind)
     for j in range(wide):
         for w in range(weak):
             sums[j, w] = 0.0
@@ -67,8 +65,8 @@ def bend(
 
 
 @inner
-def between(sums: Matrix, null: Matrix, first: int, every: int, out: Matrix) -> None:
-    """The derivative uᵀ J' z of each left vector, in rows `first`, `first` + `every`, ..."""
+def apply_to_null(sums: Matrix, null: Matrix, first: int, every: int, out: Matrix) -> None:
+    """Fill rows `first`, `first` + `every`, … of `out` with uᵀ J' z, one left vector u each."""
     wide, free = null.shape
     weak = sums.shape[1]
     for w in range(weak):
@@ -82,7 +80,7 @@ def between(sums: Matrix, null: Matrix, first: int, every: int, out: Matrix) -> 
 
 
 @inner
-def curve(
+def factor_normal_equations(
     table: Integers,
     speed: float,
     z: Vector,
@@ -93,17 +91,18 @@ def curve(
     form: Matrix,
     normal: Matrix,
 ) -> bool:
-    """Derivatives of the complement, (weak free, free), and the factors of their normal equations.
+    """Fill `form`, (weak free, free), with the complement's derivatives, and factor formᵀ form.
 
-    What the derivatives leave open is to be as little as possible in z.
+    The factor is `normal`. Directions that the derivatives do not determine are kept short in z.
+    Returns whether there are any derivatives.
     """
     wide, free = null.shape
     for g in range(free):
         for j in range(wide):
             direction[j] = null[j, g]
-        bend(table, speed, z, direction, left, sums)
-        between(sums, null, g, free, form)
-    gram(form, normal)
+        differentiate_left(table, speed, z, direction, left, sums)
+        apply_to_null(sums, null, g, free, form)
+    multiply_gram(form, normal)
     largest = 0.0
     for f in range(free):
         largest = max(largest, normal[f, f])
@@ -113,13 +112,13 @@ def curve(
         for i in range(free):
             if null[j, i] != 0.0:
                 for k in range(i + 1):
-                    normal[i, k] += _LEAST * largest * null[j, i] * null[j, k]
-    return cholesky(normal)
+                    normal[i, k] += _REGULAR * largest * null[j, i] * null[j, k]
+    return factor_cholesky(normal)
 
 
 @inner
-def returned(slopes: Matrix, square: Matrix, missed: Vector, x: Vector) -> float:
-    """Take the least step of Newton's for a root of xᵀ form x; the step's length over that of x.
+def newton_step(slopes: Matrix, square: Matrix, missed: Vector, x: Vector) -> float:
+    """Take Newton's step of least norm to a root of xᵀ form x; its length over that of x.
 
     `slopes` is form x, (weak, free), the forms being symmetric.
     """
@@ -136,10 +135,10 @@ def returned(slopes: Matrix, square: Matrix, missed: Vector, x: Vector) -> float
             square[w, k] = total
         largest = max(largest, square[w, w])
     for w in range(weak):
-        square[w, w] += _LEAST * largest
-    if not cholesky(square):
+        square[w, w] += _REGULAR * largest
+    if not factor_cholesky(square):
         return 0.0
-    solved(square, missed)
+    solve_cholesky(square, missed)
     moved, size = 0.0, 0.0
     for f in range(free):
         step = 0.0
@@ -152,7 +151,7 @@ def returned(slopes: Matrix, square: Matrix, missed: Vector, x: Vector) -> float
 
 
 @compiled(i8(integers, f8, vector, vector, matrix, matrix, matrix, matrix, matrix, matrix, vector))
-def branch(
+def find_branch(
     table: Integers,
     speed: float,
     z: Vector,
@@ -165,10 +164,10 @@ def branch(
     passing: Matrix,
     x: Vector,
 ) -> int:
-    """The direction of the branch nearest to a motion, in a singular position.
+    """Direction of the branch nearest to a motion, in a singular position.
 
-    Branches have directions N x with uᵀ J'(N x) N x = 0, for all left vectors u: by Newton's
-    iteration, with the least steps, from the direction of the motion.
+    Branches have directions N x with uᵀ J'(N x) N x = 0 for all left vectors u. Newton's method
+    with steps of least norm starts from the direction of the motion.
 
     Parameters
     ----------
@@ -181,7 +180,7 @@ def branch(
     passing : (weak, free)
         Out: the rate of the complement along the motion.
     x : (free,)
-        Out: what the motion lacks to the branch, in terms of null vectors.
+        Out: the branch's direction less that of the motion, in terms of null vectors.
 
     Returns
     -------
@@ -202,14 +201,14 @@ def branch(
             direction[j] = 0.0
             for f in range(free):
                 direction[j] += null[j, f] * x[f]
-        bend(table, speed, z, direction, left, sums)
-        between(sums, null, 0, 1, slopes)
+        differentiate_left(table, speed, z, direction, left, sums)
+        apply_to_null(sums, null, 0, 1, slopes)
         if iteration == 0:
             for w in range(weak):
                 for f in range(free):
                     passing[w, f] = slopes[w, f]
         done = iteration + 1
-        if returned(slopes, square, missed, x) < _CONVERGED:
+        if newton_step(slopes, square, missed, x) < _CONVERGED:
             break
     for f in range(free):
         for j in range(wide):

@@ -27,8 +27,9 @@ from runtime.core.jit import addressed, inner
 from runtime.core.rounding import EPS
 from runtime.core.signatures import VANISHING, Integers, Vector
 from runtime.core.workspace import PARTITION, ROWS, SAMPLE, SIZE, Y0, K, Run
-from runtime.linalg.elimination_plan import draw_up, replay
-from runtime.linalg.row_elimination import REDUNDANT, fill, reduce, smallest
+from runtime.linalg.elimination_plan import replay_plan, write_plan
+from runtime.linalg.rank_policy import REDUNDANT
+from runtime.linalg.row_elimination import eliminate_rows, fill_unit_rows, smallest_pivot
 
 BEHIND = 0.1  # measured: of a step; how far back the motion is looked at
 AHEAD = 2.5  # measured: of a step; how far ahead it is
@@ -128,10 +129,10 @@ def vanishing(
     # Only from look to look: in a gap between them a pivot may change its sign twice.
     if state != Y0 and plan[0] > 0 and t <= r.look_at and t + h > known[WHEN]:
         flat = floats_at(machine, DENSE_JACOBIAN, m * n)
-        if replay(
+        if replay_plan(
             jacobian, t + h, end, p, scale, rows, columns, values, flat, plan, lengths, later
         ):
-            weakest = min(smallest(last), smallest(later))
+            weakest = min(smallest_pivot(last), smallest_pivot(later))
             passed = t + h - known[WHEN]
             if weakest > _POORER * known[LEAST] and not announced(last, later, passed, ahead - h):
                 known[WHEN] = t + h
@@ -153,11 +154,11 @@ def vanishing(
         moved[j] = q[j] + span * v[j] if state == Y0 else end[j]
     beyond = -1.0
     for candidate in range(_CANDIDATES):
-        fill(jacobian, t, q, p, scale, rows, columns, values, dense)
-        reduce(dense, order, now, 1)
-        fill(jacobian, t + span, moved, p, scale, rows, columns, values, dense)
-        reduce(dense, order, later, 0)
-        weakest = smallest(now)
+        fill_unit_rows(jacobian, t, q, p, scale, rows, columns, values, dense)
+        eliminate_rows(dense, order, now, 1)
+        fill_unit_rows(jacobian, t + span, moved, p, scale, rows, columns, values, dense)
+        eliminate_rows(dense, order, later, 0)
+        weakest = smallest_pivot(now)
         nearest, which = np.inf, 0
         for i in range(m):
             change = later[i] - now[i]
@@ -174,10 +175,10 @@ def vanishing(
             if candidate == 0:
                 r.look_at = max(r.look_at, t + _TRUST * ahead)
                 if state != Y0 and machine[RANK] == m:
-                    known[WHEN], known[LEAST] = t + h, min(weakest, smallest(later))
+                    known[WHEN], known[LEAST] = t + h, min(weakest, smallest_pivot(later))
                     for i in range(m):
                         last[i] = later[i]
-                    draw_up(order, rows, columns, values, scale, dense, plan, lengths)
+                    write_plan(order, rows, columns, values, scale, dense, plan, lengths)
             return np.inf
         beyond = abs(nearest)
         if state != Y0:
@@ -186,10 +187,12 @@ def vanishing(
             at_low, at_high = now[which], later[which]
             for _ in range(_REFINED):
                 between(x, span, q, v, end, rate, place)
-                fill(jacobian, t + x * span, place, p, scale, rows, columns, values, dense)
+                fill_unit_rows(
+                    jacobian, t + x * span, place, p, scale, rows, columns, values, dense
+                )
                 if not x < 1.0:
                     break
-                reduce(dense, order, later, 0)
+                eliminate_rows(dense, order, later, 0)
                 if (later[which] > 0.0) == (at_low > 0.0):
                     low, at_low, at_high = x, later[which], 0.5 * at_high
                 else:
@@ -199,9 +202,9 @@ def vanishing(
         else:
             for j in range(n):
                 place[j] = q[j] + nearest / span * (moved[j] - q[j])
-            fill(jacobian, t + nearest, place, p, scale, rows, columns, values, dense)
+            fill_unit_rows(jacobian, t + nearest, place, p, scale, rows, columns, values, dense)
         # With an order of pivots of its own, is this position as poor as it seems?
-        reduce(dense, order, later, 1)
+        eliminate_rows(dense, order, later, 1)
         least = 1.0
         for i in range(m):
             if abs(now[i]) > REDUNDANT:

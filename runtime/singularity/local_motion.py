@@ -1,5 +1,6 @@
-"""Where a machine moves in the next instants: its coordinates as a polynomial in time."""
+"""The motion of a machine near an instant: its coordinates as a polynomial in time."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,9 +11,7 @@ from runtime.core.signatures import f8, matrix, none, vector
 
 FloatArray = NDArray[np.float64]
 
-_PASSES = 4  # safety: Newton iterations for the nearest point of a motion
-_QUINTIC = np.array([[10.0, -4.0, 0.5], [-15.0, 7.0, -1.0], [6.0, -3.0, 0.5]])
-"""Coefficients of the powers 3 to 5 by what the lower ones leave of q, v and a at the end."""
+_PASSES = 4  # safety: of Newton's method for the instant of the least distance
 
 
 class Motion(NamedTuple):
@@ -23,15 +22,21 @@ class Motion(NamedTuple):
 
     @property
     def q(self) -> FloatArray:
-        """The position now."""
+        """The position now, (n,)."""
         q: FloatArray = self.series[0]
         return q
 
     @property
     def v(self) -> FloatArray:
-        """The velocity now."""
+        """The velocity now, (n,)."""
         v: FloatArray = self.series[1]
         return v
+
+    def at(self, s: float) -> tuple[FloatArray, FloatArray]:
+        """Position and velocity after the time s, each (n,)."""
+        q, v = np.empty((2, self.series.shape[1]))
+        evaluate(self.series, s, q, v)
+        return q, v
 
     def scaled(self, scale: FloatArray, speed: float) -> FloatArray:
         """The series of z = (q / scale, t speed), shape (k + 1, n + 1)."""
@@ -43,22 +48,47 @@ class Motion(NamedTuple):
 
 
 def taylor(t: float, q: FloatArray, v: FloatArray, a: FloatArray) -> Motion:
-    """The motion with these derivatives."""
+    """The quadratic with this position, velocity and acceleration."""
     return Motion(t, np.stack([q, v, 0.5 * a]))
 
 
 def hermite(
     t: float, h: float, start: tuple[FloatArray, ...], end: tuple[FloatArray, ...]
 ) -> Motion:
-    """The quintic with these q, v and a at both ends of a step."""
-    q0, v0, a0 = start
-    series = np.empty((6, q0.size))
-    series[0], series[1], series[2] = q0, v0, 0.5 * a0
-    left = np.stack(
-        [end[0] - q0 - h * v0 - 0.5 * h * h * a0, h * (end[1] - v0 - h * a0), h * h * (end[2] - a0)]
-    )
-    series[3:] = (_QUINTIC @ left) / np.array([[h**3], [h**4], [h**5]])
-    return Motion(t, series)
+    """The quintic with these q, v and a at both ends of a step of length h."""
+    return interpolate(t, h, (0, 0, 0, 1, 1, 1), (0, 1, 2, 0, 1, 2), np.stack([*start, *end]))
+
+
+def interpolate(
+    t: float, unit: float, nodes: Sequence[float], orders: Sequence[int], values: FloatArray
+) -> Motion:
+    """The polynomial in time with these derivatives (Birkhoff's interpolation).
+
+    Parameters
+    ----------
+    t, unit
+        The instant from which nodes are counted, and the time by which they are measured, s.
+    nodes, orders : (k,)
+        Instants t + unit · node, and which derivative is given there; 0 is the position.
+    values : (k, n)
+        The derivatives by time.
+
+    Returns
+    -------
+    Motion
+        Of degree k - 1.
+
+    References
+    ----------
+    G. G. Lorentz, K. Jetter, S. D. Riemenschneider, Birkhoff Interpolation, 1983, chapter 1.
+    """
+    x, order, power = np.array(nodes)[:, None], np.array(orders)[:, None], np.arange(len(nodes))
+    factors = np.ones((len(nodes), len(nodes)))
+    for d in range(order.max(initial=0)):
+        factors *= np.where(d < order, np.maximum(power - d, 0), 1)
+    matrix = factors * x ** np.maximum(power - order, 0)
+    coefficients = np.linalg.solve(matrix, values * unit**order)
+    return Motion(t, coefficients / unit ** power[:, None])
 
 
 @inner
@@ -80,15 +110,15 @@ def slope(series: FloatArray, s: float, j: int) -> float:
 
 
 @compiled(none(matrix, f8, vector, vector))
-def moved(series: FloatArray, s: float, z: FloatArray, rate: FloatArray) -> None:
+def evaluate(series: FloatArray, s: float, z: FloatArray, rate: FloatArray) -> None:
     """Write z and dz/ds after the time s, (n + 1,)."""
     for j in range(series.shape[1]):
         z[j], rate[j] = value(series, s, j), slope(series, s, j)
 
 
 @compiled(f8(matrix, f8, vector))
-def nearest(series: FloatArray, s: float, z: FloatArray) -> float:
-    """When a motion is nearest to z, in q, by Newton's iteration from the time `s` on."""
+def nearest_time(series: FloatArray, s: float, z: FloatArray) -> float:
+    """The time at which a motion is nearest to z in q, by Newton's method from s on."""
     for _ in range(_PASSES):
         along, square = 0.0, 0.0
         for j in range(series.shape[1] - 1):
@@ -101,7 +131,7 @@ def nearest(series: FloatArray, s: float, z: FloatArray) -> float:
 
 @compiled(f8(matrix, f8, vector))
 def distance(series: FloatArray, s: float, z: FloatArray) -> float:
-    """How far a motion is from z after the time s, in q."""
+    """Distance of a motion from z in q after the time s."""
     total = 0.0
     for j in range(series.shape[1] - 1):
         total += (value(series, s, j) - z[j]) ** 2

@@ -1,11 +1,11 @@
-"""Orders of pivots of Jacobians, and how many of their constraints are about to be lost."""
+"""Orders of pivots of Jacobians, and how many of their rows are weak: near to being lost."""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.linalg.full_pivoting import ordered
+from runtime.linalg.full_pivoting import factor_entries
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.search_table import COLUMN_ORDER, ROW_ORDER
 
@@ -21,7 +21,7 @@ _KEPT = 4  # measured: orders of pivots that are remembered
 _STRONG = 0.5  # measured: a pivot above this belongs to no weak row
 
 
-class Frame(NamedTuple):
+class PivotOrder(NamedTuple):
     """A Jacobian's non-zeros, its order of pivots, and how many of its singular values are weak."""
 
     entries: FloatArray
@@ -30,48 +30,49 @@ class Frame(NamedTuple):
     weak: int
 
 
-class Frames:
-    """The frames of the last Jacobians of some constraints that were looked at."""
+class PivotOrders:
+    """Orders of pivots of the last few Jacobians of a machine's constraints."""
 
     def __init__(self, constraints: ScaledConstraints) -> None:
         self.constraints = constraints
-        self._known: list[Frame] = []
+        self._known: list[PivotOrder] = []
 
-    def of(self, entries: FloatArray) -> Frame:
+    def near(self, entries: FloatArray) -> PivotOrder:
         """Order of pivots of the Jacobian with these entries, or of one that hardly differs."""
         for known in self._known:
             if np.abs(known.entries - entries).max() < _KNOWN:
                 return known
-        made = self._made(entries)
-        self._known = [made, *self._known[: _KEPT - 1]]
-        return made
+        order = self._choose(entries)
+        self._known = [order, *self._known[: _KEPT - 1]]
+        return order
 
-    def _made(self, entries: FloatArray) -> Frame:
+    def _choose(self, entries: FloatArray) -> PivotOrder:
+        """Full pivoting as far as pivots are large; singular values of the complement of these."""
         constraints = self.constraints
         table, arrays = constraints.layout
         rows, wide = constraints.independent.size, constraints.scale.size + 1
         a, places = np.zeros((rows, wide)), constraints.places
         orders = arrays[ROW_ORDER], arrays[COLUMN_ORDER]
-        strong = ordered(entries, *places, _STRONG, a, *orders)
+        strong = factor_entries(entries, *places, _STRONG, a, *orders)
         values = np.ones(rows)
         if strong < rows:
-            from runtime.singularity.gauss_newton import (
-                weak_part,  # loaded where something is singular
-            )
+            # Loaded where something is singular.
+            from runtime.singularity.schur_complement import reduce_to_weak_part
 
             weak, free = rows - strong, wide - strong
             left, null = np.empty((rows, weak)), np.empty((wide, free))
-            if weak_part(table, a, left, null, np.empty((weak, weak)), np.empty((free, free))):
+            square, normal = np.empty((weak, weak)), np.empty((free, free))
+            if reduce_to_weak_part(table, a, left, null, square, normal):
                 values[strong:] = 0.0
                 smallest = np.linalg.svd(a[strong:, strong:], compute_uv=False)
                 values[strong : strong + smallest.size] = smallest
-            ordered(entries, *places, 0.0, a, *orders)
-        return Frame(
-            entries, orders[0].copy(), orders[1].copy(), weak_values(np.minimum(values, 1))
+            factor_entries(entries, *places, 0.0, a, *orders)
+        return PivotOrder(
+            entries, orders[0].copy(), orders[1].copy(), count_weak(np.minimum(values, 1))
         )
 
 
-def weak_values(values: FloatArray) -> int:
+def count_weak(values: FloatArray) -> int:
     """How many of the singular values, in falling order, lie apart from the others near zero."""
     small = int(np.sum(values < _WEAK))
     if small == 0 or small == len(values):

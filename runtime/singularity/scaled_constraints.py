@@ -1,4 +1,4 @@
-"""The constraints as functions of the coordinates and of time, in units that can be compared."""
+"""The constraints and their Jacobian by scaled coordinates and time."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.singularity.search_table import Layout, laid_out
+from runtime.singularity.search_table import Layout, lay_out
 
 FloatArray = NDArray[np.float64]
 Kernel = Callable[..., Any]
@@ -16,7 +16,7 @@ Kernel = Callable[..., Any]
 
 @dataclass
 class ScaledConstraints:
-    """The constraints of a machine, each coordinate in units of its `scale`.
+    """The constraints of a machine with each coordinate in units of its `scale`.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ class ScaledConstraints:
     scale
         (n,): typical size of a change of each coordinate.
     independent
-        Constraints of which none follows from others everywhere.
+        Indices of constraints none of which follows from the others everywhere.
     m
         Number of constraints.
     """
@@ -46,9 +46,9 @@ class ScaledConstraints:
 
     @cached_property
     def layout(self) -> Layout:
-        """Where compiled searches find all this."""
+        """The table by which compiled searches reach these arrays and kernels."""
         kernels = self.constraints, self.jacobian, self.velocity_rhs
-        return laid_out(kernels, self.p, self.scale, self.independent, self.m, self.places)
+        return lay_out(kernels, self.p, self.scale, self.independent, self.m, self.places)
 
     def entries(self, t: float, q: FloatArray, unit: float) -> FloatArray:
         """Non-zeros of Φ_q, columns scaled, then Φ_t times `unit`; at `places`, (nnz + m,)."""

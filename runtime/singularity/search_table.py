@@ -1,7 +1,8 @@
-"""The table by which compiled searches reach a machine's constraints, and the first that they ask.
+"""The table by which compiled searches reach a machine's constraints, and its first readers.
 
 One array of integers holds addresses of kernels and of arrays, and a few numbers, as in
-`runtime.core.function_table`. A place of the machine is z = (q / scale, t speed), shape (n + 1,).
+`runtime.core.function_table`. In scaled coordinates a position is z = (q / scale, t speed),
+of shape (n + 1,).
 """
 
 from typing import Any, NamedTuple
@@ -36,13 +37,13 @@ velocity_rhs_of = at(RightSide, VELOCITY_RHS)
 
 
 class Layout(NamedTuple):
-    """A table, and what must live as long as it."""
+    """A table, and the arrays whose addresses it holds."""
 
     table: Integers
     arrays: dict[int, Any]
 
 
-def laid_out(
+def lay_out(
     kernels: tuple[Kernel, Kernel, Kernel],
     p: Vector,
     scale: Vector,
@@ -50,7 +51,7 @@ def laid_out(
     m: int,
     places: tuple[Integers, Integers],
 ) -> Layout:
-    """The table of a machine's constraints; arguments as in `scaled.ScaledConstraints`."""
+    """The table of a machine's constraints; arguments as in `ScaledConstraints`."""
     table = np.zeros(SLOTS, np.int64)
     table[: len(kernels)] = addresses(kernels)
     rows, wide, size = independent.size, scale.size + 1, places[0].size
@@ -76,8 +77,8 @@ def laid_out(
 
 
 @inner
-def place(table: Integers, z: Vector) -> None:
-    """Write the coordinates at z where kernels read them."""
+def write_position(table: Integers, z: Vector) -> None:
+    """Write q at z into the array that kernels read."""
     n = table[COORDINATES]
     q, scale = floats_at(table, POSITION, n), floats_at(table, SCALE, n)
     for j in range(n):
@@ -85,10 +86,10 @@ def place(table: Integers, z: Vector) -> None:
 
 
 @inner
-def entries(table: Integers, speed: float, z: Vector, values: Vector) -> None:
-    """Entries of the Jacobian by z, (nnz + m,): of Φ_q, columns scaled, then Φ_t / speed."""
+def jacobian_entries(table: Integers, speed: float, z: Vector, values: Vector) -> None:
+    """Fill `values`, (nnz + m,), with the Jacobian by z: Φ_q, columns scaled, then Φ_t / speed."""
     n, m, nonzeros = table[COORDINATES], table[ALL_ROWS], table[NONZEROS]
-    place(table, z)
+    write_position(table, z)
     q, scale = floats_at(table, POSITION, n), floats_at(table, SCALE, n)
     p = floats_at(table, VALUES_OF_PARAMETERS, table[PARAMETERS])
     columns = integers_at(table, ENTRY_COLUMNS, nonzeros)
@@ -105,10 +106,10 @@ def entries(table: Integers, speed: float, z: Vector, values: Vector) -> None:
 
 
 @inner
-def unit_gaps(table: Integers, speed: float, z: Vector, gaps: Vector) -> None:
-    """The unit rows' values at z, (rows,), in the order of places."""
+def unit_residuals(table: Integers, speed: float, z: Vector, gaps: Vector) -> None:
+    """Fill `gaps`, (rows,), with Φ at z over the rows' lengths, in the order of their places."""
     n, m = table[COORDINATES], table[ALL_ROWS]
-    place(table, z)
+    write_position(table, z)
     phi = floats_at(table, PHI, m)
     for i in range(m):
         phi[i] = 0.0
@@ -123,12 +124,12 @@ def unit_gaps(table: Integers, speed: float, z: Vector, gaps: Vector) -> None:
 
 @compiled(none(integers, f8, vector))
 def measure_rows(table: Integers, speed: float, z: Vector) -> None:
-    """Find the lengths of the rows of Φ_q at z, by which all rows are divided from now on."""
+    """Measure the lengths of the rows of Φ_q at z, by which all rows are divided from now on."""
     nonzeros, rows = table[NONZEROS], table[ROWS]
     values = floats_at(table, VALUES, nonzeros + table[ALL_ROWS])
     lengths = floats_at(table, LENGTHS, rows)
     places = integers_at(table, ENTRY_ROWS, nonzeros)
-    entries(table, speed, z, values)
+    jacobian_entries(table, speed, z, values)
     for i in range(rows):
         lengths[i] = 0.0
     for e in range(nonzeros):
@@ -139,11 +140,11 @@ def measure_rows(table: Integers, speed: float, z: Vector) -> None:
 
 
 @compiled(none(integers, f8, vector, vector))
-def unit_entries(table: Integers, speed: float, z: Vector, out: Vector) -> None:
-    """Entries of the unit rows' Jacobian at z, (nnz + m,); of rows set aside, zero."""
+def unit_jacobian_entries(table: Integers, speed: float, z: Vector, out: Vector) -> None:
+    """Fill `out`, (nnz + m,), with the Jacobian of the unit rows at z; 0 in rows set aside."""
     size, rows = table[NONZEROS] + table[ALL_ROWS], table[ROWS]
     places = integers_at(table, ENTRY_ROWS, size)
     lengths = floats_at(table, LENGTHS, rows)
-    entries(table, speed, z, out)
+    jacobian_entries(table, speed, z, out)
     for e in range(size):
         out[e] = out[e] / lengths[places[e]] if places[e] < rows else 0.0

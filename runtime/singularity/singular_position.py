@@ -1,12 +1,12 @@
-"""Singular positions: where independent constraints become dependent, found and measured.
+"""Singular positions near a motion: how many constraints are lost, and how the motion passes.
 
 At a singular position Φ_q has lost k rows: there are left vectors u with uᵀ Φ_q = 0, and k null
-directions beyond those of the motion. Time counts as one more coordinate, so that what is found is
-where motions cross, and not where a driver is at the end of its reach.
+directions beyond those of the motion. Time counts as one more coordinate: a position is found where
+motions cross (a branch point), not where a driver comes to the end of its reach (a fold).
 
-What is left of uᵀ Φ at the root that `search` finds is the gap by which the machine misses a
-position in which motions cross. (Unfolding of a saddle: M. Golubitsky and D. G. Schaeffer,
-Singularities and Groups in Bifurcation Theory I, 1985, chapter VII.)
+|uᵀ Φ| at the root that `location` finds is the gap by which the machine misses a branch point.
+(Unfolding of a saddle: M. Golubitsky and D. G. Schaeffer, Singularities and Groups in Bifurcation
+Theory I, 1985, chapter VII.)
 """
 
 from typing import NamedTuple
@@ -14,9 +14,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.singularity.local_motion import Motion, distance, nearest
+from runtime.linalg.rank_policy import LOST
+from runtime.singularity.local_motion import Motion, distance, nearest_time
 from runtime.singularity.location import Root, Search
-from runtime.singularity.pivot_orders import Frames
+from runtime.singularity.pivot_orders import PivotOrders
 from runtime.singularity.scaled_constraints import ScaledConstraints
 
 FloatArray = NDArray[np.float64]
@@ -26,7 +27,6 @@ _SAME = 0.05
 _ROUNDED = 1e-13  # accuracy: gap of unit rows that is rounding
 # measured: part of a gap; a smaller one belongs to another position
 _CLEARLY = 1e-3
-_LOST = 1e-6  # accuracy: singular values of unit rows below this are lost, as at a start
 
 
 class Singularity(NamedTuple):
@@ -39,10 +39,10 @@ class Singularity(NamedTuple):
     q
         The position, shape (n,).
     rows
-        The share that each constraint has in the combinations lost, shape (m,): the length of its
-        row in orthonormal ones.
+        The share of each constraint in the row combinations that are lost, shape (m,): the length
+        of its row in the orthonormal left vectors.
     lost
-        Their number k.
+        Number k of these combinations.
     direction
         The null direction that is not the motion's, of unit length, shape (n,).
     gap
@@ -50,15 +50,15 @@ class Singularity(NamedTuple):
     rate
         How fast the smallest singular value passes through zero, 1/s.
     veer
-        What the velocity lacks to one along the nearest branch, shape (n,).
+        The velocity along the nearest branch less that of the motion, shape (n,).
     astray
-        Its length as a part of the speed.
+        Length of `veer` as a part of the speed.
     speed
         Length of the velocity, 1/s.
     miss
         Distance of the motion from the position.
     due
-        The instant that drivers give the position; not a number where they leave freedom.
+        The instant at which drivers reach the position; not a number where they leave freedom.
     """
 
     t: float
@@ -75,68 +75,78 @@ class Singularity(NamedTuple):
     due: float
 
 
-class Positions:
-    """The singular positions of a machine, looked for near its motion."""
+class SingularPositions:
+    """The singular positions of a machine near its motion."""
 
     def __init__(self, constraints: ScaledConstraints) -> None:
-        self.constraints, self.frames = constraints, Frames(constraints)
+        self.constraints, self.orders = constraints, PivotOrders(constraints)
 
-    def near(self, motion: Motion, s: float) -> Singularity | None:
-        """The singular position that the motion meets, or barely misses, about the time `s` hence.
+    def find(self, motion: Motion, s: float) -> Singularity | None:
+        """The singular position that the motion passes, or barely misses, about the time s hence.
 
-        None where there is none.
+        Parameters
+        ----------
+        motion
+            q(t) as a polynomial, in the machine's own units.
+        s
+            Time from the motion's own instant, s; negative where the position lies behind.
+
+        Returns
+        -------
+        Singularity or None
+            None where there is none near, or where the machine rests.
         """
         speed = float(np.linalg.norm(motion.v / self.constraints.scale))
         if not 0.0 < speed < np.inf:
             return None
-        search = Search(self.constraints, self.frames, motion, speed)
+        search = Search(self.constraints, self.orders, motion, speed)
         best = None
-        # Where more is weak than the motion loses, it misses the position in which all of it would
-        # be lost, and may meet one close by in which less is.
-        for weak in range(search.weak(s), 0, -1):
-            met = search.met(s, weak)
-            found = _described(search, *met) if met is not None else None
+        # With more weak rows than the motion loses, it misses the position that loses all of them,
+        # and may pass one close by that loses fewer.
+        for weak in range(search.count_weak(s), 0, -1):
+            root = search.find(s, weak)
+            found = _characterise(search, *root) if root is not None else None
             if found is not None and (best is None or found.gap < _CLEARLY * best.gap):
                 best = found
             if best is not None and best.gap <= _ROUNDED:
                 break
         return best
 
-    def again(self, motion: Motion, known: Singularity) -> Singularity | None:
-        """A known singular position as a later look at the motion sees it."""
+    def find_again(self, motion: Motion, known: Singularity) -> Singularity | None:
+        """A known singular position, with the instant at which a later motion passes it."""
         speed = float(np.linalg.norm(motion.v / self.constraints.scale))
         if not 0.0 < speed < np.inf:
             return None
         z = np.append(known.q / self.constraints.scale, known.t * speed)
         series = motion.scaled(self.constraints.scale, speed)
-        s = nearest(series, known.t - motion.t, z)
+        s = nearest_time(series, known.t - motion.t, z)
         miss = distance(series, s, z)
         if miss > _SAME * max(abs(s) * speed, 1e-3):
-            return self.near(motion, s)
+            return self.find(motion, s)
         growth = speed / known.speed
         return known._replace(t=motion.t + s, speed=speed, rate=known.rate * growth, miss=miss)
 
-    def instant(self, motion: Motion, known: Singularity) -> float:
-        """When this motion is nearest to a known singular position."""
+    def passing_time(self, motion: Motion, known: Singularity) -> float:
+        """The instant at which this motion is nearest to a known singular position, s."""
         z = np.append(known.q / self.constraints.scale, known.t * known.speed)
         series = motion.scaled(self.constraints.scale, known.speed)
-        return motion.t + nearest(series, known.t - motion.t, z)
+        return motion.t + nearest_time(series, known.t - motion.t, z)
 
 
-def _described(search: Search, root: Root, s: float) -> Singularity | None:
-    """The root as users of it see it; None where the motion is nowhere near."""
+def _characterise(search: Search, root: Root, s: float) -> Singularity | None:
+    """The singular position at a root; None where the motion does not come near."""
     constraints = search.constraints
     rate = search.at(s)[1]
     miss = distance(search.series, s, root.z)
     if miss > 0.1 * abs(s) * search.speed + 1e-3:
         return None
-    passing, veer = _directions(search, root, rate)
+    passing, veer = _passage(search, root, rate)
     _, rates, right = np.linalg.svd(passing)
     weakest = float(rates[-1])
     direction = (root.null @ right[len(rates) - 1])[:-1]
     count = len(rates)
     if constraints.independent.size < constraints.m:
-        found = _of_all(search, root, direction)
+        found = _lost_by_all_rows(search, root, direction)
         if found is None:
             return None
         count, direction = found
@@ -159,38 +169,39 @@ def _described(search: Search, root: Root, s: float) -> Singularity | None:
     )
 
 
-def _of_all(search: Search, root: Root, direction: FloatArray) -> tuple[int, FloatArray] | None:
-    """How many constraints are lost, and the direction, where others repeat what some say.
+def _lost_by_all_rows(
+    search: Search, root: Root, direction: FloatArray
+) -> tuple[int, FloatArray] | None:
+    """Number of constraints lost and the null direction, with redundant rows taken into account.
 
-    None where all together determine every coordinate. What is left out may hold where what was
-    kept does not: rows that are independent elsewhere can lose more here than all rows together.
+    None where all rows together determine every coordinate. Rows that are independent elsewhere can
+    lose more here than all rows together: a redundant one may hold where they do not.
     """
     constraints = search.constraints
     matrix = constraints.all_rows(root.z[-1] / search.speed, root.z[:-1] * constraints.scale)
     _, values, right = np.linalg.svd(matrix)
-    rank = int((values > _LOST).sum())
+    rank = int((values > LOST).sum())
     null = right[rank:]
     if not len(null):
         return None
     allowed: FloatArray = null.T @ (null @ direction)
     size = float(np.linalg.norm(allowed))
-    if size < _LOST:
-        # Nothing of it is left: of the others, that which is least the motion's.
+    if size < LOST:
+        # Nothing of it is left: take the null direction that is least along the motion.
         along = null @ search.series[1, :-1]
         others = np.linalg.svd(along[None, :])[2][1:] if len(null) > 1 else np.eye(len(null))
         allowed, size = others[0] @ null, 1.0
     return max(constraints.independent.size - rank, 0), allowed / size
 
 
-def _directions(search: Search, root: Root, rate: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The rate of what is lost along a motion, (k, c), and what its dz/ds lacks to a branch."""
-    from runtime.singularity.complement_derivative import (
-        branch,  # loaded where something is singular
-    )
+def _passage(search: Search, root: Root, rate: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rate of the Schur complement along a motion, (k, c), and the branch's dz/ds less its own."""
+    # Loaded where something is singular.
+    from runtime.singularity.complement_derivative import find_branch
 
     (wide, free), weak = root.null.shape, root.left.shape[1]
     passing, x = np.empty((weak, free)), np.empty(free)
-    branch(
+    find_branch(
         search.table,
         search.speed,
         root.z,

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.assembly.dense_equations import FloatArray
+from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import Progress
 from runtime.statics.reduced_gradient import BALANCED, Partition, Rest, Stiffness
 

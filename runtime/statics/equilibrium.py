@@ -2,16 +2,18 @@
 
 import time as clock
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from codegen.errors import AnalysisError
 from runtime.assembly.assemble import assemble
-from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.assembly.redundant_kernels import sound, spared
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
+from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.description import Description
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
 from runtime.results.samples import Samples
@@ -20,9 +22,7 @@ from runtime.statics.reduced_gradient import Rest
 from runtime.statics.stability import Judgement, Stability, judge
 from runtime.validation.contacts import require_no_rigid, require_no_sticking
 from runtime.validation.masses import require_masses
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine, Values
+from runtime.validation.parameters import parameter_values
 
 METHODS = ("energy", "settling")
 _TURNED = 25.0  # safety: rad after which nothing holds a machine whose forces do not balance
@@ -48,7 +48,7 @@ class Equilibrium(Result):
 
     def __init__(
         self,
-        machine: "Machine",
+        description: Description,
         samples: Samples,
         p: FloatArray,
         *,
@@ -60,7 +60,7 @@ class Equilibrium(Result):
         not_unique: Sequence[str] = (),
     ) -> None:
         super().__init__(
-            machine,
+            description,
             samples,
             p,
             analysis="equilibrium",
@@ -89,11 +89,11 @@ class Equilibrium(Result):
 
 
 def equilibrium(
-    machine: "Machine",
+    mechanism: Mechanism,
     method: str = "energy",
     *,
-    guess: "Values | None" = None,
-    parameters: "Values | None" = None,
+    guess: Values | None = None,
+    parameters: Values | None = None,
     t: float = 0.0,
     progress: Progress = silent,
 ) -> Equilibrium:
@@ -110,36 +110,37 @@ def equilibrium(
         Time in s at which drivers and forces are held.
     """
     began = clock.perf_counter()
-    told = machine.description
+    description = mechanism.description
     if method not in METHODS:
         raise AnalysisError(
             f"There is no equilibrium method {method!r}; there are: {', '.join(METHODS)}."
         )
-    if not told.has_masses:
+    if not description.has_masses:
         raise AnalysisError(
-            f"{told.title}: equilibrium needs forces on bodies with mass, and this scene has a "
-            f"body without. Give every body a mass and an inertia."
+            f"{mechanism.title}: equilibrium needs forces on bodies with mass, and this scene has "
+            f"a body without. Give every body a mass and an inertia."
         )
-    require_no_rigid(machine, "equilibrium")
-    require_no_sticking(machine, "equilibrium")
-    p = machine.parameter_values(parameters)
-    require_masses(machine, p)
-    start = assemble(machine, guess, parameters, t, release=True)
+    require_no_rigid(mechanism, "equilibrium")
+    require_no_sticking(mechanism, "equilibrium")
+    p = parameter_values(mechanism, parameters)
+    require_masses(mechanism, p)
+    start = assemble(mechanism, guess, parameters, t, release=True)
     if start.degrees_of_freedom == 0:
-        drivers = f" (drivers: {', '.join(told.drivers)})" if told.drivers else ""
+        drivers = f" (drivers: {', '.join(description.drivers)})" if description.drivers else ""
         raise AnalysisError(
-            f"{told.title}: 0 degrees of freedom are left{drivers}, so there is nothing to "
+            f"{description.title}: 0 degrees of freedom are left{drivers}, so there is nothing to "
             f"balance. Leave the drivers out of the scene, or ask for inverse dynamics."
         )
-    machine = sound(machine, start)
-    equations = Equations(machine, p)
+    mechanism = sound(mechanism, start)
+    equations = Equations(mechanism, p)
     _require_finite(equations, float(t), start.q)
     rest = Rest(equations, float(t), equations.scale(equations.size(t, start.q)))
     stats: dict[str, Any]
     if method == "settling":
         if np.abs(equations.velocity_rhs(t, start.q)).max(initial=0.0) > 0.0:
             raise AnalysisError(
-                f"{told.title}: settling needs drivers at rest, and {', '.join(told.drivers)} "
+                f"{mechanism.title}: settling needs drivers at rest, and "
+                f"{', '.join(description.drivers)} "
                 f'moves at t = {t:g} s. Use method="energy".'
             )
         from runtime.statics.kinetic_damping import settle_down  # compiles where it is used
@@ -148,11 +149,11 @@ def equilibrium(
         stats = {"steps": settled.steps, "kinetic_energy_peaks": settled.peaks}
         known = np.isfinite(settled.q).all()
         found = polish(rest, settled.q) if known else here(rest, start.q)
-        ran = _ran(machine, rest, start.q, settled.q)
+        ran = _ran(mechanism, rest, start.q, settled.q)
     else:
         found = minimise(rest, start.q, progress)
         stats = {"iterations": found.iterations}
-        ran = _ran(machine, rest, start.q, found.q)
+        ran = _ran(mechanism, rest, start.q, found.q)
     if found.balanced:
         ran = []
     if ran:
@@ -161,7 +162,7 @@ def equilibrium(
     judged = judge(rest, found)
     q = np.ascontiguousarray(found.q[None, :])
     samples = evaluate(
-        machine,
+        mechanism,
         p,
         np.array([float(t)]),
         q,
@@ -170,38 +171,38 @@ def equilibrium(
     )
     stats["wall_seconds"] = clock.perf_counter() - began
     return Equilibrium(
-        machine,
+        description,
         samples,
         p,
         judged=judged,
         gradient=found.unbalanced,
         outcome=Outcome.OK if found.balanced else Outcome.UNBALANCED,
-        message=_message(machine, found, judged, ran) + spared(start),
+        message=_message(mechanism, found, judged, ran) + spared(start),
         stats=stats,
         not_unique=start.not_unique,
     )
 
 
-def _ran(machine: "Machine", rest: Rest, start: FloatArray, end: FloatArray) -> list[str]:
+def _ran(mechanism: Mechanism, rest: Rest, start: FloatArray, end: FloatArray) -> list[str]:
     """Coordinates that went so far from the start that nothing can be holding them."""
     moved = np.abs((end - start) / rest.scale)
     moved[~np.isfinite(moved)] = np.inf
-    turned = machine.description.is_angle & (moved > _TURNED)
+    turned = mechanism.description.is_angle & (moved > _TURNED)
     far = (turned | (moved > _FAR)) & (moved >= 1e-3 * moved.max())
-    return [machine.coordinates[int(index)].name for index in np.flatnonzero(far)]
+    return [mechanism.description.coordinates[int(index)].name for index in np.flatnonzero(far)]
 
 
-def _edges(machine: "Machine", found: Found) -> str:
+def _edges(mechanism: Mechanism, found: Found) -> str:
     """The conditions at whose boundary a position lies."""
-    switches = machine.description.switches
+    switches = mechanism.description.switches
     return ", ".join(
         f"{switches[k].condition} of {switches[k].name}" for k in found.stiffness.edges
     )
 
 
-def _message(machine: "Machine", found: Found, judged: Judgement, ran: list[str]) -> str:
+def _message(mechanism: Mechanism, found: Found, judged: Judgement, ran: list[str]) -> str:
     """What the search found, in a sentence."""
-    edges = _edges(machine, found)
+    edges = _edges(mechanism, found)
     if ran:
         return (
             f"No equilibrium found: nothing holds the machine in {', '.join(ran)}, which ran away "
@@ -211,7 +212,7 @@ def _message(machine: "Machine", found: Found, judged: Judgement, ran: list[str]
     if not found.balanced:
         shares = np.abs(found.gradient) / found.effort
         worst = int(found.part.independent[int(np.argmax(shares))])
-        name = machine.coordinates[worst].name
+        name = mechanism.description.coordinates[worst].name
         if edges:
             return (
                 f"No equilibrium found: the search ended at {name} = {found.q[worst]:.6g} on the "
@@ -247,11 +248,16 @@ def _require_finite(equations: Equations, t: float, q: FloatArray) -> None:
     force = equations.forces(t, q, still, modes) + equations.potential_gradient(t, q, modes)
     if np.isfinite(force).all():
         return
-    told = equations.description
-    lost = [row.name for row, f in zip(told.coordinates, force, strict=True) if not np.isfinite(f)]
-    effects = ", ".join(row.name for row in told.effects) or "none"
+    description = equations.description
+    lost = [
+        row.name
+        for row, f in zip(description.coordinates, force, strict=True)
+        if not np.isfinite(f)
+    ]
+    effects = ", ".join(row.name for row in description.effects) or "none"
     raise AnalysisError(
-        f"{told.title}: at the start position the forces along {', '.join(lost)} are not finite "
-        f"(effects: {effects}). Look for a spring whose ends coincide, a division by zero or a "
-        f"table asked beyond its ends, and start elsewhere: give guess= or a guess in the scene."
+        f"{description.title}: at the start position the forces along {', '.join(lost)} are not "
+        f"finite (effects: {effects}). Look for a spring whose ends coincide, a division by zero "
+        "or a table asked beyond its ends, and start elsewhere: give guess= or a guess in the "
+        "scene."
     )

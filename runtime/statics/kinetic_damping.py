@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
-from runtime.assembly.dense_equations import FloatArray
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.kernels import FETCH, MATRIX, MODES, SCALAR, VECTOR
+from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import Progress
 from runtime.statics.energy_minimisation import AWAY
 from runtime.statics.reduced_gradient import Rest

@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.assembly.closure import CLOSED
-from runtime.assembly.dense_equations import Equations, FloatArray
 from runtime.constraints.partitioning import eliminate
-from runtime.linalg.newton_iteration import newton
+from runtime.linalg.newton_iteration import solve_by_newton
+from runtime.mechanism.dense_equations import Equations, FloatArray
 
 BALANCED = 1e-10  # accuracy: part of the forces; a gradient below it counts as balanced
 # accuracy: scaled steps of the difference quotients, finer at an edge
@@ -93,7 +93,7 @@ class Rest:
             found: FloatArray = equations.jacobian(self.t, at(x))[chosen] * scale
             return found / sizes[:, None]
 
-        x, gap = newton(gaps, slopes, np.zeros(len(dependent)))
+        x, gap = solve_by_newton(gaps, slopes, np.zeros(len(dependent)))
         return at(x) if gap <= CLOSED and float(np.abs(x).max()) < _REACH else None
 
     def motions(self, q: FloatArray, part: Partition) -> FloatArray:

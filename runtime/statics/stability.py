@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.assembly.dense_equations import FloatArray
+from runtime.mechanism.dense_equations import FloatArray
 from runtime.statics.energy_minimisation import Found
 from runtime.statics.reduced_gradient import Rest
 

@@ -90,7 +90,7 @@ def scales(
     names, units : (j,)
         Series, as `Result.series` names them.
     sizes : (n,)
-        Typical sizes of the coordinates: `runtime.assembly.coordinate_scales`.
+        Typical sizes of the coordinates: `runtime.mechanism.dense_equations`.
     reference : (k, j)
     whole : (j,)
         Magnitude of the whole that each is a part of: `runtime.studies.series.group_magnitude`.

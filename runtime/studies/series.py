@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from codegen.errors import InputError
 from runtime.mechanism.description import unknown
-from runtime.results.result import ENERGIES
+from runtime.results.time_series import ENERGIES
 
 if TYPE_CHECKING:
     from runtime.mechanism.description import Description

@@ -6,14 +6,14 @@ sense is for those who use it.
 
 import math
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from codegen.errors import InputError
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine
+from codegen.errors import AnalysisError, InputError
+from runtime.mechanism.mechanism import Mechanism
+from runtime.results.assembled_state import Assembly
 
 _MOST = 2**62
 
@@ -28,7 +28,7 @@ def number(given: object) -> float | None:
         return None
 
 
-def check(machine: "Machine", **given: Any) -> None:
+def check(mechanism: Mechanism, **given: Any) -> None:
     """Refuse arguments of the wrong kind, all at once; the names are those of the analyses.
 
     Raises
@@ -36,12 +36,33 @@ def check(machine: "Machine", **given: Any) -> None:
     InputError
         One sentence a problem.
     """
-    problems = [text for name, value in given.items() if (text := _KINDS[name](machine, value))]
-    problems = [f"{machine.description.title}: {text}" for text in problems]
+    problems = [text for name, value in given.items() if (text := _KINDS[name](mechanism, value))]
+    problems = [f"{mechanism.title}: {text}" for text in problems]
     if not problems and given.get("start") is not None:
         problems = _doubled(given)
     if problems:
         raise InputError(problems)
+
+
+def instants(t_eval: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """The output instants as an array, checked."""
+    try:
+        given = np.asarray(t_eval)
+    except (TypeError, ValueError):
+        given = np.asarray(None)
+    if given.dtype.kind not in "iuf":
+        raise AnalysisError(f"t_eval is {shown(t_eval)}; it must be instants in s.")
+    times = np.atleast_1d(given.astype(np.float64))
+    if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all():
+        raise AnalysisError("t_eval must be at least one finite instant in s, in one dimension.")
+    backwards = np.flatnonzero(np.diff(times) <= 0.0)
+    if len(backwards):
+        place = int(backwards[0])
+        raise AnalysisError(
+            f"t_eval must increase: instant {place + 1} is {times[place + 1]:g} s "
+            f"after {times[place]:g} s. Sort it and drop repetitions."
+        )
+    return times
 
 
 def _doubled(given: Mapping[str, Any]) -> list[str]:
@@ -60,8 +81,8 @@ def _doubled(given: Mapping[str, Any]) -> list[str]:
     return problems
 
 
-def _instant(name: str) -> Callable[["Machine", Any], str]:
-    def kind(_: "Machine", value: Any) -> str:
+def _instant(name: str) -> Callable[[Mechanism, Any], str]:
+    def kind(_: Mechanism, value: Any) -> str:
         found = number(value)
         if found is not None and math.isfinite(found):
             return ""
@@ -70,8 +91,8 @@ def _instant(name: str) -> Callable[["Machine", Any], str]:
     return kind
 
 
-def _length(name: str) -> Callable[["Machine", Any], str]:
-    def kind(_: "Machine", value: Any) -> str:
+def _length(name: str) -> Callable[[Mechanism, Any], str]:
+    def kind(_: Mechanism, value: Any) -> str:
         if value is None or (number(value) or 0.0) > 0.0:
             return ""
         return f"{name} is {shown(value)}; it must be a positive number of seconds."
@@ -79,8 +100,8 @@ def _length(name: str) -> Callable[["Machine", Any], str]:
     return kind
 
 
-def _tolerance(name: str) -> Callable[["Machine", Any], str]:
-    def kind(_: "Machine", value: Any) -> str:
+def _tolerance(name: str) -> Callable[[Mechanism, Any], str]:
+    def kind(_: Mechanism, value: Any) -> str:
         if value is None or (name == "atol" and isinstance(value, np.ndarray | list | tuple)):
             entries = [] if value is None else list(value)
         else:
@@ -93,15 +114,15 @@ def _tolerance(name: str) -> Callable[["Machine", Any], str]:
     return kind
 
 
-def _count(_: "Machine", value: Any) -> str:
+def _count(_: Mechanism, value: Any) -> str:
     whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
     if whole and 0 <= value <= _MOST:
         return ""
     return f"max_steps is {shown(value)}; it must be a whole number, at most {_MOST:g}."
 
 
-def _values(name: str, example: str) -> Callable[["Machine", Any], str]:
-    def kind(_: "Machine", value: Any) -> str:
+def _values(name: str, example: str) -> Callable[[Mechanism, Any], str]:
+    def kind(_: Mechanism, value: Any) -> str:
         if value is None:
             return ""
         if not isinstance(value, Mapping):
@@ -115,25 +136,23 @@ def _values(name: str, example: str) -> Callable[["Machine", Any], str]:
     return kind
 
 
-def _start(machine: "Machine", value: Any) -> str:
-    from runtime.assembly.assembled_state import Assembly
-
+def _start(mechanism: Mechanism, value: Any) -> str:
     if value is None:
         return ""
     if not isinstance(value, Assembly):
         return f"start is {shown(value)}; it must be what assemble() returns."
     names = value.coordinates.names
-    if names and names != machine.coordinates.names:
+    if names and names != mechanism.description.coordinates.names:
         return (
             f"start was assembled for another machine, with the coordinates "
             f"{', '.join(names[:6])}. Assemble this one."
         )
-    return _state("start.q")(machine, value.q) or _state("start.v")(machine, value.v)
+    return _state("start.q")(mechanism, value.q) or _state("start.v")(mechanism, value.v)
 
 
-def _state(name: str) -> Callable[["Machine", Any], str]:
-    def kind(machine: "Machine", value: Any) -> str:
-        count = len(machine.coordinates)
+def _state(name: str) -> Callable[[Mechanism, Any], str]:
+    def kind(mechanism: Mechanism, value: Any) -> str:
+        count = len(mechanism.description.coordinates)
         fits = isinstance(value, np.ndarray) and value.dtype == np.float64
         if fits and value.shape == (count,) and np.isfinite(value).all():
             return ""
@@ -152,7 +171,7 @@ def shown(value: Any) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-_KINDS: dict[str, Callable[["Machine", Any], str]] = {
+_KINDS: dict[str, Callable[[Mechanism, Any], str]] = {
     "t": _instant("t"),
     "t_end": _instant("t_end"),
     "t_start": _instant("t_start"),

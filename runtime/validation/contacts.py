@@ -1,20 +1,17 @@
 """What rigid contacts and frictions that stick ask of parameters, of a start and of an analysis."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+import numpy.typing as npt
 
 from codegen.errors import AnalysisError, InputError, ParameterError
-from runtime.assembly.dense_equations import FloatArray
+from runtime.mechanism.mechanism import Mechanism
+from runtime.results.samples import Samples
 
-if TYPE_CHECKING:
-    from runtime.machine import Machine
-    from runtime.results.samples import Samples
-
+FloatArray = npt.NDArray[np.float64]
 _ROUNDING = 1e-12  # by which a ratio of coefficients may miss one
 
 
-def require_sound(machine: "Machine", p: FloatArray) -> None:
+def require_sound(mechanism: Mechanism, p: FloatArray) -> None:
     """Refuse coefficients of restitution, typical forces and static coefficients that are none.
 
     Raises
@@ -23,12 +20,12 @@ def require_sound(machine: "Machine", p: FloatArray) -> None:
         One sentence for each contact and friction whose numbers, from the parameters `p`, do not
         make sense.
     """
-    told = machine.description
+    told = mechanism.description
     problems = []
     count = len(told.rigid)
     e, force = np.zeros(count), np.ones(count)
-    machine.kernels.restitution(p, e)
-    machine.kernels.contact_scale(p, force)
+    mechanism.kernels.restitution(p, e)
+    mechanism.kernels.contact_scale(p, force)
     for contact, returned, typical in zip(told.rigid, e, force, strict=True):
         where = f"{told.title}: contact {contact.name}"
         if not 0.0 <= returned <= 1.0:
@@ -42,7 +39,7 @@ def require_sound(machine: "Machine", p: FloatArray) -> None:
                 "positive."
             )
     low, high = np.zeros(len(told.switches)), np.ones(len(told.switches))
-    machine.kernels.holds(p, low, high)
+    mechanism.kernels.holds(p, low, high)
     for switch, first, last in zip(told.switches, low, high, strict=True):
         if switch.kind == "friction" and not last - first >= 1.0 - _ROUNDING:
             problems.append(
@@ -55,7 +52,7 @@ def require_sound(machine: "Machine", p: FloatArray) -> None:
 
 
 def require_apart(
-    machine: "Machine", p: FloatArray, t: float, q: FloatArray, v: FloatArray, size: float
+    mechanism: Mechanism, p: FloatArray, t: float, q: FloatArray, v: FloatArray, size: float
 ) -> None:
     """Refuse a start in which bodies overlap at a rigid contact.
 
@@ -71,13 +68,13 @@ def require_apart(
     InputError
         One sentence for each contact whose gap is negative.
     """
-    told = machine.description
+    told = mechanism.description
     if not told.rigid:
         return
     from runtime.hybrid.mode_selection import TOUCHING  # compiles where it is used
 
     g = np.zeros(len(told.switches))
-    machine.kernels.switching(t, q, v, p, g)
+    mechanism.kernels.switching(t, q, v, p, g)
     problems = [
         f"{told.title}: at t = {t:g} s the gap of the rigid contact {contact.name} is "
         f"{g[contact.switch]:.6g} m: the bodies overlap. Start with a gap that is zero or positive."
@@ -88,9 +85,9 @@ def require_apart(
         raise InputError(problems)
 
 
-def require_no_rigid(machine: "Machine", analysis: str) -> None:
+def require_no_rigid(mechanism: Mechanism, analysis: str) -> None:
     """Refuse an analysis that does not know which rigid contacts are closed."""
-    told = machine.description
+    told = mechanism.description
     if told.rigid:
         raise AnalysisError(
             f"{told.title}: {analysis} does not decide which rigid contacts are closed, and this "
@@ -100,9 +97,9 @@ def require_no_rigid(machine: "Machine", analysis: str) -> None:
         )
 
 
-def require_no_sticking(machine: "Machine", analysis: str) -> None:
+def require_no_sticking(mechanism: Mechanism, analysis: str) -> None:
     """Refuse to look for the place where a machine with friction that sticks would rest."""
-    told = machine.description
+    told = mechanism.description
     names = dict.fromkeys(row.name for row in told.switches if row.kind == "friction")
     if names:
         raise AnalysisError(
@@ -112,16 +109,16 @@ def require_no_sticking(machine: "Machine", analysis: str) -> None:
         )
 
 
-def require_slip(machine: "Machine", p: FloatArray, samples: "Samples") -> None:
+def require_slip(mechanism: Mechanism, p: FloatArray, samples: Samples) -> None:
     """Refuse instants at which friction is at rest and stays there: its force is not determined."""
-    told = machine.description
+    told = mechanism.description
     stuck = [k for k, row in enumerate(told.switches) if row.kind == "friction"]
     if not stuck:
         return
     g, rate = np.zeros(len(told.switches)), np.zeros(len(told.switches))
     for t, q, v, a in zip(samples.t, samples.q, samples.v, samples.a, strict=True):
-        machine.kernels.switching(t, q, v, p, g)
-        machine.kernels.switching_rates(t, q, v, a, p, rate)
+        mechanism.kernels.switching(t, q, v, p, g)
+        mechanism.kernels.switching_rates(t, q, v, a, p, rate)
         for k in stuck:
             if g[k] == 0.0 and rate[k] == 0.0:
                 raise AnalysisError(

@@ -1,20 +1,17 @@
 """Masses that parameter values make impossible, told with the parameters behind them."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from codegen.errors import ParameterError
-from runtime.assembly.dense_equations import Equations, FloatArray
+from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.mechanism import Mechanism
+from runtime.validation.parameters import parameter_values
 
-if TYPE_CHECKING:
-    from runtime.machine import Machine
 
-
-def require_masses(machine: "Machine", p: FloatArray) -> None:
+def require_masses(mechanism: Mechanism, p: FloatArray) -> None:
     """Refuse masses and inertias that are not positive finite numbers."""
-    told = machine.description
-    values = _masses(machine, p)
+    told = mechanism.description
+    values = _masses(mechanism, p)
     bodies = frozenset(told.bodies)
     wrong: dict[tuple[str, bool], int] = {}
     for index in np.flatnonzero(~((values > 0.0) & (values < np.inf))).tolist():
@@ -29,28 +26,30 @@ def require_masses(machine: "Machine", p: FloatArray) -> None:
                 index = wrong[body, angle]
                 problems.append(
                     f"{told.title}: the {quantity} of {body} is {values[index]:g} {unit}; it "
-                    f"must be a positive finite number. {_behind(machine, p, index)}"
+                    f"must be a positive finite number. {_behind(mechanism, p, index)}"
                 )
     if problems:
         raise ParameterError(problems)
 
 
-def _masses(machine: "Machine", p: FloatArray) -> FloatArray:
+def _masses(mechanism: Mechanism, p: FloatArray) -> FloatArray:
     """Diagonal of M, shape (n,)."""
-    diagonal: FloatArray = np.diag(Equations(machine, p).mass(np.zeros(len(machine.coordinates))))
+    diagonal: FloatArray = np.diag(
+        Equations(mechanism, p).mass(np.zeros(len(mechanism.description.coordinates)))
+    )
     return diagonal
 
 
-def _behind(machine: "Machine", p: FloatArray, place: int) -> str:
+def _behind(mechanism: Mechanism, p: FloatArray, place: int) -> str:
     """The parameters that a mass depends on, found by changing one at a time."""
-    table = machine.parameters
-    default = machine.parameter_values()
+    table = mechanism.description.parameters
+    default = parameter_values(mechanism)
     found = []
     for index, row in enumerate(table):
         changed = default.copy()
         changed[index] = 1.25 * changed[index] or 1.0
-        machine.kernels.constants(changed)
-        if _masses(machine, changed)[place] != _masses(machine, default)[place]:
+        mechanism.kernels.constants(changed)
+        if _masses(mechanism, changed)[place] != _masses(mechanism, default)[place]:
             found.append(f"{row.name} = {p[index]:g} {row.unit}".rstrip())
     if not found:
         return "It depends on no parameter: correct the model."

@@ -1,14 +1,12 @@
 """Questions that a scene was compiled without the means to answer."""
 
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 from codegen.errors import AnalysisError
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine
+from runtime.mechanism.mechanism import Mechanism
 
 
-def require_motion(machine: "Machine", question: str) -> None:
+def require_motion(mechanism: Mechanism, question: str) -> None:
     """Refuse a motion where the scene asks only where the machine rests.
 
     Raises
@@ -16,7 +14,7 @@ def require_motion(machine: "Machine", question: str) -> None:
     AnalysisError
         If its kernels of motion were left out.
     """
-    told = machine.description
+    told = mechanism.description
     if told.analysis == "equilibrium":
         raise AnalysisError(
             f"{told.title}: {question} needs the equations of motion, which a scene with "
@@ -25,7 +23,7 @@ def require_motion(machine: "Machine", question: str) -> None:
         )
 
 
-def require_energy(machine: "Machine") -> None:
+def require_energy(mechanism: Mechanism) -> None:
     """Refuse a search for equilibrium where the potential was left out.
 
     Raises
@@ -33,12 +31,12 @@ def require_energy(machine: "Machine") -> None:
     AnalysisError
         If the scene has masses and no kernel of the potential.
     """
-    told = machine.description
+    told = mechanism.description
     if told.has_masses and "potential" not in told.kernels:
         raise AnalysisError(f"equilibrium needs the potential energy: {told.offer('energy')}")
 
 
-def refuse_structure(machine: "Machine") -> None:
+def refuse_structure(mechanism: Mechanism) -> None:
     """Refuse to integrate where joints hold all and no driver moves anything.
 
     Raises
@@ -46,7 +44,7 @@ def refuse_structure(machine: "Machine") -> None:
     AnalysisError
         If the scene has no driver.
     """
-    told = machine.description
+    told = mechanism.description
     if not told.drivers:
         raise AnalysisError(
             f"{told.title}: nothing is left to integrate: {len(told.constraints)} constraints hold "
@@ -55,7 +53,7 @@ def refuse_structure(machine: "Machine") -> None:
         )
 
 
-def refuse_massless(machine: "Machine") -> NoReturn:
+def refuse_massless(mechanism: Mechanism) -> NoReturn:
     """Refuse a simulation where no mass moves.
 
     Raises
@@ -63,7 +61,7 @@ def refuse_massless(machine: "Machine") -> NoReturn:
     AnalysisError
         With what to ask for instead.
     """
-    told = machine.description
+    told = mechanism.description
     if told.analysis == "kinematics":
         raise AnalysisError(
             f"{told.title}: a simulation needs masses and forces, which a scene with "
@@ -76,9 +74,9 @@ def refuse_massless(machine: "Machine") -> NoReturn:
     )
 
 
-def carried(machine: "Machine", freedom: int) -> str:
+def carried(mechanism: Mechanism, freedom: int) -> str:
     """What a simulation says where drivers leave nothing to integrate; else nothing."""
-    told = machine.description
+    told = mechanism.description
     if freedom or not told.drivers:
         return ""
     return (

@@ -93,7 +93,7 @@ def test_ours_come_where_the_floors_do(name: str, formulation: str, folder: Path
 def test_the_squeezer_needs_few_operations_more_than_by_hand(folder: Path) -> None:
     """One call of ours solves the loops and answers all accelerations."""
     machine = linkwright_runs.machine_of(linkwright_runs.ANDREWS, folder)
-    assert machine.reduced.closures == ()
+    assert machine.mechanism.reduced.closures == ()
     counts = dict(import_generated(companion_path(machine.path, "reduced")).OPERATIONS)
     assert 0 < counts["accelerations"] < 2.0 * cost(andrews.equation)
 

@@ -42,7 +42,7 @@ def test_build_says_what_it_did(model: Path, run: object) -> None:
     assert first.exit_code == 0
     for words in (
         "pendulum, scene swing: written",
-        "3 coordinates, 2 constraints, 1 degrees",
+        "3 coordinates, 2 constraints, 1 degree of freedom",
         "effects       gravity",
         "left out      friction",
         "accelerations ",

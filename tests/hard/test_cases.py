@@ -8,7 +8,7 @@ from models.hard.suite.case import Case
 from models.hard.suite.cell import COMPARED, Verdict, Way, run
 from models.hard.suite.worker import Worker
 from runtime import Outcome, Result, load
-from runtime.integrate.wiring import METHODS
+from runtime.integrate.method import METHODS
 
 WAY = Way(COMPARED, "step")
 

@@ -5,9 +5,10 @@ import pytest
 
 from runtime import load
 from runtime.core.outcomes import Outcome
+from runtime.integrate.method import EXPLICIT
 from tests.hard.reading import changes, held
 
-METHODS = ("dopri5", "dop853")
+METHODS = EXPLICIT
 G = 9.81
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from runtime import load
 from runtime.core.outcomes import Outcome
+from runtime.integrate.method import EXPLICIT
 from runtime.machine import Machine
 from tests.hard.reading import changes, held
 
@@ -73,7 +74,7 @@ def test_impact_tears_loose_what_stuck(colliding: Callable[[str], Machine]) -> N
     assert struck.time in changes(run, "sticks", "began")
 
 
-@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_bouncing_that_friction_meddles_with_ends_at_one_time(
     colliding: Callable[[str], Machine], method: str
 ) -> None:

@@ -15,6 +15,7 @@ from scipy.integrate import solve_ivp
 from codegen import Model, t
 from runtime import load
 from runtime.core.outcomes import Outcome
+from runtime.integrate.method import METHODS
 from runtime.machine import Machine
 
 G = 9.81
@@ -71,7 +72,7 @@ def machine(tmp_path_factory: pytest.TempPathFactory) -> Machine:
     return ladder(tmp_path_factory.mktemp("ladder"))
 
 
-@pytest.mark.parametrize("method", ["dopri5", "dop853", "bdf", "radau5", "auto"])
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("correction", ["step", "baumgarte"])
 def test_ladder_stands_by_every_method(machine: Machine, method: str, correction: str) -> None:
     run = machine.simulate(

@@ -17,7 +17,8 @@ from models.hard.parallel_linkage import parallel_linkage
 from models.hard.suite.case import ROOT
 from models.hard.suite.closed import pendulum
 from runtime import Machine, Outcome, Result, load
-from runtime.assembly.dense_equations import Equations
+from runtime.integrate.method import EXPLICIT
+from runtime.mechanism.dense_equations import Equations
 
 JOINTS = tuple(f"{pin}{k}" for k in range(4) for pin in "AB")
 TIMES = np.linspace(0.0, 5.0, 101)
@@ -80,7 +81,7 @@ def fallen(times: np.ndarray) -> np.ndarray:
 def assert_least(machine: Machine, run: Result) -> None:
     """Accelerations and reactions are those of the pseudo-inverse of [M Φ_qᵀ; Φ_q 0]."""
     p = machine.parameter_values(run.parameters)
-    equations = Equations(machine, p)
+    equations = Equations(machine.mechanism, p)
     n, m = equations.n, equations.m
     modes = np.zeros(0, dtype=np.int64)
     for k, (t, q, v) in enumerate(zip(run.t, run.samples.q, run.samples.v, strict=True)):
@@ -109,7 +110,7 @@ def test_what_repeats_is_named_by_joint(table: Machine) -> None:
     assert "Constraint B3.y is redundant and consistent" in str(start)
 
 
-@pytest.mark.parametrize("method", ["dop853", "dopri5"])
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_it_falls_as_if_they_were_not_there(table: Machine, plain: Machine, method: str) -> None:
     run = table.simulate(5.0, TIMES, method=method, rtol=1e-12, progress=False)
     other = plain.simulate(5.0, TIMES, method=method, rtol=1e-12, progress=False)
@@ -146,7 +147,13 @@ def sampled(machine: Machine, run: Result, chosen: np.ndarray) -> Result:
     kept = run.samples._replace(**rows)
     p = machine.parameter_values(run.parameters)
     return Result(
-        machine, kept, p, analysis=run.analysis, outcome=run.outcome, message="", stats={}
+        machine.description,
+        kept,
+        p,
+        analysis=run.analysis,
+        outcome=run.outcome,
+        message="",
+        stats={},
     )
 
 

@@ -11,8 +11,7 @@ from models.hard.cases import find
 from models.hard.suite.case import ROOT, table
 from models.hard.suite.linkages import crank_angle, crank_growth, equal_rods_angle
 from runtime import Machine, Outcome, Result, load
-
-EXPLICIT = ("dop853", "dopri5")
+from runtime.integrate.method import EXPLICIT
 
 
 @pytest.fixture(scope="module")
@@ -125,7 +124,7 @@ def test_implicit_methods_cross(
 
 @pytest.mark.parametrize("loops", [1, 2])
 @pytest.mark.parametrize("omega", [-2.0, 7.0])
-@pytest.mark.parametrize("method", ["dop853", "dopri5", "bdf"])
+@pytest.mark.parametrize("method", [*EXPLICIT, "bdf"])
 def test_a_start_in_the_level_position(
     machines: dict[int, Machine], loops: int, omega: float, method: str
 ) -> None:
@@ -149,7 +148,7 @@ def test_a_start_that_is_on_no_branch_ends_by_name(machines: dict[int, Machine])
 
 
 @pytest.mark.parametrize("excess", [0.0, 1e-3, -1e-3])
-@pytest.mark.parametrize("method", ["dop853", "dopri5", "radau5"])
+@pytest.mark.parametrize("method", [*EXPLICIT, "radau5"])
 def test_five_bars_against_the_reference(five_bar: Machine, excess: float, method: str) -> None:
     """With the last crank too long or too short the second loop misses the position, and bends."""
     if excess == 0.0:

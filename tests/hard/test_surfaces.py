@@ -8,9 +8,10 @@ import pytest
 from models.hard.suite import guide
 from runtime import load
 from runtime.core.outcomes import Outcome
+from runtime.integrate.method import EXPLICIT
 from tests.hard.reading import held, work
 
-METHODS = ("dopri5", "dop853")
+METHODS = EXPLICIT
 G = 9.81
 
 

@@ -3,6 +3,7 @@
 import importlib.util
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -57,7 +58,7 @@ def library(root: Path, workshop: Path) -> Callable[[str, str], Machine]:
         write_if_changed(model, (root / "models" / f"{name}.py").read_text(encoding="utf-8"))
         path = copied / "generated" / machine.path.name
         origin = Origin(model, scene, path, file_hash(machine.path))
-        return Machine(machine.description, machine.kernels, machine.path, origin)
+        return Machine(replace(machine.mechanism, origin=origin))
 
     return loaded
 

@@ -1,6 +1,7 @@
 """Assembly: closed joints, held start values, and errors that name the culprit."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from runtime.mechanism.description import StartValue, Table
 def starting(machine: Machine, *start: tuple[str, float, str]) -> Machine:
     """The machine with another start in its scene; the kernels know of none."""
     description = machine.description._replace(start=Table(StartValue(*row) for row in start))
-    return Machine(description, machine.kernels, machine.path)
+    return Machine(replace(machine.mechanism, description=description, origin=None))
 
 
 def _slider(phi: float, rod: float = 3.5) -> float:

@@ -10,9 +10,9 @@ import sympy as sp
 from codegen import Model
 from codegen.errors import ParameterError
 from runtime import load
-from runtime.assembly.dense_equations import Equations
 from runtime.core.outcomes import Outcome
 from runtime.machine import Machine
+from runtime.mechanism.dense_equations import Equations
 from runtime.progress_bar import silent
 from runtime.statics.energy_minimisation import here, minimise
 from runtime.statics.reduced_gradient import Rest
@@ -50,7 +50,7 @@ def test_mass_on_a_spring(hung: Machine, method: str, exponent: int) -> None:
 @pytest.mark.parametrize("exponent", [-2, 2, 8])
 def test_position_beside_rest_does_not_pass(hung: Machine, off: float, exponent: int) -> None:
     k = 10.0**exponent
-    equations = Equations(hung, hung.parameter_values({"k": k}))
+    equations = Equations(hung.mechanism, hung.parameter_values({"k": k}))
     rest = Rest(equations, 0.0, equations.scale(0.3))
     exact, beside = -1.3 * G / k, np.zeros(3)
     assert here(rest, np.array([0.0, exact, 0.0])).balanced
@@ -64,7 +64,7 @@ def test_soft_direction_beside_a_stiff_one_is_judged_by_its_own_stiffness(worksh
     model.potential("springs", 1e8 * body.x**2 + 1e-2 * body.y**2 + body.phi**2)
     model.scene("rest", ["springs"], guess={body.y: 0.5})
     machine = load(model, folder=workshop)
-    equations = Equations(machine, machine.parameter_values())
+    equations = Equations(machine.mechanism, machine.parameter_values())
     rest = Rest(equations, 0.0, np.ones(3))
     assert not here(rest, np.array([0.0, 1e-6, 0.0])).balanced
     assert minimise(rest, np.array([0.2, 0.5, 0.1]), silent).balanced

@@ -10,11 +10,10 @@ import pytest
 from codegen.errors import InputError
 from codegen.model_file import read_model
 from runtime import Machine, Result, load
-from runtime.assembly.coordinate_scales import magnitudes
-from runtime.assembly.dense_equations import Equations
 from runtime.core.outcomes import Outcome
 from runtime.integrate.problem import Options
 from runtime.integrate.run import integrate
+from runtime.mechanism.dense_equations import Equations, magnitudes
 from tests.runtime.integrate.systems import PENDULUM, pendulum_problem
 from tests.runtime.mechanisms import write_whole
 
@@ -33,7 +32,9 @@ class Run:
         self.instants = np.linspace(0.0, self.t_end, 21)
         self.exact = both(self.simulate("dop853", 2e-14))
         first = self.exact[0, : self.exact.shape[1] // 2]
-        sizes = magnitudes(Equations(self.machine, self.machine.parameter_values()), 0.0, first)
+        sizes = magnitudes(
+            Equations(self.machine.mechanism, self.machine.parameter_values()), 0.0, first
+        )
         sizes = np.broadcast_to(sizes, (2, first.size)).ravel()
         self.scale = np.minimum(1.0, sizes) + np.abs(self.exact).max(axis=0)
 

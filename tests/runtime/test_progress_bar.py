@@ -50,7 +50,7 @@ def test_analyses_report_their_progress(driven: Machine) -> None:
     from runtime.dynamics.kinematics import kinematics
 
     seen: list[float] = []
-    kinematics(driven, np.linspace(0.0, 1.0, 10001), progress=seen.append)
+    kinematics(driven.mechanism, np.linspace(0.0, 1.0, 10001), progress=seen.append)
     assert len(seen) == 3
     assert seen == sorted(seen)
     assert seen[-1] == 1.0

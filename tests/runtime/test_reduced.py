@@ -1,6 +1,7 @@
 """Runs in reduced coordinates: the same results under the same names, and what they refuse."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -71,7 +72,7 @@ def test_a_run_with_events(compressor: Machine) -> None:
 
 def test_constraints_that_are_left(library: Library) -> None:
     machine = library("gear_slider", "train_running")
-    assert machine.reduced.closures
+    assert machine.mechanism.reduced.closures
     assert_same(machine, *both(machine, 0.5))
 
 
@@ -136,7 +137,7 @@ def test_angles_that_turn_are_followed_over_a_hundred_turns(workshop: Path) -> N
 def test_partitions_are_named_by_what_is_kept(library: Library) -> None:
     machine = library("gear_slider", "train_running")
     less = machine.simulate(0.1, formulation="reduced", progress=False)
-    kept = {machine.coordinates.names[k] for k in machine.reduced.kept}
+    kept = {machine.coordinates.names[k] for k in machine.mechanism.reduced.kept}
     assert less.partitions
     for partition in less.partitions:
         assert set(partition.independent) < kept
@@ -243,9 +244,9 @@ def test_unknown_formulation_is_refused(compressor: Machine) -> None:
 
 
 def test_machine_without_its_model(compressor: Machine) -> None:
-    alone = Machine(compressor.description, compressor.kernels, compressor.path)
+    alone = Machine(replace(compressor.mechanism, origin=None))
     with pytest.raises(AnalysisError, match="its reduced equations cannot be built"):
-        alone.reduced  # noqa: B018
+        alone.mechanism.reduced  # noqa: B018
 
 
 # The command line

@@ -134,7 +134,7 @@ def test_scene_on_the_fly_has_its_derivatives(folder: Path) -> None:
     model = swing()
     scene = model.scene("all").without("motor", "rub", "spring")
     machine = load(model, scene, folder=folder)
-    assert machine.tangents.accelerations_tangent is not None
+    assert machine.mechanism.tangents.accelerations_tangent is not None
     assert (folder / "generated" / f"swing__{scene.name}__tangents.py").is_file()
 
 

@@ -17,7 +17,7 @@ from runtime.core.function_table import accelerations_tangent_of, correction_tan
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.integrate.wiring import wire
 from runtime.machine import Machine
-from runtime.mechanism.tangent_kernels import Tangents
+from runtime.mechanism.system import Tangents
 from tests.codegen.directions import assembled, by_complex_step, dependent
 from tests.codegen.workbench import Interpreted
 
@@ -72,10 +72,10 @@ def test_compiled_derivatives_are_those_of_the_complex_step(
         dq, dv = random.standard_normal((2, n))
         da, out_q, out_v = np.full((3, n), np.nan)
         state = (s.t, s.q, s.v, p)
-        machine.tangents.accelerations_tangent(*state, modes, dq, dv, da)
+        machine.mechanism.tangents.accelerations_tangent(*state, modes, dq, dv, da)
         (exact,) = by_complex_step(same, "accelerations", ("a",), s, dq, dv, modes=modes)
         assert_allclose(da, exact, rtol=1e-11, atol=1e-11 * np.abs(exact).max())
-        machine.tangents.correction_tangent(*state, w, dq, dv, out_q, out_v)
+        machine.mechanism.tangents.correction_tangent(*state, w, dq, dv, out_q, out_v)
         expected = by_complex_step(same, "correction", ("dq", "dv"), s, dq, dv, w=w)
         for got, exact in zip((out_q, out_v), expected, strict=True):
             assert_allclose(got, exact, rtol=1e-11, atol=1e-11 * np.abs(exact).max())
@@ -97,9 +97,9 @@ def test_independent_coordinates_carry_the_dependent_ones(
             column, dv, unused = np.zeros((3, n))
             unit = np.eye(n)[k]
             state = (s.t, s.q, s.v, p)
-            machine.tangents.correction_tangent(*state, w, unit, nothing, column, unused)
+            machine.mechanism.tangents.correction_tangent(*state, w, unit, nothing, column, unused)
             column += unit
-            machine.tangents.correction_tangent(*state, w, column, nothing, unused, dv)
+            machine.mechanism.tangents.correction_tangent(*state, w, column, nothing, unused, dv)
             phi, rates, values = np.zeros(same.m), np.zeros(same.m), np.zeros(same.m * n)
             q, v = s.q + step * column, s.v + step * dv
             kernels.constraints(s.t, q, p, phi)
@@ -117,7 +117,7 @@ def test_independent_coordinates_carry_the_dependent_ones(
 
 def test_compiled_loops_take_them_out_of_the_table_of_a_run(stone: Path) -> None:
     machine = load("stone", folder=stone)
-    system = replace(machine.system, **machine.tangents._asdict())
+    system = replace(machine.mechanism.system, **machine.mechanism.tangents._asdict())
     run = wire(system, "dopri5", machine.parameter_values(), 1)
 
     @compiled(types.none(ADDRESSES, types.int64[::1], types.float64[:, ::1], types.float64[::1]))
@@ -130,7 +130,7 @@ def test_compiled_loops_take_them_out_of_the_table_of_a_run(stone: Path) -> None
     rows[:4] = 0.0
     rows[0, 0], rows[3, 0] = 0.5, 1.0
     call(run.table, np.zeros(0, dtype=np.int64), rows, machine.parameter_values())
-    assert rows[4, 0] == slope(machine.tangents, machine, 0.5) == -24.0 * 0.5**2 / 2.0
+    assert rows[4, 0] == slope(machine.mechanism.tangents, machine, 0.5) == -24.0 * 0.5**2 / 2.0
     assert not rows[5:].any()  # nothing constrains the stone
 
 
@@ -141,22 +141,22 @@ def test_built_when_first_asked_for(stone: Path, monkeypatch: pytest.MonkeyPatch
     machine = load("stone", folder=stone)
     path = tangents_path(machine.path)
     assert not path.exists()
-    tangents = machine.tangents
+    tangents = machine.mechanism.tangents
     assert path.is_file()
     assert slope(tangents, machine, 2.0) == -48.0
-    assert machine.tangents is tangents
+    assert machine.mechanism.tangents is tangents
 
     def refuse(*_: object, **__: object) -> None:
         raise AssertionError("built again")
 
     monkeypatch.setattr(codegen, "build", refuse, raising=False)
-    again = load("stone", folder=stone).tangents
+    again = load("stone", folder=stone).mechanism.tangents
     assert again.accelerations_tangent is tangents.accelerations_tangent
 
 
 def test_stale_ones_are_built_anew(stone: Path) -> None:
     old = load("stone", folder=stone)
-    assert slope(old.tangents, old, 1.0) == -12.0
+    assert slope(old.mechanism.tangents, old, 1.0) == -12.0
     model = stone / "models" / "stone.py"
     path = tangents_path(old.path)
     before = path.read_bytes()
@@ -164,10 +164,10 @@ def test_stale_ones_are_built_anew(stone: Path) -> None:
     assert path.read_bytes() == before
     model.write_text(STONE.replace("8.0", "16.0"))
     machine = load("stone", folder=stone)
-    assert slope(machine.tangents, machine, 1.0) == -24.0
+    assert slope(machine.mechanism.tangents, machine, 1.0) == -24.0
     path.write_bytes(before)  # sound in itself, but of the other model
     machine = load("stone", folder=stone)
-    assert slope(machine.tangents, machine, 1.0) == -24.0
+    assert slope(machine.mechanism.tangents, machine, 1.0) == -24.0
 
 
 def test_machine_that_is_no_longer_its_model_says_so(stone: Path) -> None:
@@ -175,9 +175,9 @@ def test_machine_that_is_no_longer_its_model_says_so(stone: Path) -> None:
     model = stone / "models" / "stone.py"
     model.write_text(STONE.replace("8.0", "16.0"))
     with pytest.raises(SupersededError, match=r"scene 'windy' was loaded.*Load the machine again"):
-        _ = machine.tangents
+        _ = machine.mechanism.tangents
     fresh = load("stone", folder=stone)
-    assert slope(fresh.tangents, fresh, 1.0) == -24.0
+    assert slope(fresh.mechanism.tangents, fresh, 1.0) == -24.0
 
 
 def test_edited_file_is_refused_with_the_way_out(stone: Path) -> None:
@@ -187,7 +187,7 @@ def test_edited_file_is_refused_with_the_way_out(stone: Path) -> None:
     path = tangents_path(machine.path)
     path.write_text(path.read_text() + "# by hand\n")
     with pytest.raises(GeneratedFileError, match="edited by hand") as caught:
-        _ = machine.tangents
+        _ = machine.mechanism.tangents
     command = f"{stone / 'models' / 'stone.py'} --scene windy --out {path.parent} --tangents"
     assert f"python -m codegen build {command}" in str(caught.value)
 
@@ -197,20 +197,20 @@ def test_model_of_the_running_program(tmp_path: Path) -> None:
     bob = model.body("bob", mass=2.0, inertia=1.0)
     model.force("spring", on=bob, fx=-3.0 * bob.x)
     machine = load(model, folder=tmp_path)
-    assert slope(machine.tangents, machine, 1.0) == -1.5
+    assert slope(machine.mechanism.tangents, machine, 1.0) == -1.5
     model.force("wind", on=bob, fy=1.0)
     later = load(model, folder=tmp_path)
-    assert slope(later.tangents, later, 1.0) == -1.5
+    assert slope(later.mechanism.tangents, later, 1.0) == -1.5
 
 
 def test_kinematic_scene_has_none(stone: Path) -> None:
     machine = load("stone", "calm", folder=stone)
     with pytest.raises(AnalysisError, match=r"stone/calm is kinematic: no masses move in it"):
-        _ = machine.tangents
+        _ = machine.mechanism.tangents
 
 
 def test_machine_without_its_model_has_none(stone: Path) -> None:
     loaded = load("stone", folder=stone)
-    bare = Machine(loaded.description, loaded.kernels, loaded.path)
+    bare = Machine(replace(loaded.mechanism, origin=None))
     with pytest.raises(AnalysisError, match=r"stone/windy was put together without its model"):
-        _ = bare.tangents
+        _ = bare.mechanism.tangents

@@ -30,6 +30,12 @@ class Gravity:
         terms = (b.mass * (self.gx * b.x + self.gy * b.y) for b in bodies if b.mass is not None)
         return -sympy.Add(*terms)
 
+    def weights(self, bodies: tuple[Body, ...]) -> tuple[tuple[str, sympy.Expr, sympy.Expr], ...]:
+        """(body, mass, acceleration) of the products m g in the potential."""
+        return tuple(
+            (b.name, b.mass, g) for b in bodies if b.mass is not None for g in (self.gx, self.gy)
+        )
+
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
         """None beside the potential's."""
         return {}

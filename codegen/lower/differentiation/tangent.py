@@ -21,7 +21,6 @@ from codegen.lower.program import (
     Kernel,
     Lookup,
     Op,
-    Output,
     Program,
     Value,
 )
@@ -49,12 +48,18 @@ def differentiate(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]
     seeds
         Input → the value that is its tangent; the tangents of other inputs are zero.
     """
+    known = tangents(graph, outputs, seeds)
+    return [known.get(number, graph.zero) for number in outputs]
+
+
+def tangents(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]) -> dict[int, int]:
+    """Value → its tangent, of all values that the outputs depend on along the seeds."""
     known = dict(seeds)
     for number in _reached(graph, outputs, seeds):
         value = graph.values[number]
         with graph.serving(value.serves):
             known[number] = _tangent(graph, number, value, known)
-    return [known.get(number, graph.zero) for number in outputs]
+    return known
 
 
 def _reached(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]) -> list[int]:
@@ -193,26 +198,38 @@ def tangent_program(program: Program) -> Program:
     kernels = {kernel.name: kernel for kernel in program.kernels}
     accelerations, correction = kernels["accelerations"], kernels["correction"]
     made = (
-        Kernel(
-            "accelerations_tangent",
+        _along(
+            graph,
+            accelerations,
             "(∂a/∂q) dq + (∂a/∂v) dv of a = accelerations(t, q, v, p, modes).",
             (*STATE, "modes", "dq", "dv", "da"),
-            _along(graph, accelerations, {"q": "dq", "v": "dv"}, {"a": "da"}),
+            {"q": "dq", "v": "dv"},
+            {"a": "da"},
         ),
-        Kernel(
-            "correction_tangent",
+        _along(
+            graph,
+            correction,
             "Derivatives of dq, dv of correction(t, q, v, p, w, dq, dv) along (dq_in, dv_in).",
             (*STATE, "w", "dq_in", "dv_in", "dq", "dv"),
-            _along(graph, correction, {"q": "dq_in", "v": "dv_in"}, {"dq": "dq", "dv": "dv"}),
+            {"q": "dq_in", "v": "dv_in"},
+            {"dq": "dq", "dv": "dv"},
         ),
     )
     return Program(tuple(graph.values), made, program.constants, program.weak_pivot)
 
 
 def _along(
-    graph: Graph, kernel: Kernel, directions: Mapping[str, str], arrays: Mapping[str, str]
-) -> tuple[Output, ...]:
-    """Tangents of the outputs that `arrays` renames, along inputs that `directions` names."""
+    graph: Graph,
+    kernel: Kernel,
+    summary: str,
+    arguments: tuple[str, ...],
+    directions: Mapping[str, str],
+    arrays: Mapping[str, str],
+) -> Kernel:
+    """Tangents of the outputs that `arrays` renames, along inputs that `directions` names.
+
+    A tangent has the name of its value with ``d_`` before it, and stands in the same step.
+    """
     inputs = {n: v.literal for n, v in enumerate(graph.values) if isinstance(v.literal, Input)}
     seeds = {
         number: graph.input(directions[slot.array], slot.slot, f"d_{slot.name}")
@@ -220,8 +237,20 @@ def _along(
         if slot.array in directions
     }
     wanted = [out for out in kernel.outputs if out.array in arrays]
-    tangents = differentiate(graph, [out.value for out in wanted], seeds)
-    return tuple(
-        out._replace(array=arrays[out.array], value=tangent)
-        for out, tangent in zip(wanted, tangents, strict=True)
+    known = tangents(graph, [out.value for out in wanted], seeds)
+    labels = (
+        label._replace(value=known[label.value], name=f"d_{label.name}")
+        for label in kernel.labels
+        if label.value in known
+    )
+    return Kernel(
+        f"{kernel.name}_tangent",
+        summary,
+        arguments,
+        tuple(
+            out._replace(array=arrays[out.array], value=known.get(out.value, graph.zero))
+            for out in wanted
+        ),
+        labels=(*kernel.labels, *labels),
+        steps=kernel.steps,
     )

@@ -1,6 +1,6 @@
 """Equations of a scene → the program of all its kernels."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from codegen.derive.equations import Equations
 from codegen.lower.constant_hoisting import with_constants
@@ -9,7 +9,7 @@ from codegen.lower.kernels.linear_solves import accelerations, correction
 from codegen.lower.kernels.selection import Wanted, recovered
 from codegen.lower.linear.factorization import Strategy
 from codegen.lower.module_tables import Description, describe
-from codegen.lower.program import STATE, Kernel, Output, Program, store
+from codegen.lower.program import STATE, Folded, Kernel, Output, Program, store
 from codegen.lower.scene_graph import SceneGraph
 
 
@@ -80,8 +80,30 @@ def lower(equations: Equations) -> Lowered:
         kernels += _switching_kernels(scene, resting)
         kernels += hold_kernels(scene, wanted)
     program = with_constants(scene.graph, tuple(kernels), len(equations.parameters))
+    program = _with_weights(program, equations)
     told = describe(equations, scene, powers, _reported(scene, wanted), rows)
     return Lowered(program, told, strategy, bool(scene.frictions))
+
+
+def _with_weights(program: Program, equations: Equations) -> Program:
+    """The program, its numbers m g with their origin, which SymPy multiplied out."""
+    found: dict[float, Folded] = {}
+    for effect in equations.effects:
+        for body, mass, g in effect.terms.weights:
+            if mass.is_number and g.is_number:
+                factors = float(mass), float(g)
+                weight = abs(factors[0] * factors[1])
+                if weight not in (*factors, 0.0):
+                    found.setdefault(weight, Folded("*", factors, f"{body}: m g"))
+    values = tuple(
+        replace(value, origin=found[abs(number)])
+        if value.origin is None
+        and isinstance(number := value.literal, float)
+        and abs(number) in found
+        else value
+        for value in program.values
+    )
+    return replace(program, values=values)
 
 
 def _reported(scene: SceneGraph, wanted: Wanted) -> tuple[int, ...]:
@@ -104,7 +126,7 @@ def _dynamic_kernels(
         ),
         Kernel(
             "applied_forces",
-            "Generalized forces Q, those of the potential included, those of friction not.",
+            "Generalized forces Q = ΣQ_e - ∂V/∂q of the effects, without friction from reactions.",
             (*STATE, "modes", "Q"),
             store("Q", scene.applied, coordinates),
         ),
@@ -141,7 +163,7 @@ def _dynamic_kernels(
         kernels.append(
             Kernel(
                 "powers",
-                "Power of each effect without a potential and of each driver, W.",
+                "Power in W: Q_eᵀ q̇ of each effect without a potential, λᵀ Φ_t of each driver.",
                 (*STATE, "modes", "lam", "out"),
                 store("out", [w for *_, w in powers], [source for source, *_ in powers]),
             )
@@ -160,7 +182,7 @@ def _reactions(scene: SceneGraph, wanted: Wanted) -> Kernel:
     )
     return Kernel(
         "reactions",
-        "Joint forces on the second body, in the joint's axes, and what drivers exert.",
+        "Reactions: joint forces on the second body in the joint's axes, and forces of drivers.",
         (*STATE, "lam", "out"),
         outputs,
     )

@@ -12,8 +12,8 @@ import numpy as np
 from codegen.errors import AnalysisError
 from models.hard.suite.case import KEPT, WORTH, Array, Case
 from runtime import Outcome, Result
+from runtime.integrate.method import IMPLICIT, METHODS
 from runtime.integrate.validation import CORRECTIONS
-from runtime.integrate.wiring import IMPLICIT, METHODS
 
 if TYPE_CHECKING:
     from runtime import Machine

@@ -66,7 +66,7 @@ CASES = (
     Case(
         name="no_time_switching",
         hard="The same where a condition is on its boundary at the start.",
-        see="As above, and not a loop without end.",
+        see="The same, without an endless loop.",
         model="coil_spring",
         scene="impact",
         t_end=0.0,
@@ -78,8 +78,8 @@ CASES = (
     ),
     Case(
         name="one_step",
-        hard="A run of a millisecond whose first step may be as long as it.",
-        see="A single step that is as right as the others.",
+        hard="A run of a millisecond whose first step may be as long as the run.",
+        see="A single step, as accurate as any other.",
         model="hard/pendulum",
         scene="bar",
         t_end=INSTANT,
@@ -94,7 +94,7 @@ CASES = (
     Case(
         name="dense_outputs",
         hard="5001 outputs over some forty steps.",
-        see="Between the steps the error is that of the steps.",
+        see="The error between the steps is that of the steps.",
         model="hard/pendulum",
         scene="bar",
         t_end=2.0,

@@ -84,7 +84,7 @@ def _turns(run: Result) -> Array:
 
 ELLIPTIC = "closed form by elliptic functions in 25 digits"
 PENDULUM = (
-    "; an error of the energy changes the frequency, so that it grows as the time, and so does the "
+    "; an error of the energy changes the frequency and so grows with the time, as does the "
     "number of errors"
 )
 
@@ -174,8 +174,8 @@ CASES = (
     ),
     Case(
         name="crank_unwound",
-        hard="The same from φ = 0, to compare.",
-        see="What the tolerance gives without the large angle.",
+        hard="The same from φ = 0, for comparison.",
+        see="The error at the same tolerance without the large angle.",
         model="hard/crank",
         scene="unwound",
         t_end=20.0,

@@ -31,7 +31,7 @@ def _mass_ratio(ratio: float) -> Case:
     return Case(
         name=f"mass_ratio_{name}",
         hard=f"A four-bar whose coupler has {ratio:g} kg between bars of 1 kg.",
-        see="Errors and steps are those of the even one, whatever the ratio.",
+        see="Errors and steps are those of even masses, whatever the ratio.",
         model="hard/mass_ratio",
         scene="turning",
         t_end=SPAN,
@@ -52,7 +52,7 @@ CASES = (
             "Seven bodies in three loops that meet in one point: the crank turns at up"
             " to 1140 rad/s beside bodies that hardly move."
         ),
-        see="1e-9 of every angle at rtol 1e-11, whatever the method.",
+        see="Every angle is right to 1e-9 at rtol 1e-11, whatever the method.",
         model="hard/andrews",
         scene="released",
         t_end=0.05,

@@ -8,19 +8,20 @@ from models.hard.suite.cell import DRIFTING, RESIDUAL, Cell, Verdict
 
 HEAD = f"""# Hard cases
 
-Machines that break multibody programs, each run by every method at several tolerances and compared
-with a reference that no integrator of this program has made. A cell is *correct*, or it ends with
-a *named outcome as expected*; *stopped, by name* is an end that was not expected but says so. A
-cell that is wrong without saying so is marked **WRONG**, one that never ended **HANGS**.
+Machines that break multibody programs. Each is run by every method at several tolerances and
+compared with a reference that no integrator of this program has made. A cell is *correct*, or it
+ends with a *named outcome as expected*; *stopped, by name* is a named end that was not expected.
+A wrong cell that does not say so is marked **WRONG**, one that never ended **HANGS**.
 
-How far may a right run be from the reference? An error made in one step grows like any perturbation
-of the motion; how much so is a property of the machine and stands with each case (growth). At worst
-the errors of all steps add up: the bound is {SHARE:g} × steps × growth × rtol, with the steps of a
-method of order 8 at rtol 1e-9, and at least {KEPT:g} × growth × rtol. Where the bound exceeds
-{WORTH:g} (m, rad, s) the number is beyond the horizon and not compared; the column *until* says
-how far the comparison reaches, and where nothing can be compared the verdict is *beyond the
-horizon*. |Φ| must stay below {RESIDUAL:.0e}; with the corrections that only pull back or return
-now and then, {" and ".join(DRIFTING)}, below {KEPT:g} × rtol.
+How far from the reference may a right run be? An error made in one step grows like any
+perturbation of the motion; the factor is a property of the machine and is stated with each case
+(growth). At worst the errors of all steps add up: the bound is {SHARE:g} × steps × growth ×
+rtol, with the steps of a method of order 8 at rtol 1e-9, and at least {KEPT:g} × growth × rtol.
+Where the bound exceeds {WORTH:g} (m, rad, s) the number is beyond the horizon and not compared;
+the column *until* gives the last instant that is compared, and where nothing can be compared the
+verdict is *beyond the horizon*. |Φ| must stay below {RESIDUAL:.0e}; with the corrections
+{" and ".join(DRIFTING)}, which only pull back or return now and then, it must stay below
+{KEPT:g} × rtol.
 
 | column | meaning |
 |---|---|
@@ -29,8 +30,8 @@ now and then, {" and ".join(DRIFTING)}, below {KEPT:g} × rtol.
 | \\|Φ\\| | largest constraint residual at any output, m or rad |
 | energy | largest departure from the balance of energy, over the largest kinetic energy |
 | steps, rejected | accepted and rejected steps |
-| parts | changes of the independent coordinates |
-| events | changes of switching conditions |
+| parts | repartitions: changes of the independent coordinates |
+| events | changes of modes |
 | CPU | processor time of the integration and its outputs on one machine on one day, ms |
 """
 

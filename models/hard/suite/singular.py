@@ -40,7 +40,7 @@ def _n_four_bar(loops: int) -> Case:
             f"{2 * loops + 1} bars in a row of four-bars: about twenty times in 20 s all lie in "
             f"a line, and {loops} constraints cease to be independent."
         ),
-        see="Parallel cranks throughout; a step is laid across each position, and none collapses.",
+        see="The cranks stay parallel; one step crosses each position, and no step collapses.",
         model="hard/n_four_bar",
         scene="fall",
         t_end=20.0,
@@ -85,7 +85,7 @@ def _five_bar(kind: str) -> Case:
     return Case(
         name=f"five_bar_{kind}",
         hard=told[kind],
-        see="What is met is passed, what is missed is followed round its bend.",
+        see="The run crosses positions that it meets, and follows the bends of near misses.",
         model="hard/five_bar",
         scene="fall",
         t_end=10.0,
@@ -123,7 +123,7 @@ CASES = (
     Case(
         name="equal_rods",
         hard="A slider-crank with equal rods: the slider may pass through the crank's bearing.",
-        see="It does so each time, as it would have to stop otherwise.",
+        see="It passes each time; otherwise it would have to stop.",
         model="hard/equal_rods",
         scene="spin",
         t_end=20.0,
@@ -137,9 +137,9 @@ CASES = (
         name="parallel_linkage",
         hard=(
             "A table on four parallel cranks, two more than it needs: two constraints are "
-            "redundant wherever it stands, and three more are lost where the cranks are level."
+            "redundant in every position, and three more are lost where the cranks are level."
         ),
-        see="It falls like the pendulum that it is; implicit methods refuse it by name.",
+        see="It moves as a pendulum; implicit methods refuse it by name.",
         model="hard/parallel_linkage",
         scene="fall",
         t_end=10.0,

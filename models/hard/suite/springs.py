@@ -76,8 +76,8 @@ CASES = (
     Case(
         name="stiff_soft",
         hard=(
-            "1e9 N/m beside 1 N/m: the step of an explicit method is bound by an "
-            "oscillation of 5000 Hz that is not there."
+            "1e9 N/m beside 1 N/m: the step of an explicit method is limited by an "
+            "oscillation of 5000 Hz that the motion does not contain."
         ),
         see="Explicit methods take a hundred thousand steps, implicit ones a hundred.",
         model="hard/stiff_soft",
@@ -106,7 +106,7 @@ CASES = (
     Case(
         name="coil_spring_surge",
         hard="Section 8.4.1, surge waves in six masses.",
-        see="As the chain.",
+        see="As for the chain.",
         model="coil_spring",
         scene="surge",
         t_end=4.0,
@@ -122,7 +122,7 @@ CASES = (
             "Section 8.4.2, k = 50 N/m: a contact of 1e6 N/m beside springs of 50 N/m;"
             " the first ten contacts on and off."
         ),
-        see="Within 1e-10 s at the tightest tolerance.",
+        see="The events are right to 1e-10 s at the tightest tolerance.",
         model="coil_spring",
         scene="impact",
         t_end=2.668,
@@ -136,7 +136,7 @@ CASES = (
     Case(
         name="coil_spring_impact",
         hard="The same to the end: 59 events.",
-        see=("The last within 1e-6 s at the tightest tolerance; none is missed, none invented."),
+        see=("The last within 1e-6 s at the tightest tolerance; none is missed, none is added."),
         model="coil_spring",
         scene="impact",
         t_end=13.0,
@@ -151,7 +151,7 @@ CASES = (
     Case(
         name="coil_spring_damped",
         hard="The same with a damper in the contact.",
-        see="As without.",
+        see="As without the damper.",
         model="coil_spring",
         scene="impact_damped",
         t_end=13.0,

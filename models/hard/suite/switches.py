@@ -77,10 +77,10 @@ CASES = (
     Case(
         name="compressor_stall",
         hard=(
-            "Section 8.2.4 with J1 = 225 kg m²: the crank stops where the gas holds it"
-            " from both sides. A method without sliding chatters here for ever."
+            "Section 8.2.4 with J1 = 225 kg m²: the crank stops where the gas drives "
+            "it back from both sides. A method without sliding modes chatters here for ever."
         ),
-        see="Time and place of the stall to 1e-9; then rest, or the outcome SLIDING.",
+        see="Time and place of the stall to 1e-9; then rest.",
         model="slider_crank",
         scene="compressor",
         t_end=10.0,
@@ -123,7 +123,7 @@ CASES = (
     Case(
         name="law_with_jumps",
         hard="A motion law whose acceleration jumps at 1, 2 and 3 s.",
-        see="Three events, and the order of the method across them.",
+        see="Three events; the method keeps its order across them.",
         model="hard/jump_law",
         scene="aboard",
         t_end=4.0,

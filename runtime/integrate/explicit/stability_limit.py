@@ -1,51 +1,71 @@
-"""A vibration that an explicit method lets grow, and the steps within which it does not.
+"""Step limit where an explicit method would let a vibration grow.
 
-Where a tolerance is relative, what vibrates may err in each step by so much of itself: if that is
-more than the method's estimate is at the edge of its region of stability, the steps go beyond the
-edge and the vibration grows by a little of itself in each, for ever. So its frequency is measured:
-two states at one instant, the last stage and the result of a step, differ mostly by what is
-fastest, and their accelerations by
+A relative tolerance permits a vibration an error of so much of its amplitude in each step. Where
+that is more than the error estimate at the edge of the method's region of stability, the steps go
+beyond the edge and the vibration grows a little in each, for ever. So its frequency is measured:
+two states at one instant, the last stage and the result of a step, differ mostly by the fastest
+motion, and their accelerations by
 
     δa = -k δq - c δv,
 
-k and c by least squares over some steps. With λ² + c λ + k = 0 it grows where |R(h λ)| > 1. That
-two such states tell what is fastest is E. Hairer and G. Wanner's, Solving Ordinary Differential
-Equations II, section IV.2, where stiffness is detected by them.
+k and c by least squares over some steps. With λ² + c λ + k = 0 the vibration grows where
+|R(h λ)| > 1. That two such states reveal the fastest motion is E. Hairer and G. Wanner's (Solving
+Ordinary Differential Equations II, section IV.2), who detect stiffness by them.
 """
 
 import numpy as np
 
-from runtime.core.jit import inner
-from runtime.core.signatures import Vector
-from runtime.core.workspace import ROWS, SIZE
+from runtime.core.array_views import floats_at
+from runtime.core.function_table import MEMORY
+from runtime.core.jit import compiled, inner
+from runtime.core.signatures import HOOK, Integers, Vector
+from runtime.core.workspace import ROWS, SIZE, STAGE, Y1, Run
+from runtime.integrate.step_control import propose
 
-# Places in MEMORY: sums of the products of differences over the last steps; and the logarithm of
-# what a vibration has grown by since steps were last short enough.
+# Places in MEMORY: sums of products of differences over the last steps; and the logarithm of the
+# vibration's growth since steps were last short enough.
 _QQ, _QV, _VV, _AQ, _AV, _AA, _GROWN = 0, 1, 2, 3, 4, 5, 6
 FLOATS = 7
-"""How much is remembered."""
+"""Numbers in MEMORY."""
 
-_KEPT = 0.8  # of the sums, from one step to the next
-_SEEN = 1e-12  # |δq| in sizes: what vibrates by less may grow
-_ALIKE = 1e-6  # of |δq|² |δv|²: below it the two were parallel, and tell k alone
-_MOST = 0.1  # by which a vibration may grow before steps are kept within the edge
-_INSIDE = 0.9  # of the longest stable step, where the method damps a little
-_SAFE = 0.25  # rad: no such step of a vibration is unstable
-_HALVINGS = 12
+_KEPT = 0.8  # measured: share of the sums that lasts from one step to the next
+_SEEN = 1e-12  # accuracy: |δq| in sizes; a smaller vibration may grow
+_ALIKE = 1e-6  # accuracy: of |δq|² |δv|²; below it the two are parallel, and determine k alone
+_MOST = 0.1  # measured: growth of a vibration before steps are kept within the edge
+_INSIDE = 0.9  # measured: share of the longest stable step, where the method damps a little
+_SAFE = 0.25  # safety: rad; a vibration hardly grows in such a step, nor in a shorter one
+_HALVINGS = 12  # accuracy: of the bisection for the longest stable step
+
+
+def memory(n: int) -> tuple[int, int]:
+    """Numbers that the method keeps for n coordinates: floats and integers."""
+    return FLOATS, 0
 
 
 @inner
-def observe(memory: Vector, w: Vector, state: int, other: int, slope: int, other_slope: int) -> int:
-    """Take in the rows of two states at one instant, and those of their derivatives."""
+def permits_growth(rtol: float, length: int, edge: float) -> bool:
+    """Whether the error permits steps beyond the edge to one vibrating velocity among all."""
+    return bool(rtol * np.sqrt(length) > edge)
+
+
+@inner
+def observe(machine: Integers, rtol: float, w: Vector, edge: float, last: int) -> int:
+    """Take in the last stage and the result of a step, two states at one instant.
+
+    `last` is the row of the result's derivative; that of the last stage's is the one before.
+    """
     length = w.size // ROWS
+    if not permits_growth(rtol, length, edge):
+        return 0
+    memory = floats_at(machine, MEMORY, FLOATS)
     n = length // 2
     for i in range(_GROWN):
         memory[i] *= _KEPT
     for j in range(n):
         size = w[SIZE * length + j]
-        q = (w[state * length + j] - w[other * length + j]) / size
-        v = (w[state * length + n + j] - w[other * length + n + j]) / size
-        a = (w[slope * length + n + j] - w[other_slope * length + n + j]) / size
+        q = (w[Y1 * length + j] - w[STAGE * length + j]) / size
+        v = (w[Y1 * length + n + j] - w[STAGE * length + n + j]) / size
+        a = (w[last * length + n + j] - w[(last - 1) * length + n + j]) / size
         memory[_QQ] += q * q
         memory[_QV] += q * v
         memory[_VV] += v * v
@@ -55,16 +75,17 @@ def observe(memory: Vector, w: Vector, state: int, other: int, slope: int, other
     return 0
 
 
-@inner
-def forget(memory: Vector) -> int:
-    """Begin anew: the motion goes on under other equations."""
+@compiled(HOOK)
+def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
+    """Forget the vibration: the motion goes on under other equations."""
+    memory = floats_at(machine, MEMORY, FLOATS)
     for i in range(FLOATS):
         memory[i] = 0.0
     return 0
 
 
 @inner
-def growth(powers: Vector, h: float, k: float, c: float) -> float:
+def amplification(powers: Vector, h: float, k: float, c: float) -> float:
     """|R(h λ)| of the polynomial R with these coefficients, highest first; λ² + c λ + k = 0."""
     z = h * complex(-0.5 * c, np.sqrt(k - 0.25 * c * c))
     total = complex(0.0, 0.0)
@@ -74,13 +95,13 @@ def growth(powers: Vector, h: float, k: float, c: float) -> float:
 
 
 @inner
-def bounded(memory: Vector, powers: Vector, h: float) -> float:
-    """The length of a next step: `h`, or less where a vibration would grow, and has grown enough.
+def stable_length(memory: Vector, powers: Vector, h: float) -> float:
+    """Length of the next step: `h`, or less where a vibration would grow, and has grown enough.
 
     Parameters
     ----------
     powers
-        Coefficients of the method's stability function, highest first.
+        Coefficients of the method's stability function R, highest first.
     """
     qq, qv, vv = memory[_QQ], memory[_QV], memory[_VV]
     aq, av, aa = memory[_AQ], memory[_AV], memory[_AA]
@@ -97,10 +118,10 @@ def bounded(memory: Vector, powers: Vector, h: float) -> float:
     vibrates = k > 0.25 * c * c
     # Their mean lies below the fastest; the root of the mean square is nearer.
     k = max(k, np.sqrt(max(0.0, aa + c * (2.0 * av + c * vv)) / qq))
-    # Once steps are kept within, what is looked at is the edge that they are kept from.
+    # Once steps are kept within the edge, that edge is examined and no longer the step.
     kept = memory[_GROWN] > _MOST
     furthest = h / _INSIDE if kept else h
-    larger = growth(powers, furthest, k, c) if vibrates else 0.0
+    larger = amplification(powers, furthest, k, c) if vibrates else 0.0
     if not larger > 1.0:
         memory[_GROWN] = 0.0
         return h
@@ -111,8 +132,19 @@ def bounded(memory: Vector, powers: Vector, h: float) -> float:
     low = min(furthest, _SAFE / np.sqrt(k))
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + furthest)
-        if growth(powers, middle, k, c) > 1.0:
+        if amplification(powers, middle, k, c) > 1.0:
             furthest = middle
         else:
             low = middle
     return float(min(h, _INSIDE * low))
+
+
+@inner
+def stable_ratio(
+    machine: Integers, h: float, w: Vector, run: Run, powers: Vector, edge: float
+) -> float:
+    """Ratio of two steps' lengths by the error, or less where a vibration would grow too much."""
+    ratio = propose(machine, h, w, run)
+    if not permits_growth(run[0].rtol, w.size // ROWS, edge):
+        return float(ratio)
+    return float(stable_length(floats_at(machine, MEMORY, FLOATS), powers, ratio * h) / h)

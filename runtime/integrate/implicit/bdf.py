@@ -62,30 +62,7 @@ from runtime.integrate.implicit.method_memory import (
 from runtime.integrate.implicit.newton_matrices import factor_real, tolerate
 from runtime.integrate.implicit.state_space_form import arrive, differentiate, unknowns
 from runtime.integrate.implicit.stiffness_estimate import calm
-
-__all__ = [
-    "DENSE_ROWS",
-    "GROW",
-    "LAST",
-    "accepted",
-    "dense",
-    "error",
-    "memory",
-    "propose",
-    "restart",
-    "stages",
-]
-
-ORDER = 2  # power of the step in the error of the first order, with which every start begins
-ERROR_ORDER = 1
-STAGE_CALLS = 0  # counted where they happen
-DENSE_CALLS = 0
-BETA = 0.0  # measured: proportional part of the step control: none
-SAFETY = 0.9  # measured: part of the length that the error permits
-# measured: of the coordinates' sizes; a few steps of the explicit method that leads across
-FORESIGHT = 0.5
-SHRINK = 0.2  # measured: smallest ratio of the lengths of two steps
-
+from runtime.integrate.method import Method
 
 _SHARE = 0.2  # measured: factor of rtol^(1/5), the tolerance of a step over that of the user
 NEWTON = 3e-3  # measured: how far Newton's method is taken, over the tolerance of the user
@@ -268,3 +245,25 @@ def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
     notes[CURRENT] = 0
     notes[REJECTED] = run[0].rejected
     return 0
+
+
+METHOD = Method(
+    order=2,  # power of the step in the error of the first order, with which every start begins
+    error_order=1,
+    stage_calls=0,  # counted where they happen
+    last=LAST,
+    dense_rows=DENSE_ROWS,
+    dense_calls=0,
+    beta=0.0,  # measured: no proportional part
+    safety=0.9,  # measured: share of the length that the error permits
+    shrink=0.2,  # measured: least ratio of the lengths of two steps
+    grow=GROW,
+    stages=stages,
+    error=error,
+    dense=dense,
+    propose=propose,
+    accepted=accepted,
+    restart=restart,
+    memory=memory,
+    foresight=0.5,  # measured: a few steps of the explicit method that leads across
+)

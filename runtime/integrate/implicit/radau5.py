@@ -53,21 +53,9 @@ from runtime.integrate.implicit.radau5_stages import (
 )
 from runtime.integrate.implicit.state_space_form import differentiate, unknowns
 from runtime.integrate.implicit.stiffness_estimate import calm, stiffness
+from runtime.integrate.method import Method
 
-__all__ = ["LAST", "accepted", "dense", "error", "memory", "propose", "restart", "stages"]
-
-ORDER = 4  # power of the step in the error estimate
-ERROR_ORDER = 3
-STAGE_CALLS = 0  # counted where they happen
 DENSE_ROWS = 6
-DENSE_CALLS = 0
-BETA = 0.0  # measured: proportional part of the step control: none
-SAFETY = 0.9  # measured: part of the length that the error permits
-# measured: of the coordinates' sizes; a few steps of the explicit method that leads across
-FORESIGHT = 0.5
-SHRINK = 0.2  # measured: smallest ratio of the lengths of two steps
-GROW = 8.0  # measured: largest ratio of the lengths of two steps
-
 _SAME = 1.2  # measured: a step that could grow by less keeps its length, and its matrices
 # measured: h² |G_u| + h |G_u̇| up to which end accelerations add a sixth of their error
 _SMOOTH = 10.0
@@ -238,3 +226,25 @@ def dense(
         if abs(f4[j]) < 30.0 * EPS * ((abs(y0[i]) + abs(y1[i])) / h + abs(y0[j])):
             f4[j] = 0.0
     return 0
+
+
+METHOD = Method(
+    order=4,  # power of the step in the error estimate
+    error_order=3,
+    stage_calls=0,  # counted where they happen
+    last=LAST,
+    dense_rows=DENSE_ROWS,
+    dense_calls=0,
+    beta=0.0,  # measured: no proportional part
+    safety=0.9,  # measured: share of the length that the error permits
+    shrink=0.2,  # measured: least ratio of the lengths of two steps
+    grow=8.0,  # measured: largest ratio
+    stages=stages,
+    error=error,
+    dense=dense,
+    propose=propose,
+    accepted=accepted,
+    restart=restart,
+    memory=memory,
+    foresight=0.5,  # measured: a few steps of the explicit method that leads across
+)

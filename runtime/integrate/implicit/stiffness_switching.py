@@ -9,54 +9,17 @@ less than an implicit method would permit itself. After that has been so for man
 method is due, and the run changes over; see `successor`.
 """
 
+from dataclasses import replace
+
 from runtime.core.array_views import view
 from runtime.core.jit import addressed, compiled
 from runtime.core.signatures import HOOK, STAGES, Integers, Vector
 from runtime.core.workspace import ROWS, SIZE, Y0, K, Run
-from runtime.integrate.explicit import dop853
-from runtime.integrate.explicit.dop853 import (
-    BETA,
-    DENSE_CALLS,
-    DENSE_ROWS,
-    ERROR_ORDER,
-    GROW,
-    LAST,
-    NODES,
-    ORDER,
-    SAFETY,
-    SHRINK,
-    STAGE_CALLS,
-    dense,
-    error,
-    propose,
-)
-from runtime.integrate.explicit.stateless import restart
+from runtime.integrate.explicit.generated import dop853
 from runtime.integrate.implicit.method_memory import EQUAL, STIFF, STIFFNESS, counts, floats, memory
 from runtime.integrate.implicit.state_space_form import differentiate, unknowns
 
-__all__ = [
-    "BETA",
-    "DENSE_CALLS",
-    "DENSE_ROWS",
-    "ERROR_ORDER",
-    "GROW",
-    "LAST",
-    "NODES",
-    "ORDER",
-    "SAFETY",
-    "SHRINK",
-    "STAGE_CALLS",
-    "accepted",
-    "dense",
-    "error",
-    "memory",
-    "propose",
-    "restart",
-    "stages",
-    "successor",
-]
-
-_stages = dop853.stages
+_stages, _LAST = dop853.stages, dop853.METHOD.last
 _EVERY = 10  # measured: steps between two estimates of the stiffness
 # measured: h ρ that the explicit method hardly exceeds at tight tolerances: the rest of a fast
 # motion is resolved then, far from the edge of the region of stability, at 6.
@@ -113,7 +76,7 @@ def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
     notes[EQUAL] += 1
     size = view(w, SIZE * length, length)
     before = view(w, K * length, length)
-    after = view(w, (K + LAST) * length, length)
+    after = view(w, (K + _LAST) * length, length)
     change, largest = 0.0, 0.0
     for j in range(n, length):
         change = max(change, abs(after[j] - before[j]) / size[j])
@@ -126,3 +89,6 @@ def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
         return 0
     notes[STIFF] = 0
     return 1
+
+
+METHOD = replace(dop853.METHOD, stages=stages, accepted=accepted, memory=memory)

@@ -11,7 +11,6 @@ against rounding, and its error may be the larger of the two. Near the position,
 the constraints by projection: there no choice of independent coordinates is a good one.
 """
 
-from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,6 +30,7 @@ from runtime.core.workspace import (
     K,
 )
 from runtime.integrate import loop as driver
+from runtime.integrate.method import Method
 from runtime.integrate.problem import Problem
 from runtime.integrate.singular_crossing.crossing_step import Leap, Leaps
 from runtime.integrate.singular_crossing.extrapolated_accelerations import Continuity
@@ -39,7 +39,7 @@ from runtime.integrate.step import TOO_LARGE
 from runtime.integrate.trajectory import Crossing
 from runtime.singularity.local_motion import Motion, hermite, taylor
 from runtime.singularity.scaled_constraints import ScaledConstraints
-from runtime.singularity.singular_position import Positions, Singularity
+from runtime.singularity.singular_position import Singularity, SingularPositions
 
 if TYPE_CHECKING:
     from runtime.integrate.run import _Run
@@ -53,7 +53,7 @@ _TRIES = 4  # safety: plans for one crossing
 class Crossings:
     """Singular positions of one run: looked for when the loop asks, planned, and remembered."""
 
-    def __init__(self, system: System, problem: Problem, run: "_Run", parts: ModuleType) -> None:
+    def __init__(self, system: System, problem: Problem, run: "_Run", method: Method) -> None:
         self.run, self.r = run, run.r
         self.scale = np.asarray(problem.scale, dtype=np.float64)
         constraints = ScaledConstraints(
@@ -69,8 +69,8 @@ class Crossings:
             else np.asarray(system.independent, dtype=np.int64),
             system.constraint_count,
         )
-        self.positions = Positions(constraints)
-        self.leaps = Leaps(self.scale, float(self.r["rtol"]), parts)
+        self.positions = SingularPositions(constraints)
+        self.leaps = Leaps(self.scale, float(self.r["rtol"]), method)
         self.lending = Lending(run, self.leaps)
         self.continuity = Continuity(system, run.fixed_arrays[3], run.modes, self.scale)
         if system.constraints is no_right_side or system.constraint_count == 0:
@@ -85,9 +85,9 @@ class Crossings:
 
     # -- what the loop asks -------------------------------------------------------------------
 
-    def follow(self, parts: ModuleType) -> None:
-        """Plan for the steps of the method that is a module `parts`."""
-        self.leaps.follow(parts)
+    def follow(self, method: Method) -> None:
+        """Plan for the steps of the method."""
+        self.leaps.follow(method)
 
     def look(self) -> int:
         """Answer the loop: go on as planned, or the code of an outcome."""
@@ -108,7 +108,7 @@ class Crossings:
             return False
         q, v = run.state
         motion = taylor(float(self.r["t"]), q, v, np.zeros_like(v))
-        found = self.positions.near(motion, 0.0)
+        found = self.positions.find(motion, 0.0)
         if found is None or found.gap > self.leaps.rounding(q):
             return False
         if found.astray > max(_ASTRAY, float(self.r["rtol"])):
@@ -135,7 +135,7 @@ class Crossings:
     def _plan(self, s: float) -> int:
         """Find the singular position about the time `s` hence, and where its step begins."""
         r, motion = self.r, self._motion()
-        found = self.positions.near(motion, s)
+        found = self.positions.find(motion, s)
         self.tries = 0
         usual = self._usual()
         if (found is None or not found.rate > 0.0) and r["weak"] >= driver.WEAK_STATES:
@@ -170,7 +170,7 @@ class Crossings:
         r, motion, found = self.r, self._motion(), self.found
         usual = self._usual()
         assert found is not None
-        again = self.positions.again(motion, found)
+        again = self.positions.find_again(motion, found)
         if again is None or again.gap > self.leaps.rounding(motion.q):
             r["plan"] = FREE
             return self._plan(found.t - motion.t) if self.tries < _TRIES else driver.GOING
@@ -267,7 +267,7 @@ class Crossings:
         if not (np.isfinite(a).all() and np.isfinite(after[3]).all()):
             return found.t
         motion = hermite(t, after[0] - t, (q, v, a), after[1:])
-        return self.positions.instant(motion, found)
+        return self.positions.passing_time(motion, found)
 
     # -- what is known -----------------------------------------------------------------------
 

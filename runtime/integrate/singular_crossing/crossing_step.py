@@ -6,7 +6,6 @@ rounding.
 """
 
 from itertools import pairwise
-from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +14,7 @@ import numpy.typing as npt
 from runtime.core.jit import compiled, inner
 from runtime.core.rounding import EPS
 from runtime.core.signatures import f8, matrix, none, vector
+from runtime.integrate.method import Method
 from runtime.singularity.singular_position import Singularity
 
 FloatArray = npt.NDArray[np.float64]
@@ -116,14 +116,14 @@ def _size(q: FloatArray, scale: FloatArray) -> float:
 class Leaps:
     """The steps across that a method can take, at a tolerance."""
 
-    def __init__(self, scale: FloatArray, rtol: float, parts: ModuleType) -> None:
+    def __init__(self, scale: FloatArray, rtol: float, method: Method) -> None:
         self.scale, self.rtol = scale, rtol
-        self.follow(parts)
+        self.follow(method)
 
-    def follow(self, parts: ModuleType) -> None:
-        """Plan for the steps of the method that is a module `parts`."""
-        self.order = parts.ERROR_ORDER + 1
-        nodes = sorted(getattr(parts, "NODES", (0.0, 1.0)))
+    def follow(self, method: Method) -> None:
+        """Plan for the steps of the method."""
+        self.order = method.error_order + 1
+        nodes = sorted(method.nodes)
         self.gaps = np.array([(a, b) for a, b in pairwise(nodes) if b > a])
 
     def rounding(self, q: FloatArray) -> float:

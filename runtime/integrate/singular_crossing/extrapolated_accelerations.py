@@ -1,13 +1,10 @@
 """The accelerations close to a singular position, where the equations cannot be asked for them."""
 
 import numpy as np
-import numpy.typing as npt
 
 from runtime.core.signatures import Integers, Vector
 from runtime.core.system import System
-from runtime.singularity.local_motion import Motion
-
-FloatArray = npt.NDArray[np.float64]
+from runtime.singularity.local_motion import Motion, interpolate, taylor
 
 
 class Continuity:
@@ -34,28 +31,21 @@ class Continuity:
         its own, and better states.
         """
         system, n = self.system, self.scale.size
-        places = instant - motion.t + delta * np.array([-2.0, -1.0, 1.0, 2.0])
-        powers = np.vander(places, 4, increasing=True)
-        series: FloatArray = np.zeros((4, n))
+        times = instant - motion.t + delta * np.array([-2.0, -1.0, 1.0, 2.0])
+        nodes, orders = (0.0, 0.0, *(times / delta)), (0, 1, 2, 2, 2, 2)
+        values = np.vstack([motion.q, motion.v, np.zeros((4, n))])
         lam = np.zeros(system.constraint_count)
+        better = taylor(motion.t, motion.q, motion.v, np.zeros(n))
         for _ in range(4):
-            found_a = np.zeros((4, n))
-            for place, a in zip(places, found_a, strict=True):
-                factors = place ** np.arange(1, 5)
-                v = motion.v + (factors / np.arange(1, 5)) @ series
-                q = (
-                    motion.q
-                    + place * motion.v
-                    + (factors * place / (np.arange(1, 5) * np.arange(2, 6))) @ series
-                )
-                t = motion.t + place
-                if not self._projected(t, q, v):
+            for s, a in zip(times, values[2:], strict=True):
+                q, v = better.at(s)
+                if not self._projected(motion.t + s, q, v):
                     return None
-                system.accelerations(t, q, v, self.p, self.modes, a, lam)
-            series = np.asarray(np.linalg.solve(powers, found_a), dtype=np.float64)
-        if not np.isfinite(series).all():
-            return None
-        first: Vector = series[0]
+                system.accelerations(motion.t + s, q, v, self.p, self.modes, a, lam)
+            if not np.isfinite(values).all():
+                return None
+            better = interpolate(motion.t, delta, nodes, orders, values)
+        first: Vector = 2.0 * better.series[2]
         return first
 
     def _projected(self, t: float, q: Vector, v: Vector) -> bool:

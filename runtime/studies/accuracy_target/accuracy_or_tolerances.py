@@ -2,21 +2,19 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from codegen.errors import InputError
 from runtime.integrate.problem import Formulation
+from runtime.mechanism.mechanism import Mechanism
 from runtime.results.result import Result
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine
 
 FINEST = 1e-12  # accuracy: tightest target; rounding shows below it
 COARSEST = 0.1  # accuracy: loosest target
 
 
 def accuracy_or_tolerances(
-    machine: "Machine",
+    mechanism: Mechanism,
     accuracy: float | None,
     quantities: Sequence[str] | None,
     rtol: float | None,
@@ -36,7 +34,7 @@ def accuracy_or_tolerances(
 
         given = {"rtol": rtol, "atol": atol, "method": method, "formulation": formulation}
         settings: dict[str, Any] = {name: x for name, x in given.items() if x is not None}
-        return partial(simulate, machine, **settings)
+        return partial(simulate, mechanism, **settings)
     problems = []
     if accuracy is None:
         problems.append("quantities without accuracy: give the error too, accuracy=1e-6.")
@@ -52,12 +50,12 @@ def accuracy_or_tolerances(
                 f"chooses the tolerances. Leave one of them out."
             )
     if problems:
-        raise InputError(f"{machine.description.title}: {text}" for text in problems)
+        raise InputError(f"{mechanism.title}: {text}" for text in problems)
     from runtime.studies.accuracy_target.search import simulate_to
 
     return partial(
         simulate_to,
-        machine,
+        mechanism,
         accuracy=cast(float, accuracy),
         quantities=quantities,
         method=method,

@@ -6,9 +6,9 @@ import numpy as np
 
 from codegen.errors import AnalysisError
 from runtime.core.outcomes import Outcome
+from runtime.results.reached_accuracy import Estimate, ReachedAccuracy, Trial
 from runtime.results.result import Result
 from runtime.results.samples import Samples
-from runtime.studies.accuracy_target.reached_accuracy import Estimate, ReachedAccuracy, Trial
 from runtime.studies.accuracy_target.run_difference import (
     DIVERGED,
     Difference,

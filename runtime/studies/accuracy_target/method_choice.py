@@ -6,7 +6,6 @@ built already.
 """
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
 from runtime.core.outcomes import Outcome
@@ -14,9 +13,7 @@ from runtime.dynamics.formulations import Coordinates
 from runtime.dynamics.prepared_simulation import Prepared
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine
+from runtime.mechanism.mechanism import Mechanism
 
 
 @dataclass(frozen=True)
@@ -50,10 +47,10 @@ def choose(
     method, formulation
         Fixed by the user; None: chosen here.
     """
-    machine = ready.machine
+    mechanism = ready.mechanism
     given = {"method": method, "formulation": formulation}
     free = frozenset(name for name, value in given.items() if value is None)
-    if formulation is None and machine.offers("reduced"):
+    if formulation is None and mechanism.has_companion("reduced"):
         chosen = method or "auto"
         try:
             taken = ready.coordinates("reduced", chosen, correction)
@@ -65,7 +62,7 @@ def choose(
         why = "reduced coordinates are not built (python -m codegen build --reduced)"
     else:
         why = ""
-    chosen = method or _method(machine, formulation or "cartesian", ready)
+    chosen = method or _method(mechanism, formulation or "cartesian", ready)
     taken = ready.coordinates(formulation or "cartesian", chosen, correction)
     return Choice(chosen, formulation or "cartesian", taken, free, (why,) if why else ())
 
@@ -77,7 +74,7 @@ def revise(choice: Choice, ready: Prepared, run: Trajectory, correction: Correct
             return choice
         method = choice.method
         if "method" in choice.free:
-            method = _method(ready.machine, "cartesian", ready)
+            method = _method(ready.mechanism, "cartesian", ready)
         taken = ready.coordinates("cartesian", method, correction)
         why = f"in reduced coordinates the run ends at t = {run.final_t:.6g} s ({run.outcome.name})"
         return replace(choice, method=method, formulation="cartesian", taken=taken, reasons=(why,))
@@ -86,8 +83,8 @@ def revise(choice: Choice, ready: Prepared, run: Trajectory, correction: Correct
     return choice
 
 
-def _method(machine: "Machine", formulation: Formulation, ready: Prepared) -> str:
+def _method(mechanism: Mechanism, formulation: Formulation, ready: Prepared) -> str:
     """The method that detects stiffness, where its derivatives exist; else the explicit one."""
     if formulation == "reduced":
         return "auto"
-    return "auto" if machine.offers("tangents") and not ready.begin.redundant else "dop853"
+    return "auto" if mechanism.has_companion("tangents") and not ready.begin.redundant else "dop853"

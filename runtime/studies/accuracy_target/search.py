@@ -19,7 +19,7 @@ method, where it costs much, the gap is narrow.
 import time as clock
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -27,13 +27,14 @@ import numpy.typing as npt
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.prepared_simulation import Prepared
 from runtime.dynamics.simulation import finished
+from runtime.integrate.method import IMPLICIT, METHODS
 from runtime.integrate.problem import Options
-from runtime.integrate.wiring import IMPLICIT, METHODS, function_table
+from runtime.integrate.wiring import function_table
 from runtime.progress_bar import Progress, silent
+from runtime.results.reached_accuracy import Trial
 from runtime.results.result import Result
 from runtime.studies.accuracy_target.error_estimate import with_accuracy
 from runtime.studies.accuracy_target.method_choice import Choice, choose, revise
-from runtime.studies.accuracy_target.reached_accuracy import Trial
 from runtime.studies.accuracy_target.run_difference import (
     DIVERGED,
     Quantities,
@@ -44,12 +45,12 @@ from runtime.studies.accuracy_target.run_difference import (
 from runtime.studies.accuracy_target.run_pair import SAFE_POWER, Compared, Run
 from runtime.studies.series import require_numbers
 from runtime.studies.timing import processor_time
-from runtime.validation.output_times import instants
+from runtime.validation.arguments import instants
 
 if TYPE_CHECKING:
-    from runtime.assembly.assembled_state import Assembly
     from runtime.integrate.problem import Correction, Formulation
-    from runtime.machine import Machine, Values
+    from runtime.mechanism.mechanism import Mechanism, Values
+    from runtime.results.assembled_state import Assembly
 
 POINTS = 501
 """Output instants if the user gives none."""
@@ -69,7 +70,7 @@ _ORDER, _ORDERS = 5, {"dop853": 8}  # powers of the step with which errors fall
 
 
 def simulate_to(
-    machine: "Machine",
+    mechanism: "Mechanism",
     t_end: float,
     t_eval: npt.ArrayLike | None = None,
     *,
@@ -91,7 +92,7 @@ def simulate_to(
     """Integrate with a global error below `accuracy` at the output instants.
 
     The error of a quantity y is |y - r| / (s + |r|), r the exact one, s its typical size: that of
-    `runtime.assembly.coordinate_scales` for coordinates, the same per second for velocities, and
+    `runtime.mechanism.dense_equations` for coordinates, the same per second for velocities, and
     the largest value in the run for all others. `Result.accuracy` has the accuracy reached and the
     evidence for it. Where the target cannot be met over all the time, the result ends at the last
     instant up to which it is, with the outcome `INACCURATE`.
@@ -117,7 +118,7 @@ def simulate_to(
     """
     began = clock.perf_counter()
     ready = Prepared(
-        machine, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start
+        mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start
     )
     first, last = ready.begin.t, float(t_end)
     times = np.linspace(first, last, POINTS if last > first else 1)
@@ -130,7 +131,7 @@ def simulate_to(
         h_max=max_step,
         max_steps=max_steps,
     )
-    chosen = quantities_of(machine.description, quantities, ready.sizes)
+    chosen = quantities_of(mechanism.description, quantities, ready.sizes)
     search = _Search(ready, accuracy, chosen, options, correction, progress)
     return search.result(choose(ready, method, formulation, correction), began)
 
@@ -215,7 +216,7 @@ class _Search:
     def _run(self, choice: Choice, rtol: float) -> Run:
         options = replace(
             self.options,
-            method=cast(Literal["dop853"], choice.method),
+            method=choice.method,
             rtol=rtol,
             h_max=self._longest_step(choice, rtol),
             correction=choice.taken.correction,

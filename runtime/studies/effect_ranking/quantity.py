@@ -14,7 +14,7 @@ import numpy as np
 
 from codegen.errors import InputError
 from runtime.mechanism.description import unknown
-from runtime.results.result import ENERGIES
+from runtime.results.time_series import ENERGIES
 from runtime.studies.effect_ranking.series_reductions import REDUCTIONS, Series
 from runtime.studies.series import series_names, unknown_series
 

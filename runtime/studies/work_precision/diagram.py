@@ -4,8 +4,8 @@ import math
 from dataclasses import asdict, dataclass, field
 from typing import Any, NamedTuple
 
-from runtime.cli.json_values import plain
-from runtime.integrate.wiring import IMPLICIT
+from runtime.integrate.method import IMPLICIT
+from runtime.results.json_values import plain
 from runtime.studies.error_norms import Errors, Scale
 
 DONE = "OK"

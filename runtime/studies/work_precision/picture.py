@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 COLOURS = {
     "dop853": "#1f6fb2",
     "dopri5": "#2a9d8f",
+    "tsit5": "#8a9a2b",
     "radau5": "#b23a48",
     "bdf": "#e07b1a",
     "auto": "#7b5ea7",

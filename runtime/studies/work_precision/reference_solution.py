@@ -15,15 +15,14 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import LinkwrightError
-from runtime.assembly.coordinate_scales import magnitudes
-from runtime.assembly.dense_equations import Equations
+from runtime.integrate.method import METHODS
+from runtime.mechanism.dense_equations import Equations, magnitudes
 from runtime.studies.error_norms import Errors, Scale, errors, scaled_errors, scales
 from runtime.studies.series import group_magnitude, require_numbers, series_values
 from runtime.studies.work_precision.compared_quantities import ReferenceFile, series_of
 from runtime.studies.work_precision.diagram import DONE, Check, Reference, Setting
 from runtime.studies.work_precision.settings_grid import (
     FORMULATIONS,
-    METHODS,
     TIGHTEST,
     all_settings,
 )
@@ -162,7 +161,9 @@ def _scales(
     description = runner.machine.description
     series = series_of(description, names)
     parameters = runner.machine.parameter_values(runner.parameters)
-    sizes = magnitudes(Equations(runner.machine, parameters), runner.begin.t, runner.begin.q)
+    sizes = magnitudes(
+        Equations(runner.machine.mechanism, parameters), runner.begin.t, runner.begin.q
+    )
     units = [best.series(name)[1] for name in series]
     whole = [group_magnitude(best, name) for name in series]
     length = float(sizes[~description.is_angle].max(initial=0.0)) or 1.0

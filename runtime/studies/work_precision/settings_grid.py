@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 
 from codegen.errors import InputError
+from runtime.integrate.method import METHODS
 from runtime.mechanism.description import unknown
 from runtime.studies.work_precision.diagram import Setting
 
-METHODS = ("dop853", "dopri5", "radau5", "bdf", "auto")
 FORMULATIONS = ("cartesian", "reduced")
 RTOLS = tuple(10.0 ** -(2.0 + 0.5 * m) for m in range(17))
 """1e-2 to 1e-10, two a decade."""

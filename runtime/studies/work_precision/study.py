@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError
+from runtime.integrate.method import METHODS
 from runtime.studies.scenes import known_guess, known_parameters, read_source, require_time_span
 from runtime.studies.work_precision.build_costs import build_costs
 from runtime.studies.work_precision.compared_quantities import (
@@ -33,7 +34,6 @@ from runtime.studies.work_precision.reference_solution import (
 from runtime.studies.work_precision.settings_grid import (
     FORMULATIONS,
     FURTHER,
-    METHODS,
     QUICK,
     RTOLS,
     all_settings,
@@ -45,8 +45,8 @@ from runtime.validation.scene_support import refuse_massless, require_motion
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
-    from runtime.assembly.assembled_state import Assembly
     from runtime.machine import Machine
+    from runtime.results.assembled_state import Assembly
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -172,9 +172,9 @@ def _comparison(
 ) -> tuple[tuple[str, ...], FloatArray, ReferenceFile | None]:
     """The quantities that are compared, the instants in s, and the reference from a file."""
     description = machine.description
-    require_motion(machine, "accuracy")
+    require_motion(machine.mechanism, "accuracy")
     if not description.has_masses:
-        refuse_massless(machine)
+        refuse_massless(machine.mechanism)
     names = distinct_quantities(description, quantities)
     if reference is None:
         end = require_time_span(machine, t_start, t_end)

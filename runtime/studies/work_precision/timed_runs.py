@@ -17,9 +17,9 @@ from runtime.studies.timing import Stopwatch, TimeLimit, take_turns
 from runtime.studies.work_precision.diagram import DONE, TIMEOUT, Setting
 
 if TYPE_CHECKING:
-    from runtime.assembly.assembled_state import Assembly
     from runtime.integrate.problem import Correction, Formulation
     from runtime.machine import Machine
+    from runtime.results.assembled_state import Assembly
     from runtime.results.result import Result
 
 MOST = 30  # safety: runs by which a time is taken, however short
@@ -68,7 +68,7 @@ class Runner:
         """
         limit = TimeLimit(self.limit)
         result = simulate(
-            self.machine,
+            self.machine.mechanism,
             float(self.instants[-1]),
             self.instants,
             t_start=self.begin.t,

@@ -6,6 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 
+from codegen.emit.arguments import Arguments
 from codegen.emit.kernel import KernelText
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
@@ -55,7 +56,7 @@ def test_text_and_program_agree_in_every_mode(block: int) -> None:
     for seed in range(100 * block, 100 * (block + 1)):
         program = random_program(seed)
         (kernel,) = program.kernels
-        lines = KernelText(program, kernel, 0).lines()
+        lines = KernelText(program, kernel, Arguments(0)).lines()
         text = "\n".join(line for line in lines if not line.startswith("@"))
         namespace = {"math": math}
         exec(compile(text, f"<seed {seed}>", "exec"), namespace)

@@ -8,6 +8,7 @@ from runtime.constraints.partitioning import eliminate
 from runtime.core.outcomes import Outcome
 from runtime.core.signatures import ACCELERATIONS
 from runtime.core.system import System
+from runtime.integrate.method import EXPLICIT
 from runtime.integrate.problem import Options
 from runtime.integrate.run import integrate
 from tests.runtime.integrate.systems import (
@@ -19,7 +20,7 @@ from tests.runtime.integrate.systems import (
     pendulum_residuals,
 )
 
-METHODS = ("dopri5", "dop853")
+METHODS = EXPLICIT
 G = PENDULUM_P[3]
 
 

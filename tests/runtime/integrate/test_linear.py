@@ -1,38 +1,11 @@
-"""Linear equations and polynomials inside compiled code, against numpy."""
+"""Polynomials in the nested form of dense output."""
 
 from fractions import Fraction
 
 import numpy as np
 import pytest
-from numba import njit
 
 from runtime.integrate.explicit.newton_form import nested, nesting
-from runtime.linalg.lu import factor, solve
-
-
-@njit
-def solved(a, f, b):
-    pivots = np.zeros(f, np.int64)
-    if factor(a, f, pivots) != 0:
-        return 1
-    solve(a, f, pivots, b)
-    return 0
-
-
-@pytest.mark.parametrize("f", [1, 2, 3, 7, 20])
-def test_solution(f):
-    random = np.random.default_rng(f)
-    a, b = random.standard_normal((f, f)), random.standard_normal(f)
-    a[0, 0] = 0.0 if f > 1 else a[0, 0]  # rows have to be exchanged
-    x = b.copy()
-    assert solved(a.ravel().copy(), f, x) == 0
-    np.testing.assert_allclose(x, np.linalg.solve(a, b), rtol=1e-10)
-
-
-@pytest.mark.parametrize("a", [[[0.0]], [[1.0, 2.0], [2.0, 4.0]], [[np.nan]]])
-def test_singular_matrices_are_told(a):
-    a = np.array(a)
-    assert solved(a.ravel().copy(), len(a), np.ones(len(a))) == 1
 
 
 @pytest.mark.parametrize("degree", range(6))

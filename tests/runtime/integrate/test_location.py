@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from runtime.core.outcomes import Outcome
+from runtime.integrate.method import EXPLICIT
 from tests.runtime.integrate.systems import relay, run_relay
 
-METHODS = ("dopri5", "dop853")
+METHODS = EXPLICIT
 NEAR = 1e-12  # of the step
 
 

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from runtime.integrate.method import EXPLICIT
 from runtime.integrate.problem import Options
 from runtime.integrate.run import integrate
 from tests.runtime.integrate.systems import PENDULUM, pendulum_problem, relay, run_relay
 
-METHODS = ("dopri5", "dop853")
+METHODS = EXPLICIT
 OMEGA = 2.0
 
 
@@ -32,6 +33,7 @@ def slope(counts, values):
 
 @pytest.mark.parametrize(("method", "order", "counts"), [
     ("dopri5", 5, (80, 113, 160, 226, 320)),
+    ("tsit5", 5, (80, 113, 160, 226, 320)),
     ("dop853", 8, (16, 20, 24, 28, 34)),
 ])  # fmt: skip
 def test_order(method, order, counts):
@@ -41,6 +43,7 @@ def test_order(method, order, counts):
 
 @pytest.mark.parametrize(("method", "order", "counts"), [
     ("dopri5", 5, (40, 57, 80, 113, 160)),
+    ("tsit5", 5, (40, 57, 80, 113, 160)),
     ("dop853", 8, (14, 17, 20, 24, 28)),
 ])  # fmt: skip
 def test_local_order_of_dense_output(method, order, counts):
@@ -96,8 +99,9 @@ def test_samples_do_not_disturb_the_steps(method):
 
 
 def test_statistics_count_what_was_called():
-    r = run_relay(relay(stiffness=1.0), 1.0, 0.0, 4.0, method="dopri5", fixed_step=0.5, t_eval=[])
-    assert (r.statistics.steps, r.statistics.rhs) == (8, 1 + 6 * 8)
+    for method in ("dopri5", "tsit5"):
+        r = run_relay(relay(stiffness=1.0), 1.0, 0.0, 4.0, method=method, fixed_step=0.5, t_eval=[])
+        assert (r.statistics.steps, r.statistics.rhs) == (8, 1 + 6 * 8)
     r = run_relay(
         relay(stiffness=1.0), 1.0, 0.0, 4.0, method="dop853", fixed_step=0.5, t_eval=[0.25]
     )

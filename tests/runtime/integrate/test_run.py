@@ -17,7 +17,8 @@ from runtime.integrate import initialization as start
 from runtime.integrate import loop as driver
 from runtime.integrate import sampling as outputs
 from runtime.integrate import step as attempt
-from runtime.integrate.explicit import dop853, dopri5
+from runtime.integrate.explicit.generated import dop853, dopri5
+from runtime.integrate.method import EXPLICIT
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
 from tests.runtime.integrate.systems import PENDULUM, pendulum_problem, relay, run_relay
@@ -25,7 +26,7 @@ from tests.runtime.integrate.systems import PENDULUM, pendulum_problem, relay, r
 BALL = ((0.0, 1e4, 0.0, 1.0, 0.0, 0.0, 0.0),)
 
 
-@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+@pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("chunk", [1, 7, 100])
 @pytest.mark.parametrize("instants", [None, np.linspace(0.0, 5.0, 333)])
 def test_chunks_do_not_change_a_bit(method, chunk, instants):

@@ -6,11 +6,11 @@ import pytest
 from codegen import Model
 from codegen.errors import InputError
 from runtime import load
-from runtime.assembly.coordinate_scales import magnitudes
-from runtime.assembly.dense_equations import Equations
 from runtime.core.outcomes import Outcome
+from runtime.integrate.method import EXPLICIT
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
+from runtime.mechanism.dense_equations import Equations, magnitudes
 from tests.runtime.integrate.systems import (
     PENDULUM,
     pendulum_problem,
@@ -31,7 +31,7 @@ def spring(workshop):
     return load(model, "free", folder=workshop)
 
 
-@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_a_small_oscillator_is_as_right_as_a_large_one(spring, method):
     worst = []
     for size in (1.0, 1e-3, 1e-6):
@@ -42,7 +42,9 @@ def test_a_small_oscillator_is_as_right_as_a_large_one(spring, method):
 
 
 def sizes(machine, **values):
-    equations = Equations(machine, machine.parameter_values(values.pop("parameters", None)))
+    equations = Equations(
+        machine.mechanism, machine.parameter_values(values.pop("parameters", None))
+    )
     q = np.zeros(equations.n)
     for place, value in values.items():
         q[machine.coordinates.names.index(place.replace("_", "."))] = value
@@ -58,7 +60,7 @@ def test_sizes_of_a_machine_without_arms(spring):
 
 def test_sizes_of_a_machine_with_arms(pendulum):
     q = pendulum.assemble().q
-    found = magnitudes(Equations(pendulum, pendulum.parameter_values()), 0.0, q)
+    found = magnitudes(Equations(pendulum.mechanism, pendulum.parameter_values()), 0.0, q)
     arm = np.hypot(q[0], q[1])
     assert found[2] == 1.0
     np.testing.assert_allclose(found[:2], arm, rtol=0.3)

@@ -7,6 +7,7 @@ from runtime.core.outcomes import Outcome
 from runtime.core.signatures import ACCELERATIONS, SWITCHING, SWITCHING_RATES
 from runtime.core.system import System
 from runtime.hybrid.sliding_modes import HELD_MODE
+from runtime.integrate.method import EXPLICIT
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
 from tests.runtime.integrate.systems import (
@@ -17,7 +18,7 @@ from tests.runtime.integrate.systems import (
     run_relay,
 )
 
-METHODS = ("dopri5", "dop853")
+METHODS = EXPLICIT
 TOLERANCES = (1e-5, 1e-8, 1e-12)
 
 

@@ -5,10 +5,11 @@ import pytest
 
 from runtime.core.outcomes import Outcome
 from runtime.hybrid.sliding_modes import HELD_MODE
+from runtime.integrate.method import EXPLICIT
 from runtime.integrate.run import initial_modes
 from tests.runtime.integrate.systems import relay, run_relay
 
-METHODS = ("dopri5", "dop853")
+METHODS = EXPLICIT
 UP_V = (0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0)  # watches v > 0 and does nothing
 
 

@@ -6,6 +6,7 @@ import pytest
 from runtime.core.outcomes import Outcome
 from runtime.core.signatures import SWITCHING, SWITCHING_RATES
 from runtime.core.system import System
+from runtime.integrate.method import EXPLICIT
 from tests.runtime.integrate.systems import (
     free_correction,
     free_jacobian,
@@ -15,7 +16,7 @@ from tests.runtime.integrate.systems import (
     run_relay,
 )
 
-METHODS = ("dopri5", "dop853")
+METHODS = EXPLICIT
 TOLERANCES = (1e-3, 1e-6, 1e-8, 1e-10, 1e-12)
 
 # A window is (f, c, d, alpha, level, gamma, delta): sin(alpha q + gamma t + delta) > level, with

@@ -25,7 +25,7 @@ TARGETS = (1e-3, 1e-5, 1e-7, 1e-9)
 @pytest.fixture(scope="module")
 def compressor(library: Callable[[str, str], Machine]) -> Machine:
     machine = library("slider_crank", "compressor")
-    assert machine.reduced.kept.size  # built, so that the program may choose it
+    assert machine.mechanism.reduced.kept.size  # built, so that the program may choose it
     return machine
 
 
@@ -162,7 +162,7 @@ def test_a_dead_centre_that_ends_the_reduced_run_is_passed(
     library: Callable[[str, str], Machine],
 ) -> None:
     machine = library("hard/n_four_bar", "fall")
-    assert machine.reduced.branches
+    assert machine.mechanism.reduced.branches
     run = machine.simulate(1.0, accuracy=1e-5, progress=False)
     assert run.accuracy is not None
     assert run.outcome is Outcome.OK

@@ -5,14 +5,13 @@ import pytest
 
 from models.hard.cases import find
 from runtime import Machine
-from runtime.assembly.dense_equations import Equations
-from runtime.linalg.full_pivoting import ordered
-from runtime.singularity.local_motion import Motion, hermite, nearest, taylor
+from runtime.mechanism.dense_equations import Equations
+from runtime.singularity.local_motion import Motion, hermite, nearest_time, taylor
 from runtime.singularity.location import Search
-from runtime.singularity.pivot_orders import Frames, weak_values
+from runtime.singularity.pivot_orders import PivotOrders, count_weak
 from runtime.singularity.scaled_constraints import ScaledConstraints
-from runtime.singularity.search_table import unit_entries
-from runtime.singularity.singular_position import Positions
+from runtime.singularity.search_table import unit_jacobian_entries
+from runtime.singularity.singular_position import SingularPositions
 
 LOOPS = 2
 TURNING = -5.0  # rad/s
@@ -26,7 +25,7 @@ def machine() -> Machine:
 
 @pytest.fixture(scope="module")
 def scaled(machine: Machine) -> ScaledConstraints:
-    equations = Equations(machine, machine.parameter_values())
+    equations = Equations(machine.mechanism, machine.parameter_values())
     scale = 1.0 / np.sqrt(np.diag(equations.mass(np.zeros(equations.n))))
     return equations.scaled(scale, np.arange(equations.m))
 
@@ -55,7 +54,7 @@ def test_the_level_position_is_found_where_it_is(
     """Every loop loses one constraint there, the motion is on its branch, and nothing is missed."""
     level = 0.0 if angle < 1.0 else np.pi
     ahead = (level - angle) / TURNING
-    found = Positions(scaled).near(taylor(0.0, *parallel(machine, angle)), 1.02 * ahead)
+    found = SingularPositions(scaled).find(taylor(0.0, *parallel(machine, angle)), 1.02 * ahead)
     assert found is not None
     np.testing.assert_allclose(found.q, parallel(machine, level)[0], rtol=0.0, atol=1e-12)
     assert found.lost == LOOPS
@@ -71,7 +70,7 @@ def test_the_rate_is_that_of_the_smallest_singular_value(
 ) -> None:
     """Also per second, and between vectors of unit length."""
     at_level = parallel(machine, 0.0)
-    found = Positions(scaled).near(taylor(0.0, *at_level), 0.0)
+    found = SingularPositions(scaled).find(taylor(0.0, *at_level), 0.0)
     assert found is not None
     span = 1e-5
     values = []
@@ -86,32 +85,11 @@ def test_weak_rows_are_those_of_small_singular_values(
 ) -> None:
     """Within an angle of the level position that tells, and nowhere far from it."""
     for angle, weak in ((0.2, LOOPS), (0.02, LOOPS), (1.5, 0)):
-        search = Search(scaled, Frames(scaled), taylor(0.0, *parallel(machine, angle)), 5.0)
+        search = Search(scaled, PivotOrders(scaled), taylor(0.0, *parallel(machine, angle)), 5.0)
         entries = np.empty(scaled.places[0].size)
-        unit_entries(search.table, 5.0, search.series[0], entries)
+        unit_jacobian_entries(search.table, 5.0, search.series[0], entries)
         values = np.linalg.svd(scaled.dense(entries), compute_uv=False)
-        assert search.weak(0.0) == weak_values(values) == weak
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_full_pivoting_factors_a_sparse_matrix(seed: int) -> None:
-    """P A Q = L U with pivots that nothing left is larger than; equal entries go by their place."""
-    random = np.random.default_rng(seed)
-    dense = np.where(random.random((9, 11)) < 0.3, random.integers(-2, 3, (9, 11)), 0).astype(float)
-    dense[4] = dense[2] - dense[7]
-    rows, columns = (np.ascontiguousarray(places) for places in np.nonzero(dense))
-    a, row_order, column_order = np.zeros((9, 11)), np.zeros(9, np.int64), np.zeros(11, np.int64)
-    entries = np.ascontiguousarray(dense[rows, columns])
-    rank = ordered(entries, rows, columns, 1e-10, a, row_order, column_order)
-    assert rank == np.linalg.matrix_rank(dense)
-    lower = np.tril(a[:, :rank], -1) + np.eye(9, rank)
-    upper = np.triu(a[:rank])
-    np.testing.assert_allclose(lower @ upper, dense[row_order][:, column_order], atol=1e-12)
-    assert np.abs(lower).max() <= 1.0 + 1e-8
-    assert np.all(np.abs(np.diag(upper)) * (1.0 + 1e-8) >= np.abs(upper).max(axis=1))
-    largest = np.abs(dense).max()
-    first = np.argwhere(np.abs(dense) == largest)[0]
-    assert (row_order[0], column_order[0]) == tuple(first)
+        assert search.count_weak(0.0) == count_weak(values) == weak
 
 
 def test_a_quintic_has_what_both_ends_have() -> None:
@@ -127,4 +105,4 @@ def test_a_quintic_has_what_both_ends_have() -> None:
     np.testing.assert_allclose(made.series, series, rtol=1e-10, atol=1e-10)
     passed = Motion(t, series).scaled(np.ones(4), 1.0)
     z = np.append(state(0.1)[0], 0.0)
-    assert nearest(passed, 0.11, z) == pytest.approx(0.1, abs=1e-6)
+    assert nearest_time(passed, 0.11, z) == pytest.approx(0.1, abs=1e-6)

@@ -1,17 +1,19 @@
 """The equations of a machine at one instant, as dense arrays, for analyses of few positions."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from runtime.mechanism.mechanism import Mechanism
 from runtime.singularity.scaled_constraints import ScaledConstraints
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+
+# measured: part of the largest distance from the origin; a machine counts as no smaller
+_PLACES = 0.01
+_NOTHING = 1e-9  # accuracy: m; a length below this is rounding
 
 
 class Motion(NamedTuple):
@@ -25,14 +27,14 @@ class Motion(NamedTuple):
 class Equations:
     """Kernels of a machine with its parameter values bound."""
 
-    def __init__(self, machine: "Machine", p: FloatArray) -> None:
-        self.description = machine.description
-        self.kernels = machine.kernels
-        self.table = machine.kernel_table
+    def __init__(self, mechanism: Mechanism, p: FloatArray) -> None:
+        self.description = mechanism.description
+        self.kernels = mechanism.kernels
+        self.table = mechanism.kernel_table
         self.p = p
-        self.independent = np.array(machine.independent, dtype=np.int64)
-        self.n = len(machine.coordinates)
-        self.m = len(machine.constraints)
+        self.independent = np.array(mechanism.independent, dtype=np.int64)
+        self.n = len(mechanism.description.coordinates)
+        self.m = len(mechanism.description.constraints)
 
     def scaled(self, scale: FloatArray, independent: IntArray) -> ScaledConstraints:
         """The constraints in units of `scale`, of which `independent` follow from no others."""
@@ -142,3 +144,37 @@ class Equations:
             key = (row.element, unit)
             found[key] = max(found.get(key, 0.0), abs(float(value)))
         return found
+
+
+def magnitudes(equations: Equations, t: float, q: FloatArray) -> FloatArray:
+    """Typical size of each coordinate at a position, m or rad.
+
+    Angles have size 1. Lengths have that of the mechanism: its longest arm; where no angle enters
+    a length, the largest distance from the origin at the start; where that is zero too, the
+    largest length in the constraints, then among the parameters, and 1 m where there is none.
+
+    Parameters
+    ----------
+    q : (n,)
+        An assembled position.
+
+    Returns
+    -------
+    (n,)
+    """
+    angle = equations.description.is_angle
+    places = float(np.abs(q[~angle]).max(initial=0.0))
+    matrix = equations.jacobian(t, q)
+    mixed = np.any(matrix[:, ~angle] != 0.0, axis=1)
+    reach = float(np.abs(matrix[np.ix_(mixed, angle)]).max(initial=0.0))
+    if reach > _NOTHING:
+        return equations.scale(max(reach, _PLACES * places))
+    if places > _NOTHING:
+        return equations.scale(places)
+    units = equations.row_units(matrix)
+    gaps = equations.constraints(t, np.zeros(equations.n))
+    fixed = max((abs(gap) for gap, unit in zip(gaps, units, strict=True) if unit == "m"), default=0)
+    if not fixed > _NOTHING:
+        declared = zip(equations.description.parameters, equations.p, strict=False)
+        fixed = max((abs(value) for row, value in declared if row.unit == "m"), default=0.0)
+    return equations.scale(float(fixed) if fixed > _NOTHING else 1.0)

@@ -4,8 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from runtime.assembly.dense_equations import FloatArray
+import numpy as np
+import numpy.typing as npt
+
 from runtime.mechanism.description import Coordinate, Table, unknown
+
+FloatArray = npt.NDArray[np.float64]
 
 
 class Moved(NamedTuple):

@@ -1,0 +1,209 @@
+"""A Butcher tableau → the text of the module that steps, estimates and interpolates with it.
+
+Every linear combination of stages is one unrolled sum, without the zeros of the tableau, inside one
+loop over the 2 n entries of the state.
+"""
+
+from collections.abc import Iterator, Sequence
+
+from codegen.emit.line_wrapping import filled, items
+from codegen.tableaus.tableau import Stage, Tableau, Weights
+
+COMMAND = "python -m codegen methods"
+HERMITE = 4
+"""Rows of the dense output that follow from states and derivatives at both ends of the step."""
+
+# The functions of a method: the types that the runtime compiles them for, and their arguments.
+STATE = "t: float, h: float, w: Vector"
+INPUTS = "p: Vector, modes: Integers, lam: Vector"
+FUNCTIONS = {
+    "stages": ("STAGES", f"machine: Integers, {STATE}, run: Run, {INPUTS}", "int"),
+    "error": ("ERROR", "machine: Integers, h: float, rtol: float, w: Vector", "float"),
+    "dense": ("DENSE", f"machine: Integers, {STATE}, {INPUTS}", "int"),
+    "propose": ("PROPOSE", "machine: Integers, h: float, w: Vector, run: Run", "float"),
+}
+ROWS = {"y0": "Y0", "y1": "Y1", "z": "STAGE", "atol": "ATOL"}
+"""Rows of the workspace by the names that the text gives them."""
+
+
+def module_text(name: str, tableau: Tableau) -> str:
+    """The whole module of a method."""
+    lines = [
+        f"# Generated from codegen/tableaus/{name}.py.",
+        f"# Do not edit: change the tableau, then run {COMMAND}",
+        f'"""{tableau.about.strip()}',
+        '"""',
+        "",
+        *_imports(tableau),
+        *_stages(tableau),
+        *_error(tableau),
+        *_dense(tableau),
+        *(_propose(tableau) if tableau.stability_edge is not None else ()),
+        *_record(tableau),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _imports(tableau: Tableau) -> Iterator[str]:
+    limited = tableau.stability_edge is not None
+    signatures = ["DENSE", "ERROR", "STAGES", "Integers", "Vector"]
+    yield from ("import numpy as np", "")
+    yield "from runtime.core.array_views import view"
+    yield "from runtime.core.dense_output import hermite_rows"
+    yield "from runtime.core.jit import addressed"
+    yield "from runtime.core.rhs import slope"
+    names = ", ".join(sorted(["PROPOSE", *signatures] if limited else signatures, key=_case_first))
+    yield f"from runtime.core.signatures import {names}"
+    yield "from runtime.core.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K, Run"
+    if limited:
+        names = "memory, observe, restart, stable_ratio"
+        yield f"from runtime.integrate.explicit.stability_limit import {names}"
+    names = "accepted" if limited else "accepted, restart"
+    yield f"from runtime.integrate.explicit.stateless import {names}"
+    yield "from runtime.integrate.method import Method"
+    if limited:
+        powers = ", ".join(repr(float(x)) for x in reversed(tableau.stability_function))
+        yield from ("", f"EDGE = {tableau.stability_edge!r}  # accuracy: as the tableau says")
+        yield from filled("POWERS = np.array([", items(powers), "])")
+    else:
+        yield "from runtime.integrate.step_control import propose"
+
+
+def _stages(tableau: Tableau) -> Iterator[str]:
+    used = tableau.last
+    yield from _head("stages", "Take the step from Y0 with derivative K to Y1, not yet corrected.")
+    yield from _views(("y0", "y1", "z"), range(1, used + 1))
+    yield "    taken = 0"
+    for number, stage in enumerate(tableau.stages, 2):
+        yield from _stage(number, stage)
+    yield "    for j in range(length):"
+    yield from filled("        y1[j] = y0[j] + h * (", _terms(tableau.b), ")")
+    yield "    return taken"
+
+
+def _stage(number: int, stage: Stage) -> Iterator[str]:
+    """State and derivative of a stage."""
+    yield "    for j in range(length):"
+    yield from filled("        z[j] = y0[j] + h * (", _terms(stage.a), ")")
+    instant = "t + h" if stage.c == 1 else f"t + {float(stage.c)!r} * h"
+    called = f"slope(machine, {instant}, STAGE, {_row(number)}, w, p, modes, lam)"
+    yield f"    taken += {called}"
+
+
+def _error(tableau: Tableau) -> Iterator[str]:
+    summary = "Estimated error of the step over its tolerance, root mean square over q and v."
+    yield from _head("error", summary)
+    yield from _views(("y0", "y1", "atol"), _used(tableau.error, tableau.lower))
+    scale = "atol[j] + rtol * max(abs(y0[j]), abs(y1[j]))"
+    if not tableau.lower:
+        yield from ("    total = 0.0", "    for j in range(length):")
+        yield from filled("        estimate = h * (", _terms(tableau.error), ")")
+        yield f"        ratio = estimate / ({scale})"
+        yield "        total += ratio * ratio"
+        if tableau.stability_edge is not None:
+            yield f"    observe(machine, rtol, w, EDGE, {_row(tableau.last + 1)})"
+        yield "    return float(np.sqrt(total / length))"
+        return
+    second = [*_terms(tableau.b), *_terms(tuple(-x for x in tableau.lower), first=False)]
+    yield from ("    high, low = 0.0, 0.0", "    for j in range(length):")
+    yield f"        tolerance = {scale}"
+    yield from filled("        ratio = (", _terms(tableau.error), ") / tolerance")
+    yield "        high += ratio * ratio"
+    yield from filled("        ratio = (", second, ") / tolerance")
+    yield "        low += ratio * ratio"
+    yield "    both = high + 0.01 * low"
+    yield "    if both == 0.0:  # also where a ratio is too small to be squared"
+    yield "        return 0.0"
+    yield "    return float(h * high / np.sqrt(both * length))"
+
+
+def _dense(tableau: Tableau) -> Iterator[str]:
+    summary = "Fill the coefficient rows of the dense output of the step from Y0 to Y1."
+    yield from _head("dense", summary)
+    first = tableau.last + 2
+    used = _used(*(stage.a for stage in tableau.further), *tableau.dense)
+    if tableau.further:
+        yield from _views(("y0", "z"), used)
+        yield "    taken = 0"
+    elif tableau.dense:
+        yield from _views((), used)
+    for number, stage in enumerate(tableau.further, first):
+        yield from _stage(number, stage)
+    yield f"    hermite_rows(h, w, {_row(tableau.last + 1)})"
+    for k in range(len(tableau.dense)):
+        yield f"    f{HERMITE + k} = view(w, (F + {HERMITE + k}) * length, length)"
+    if tableau.dense:
+        yield "    for j in range(length):"
+    for k, weights in enumerate(tableau.dense, HERMITE):
+        yield from filled(f"        f{k}[j] = h * (", _terms(weights), ")")
+    yield "    return taken" if tableau.further else "    return 0"
+
+
+def _propose(tableau: Tableau) -> Iterator[str]:
+    yield from _head("propose", "Ratio of the next step's length to this accepted one's.")
+    yield "    return float(stable_ratio(machine, h, w, run, POWERS, EDGE))"
+
+
+def _record(tableau: Tableau) -> Iterator[str]:
+    nodes = ", ".join(repr(float(stage.c)) for stage in tableau.all_stages)
+    yield from ("", "", "METHOD = Method(")
+    yield f"    order={tableau.order},"
+    yield f"    error_order={tableau.error_order},"
+    yield f"    stage_calls={len(tableau.stages)},"
+    yield f"    last={tableau.last},"
+    yield f"    dense_rows={HERMITE + len(tableau.dense)},"
+    yield f"    dense_calls={len(tableau.further)},"
+    yield from filled("    nodes=(", items(nodes), "),")
+    for name in ("beta", "safety", "shrink", "grow"):
+        yield f"    {name}={getattr(tableau, name)!r},"
+    names = ["stages", "error", "dense", "propose", "accepted", "restart"]
+    if tableau.stability_edge is not None:
+        names.append("memory")
+    yield from (f"    {name}={name}," for name in names)
+    yield ")"
+
+
+# -- lines -----------------------------------------------------------------------------------
+
+
+def _head(name: str, summary: str) -> Iterator[str]:
+    kind, arguments, result = FUNCTIONS[name]
+    yield from ("", "", f"@addressed({kind})")
+    yield from filled(f"def {name}(", items(arguments), f") -> {result}:")
+    yield f'    """{summary}"""'
+
+
+def _views(rows: Sequence[str], stages: Sequence[int]) -> Iterator[str]:
+    yield "    length = w.size // ROWS"
+    for name in rows:
+        yield f"    {name} = view(w, {ROWS[name]} * length, length)"
+    for number in stages:
+        row = _row(number)
+        yield f"    k{number} = view(w, {row if row == 'K' else f'({row})'} * length, length)"
+
+
+def _row(number: int) -> str:
+    """The workspace's row of a stage's derivative."""
+    return "K" if number == 1 else f"K + {number - 1}"
+
+
+def _used(*rows: Weights) -> list[int]:
+    """Stages that have a weight in any of the rows."""
+    return sorted({number for row in rows for number, x in enumerate(row, 1) if x})
+
+
+def _terms(row: Weights, first: bool = True) -> list[str]:
+    """The products of a linear combination of stages, each with its sign in front."""
+    found: list[str] = []
+    for number, x in enumerate(row, 1):
+        if x:
+            sign = "- " if x < 0 else "+ "
+            if first and not found:
+                sign = sign.strip(" +")
+            found.append(f"{sign}{abs(float(x))!r} * k{number}[j]")
+    return found
+
+
+def _case_first(name: str) -> tuple[bool, str]:
+    """As the formatter sorts imported names: constants, then classes."""
+    return (not name.isupper(), name)

@@ -1,0 +1,1 @@
+"""Explicit Runge-Kutta methods, written by ``python -m codegen methods``."""

@@ -1,0 +1,156 @@
+# Generated from codegen/tableaus/dopri5.py.
+# Do not edit: change the tableau, then run python -m codegen methods
+"""Explicit Runge-Kutta method of order 5(4) with dense output of order 4.
+
+The pair is J. R. Dormand and P. J. Prince's (A family of embedded Runge-Kutta formulae, Journal of
+Computational and Applied Mathematics 6, 1980); the dense output, L. F. Shampine's (Some practical
+Runge-Kutta formulas, Mathematics of Computation 46, 1986), and its constants are those of
+E. Hairer, S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I, section II.6.
+The last stage is the first of the next step.
+
+On the imaginary axis it is stable up to one radian a step, where its estimate of the error is less
+than a thousandth: at looser tolerances accuracy alone does not keep a vibration from growing, and
+`stability_limit` does.
+"""
+
+import numpy as np
+
+from runtime.core.array_views import view
+from runtime.core.dense_output import hermite_rows
+from runtime.core.jit import addressed
+from runtime.core.rhs import slope
+from runtime.core.signatures import DENSE, ERROR, PROPOSE, STAGES, Integers, Vector
+from runtime.core.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K, Run
+from runtime.integrate.explicit.stability_limit import memory, observe, restart, stable_ratio
+from runtime.integrate.explicit.stateless import accepted
+from runtime.integrate.method import Method
+
+EDGE = 0.0004  # accuracy: as the tableau says
+POWERS = np.array([
+    0.0016666666666666668, 0.008333333333333333, 0.041666666666666664, 0.16666666666666666, 0.5,
+    1.0, 1.0
+])
+
+
+@addressed(STAGES)
+def stages(
+    machine: Integers, t: float, h: float, w: Vector, run: Run, p: Vector, modes: Integers,
+    lam: Vector
+) -> int:
+    """Take the step from Y0 with derivative K to Y1, not yet corrected."""
+    length = w.size // ROWS
+    y0 = view(w, Y0 * length, length)
+    y1 = view(w, Y1 * length, length)
+    z = view(w, STAGE * length, length)
+    k1 = view(w, K * length, length)
+    k2 = view(w, (K + 1) * length, length)
+    k3 = view(w, (K + 2) * length, length)
+    k4 = view(w, (K + 3) * length, length)
+    k5 = view(w, (K + 4) * length, length)
+    k6 = view(w, (K + 5) * length, length)
+    taken = 0
+    for j in range(length):
+        z[j] = y0[j] + h * (0.2 * k1[j])
+    taken += slope(machine, t + 0.2 * h, STAGE, K + 1, w, p, modes, lam)
+    for j in range(length):
+        z[j] = y0[j] + h * (0.075 * k1[j] + 0.225 * k2[j])
+    taken += slope(machine, t + 0.3 * h, STAGE, K + 2, w, p, modes, lam)
+    for j in range(length):
+        z[j] = y0[j] + h * (
+            0.9777777777777777 * k1[j] - 3.7333333333333334 * k2[j] + 3.5555555555555554 * k3[j]
+        )
+    taken += slope(machine, t + 0.8 * h, STAGE, K + 3, w, p, modes, lam)
+    for j in range(length):
+        z[j] = y0[j] + h * (
+            2.9525986892242035 * k1[j] - 11.595793324188385 * k2[j] + 9.822892851699436 * k3[j]
+            - 0.2908093278463649 * k4[j]
+        )
+    taken += slope(machine, t + 0.8888888888888888 * h, STAGE, K + 4, w, p, modes, lam)
+    for j in range(length):
+        z[j] = y0[j] + h * (
+            2.8462752525252526 * k1[j] - 10.757575757575758 * k2[j] + 8.906422717743473 * k3[j]
+            + 0.2784090909090909 * k4[j] - 0.2735313036020583 * k5[j]
+        )
+    taken += slope(machine, t + h, STAGE, K + 5, w, p, modes, lam)
+    for j in range(length):
+        y1[j] = y0[j] + h * (
+            0.09114583333333333 * k1[j] + 0.44923629829290207 * k3[j] + 0.6510416666666666 * k4[j]
+            - 0.322376179245283 * k5[j] + 0.13095238095238096 * k6[j]
+        )
+    return taken
+
+
+@addressed(ERROR)
+def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
+    """Estimated error of the step over its tolerance, root mean square over q and v."""
+    length = w.size // ROWS
+    y0 = view(w, Y0 * length, length)
+    y1 = view(w, Y1 * length, length)
+    atol = view(w, ATOL * length, length)
+    k1 = view(w, K * length, length)
+    k3 = view(w, (K + 2) * length, length)
+    k4 = view(w, (K + 3) * length, length)
+    k5 = view(w, (K + 4) * length, length)
+    k6 = view(w, (K + 5) * length, length)
+    k7 = view(w, (K + 6) * length, length)
+    total = 0.0
+    for j in range(length):
+        estimate = h * (
+            0.0012326388888888888 * k1[j] - 0.0042527702905061394 * k3[j]
+            + 0.03697916666666667 * k4[j] - 0.05086379716981132 * k5[j] + 0.0419047619047619 * k6[j]
+            - 0.025 * k7[j]
+        )
+        ratio = estimate / (atol[j] + rtol * max(abs(y0[j]), abs(y1[j])))
+        total += ratio * ratio
+    observe(machine, rtol, w, EDGE, K + 6)
+    return float(np.sqrt(total / length))
+
+
+@addressed(DENSE)
+def dense(
+    machine: Integers, t: float, h: float, w: Vector, p: Vector, modes: Integers, lam: Vector
+) -> int:
+    """Fill the coefficient rows of the dense output of the step from Y0 to Y1."""
+    length = w.size // ROWS
+    k1 = view(w, K * length, length)
+    k3 = view(w, (K + 2) * length, length)
+    k4 = view(w, (K + 3) * length, length)
+    k5 = view(w, (K + 4) * length, length)
+    k6 = view(w, (K + 5) * length, length)
+    k7 = view(w, (K + 6) * length, length)
+    hermite_rows(h, w, K + 6)
+    f4 = view(w, (F + 4) * length, length)
+    for j in range(length):
+        f4[j] = h * (
+            -1.1270175653862835 * k1[j] + 2.675424484351598 * k3[j] - 5.685526961588504 * k4[j]
+            + 3.5219323679207912 * k5[j] - 1.7672812570757455 * k6[j] + 2.382468931778144 * k7[j]
+        )
+    return 0
+
+
+@addressed(PROPOSE)
+def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
+    """Ratio of the next step's length to this accepted one's."""
+    return float(stable_ratio(machine, h, w, run, POWERS, EDGE))
+
+
+METHOD = Method(
+    order=5,
+    error_order=4,
+    stage_calls=5,
+    last=6,
+    dense_rows=5,
+    dense_calls=0,
+    nodes=(0.0, 0.2, 0.3, 0.8, 0.8888888888888888, 1.0, 1.0),
+    beta=0.04,
+    safety=0.9,
+    shrink=0.2,
+    grow=10.0,
+    stages=stages,
+    error=error,
+    dense=dense,
+    propose=propose,
+    accepted=accepted,
+    restart=restart,
+    memory=memory,
+)

@@ -1,0 +1,135 @@
+"""An integration method as the loop sees it, and the register of all methods.
+
+A new method is a module that sets `METHOD`, and one line here. That of an explicit Runge-Kutta
+method is generated from its tableau: see `codegen.tableaus`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from runtime.core.signatures import Integers, Vector
+    from runtime.core.workspace import Run
+
+    Stages = Callable[[Integers, float, float, Vector, Run, Vector, Integers, Vector], int]
+    Error = Callable[[Integers, float, float, Vector], float]
+    Dense = Callable[[Integers, float, float, Vector, Vector, Integers, Vector], int]
+    Propose = Callable[[Integers, float, Vector, Run], float]
+    Hook = Callable[[Integers, float, float, Vector, Run], int]
+
+
+class Registration(NamedTuple):
+    """Where a method is found, and whether it needs derivatives of the kernels."""
+
+    module: str
+    implicit: bool = False
+
+
+REGISTER = {
+    "dop853": Registration("runtime.integrate.explicit.generated.dop853"),
+    "dopri5": Registration("runtime.integrate.explicit.generated.dopri5"),
+    "tsit5": Registration("runtime.integrate.explicit.generated.tsit5"),
+    "radau5": Registration("runtime.integrate.implicit.radau5", implicit=True),
+    "bdf": Registration("runtime.integrate.implicit.bdf", implicit=True),
+    "auto": Registration("runtime.integrate.implicit.stiffness_switching", implicit=True),
+}
+METHODS = tuple(REGISTER)
+"""Names of the methods."""
+
+EXPLICIT = tuple(name for name, where in REGISTER.items() if not where.implicit)
+IMPLICIT = tuple(name for name, where in REGISTER.items() if where.implicit)
+"""Those that need derivatives of the kernels, at times or throughout."""
+
+
+def alternatives(names: tuple[str, ...]) -> str:
+    """Names to choose from, as a sentence lists them: ``a, b or c``."""
+    return f"{', '.join(names[:-1])} or {names[-1]}"
+
+
+def _no_memory(n: int) -> tuple[int, int]:
+    return 0, 0
+
+
+@dataclass(frozen=True)
+class Method:
+    """An integration method.
+
+    Its functions are compiled for the types that `runtime.core.signatures` names; the loop calls
+    them by their addresses. All but `memory` work on the rows of the workspace (see
+    `runtime.core.workspace`): the state y = (q, v) at Y0 and Y1, derivatives from K on, dense
+    output from F on.
+
+    Attributes
+    ----------
+    order
+        Power of the step's length in the error of the first step, by which its length is chosen.
+    error_order
+        Steps are chosen by the power 1 / (error_order + 1) of the estimated error.
+    stage_calls, dense_calls
+        Evaluations of the right-hand side in `stages` and in `dense`, for the statistics; 0 where
+        the method counts its own.
+    last
+        Row, after K, of the derivative at the end of the step.
+    dense_rows
+        Rows of the dense output's coefficients.
+    beta, safety
+        Step control: proportional part, and share of the length that the error permits.
+    shrink, grow
+        Least and largest ratio of two steps' lengths.
+    stages
+        Take the step from Y0 with derivative K to Y1, not yet returned onto the constraints.
+        Answers the Newton iterations that took, negative where one failed.
+    error
+        Estimated error of the step over its tolerance, root mean square over q and v.
+    dense
+        Fill the coefficient rows of the dense output. Answers as `stages`.
+    propose
+        Ratio of the next step's length to that of the step just accepted.
+    accepted
+        Called after each accepted step; answers 1 where another method is due.
+    restart
+        Called where the motion goes on under other equations, or after another method.
+    memory
+        How many floats and integers the method keeps for n coordinates, from step to step.
+    nodes
+        Where in a step the right-hand side is evaluated, as fractions of it: a step across a
+        singular configuration is laid so that the configuration is between two of them.
+    foresight
+        Change of the coordinates, in their sizes, over which a singular configuration is looked
+        for ahead of the motion.
+    """
+
+    order: int
+    error_order: int
+    stage_calls: int
+    last: int
+    dense_rows: int
+    dense_calls: int
+    beta: float
+    safety: float
+    shrink: float
+    grow: float
+    stages: "Stages"
+    error: "Error"
+    dense: "Dense"
+    propose: "Propose"
+    accepted: "Hook"
+    restart: "Hook"
+    memory: Callable[[int], tuple[int, int]] = _no_memory
+    nodes: tuple[float, ...] = (0.0, 1.0)
+    foresight: float = 0.1  # accuracy: a nearer one matters to the finest tolerances
+
+    @property
+    def functions(self) -> "tuple[Stages, Error, Dense, Propose, Hook, Hook]":
+        """Compiled functions in the order of `Slot` from STAGES on."""
+        return self.stages, self.error, self.dense, self.propose, self.accepted, self.restart
+
+
+@cache
+def find_method(name: str) -> Method:
+    """A method, compiled when it is first asked for."""
+    found: Method = import_module(REGISTER[name].module).METHOD
+    return found

@@ -1,0 +1,113 @@
+"""The data of a mechanism in one scene, which all analyses take: tables, kernels, origin."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.errors import AnalysisError
+from runtime.core.kernels import Kernels
+from runtime.core.system import System
+from runtime.mechanism.companion_modules import Kind, Origin, has_companion, load_companion
+from runtime.mechanism.description import Description
+from runtime.mechanism.reduced_kernels import Reduced, gather_reduced
+from runtime.mechanism.system import Tangents, common_system, gather_tangents
+
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanism:
+    """A mechanism in one scene.
+
+    Attributes
+    ----------
+    description
+        The tables of the generated module.
+    kernels
+        Its compiled functions, callable from any numba code.
+    path
+        The generated module's file.
+    origin
+        Model and scene from which it was built; companion modules are built from these.
+    sufficient
+        Indices of constraints that imply the others; None: all constraints are independent.
+    """
+
+    description: Description
+    kernels: Kernels
+    path: Path
+    origin: Origin | None = None
+    sufficient: tuple[int, ...] | None = None
+
+    @property
+    def title(self) -> str:
+        """`model/scene`, as messages name it."""
+        return self.description.title
+
+    @property
+    def independent(self) -> tuple[int, ...]:
+        """Indices of independent constraints: none of them follows from the others."""
+        if self.sufficient is not None:
+            return self.sufficient
+        return tuple(range(len(self.description.constraints)))
+
+    @cached_property
+    def kernel_table(self) -> npt.NDArray[np.int64]:
+        """Addresses of the kernels, for compiled loops of the runtime."""
+        return self.kernels.table()
+
+    @cached_property
+    def system(self) -> System:
+        """The equations in all coordinates, as the integrator takes them."""
+        description, kernels = self.description, self.kernels
+        jacobian = (
+            description.jacobian_rows.astype(np.int64),
+            description.jacobian_columns.astype(np.int64),
+        )
+        n, m = len(description.coordinates), len(description.constraints)
+        parameters = len(description.parameters)
+        return replace(
+            common_system(description, kernels, jacobian, n, m),
+            reactions=kernels.reactions,
+            switched_reactions=kernels.switched_reactions,
+            reaction_rows=len(description.reactions),
+            limits=description.friction_limits,
+            sought=tuple((k, parameters + i) for i, k in enumerate(description.sought)),
+            independent=self.independent,
+        )
+
+    @cached_property
+    def tangents(self) -> Tangents:
+        """Exact derivatives of the kernels; their file is built where it is missing.
+
+        Raises
+        ------
+        AnalysisError
+            If the scene has no masses, or the mechanism was not loaded from a model.
+        """
+        if not self.description.has_masses:
+            raise AnalysisError(
+                f"{self.title} is kinematic: no masses move in it, so there are no accelerations "
+                "under forces to differentiate. Load a scene with masses."
+            )
+        return gather_tangents(load_companion(self.origin, "tangents", self.title, self.path))
+
+    @cached_property
+    def reduced(self) -> Reduced:
+        """The equations in reduced coordinates; their file is built where it is missing.
+
+        Raises
+        ------
+        AnalysisError
+            If the mechanism was not loaded from a model.
+        """
+        module = load_companion(self.origin, "reduced", self.title, self.path)
+        return gather_reduced(module, self.description)
+
+    def has_companion(self, kind: Kind) -> bool:
+        """Whether a companion of the generated module, "tangents" or "reduced", is built."""
+        return kind in self.__dict__ or has_companion(self.origin, kind)

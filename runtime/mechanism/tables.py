@@ -1,0 +1,119 @@
+"""The tables of a mechanism as a user reads them."""
+
+from html import escape
+from pathlib import Path
+
+from runtime.core.kernels import Kernels
+from runtime.mechanism.description import (
+    Constraint,
+    Coordinate,
+    Description,
+    Effect,
+    Parameter,
+    Table,
+)
+from runtime.mechanism.mechanism import Mechanism
+
+_SHOWN = 8  # parameters that the text names
+
+
+class MechanismTables:
+    """Tables of a mechanism in one scene.
+
+    Attributes
+    ----------
+    mechanism
+        The data behind them, which the functions of the analyses take.
+    """
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+
+    @property
+    def description(self) -> Description:
+        """The tables of the generated module."""
+        return self.mechanism.description
+
+    @property
+    def kernels(self) -> Kernels:
+        """The compiled functions of the scene, callable from any numba code."""
+        return self.mechanism.kernels
+
+    @property
+    def path(self) -> Path:
+        """File of the generated module."""
+        return self.mechanism.path
+
+    @property
+    def model(self) -> str:
+        """Name of the model."""
+        return self.description.model
+
+    @property
+    def scene(self) -> str:
+        """Name of the scene."""
+        return self.description.scene
+
+    @property
+    def coordinates(self) -> Table[Coordinate]:
+        """Generalized coordinates with their velocities and units, in the order of q."""
+        return self.description.coordinates
+
+    @property
+    def constraints(self) -> Table[Constraint]:
+        """Scalar constraints, in the order of Φ and of the multipliers λ."""
+        return self.description.constraints
+
+    @property
+    def parameters(self) -> Table[Parameter]:
+        """Declared parameters with their defaults and units, in the order of p."""
+        return self.description.parameters
+
+    @property
+    def effects(self) -> Table[Effect]:
+        """Effects that act in this scene: gravity, forces, springs, contacts, frictions."""
+        return self.description.effects
+
+    def __repr__(self) -> str:
+        """Short summary for a person."""
+        return _text(self.description)
+
+    def _repr_html_(self) -> str:
+        """The summary with a table of the parameters, for notebooks."""
+        return _html(self.description)
+
+
+def _text(description: Description) -> str:
+    """Sizes, bodies, effects and the first parameters."""
+    parameters, drivers = description.parameters, int(description.driver_rows.sum())
+    head = f"{description.title}: {len(description.bodies)} bodies, "
+    head += (
+        f"{len(description.coordinates)} coordinates, {len(description.constraints)} constraints"
+    )
+    rows = [
+        head + (f" ({drivers} of drivers)" if drivers else ""),
+        f"  bodies      {', '.join(description.bodies)}",
+        f"  effects     {', '.join(description.effects.names) or 'none'}",
+    ]
+    if description.left_out:
+        rows.append(f"  left out    {', '.join(description.left_out.names)}")
+    if not description.has_masses:
+        rows.append("  no masses: kinematics only")
+    shown = ", ".join(f"{row.name} = {row.default:g} {row.unit}" for row in parameters[:_SHOWN])
+    more = len(parameters) - _SHOWN
+    rows.append(f"  parameters  {shown}{f', and {more} more' if more > 0 else ''}")
+    return "\n".join(rows)
+
+
+def _html(description: Description) -> str:
+    """The same with a table of all parameters."""
+    rows = "".join(
+        f"<tr><td>{escape(row.name)}</td><td style='text-align:right'>{row.default:g}</td>"
+        f"<td>{escape(row.unit)}</td></tr>"
+        for row in description.parameters
+    )
+    head = "<br>".join(escape(line) for line in _text(description).splitlines()[:-1])
+    return (
+        f"<div><p>{head}</p><table><thead><tr><th>parameter</th><th>default</th><th>unit</th>"
+        f"</tr></thead><tbody>{rows}</tbody></table></div>"
+    )

@@ -1,0 +1,66 @@
+"""Parameter values of a run: the defaults, and the user's over them, checked all at once."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.errors import ParameterError
+from runtime.mechanism.description import unknown
+from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.validation.arguments import check, number
+from runtime.validation.contacts import require_sound
+
+
+def parameter_values(
+    mechanism: Mechanism, overrides: Values | None = None
+) -> npt.NDArray[np.float64]:
+    """Parameters followed by the constants derived from them, shape (np,).
+
+    Parameters
+    ----------
+    overrides
+        New values by name, in the declared units; the others keep their defaults.
+
+    Raises
+    ------
+    InputError
+        If `overrides` is no mapping from names to numbers.
+    ParameterError
+        One sentence for each value that is unknown, not finite, or of the wrong sign, and for each
+        contact and friction whose coefficients make no sense.
+    """
+    check(mechanism, parameters=overrides)
+    description = mechanism.description
+    table = description.parameters
+    values = np.zeros(len(table) + len(description.constants))
+    values[: len(table)] = [row.default for row in table]
+    problems = []
+    for name, value in (overrides or {}).items():
+        if name in description.unused:
+            problems.append(
+                f"{description.title}: nothing that takes part depends on parameter "
+                f"{name}. Leave it out of the parameters, or take what needs it into the scene "
+                f"(left out: {', '.join(description.left_out.names) or 'nothing'})."
+            )
+            continue
+        if name not in table.names:
+            problems.append(f"{description.title}: {unknown('parameter', name, table.names)}")
+            continue
+        row = table[name]
+        finite = number(value)
+        if finite is None or not math.isfinite(finite):
+            problems.append(f"Parameter {name} is {value!r}; it must be a finite number.")
+        elif row.sign == "positive" and finite <= 0.0:
+            problems.append(
+                f"Parameter {name} is {finite:g} {row.unit}; it must be greater than zero."
+            )
+        elif row.sign == "nonnegative" and finite < 0.0:
+            problems.append(f"Parameter {name} is {finite:g} {row.unit}; it must not be negative.")
+        else:
+            values[table.index(name)] = finite
+    if problems:
+        raise ParameterError(problems)
+    mechanism.kernels.constants(values)
+    require_sound(mechanism, values)
+    return values

@@ -1,0 +1,63 @@
+"""The generated methods are what the tableaus say today, and each of them is registered."""
+
+from fractions import Fraction
+
+import pytest
+
+from codegen.emit.runge_kutta import module_text
+from codegen.generated_files.methods import write_methods
+from codegen.tableaus import tableaus
+from codegen.tableaus.tableau import difference, stages, weights
+from runtime.integrate.method import EXPLICIT, METHODS, REGISTER, find_method
+
+
+def test_nothing_is_stale():
+    written, stale = write_methods(check=True)
+    assert stale == ()
+    assert {path.stem for path in written} == set(tableaus())
+
+
+def test_writing_and_checking(tmp_path):
+    written, stale = write_methods(tmp_path)
+    assert stale == written
+    assert write_methods(tmp_path, check=True)[1] == ()
+    written[0].write_text("edited")
+    (tmp_path / "no_tableau.py").touch()
+    assert write_methods(tmp_path, check=True)[1] == (written[0], tmp_path / "no_tableau.py")
+
+
+@pytest.mark.parametrize("name", tableaus())
+def test_text(name):
+    text = module_text(name, tableaus()[name])
+    assert max(map(len, text.splitlines())) <= 100
+    assert " 0.0 * " not in text  # no zero of the tableau is multiplied
+    compile(text, name, "exec")
+
+
+def test_every_tableau_is_a_method():
+    assert set(tableaus()) == set(EXPLICIT)
+    for name, tableau in tableaus().items():
+        method = find_method(name)
+        assert (method.order, method.error_order) == (tableau.order, tableau.error_order)
+        assert method.last == method.stage_calls + 1 == tableau.last
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_every_method_is_complete(name):
+    method = find_method(name)
+    assert len(method.functions) == 6
+    assert method.nodes[0] == 0.0
+    assert max(method.nodes) == 1.0
+    assert 0.0 < method.shrink < method.safety < 1.0 < method.grow
+    floats, integers = method.memory(3)
+    assert (floats > 0 and integers > 0) or not REGISTER[name].implicit
+
+
+def test_reading_of_numbers():
+    rows = stages("""
+        1/2 | 0.5
+        3/4 | 0
+              3/4
+    """)
+    assert rows[1] == (Fraction(3, 4), (Fraction(0), Fraction(3, 4)))
+    assert difference(weights("1 1/3"), weights("0.5 1/3 -1/8")) == weights("1/2 0 1/8")

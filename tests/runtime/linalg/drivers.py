@@ -1,0 +1,95 @@
+"""Ways in from Python to linear algebra that only compiled code calls; numba keeps them on disk."""
+
+import numpy as np
+
+from runtime.core.jit import allocating, compiled
+from runtime.core.signatures import JACOBIAN, Jacobian, f8, i8, integers, matrix, none, vector
+from runtime.linalg import cholesky, elimination_plan, leading_block, lu, row_elimination
+
+
+@allocating(i8(vector, i8, vector))
+def solve_by_factors(a, f, b):
+    """`lu.factor`, then `lu.solve`."""
+    pivots = np.zeros(f, np.int64)
+    if lu.factor(a, f, pivots) != 0:
+        return 1
+    lu.solve(a, f, pivots, b)
+    return 0
+
+
+@compiled(i8(vector, vector, i8, f8))
+def solve_equilibrated(a, b, f, least):
+    return lu.solve_equilibrated(a, b, f, least)
+
+
+@compiled(i8(matrix, matrix))
+def factor_gram(vectors, out):
+    """Cholesky factor of the columns' products; 0 where they have none."""
+    cholesky.multiply_gram(vectors, out)
+    return int(cholesky.factor_cholesky(out))
+
+
+@compiled(none(matrix, vector))
+def solve_cholesky(factor, x):
+    cholesky.solve_cholesky(factor, x)
+
+
+@compiled(none(matrix, matrix))
+def orthonormalise(factor, vectors):
+    cholesky.orthonormalise(factor, vectors)
+
+
+@compiled(i8(matrix, i8, vector, f8))
+def eliminate_leading(a, r, right, least):
+    return int(leading_block.eliminate_leading(a, r, right, least))
+
+
+@compiled(none(matrix, i8, vector, vector))
+def complete_solution(a, r, right, x):
+    leading_block.complete_solution(a, r, right, x)
+
+
+@compiled(none(matrix, i8, integers, integers, matrix, matrix))
+def both_vectors(a, r, row_order, column_order, left, null):
+    leading_block.left_vectors(a, r, row_order, left)
+    leading_block.null_vectors(a, r, column_order, null)
+
+
+@compiled(JACOBIAN)
+def entries_linear_in_time(t, q, p, values):
+    """A Jacobian whose values are the first half of p, and change at the rates in the second."""
+    for k in range(values.size):
+        values[k] = p[k] + t * p[values.size + k]
+
+
+@compiled(none(Jacobian, f8, vector, vector, vector, integers, integers, vector, matrix))
+def fill_unit_rows(jacobian, t, q, p, scale, rows, columns, values, dense):
+    row_elimination.fill_unit_rows(jacobian, t, q, p, scale, rows, columns, values, dense)
+
+
+@compiled(f8(matrix, integers, vector, i8))
+def eliminate_rows(dense, order, pivots, search):
+    """`eliminate_rows`, and the smallest pivot."""
+    row_elimination.eliminate_rows(dense, order, pivots, search)
+    return row_elimination.smallest_pivot(pivots)
+
+
+@compiled(none(integers, integers, integers, vector, vector, matrix, integers, vector))
+def write_plan(order, rows, columns, values, scale, dense, plan, lengths):
+    elimination_plan.write_plan(order, rows, columns, values, scale, dense, plan, lengths)
+
+
+@compiled(
+    i8(
+        Jacobian, f8, vector, vector, vector, integers, integers, vector, vector, integers, vector,
+        vector,
+    )
+)  # fmt: skip
+def replay_plan(
+    jacobian, t, q, p, scale, rows, columns, values, flat, plan, lengths, pivots
+):  # fmt: skip
+    return int(
+        elimination_plan.replay_plan(
+            jacobian, t, q, p, scale, rows, columns, values, flat, plan, lengths, pivots
+        )
+    )

@@ -1,0 +1,60 @@
+"""Second derivatives of what is lost, and the branches that follow from them, by hand."""
+
+import numpy as np
+import pytest
+
+from runtime.singularity.complement_derivative import find_branch
+from runtime.singularity.search_table import measure_rows
+from tests.runtime.singularity.crossing import branch_slopes, mechanism
+from tests.runtime.singularity.drivers import factor_normal_equations
+
+C, D = 0.5, 0.8
+LEFT = np.array([[-1.0], [1.0]]) / np.sqrt(2.0)  # of the rows Φ₁ and Φ₂ / c
+NULL = np.ascontiguousarray(np.eye(4)[:, [0, 1, 3]])
+FORM = np.array([[2.0 / C, -1.0, D / C], [-1.0, -2.0 / C, 0.0], [D / C, 0.0, 0.0]]) / np.sqrt(2.0)
+
+
+@pytest.fixture
+def table():
+    scaled = mechanism(c=C, d=D)
+    measure_rows(scaled.layout.table, 1.0, np.zeros(4))
+    yield scaled.layout.table
+    del scaled  # whose arrays the table points at
+
+
+def test_the_form_is_the_second_derivative_of_what_is_lost(table):
+    form, normal = np.empty((3, 3)), np.empty((3, 3))
+    work = np.empty(4), np.empty((4, 1))
+    assert factor_normal_equations(table, 1.0, np.zeros(4), LEFT, NULL, *work, form, normal) == 1
+    np.testing.assert_allclose(form, FORM, atol=1e-9)
+    lower = np.tril(normal)
+    np.testing.assert_allclose(lower @ lower.T, FORM.T @ FORM, atol=1e-8)
+
+
+def test_nothing_is_lost_where_nothing_changes(table):
+    form, normal = np.empty((3, 3)), np.empty((3, 3))
+    work = np.empty(4), np.empty((4, 1))
+    none = np.zeros((2, 1))
+    assert factor_normal_equations(table, 1.0, np.zeros(4), none, NULL, *work, form, normal) == 0
+
+
+@pytest.mark.parametrize("slope", [0.3, 0.9, -0.8, -2.0])
+def test_the_nearest_branch(slope):
+    scaled = mechanism(c=C)
+    table = scaled.layout.table
+    measure_rows(table, 1.0, np.zeros(4))
+    rate = np.array([1.0, slope, 0.0, 1.0])
+    passing, x = np.empty((1, 3)), np.empty(3)
+    find_branch(
+        table, 1.0, np.zeros(4), rate, LEFT, NULL, np.empty((4, 1)), np.empty((1, 1)),
+        np.empty((1, 3)), passing, x,
+    )  # fmt: skip
+    form = FORM * [[1, 1, 0], [1, 1, 0], [0, 0, 0]]
+    np.testing.assert_allclose(passing[0], form @ NULL.T @ rate, atol=1e-9)
+    direction = rate + NULL @ x
+    found = direction[1] / direction[0]
+    slopes = branch_slopes(C)
+    away = np.abs(slope - slopes) / np.sqrt(1.0 + slopes**2)
+    assert found == pytest.approx(slopes[away.argmin()], abs=1e-8)
+    assert np.linalg.norm(x) < 1.2 * away.min() + 1e-9
+    assert direction[3] == pytest.approx(1.0)
