@@ -26,7 +26,7 @@ class Run:
     values : (k, c)
         Of the quantities.
     wholes : (c,)
-        Magnitudes of what they are parts of.
+        Magnitudes of the wholes that they are parts of.
     seconds
         Processor time.
     """

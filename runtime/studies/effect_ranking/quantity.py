@@ -1,4 +1,4 @@
-"""The quantity by which effects are ranked: a text, or a function of a result, made to a number.
+"""The quantity by which effects are ranked: a text, or a function of a result.
 
 crank.phi              a series at the end: a coordinate, a velocity, a(crank.phi), a reaction
                        guide.fy, an energy (kinetic, potential, total), the power of an effect

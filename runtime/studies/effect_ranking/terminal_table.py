@@ -15,7 +15,7 @@ _LONGEST_REASON = 200  # characters
 def table(ranking: Matters) -> Table:
     """The full scene, then the change and the saving without each effect."""
     value = f"{ranking.value:.7g}{_unit(ranking)}"
-    made = new_table(
+    rows = new_table(
         f"{ranking.model}/{ranking.scene}, {ranking.analysis}: {ranking.quantity} = {value}",
         "acc., all: operations of the kernel accelerations and of all kernels; the first row is "
         "the full scene, the others the saving",
@@ -23,23 +23,23 @@ def table(ranking: Matters) -> Table:
         ("change", "relative", "acc.", "all", "time", "steps", "events"),
         9,
     )
-    made.add_column("verdict", no_wrap=True)
+    rows.add_column("verdict", no_wrap=True)
     full = ranking.costs
-    made.add_row(
+    rows.add_row(
         "nothing", "", "", str(full.accelerations), str(full.operations),
         f"{1e3 * full.seconds:.3g} ms", str(full.steps), str(full.events), "",
     )  # fmt: skip
-    made.add_section()
+    rows.add_section()
     for row in ranking.rows:
         savings = _savings(full, row.costs, row.time_share)
-        made.add_row(row.title, *_change(row), *savings, str(row.verdict))
+        rows.add_row(row.title, *_change(row), *savings, str(row.verdict))
     proposal = ranking.proposal
     if proposal is not None and proposal.left_out:
-        made.add_section()
+        rows.add_section()
         change = f"{proposal.value - ranking.value:+.3g}"
         savings = _savings(full, proposal.costs, proposal.time_share)
-        made.add_row("proposed", change, _percent(proposal.relative), *savings, "within error")
-    return made
+        rows.add_row("proposed", change, _percent(proposal.relative), *savings, "within error")
+    return rows
 
 
 def sentences(ranking: Matters) -> Iterator[str]:

@@ -1,7 +1,7 @@
 """Errors of modelling: the scene in other fidelities, against the reference of the scene itself.
 
 However tight the tolerance, the error of the model remains. The loosest run whose error is hardly
-anything else shows what the choice costs; in looser runs the two errors add up, or cancel.
+anything else shows the cost of the choice; in looser runs the two errors add up, or cancel.
 """
 
 from collections.abc import Callable, Sequence

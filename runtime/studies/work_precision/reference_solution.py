@@ -207,7 +207,7 @@ def _confirming_runs(
 
 
 def _energy(best: "Result") -> tuple[FloatArray, str]:
-    """Total energy along the reference, and what runs are compared with: start or reference."""
+    """Total energy along the reference; whether runs are compared with it or with its start."""
     energy, drivers = best.samples.energy, best.description.drivers
     total = energy.sum(axis=1)
     if not np.isfinite(total).all() or not len(total):
