@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 
 from codegen.lower.differentiation.tangent import differentiate
 from codegen.lower.graph import Graph
-from codegen.lower.kernels.driven_machines import ROUNDING
-from codegen.lower.linear.factorization import LEAST_PIVOT
+from codegen.lower.linear.pivots import LEAST_PIVOT
+from codegen.lower.linear.square_systems import ROUNDING
 from codegen.lower.substitution import reached, rebuilt
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.differentiation.tangent import differentiate, tangent_program
-from codegen.lower.kernels.linear_solves import least_correction
+from codegen.lower.kernels.corrections import least_correction
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Pattern
 from codegen.lower.program import STATE, Kernel, Program, store

@@ -12,7 +12,7 @@ from runtime.integrate.method import EXPLICIT, IMPLICIT, METHODS, alternatives
 from runtime.integrate.problem import Options, Problem
 
 CORRECTIONS = ("step", "stage", "projection", "baumgarte", "hybrid")
-_MOST = 2**62  # what a count may be
+_MOST = 2**62  # safety: largest count that is accepted, half the range of an int64
 
 
 def check(system: System, problem: Problem, options: Options) -> None:
@@ -61,7 +61,7 @@ def _of_derivatives(system: System, options: Options) -> list[str]:
         without = (
             f"method {options.method!r} needs the derivatives of the kernels, and this system has "
             f"none: give it accelerations_tangent and correction_tangent, which "
-            f"runtime.load(...).tangents has, or choose {alternatives(EXPLICIT)}."
+            f"runtime.load(...).mechanism.tangents has, or choose {alternatives(EXPLICIT)}."
         )
         return [without]
     return []

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 from codegen.derive.equations import Equations
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.kernels.contacts import hold_kernels, reaction_note, switched_reactions
-from codegen.lower.kernels.linear_solves import accelerations, correction
+from codegen.lower.kernels.corrections import correction
+from codegen.lower.kernels.linear_solves import accelerations
 from codegen.lower.kernels.selection import Wanted, recovered
 from codegen.lower.linear.factorization import Strategy
 from codegen.lower.module_tables import Description, describe

@@ -20,17 +20,15 @@ from typing import Literal
 from codegen.lower.graph import Graph
 from codegen.lower.linear.back_substitution import Loop, Pair, Single, Substitution
 from codegen.lower.linear.labels import Labels
+from codegen.lower.linear.pivots import LEAST_PIVOT
 from codegen.lower.program import Check
 
 DIVISION = 8
 """measured: operations that one division is worth in the choice of an order."""
 
-LEAST_PIVOT = 0.1
-"""accuracy: part of the largest number in its row of Φ_q that a pair's entry must have."""
-
 Strategy = Literal["substitute", "mixed", "schur", "square"]
 """Pairs while there are any; whatever is cheapest now; accelerations, then multipliers; what
-constraints alone determine, `codegen.lower.kernels.driven_machines`."""
+constraints alone determine, `codegen.lower.linear.square_systems`."""
 
 
 @dataclass

@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 from itertools import combinations
 
 from codegen.lower.graph import Graph
-from codegen.lower.linear.factorization import LEAST_PIVOT, Elimination
+from codegen.lower.linear.factorization import Elimination
 from codegen.lower.linear.labels import Labels
+from codegen.lower.linear.pivots import explicit_coordinate
 from codegen.lower.program import Check
 
 LARGEST = 3
@@ -63,7 +64,7 @@ class Square:
 
     def solve(self) -> list[list[int]] | None:
         """The unknowns, one list a right side; None where no position determines them all."""
-        while pivot := self._pivot():
+        while pivot := explicit_coordinate(self.graph, self._rows):
             self._substitute(*pivot)
         x: list[dict[int, int]] = [{} for _ in self.right]
         while self._rows:
@@ -85,23 +86,6 @@ class Square:
         return start
 
     # -- what a constraint gives outright ----------------------------------------------------
-
-    def _pivot(self) -> tuple[int, int] | None:
-        """Row and column of a number that fills in least."""
-        counts: dict[int, int] = {}
-        for row in self._rows.values():
-            for k in row:
-                counts[k] = counts.get(k, 0) + 1
-        found = []
-        for i, row in self._rows.items():
-            sizes = {k: abs(self.graph.number(entry) or 0.0) for k, entry in row.items()}
-            least = LEAST_PIVOT * max(sizes.values(), default=0.0)
-            found += [
-                ((len(row) - 1) * (counts[k] - 1), len(row), i, k)
-                for k, size in sizes.items()
-                if size > 0.0 and size >= least
-            ]
-        return min(found)[2:] if found else None
 
     def _substitute(self, i: int, k: int) -> None:
         graph = self.graph
