@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.assembly.closure import CLOSED
-from runtime.constraints.partitioning import eliminate
+from runtime.constraints.partitioning import order_by_pivots
 from runtime.linalg.newton_iteration import solve_by_newton
 from runtime.mechanism.dense_equations import Equations, FloatArray
 
@@ -65,7 +65,7 @@ class Rest:
         dense = equations.jacobian(self.t, q)[suffice]
         rows = np.zeros(len(suffice), dtype=np.int64)
         columns = np.zeros(equations.n, dtype=np.int64)
-        rank = int(eliminate(dense, self.scale, rows, columns))
+        rank = int(order_by_pivots(dense, self.scale, rows, columns))
         return Partition(
             np.sort(columns[:rank]), np.sort(columns[rank:]), np.sort(suffice[rows[:rank]])
         )
