@@ -55,7 +55,7 @@ def plot(result: "TimeSeries", names: Sequence[str] = ()) -> "Figure":
         As in `Result.series`; without any, every angle.
     """
     coordinates = result.description.coordinates
-    chosen = list(names) or [row.name for row in coordinates if row.unit == "rad"]
+    chosen = list(names) or [row.name for row in coordinates if row.is_angle]
     panels: dict[str, list[str]] = {}
     for name in chosen or coordinates.names:
         panels.setdefault(result.series(name)[1], []).append(name)

@@ -127,7 +127,7 @@ def _figures(result: "TimeSeries") -> Iterator["Figure"]:
     groups: dict[str, list[str]] = {}
     for row in description.coordinates:
         groups.setdefault(f"position, {row.unit}", []).append(row.name)
-        groups.setdefault(f"velocity, {row.unit}/s", []).append(row.velocity)
+        groups.setdefault(f"velocity, {row.velocity_unit}", []).append(row.velocity)
     for reaction in description.reactions:
         kind = "driver" if reaction.element in description.drivers else "reaction"
         groups.setdefault(f"{kind}, {reaction.unit}", []).append(reaction.name)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from codegen.errors import InputError
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import Coordinates
-from runtime.dynamics.prepared_simulation import Prepared
+from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.mechanism import Mechanism
@@ -38,7 +38,10 @@ class Choice:
 
 
 def choose(
-    ready: Prepared, method: str | None, formulation: Formulation | None, correction: Correction
+    ready: PreparedSimulation,
+    method: str | None,
+    formulation: Formulation | None,
+    correction: Correction,
 ) -> Choice:
     """Method and coordinates of the first run.
 
@@ -67,7 +70,9 @@ def choose(
     return Choice(chosen, formulation or "cartesian", taken, free, (why,) if why else ())
 
 
-def revise(choice: Choice, ready: Prepared, run: Trajectory, correction: Correction) -> Choice:
+def revise(
+    choice: Choice, ready: PreparedSimulation, run: Trajectory, correction: Correction
+) -> Choice:
     """The choice for the next run, given the first."""
     if choice.formulation == "reduced" and run.outcome is not Outcome.OK:
         if "formulation" not in choice.free:
@@ -83,7 +88,7 @@ def revise(choice: Choice, ready: Prepared, run: Trajectory, correction: Correct
     return choice
 
 
-def _method(mechanism: Mechanism, formulation: Formulation, ready: Prepared) -> str:
+def _method(mechanism: Mechanism, formulation: Formulation, ready: PreparedSimulation) -> str:
     """The method that detects stiffness, where its derivatives exist; else the explicit one."""
     if formulation == "reduced":
         return "auto"

@@ -25,8 +25,8 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.prepared_simulation import Prepared
-from runtime.dynamics.simulation import finished
+from runtime.dynamics.prepared_simulation import PreparedSimulation
+from runtime.dynamics.simulation import finish_simulation
 from runtime.integrate.method import IMPLICIT, METHODS
 from runtime.integrate.problem import Options
 from runtime.integrate.wiring import function_table
@@ -117,7 +117,7 @@ def simulate_to(
         If a quantity is no series, or has no value at any instant.
     """
     began = clock.perf_counter()
-    ready = Prepared(
+    ready = PreparedSimulation(
         mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start
     )
     first, last = ready.begin.t, float(t_end)
@@ -141,7 +141,7 @@ class _Search:
 
     def __init__(
         self,
-        ready: Prepared,
+        ready: PreparedSimulation,
         target: float,
         quantities: Quantities,
         options: Options,
@@ -160,7 +160,7 @@ class _Search:
         while not self._is_final(pair):
             pair = self._compare(choice, self._tighter(pair), pair.tight)
         run = pair.delivered
-        result = finished(self.ready, choice.taken, run.options, began, silent, run.path)
+        result = finish_simulation(self.ready, choice.taken, run.options, began, silent, run.path)
         return with_accuracy(
             result, self.target, self.quantities, self.trials, pair, choice.reasons
         )
@@ -228,7 +228,9 @@ class _Search:
         if chosen.are_states:
             values = chosen.of_run(path.q, path.v)
             return Run(number, options, path, values, np.zeros(values.shape[1]), seconds)
-        result = finished(self.ready, choice.taken, options, clock.perf_counter(), silent, path)
+        result = finish_simulation(
+            self.ready, choice.taken, options, clock.perf_counter(), silent, path
+        )
         values = chosen.of_result(result)[: len(path.t)]
         if path.outcome is Outcome.OK:  # else another run may go further
             require_numbers(result.description, chosen.names, values)
