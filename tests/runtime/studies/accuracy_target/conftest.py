@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from codegen.generated_files.atomic_write import write_if_changed
+from codegen.generated_files.generated_file import write_if_changed
 from runtime import load
 from runtime.machine import Machine
 
