@@ -39,7 +39,7 @@ def states(
     """Values of coordinates and velocities (``"crank.phi"``, or the symbol) in SI units."""
     known: dict[str, str] = {}
     for q in coordinates:
-        known |= {dotted(q): q.unit, dotted(q.rate): f"{q.unit}/s"}
+        known |= {dotted(q): q.unit, dotted(q.rate): q.measure.rate_unit}
     found = {}
     for key, value in values.items():
         name = key if isinstance(key, str) else dotted(key)

@@ -61,7 +61,7 @@ class Places:
 
     def _outright(self) -> Outright:
         scene = self.scene
-        weightless = {k for k, mass in enumerate(scene.masses) if mass == self.graph.zero}
+        weightless = {k for k in range(len(scene.q)) if scene.mass[k, k] == self.graph.zero}
         return Outright(
             self.graph,
             scene.q,

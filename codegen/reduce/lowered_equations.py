@@ -20,8 +20,8 @@ class Stated:
         Kernels of the scene's program, by name.
     phi, nu, gamma, entries
         Φ, ν, γ, and the structural non-zeros of Φ_q by (row, column).
-    masses, forces
-        Diagonal of M, and Q.
+    mass, forces
+        M by (row, column), the whole diagonal and what else is not zero; Q with Q_v.
     rubbing
         Whether friction follows from reactions, so that Q is not all that acts.
     """
@@ -37,7 +37,7 @@ class Stated:
     nu: list[int]
     gamma: list[int]
     entries: dict[tuple[int, int], int]
-    masses: list[int]
+    mass: dict[tuple[int, int], int]
     forces: list[int]
     rubbing: bool
 
@@ -80,6 +80,7 @@ def stated(lowered: Lowered) -> Stated:
     names = [name.replace(".", "_") for name, *_ in told.coordinates]
     rates = [rate.replace(".", "_") for _, rate, _ in told.coordinates]
     places = zip(told.jacobian.rows, told.jacobian.columns, strict=True)
+    heavy = zip(told.mass.rows, told.mass.columns, strict=True)
     return Stated(
         told=told,
         graph=graph,
@@ -92,7 +93,7 @@ def stated(lowered: Lowered) -> Stated:
         nu=outputs("velocity_rhs", m),
         gamma=outputs("acceleration_rhs", m),
         entries=dict(zip(places, outputs("jacobian", len(told.jacobian.rows)), strict=True)),
-        masses=outputs("mass", n),
+        mass=dict(zip(heavy, outputs("mass", len(told.mass.rows)), strict=True)),
         forces=outputs("applied_forces", n),
         rubbing=lowered.rubbing,
     )

@@ -78,19 +78,28 @@ class Projected:
     def _project(self) -> None:
         graph, places = self.graph, self.places
         forces = places.put_in(places.scene.forces)
+        rows: dict[int, dict[int, int]] = {}
+        for (k, other), mass in places.scene.mass.items():
+            rows.setdefault(k, {})[other] = mass
         for k, slopes in places.slopes.items():
-            mass = places.scene.masses[k]
-            pull = graph.sub(forces[k], graph.mul(mass, places.bends[k]))
+            pull = forces[k]
+            for other, mass in zip(rows[k], places.put_in(rows[k].values()), strict=True):
+                pull = graph.sub(pull, graph.mul(mass, places.bends[other]))
+                self._gather_mass(mass, slopes, places.slopes[other])
             for j, slope in slopes.items():
                 i = places.slots[j]
                 self.force[i] = graph.add(self.force[i], graph.mul(slope, pull))
-                heavy = graph.mul(mass, slope)
-                for other, along in slopes.items():
-                    if i <= places.slots[other]:
-                        key = i, places.slots[other]
-                        self._add(self.mass, key, graph.mul(heavy, along))
         self.mass |= {(j, i): entry for (i, j), entry in self.mass.items()}
         self.mass = self._present(self.mass)
+
+    def _gather_mass(self, mass: int, slopes: dict[int, int], others: dict[int, int]) -> None:
+        """Add an entry of M to the upper triangle of M_r."""
+        for j, slope in slopes.items():
+            i, heavy = self.places.slots[j], self.graph.mul(mass, slope)
+            for other, along in others.items():
+                if i <= self.places.slots[other]:
+                    key = i, self.places.slots[other]
+                    self._add(self.mass, key, self.graph.mul(heavy, along))
 
     def _present(self, entries: Entries) -> Entries:
         return {key: e for key, e in sorted(entries.items()) if e != self.graph.zero}
