@@ -140,7 +140,10 @@ class PowerSource(NamedTuple):
 
 
 class StartValue(NamedTuple):
-    """Where a coordinate or velocity starts: "fixed" must hold, "guess" is a first try."""
+    """Where a coordinate or velocity starts: "fixed" must hold, "guess" is a first try.
+
+    "neutral" is the value of a coordinate in the neutral pose, where that is not zero.
+    """
 
     name: str
     value: float
@@ -244,6 +247,17 @@ class Description(NamedTuple):
     def is_angle(self) -> npt.NDArray[np.bool_]:
         """Which coordinates are angles, shape (n,)."""
         return np.array([row.unit == "rad" for row in self.coordinates], dtype=np.bool_)
+
+    @property
+    def is_length(self) -> npt.NDArray[np.bool_]:
+        """Which coordinates are lengths, shape (n,); the others have a size of their own, 1."""
+        return np.array([row.unit == "m" for row in self.coordinates], dtype=np.bool_)
+
+    @property
+    def neutral(self) -> npt.NDArray[np.float64]:
+        """The neutral pose, in which no body is turned, shape (n,)."""
+        values = {row.name: row.value for row in self.start if row.role == "neutral"}
+        return np.array([values.get(row.name, 0.0) for row in self.coordinates])
 
 
 def describe(module: ModuleType) -> Description:

@@ -18,7 +18,7 @@ def require_masses(mechanism: Mechanism, p: FloatArray) -> None:
         row = told.coordinates[index]
         body = row.name.rpartition(".")[0]
         if body in bodies:  # a coordinate of no body has no mass to refuse
-            wrong.setdefault((body, row.unit == "rad"), index)
+            wrong.setdefault((body, row.unit != "m"), index)
     problems = []
     for body in told.bodies if wrong else ():
         for quantity, unit, angle in (("mass", "kg", False), ("inertia", "kg m^2", True)):
@@ -33,10 +33,8 @@ def require_masses(mechanism: Mechanism, p: FloatArray) -> None:
 
 
 def _masses(mechanism: Mechanism, p: FloatArray) -> FloatArray:
-    """Diagonal of M, shape (n,)."""
-    diagonal: FloatArray = np.diag(
-        Equations(mechanism, p).mass(np.zeros(len(mechanism.description.coordinates)))
-    )
+    """Diagonal of M in the neutral pose, shape (n,)."""
+    diagonal: FloatArray = np.diag(Equations(mechanism, p).mass(mechanism.description.neutral))
     return diagonal
 
 

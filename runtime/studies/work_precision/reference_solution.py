@@ -153,10 +153,10 @@ def find_truth(
     horizon = float(runner.instants[int(np.argmax(parted))]) if parted.any() else None
     source = title if given is None else str(given.path)
     total, energy = _energy(best)
-    angle = told.is_angle
+    length = told.is_length
     return Truth(
         tuple(names), values, by, total, energy,
-        float(sizes[~angle].max(initial=0.0)) or 1.0,
+        float(sizes[length].max(initial=0.0)) or 1.0,
         float(np.abs(best.samples.v).max()) or 1.0,
         Reference(source, given is not None, tuple(checks), max(nearest, _ROUNDING), horizon),
     )  # fmt: skip
