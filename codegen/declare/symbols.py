@@ -53,9 +53,7 @@ def declare_letter(letter: str, kind: CoordinateKind) -> None:
     """
     rates = {known.rate: place for place, known in KINDS.items()}
     if KINDS.get(letter, kind) != kind or rates.get(kind.rate, letter) != letter:
-        raise ValueError(
-            f"the coordinate '{letter}' or its velocity '{kind.rate}' is known already"
-        )
+        raise ValueError(f"coordinate '{letter}' or velocity '{kind.rate}' means something else")
     KINDS[letter] = kind
 
 

@@ -42,7 +42,10 @@ def double_pendulum(turned: bool) -> Model:
     )
     model.force("push", b(0.2, -0.1), 3.0, 1.0, frame="body")
     model.torque("twist", a(0, 0).body, 0.7)
-    model.scene("fall", effects=["gravity", "s", "push", "twist"])
+    start = (
+        {"a.e1": np.sin(0.25), "b.e1": np.sin(-0.15)} if turned else {"a.phi": 0.5, "b.phi": -0.3}
+    )
+    model.scene("fall", effects=["gravity", "s", "push", "twist"], start=start)
     model.scene("rest", effects=["gravity", "s"], analysis="equilibrium")
     return model
 
@@ -118,7 +121,7 @@ def test_a_double_pendulum_moves_alike(pair: Callable[..., tuple[Machine, Machin
     assert_allclose(drift[0], drift[1], rtol=0, atol=1e-8)
 
 
-@pytest.mark.parametrize("method", ["radau", "bdf"])
+@pytest.mark.parametrize("method", ["radau5", "bdf"])
 def test_implicit_methods_take_its_derivatives(
     pair: Callable[..., tuple[Machine, Machine]], method: str
 ) -> None:
@@ -176,9 +179,6 @@ def test_kinematics_and_inverse_dynamics(pair: Callable[..., tuple[Machine, Mach
 def test_equilibrium(pair: Callable[..., tuple[Machine, Machine]]) -> None:
     turned, plain = (m.equilibrium() for m in pair(double_pendulum, "rest"))
     assert (turned.outcome, plain.outcome) == (Outcome.OK, Outcome.OK)
-    names = pair(double_pendulum, "rest")[0].coordinates.names
-    q = dict(zip(names, turned.q, strict=True))
-    expected = dict(zip(pair(double_pendulum, "rest")[1].coordinates.names, plain.q, strict=True))
     for body in "ab":
-        sine = 2 * q[f"{body}.e0"] * q[f"{body}.e1"]
-        assert sine == pytest.approx(np.sin(expected[f"{body}.phi"]), abs=1e-8)
+        sine = 2 * turned.q(f"{body}.e0") * turned.q(f"{body}.e1")
+        assert sine == pytest.approx(np.sin(plain.q(f"{body}.phi")), abs=1e-8)
