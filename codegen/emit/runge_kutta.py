@@ -14,13 +14,11 @@ HERMITE = 4
 """Rows of the dense output that follow from states and derivatives at both ends of the step."""
 
 # The functions of a method: the types that the runtime compiles them for, and their arguments.
-STATE = "t: float, h: float, w: Vector"
-INPUTS = "p: Vector, modes: Integers, lam: Vector"
 FUNCTIONS = {
-    "stages": ("STAGES", f"machine: Integers, {STATE}, run: Run, {INPUTS}", "int"),
-    "error": ("ERROR", "machine: Integers, h: float, rtol: float, w: Vector", "float"),
-    "dense": ("DENSE", f"machine: Integers, {STATE}, {INPUTS}", "int"),
-    "propose": ("PROPOSE", "machine: Integers, h: float, w: Vector, run: Run", "float"),
+    "stages": ("STAGES", "context: Integers, t: float, h: float", "int"),
+    "error": ("ERROR", "context: Integers, h: float, rtol: float", "float"),
+    "dense": ("DENSE", "context: Integers, t: float, h: float", "int"),
+    "propose": ("PROPOSE", "context: Integers, h: float", "float"),
 }
 ROWS = {"y0": "Y0", "y1": "Y1", "z": "STAGE", "atol": "ATOL"}
 """Rows of the workspace by the names that the text gives them."""
@@ -46,20 +44,19 @@ def module_text(name: str, tableau: Tableau) -> str:
 
 def _imports(tableau: Tableau) -> Iterator[str]:
     limited = tableau.stability_edge is not None
-    signatures = ["DENSE", "ERROR", "STAGES", "Integers", "Vector"]
+    names = ["COORDINATES", "DENSE", "ERROR", *(["PROPOSE"] if limited else []), "STAGES"]
     yield from ("import numpy as np", "")
-    yield "from runtime.core.array_views import view"
     yield "from runtime.core.dense_output import hermite_rows"
+    yield f"from runtime.core.function_table import {', '.join(names)}"
     yield "from runtime.core.jit import addressed"
     yield "from runtime.core.rhs import slope"
-    names = ", ".join(sorted(["PROPOSE", *signatures] if limited else signatures, key=_case_first))
-    yield f"from runtime.core.signatures import {names}"
-    yield "from runtime.core.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K, Run"
+    yield "from runtime.core.signatures import Integers"
+    yield "from runtime.core.workspace import ATOL, STAGE, Y0, Y1, F, K, row_of"
     if limited:
-        names = "memory, observe, restart, stable_ratio"
-        yield f"from runtime.integrate.explicit.stability_limit import {names}"
-    names = "accepted" if limited else "accepted, restart"
-    yield f"from runtime.integrate.explicit.stateless import {names}"
+        limit = "memory, observe, restart, stable_ratio"
+        yield f"from runtime.integrate.explicit.stability_limit import {limit}"
+    hooks = "accepted" if limited else "accepted, restart"
+    yield f"from runtime.integrate.explicit.stateless import {hooks}"
     yield "from runtime.integrate.method import Method"
     if limited:
         powers = ", ".join(repr(float(x)) for x in reversed(tableau.stability_function))
@@ -86,7 +83,7 @@ def _stage(number: int, stage: Stage) -> Iterator[str]:
     yield "    for j in range(length):"
     yield from filled("        z[j] = y0[j] + h * (", _terms(stage.a), ")")
     instant = "t + h" if stage.c == 1 else f"t + {float(stage.c)!r} * h"
-    called = f"slope(machine, {instant}, STAGE, {_row(number)}, w, p, modes, lam)"
+    called = f"slope(context, {instant}, STAGE, {_row(number)})"
     yield f"    taken += {called}"
 
 
@@ -101,7 +98,7 @@ def _error(tableau: Tableau) -> Iterator[str]:
         yield f"        ratio = estimate / ({scale})"
         yield "        total += ratio * ratio"
         if tableau.stability_edge is not None:
-            yield f"    observe(machine, rtol, w, EDGE, {_row(tableau.last + 1)})"
+            yield f"    observe(context, rtol, EDGE, {_row(tableau.last + 1)})"
         yield "    return float(np.sqrt(total / length))"
         return
     second = [*_terms(tableau.b), *_terms(tuple(-x for x in tableau.lower), first=False)]
@@ -129,9 +126,9 @@ def _dense(tableau: Tableau) -> Iterator[str]:
         yield from _views((), used)
     for number, stage in enumerate(tableau.further, first):
         yield from _stage(number, stage)
-    yield f"    hermite_rows(h, w, {_row(tableau.last + 1)})"
+    yield f"    hermite_rows(context, h, {_row(tableau.last + 1)})"
     for k in range(len(tableau.dense)):
-        yield f"    f{HERMITE + k} = view(w, (F + {HERMITE + k}) * length, length)"
+        yield f"    f{HERMITE + k} = row_of(context, F + {HERMITE + k})"
     if tableau.dense:
         yield "    for j in range(length):"
     for k, weights in enumerate(tableau.dense, HERMITE):
@@ -141,7 +138,7 @@ def _dense(tableau: Tableau) -> Iterator[str]:
 
 def _propose(tableau: Tableau) -> Iterator[str]:
     yield from _head("propose", "Ratio of the next step's length to this accepted one's.")
-    yield "    return float(stable_ratio(machine, h, w, run, POWERS, EDGE))"
+    yield "    return float(stable_ratio(context, h, POWERS, EDGE))"
 
 
 def _record(tableau: Tableau) -> Iterator[str]:
@@ -174,12 +171,11 @@ def _head(name: str, summary: str) -> Iterator[str]:
 
 
 def _views(rows: Sequence[str], stages: Sequence[int]) -> Iterator[str]:
-    yield "    length = w.size // ROWS"
+    yield "    length = 2 * context[COORDINATES]"
     for name in rows:
-        yield f"    {name} = view(w, {ROWS[name]} * length, length)"
+        yield f"    {name} = row_of(context, {ROWS[name]})"
     for number in stages:
-        row = _row(number)
-        yield f"    k{number} = view(w, {row if row == 'K' else f'({row})'} * length, length)"
+        yield f"    k{number} = row_of(context, {_row(number)})"
 
 
 def _row(number: int) -> str:
@@ -202,8 +198,3 @@ def _terms(row: Weights, first: bool = True) -> list[str]:
                 sign = sign.strip(" +")
             found.append(f"{sign}{abs(float(x))!r} * k{number}[j]")
     return found
-
-
-def _case_first(name: str) -> tuple[bool, str]:
-    """As the formatter sorts imported names: constants, then classes."""
-    return (not name.isupper(), name)

@@ -60,8 +60,8 @@ class Contacts(Declarations):
             Of a rigid contact: a force of the size of its reactions, N; None: the weight of the
             bodies of the scene.
         fidelity
-            ``"penalty"`` or ``"rigid"``, of a contact with the numbers of both: what it is where
-            a scene does not say.
+            ``"penalty"`` or ``"rigid"``, of a contact with the numbers of both: the fidelity in a
+            scene that does not say.
         """
         where = f"contact '{name}'"
         g, bodies = self._gap(name, i, j, free_length, direction, gap)
@@ -142,9 +142,9 @@ class Contacts(Declarations):
         static
             μ_s of a joint that sticks, at least μ; None: μ.
         fidelity
-            ``"sticking"`` or ``"regularised"``: what it is where a scene does not say. Without it
-            the one with a creep speed is made smooth, and the one without sticks; with it a
-            declaration may give the numbers of both.
+            ``"sticking"`` or ``"regularised"``: the fidelity in a scene that does not say.
+            Without it a friction with a creep speed is made smooth, and one without sticks; with it
+            a declaration may give the numbers of both.
         """
         where = f"friction '{name}'"
         pin = getattr(joint, "kind", "") == "revolute"
@@ -197,9 +197,9 @@ class Contacts(Declarations):
         creep
             For a law made smooth at rest: the speed in m/s below which it creeps.
         fidelity
-            ``"sticking"`` or ``"regularised"``: what it is where a scene does not say. Without it
-            the one with a creep speed is made smooth, and the one without sticks; with it a
-            declaration may give the numbers of both.
+            ``"sticking"`` or ``"regularised"``: the fidelity in a scene that does not say.
+            Without it a friction with a creep speed is made smooth, and one without sticks; with it
+            a declaration may give the numbers of both.
         """
         where = f"dry friction '{name}'"
         mu, rest, speed = self._coefficients(where, coefficient, static, creep, "m/s")

@@ -183,6 +183,6 @@ class Joints(Declarations):
         return self._joint(Distance(name, *self._pair(name, i, j), span))
 
     def constraint(self, name: str, *phi: Any) -> Constraint:
-        """Plain equations: each expression of coordinates, parameters and t is held at zero."""
+        """Plain equations: each expression of coordinates, parameters and t is kept at zero."""
         equations = tuple(self._read.value(e, "", f"constraint '{name}'") for e in phi)
         return self._joint(ExpressionConstraint(name, equations, self._bodies_in(*equations)))

@@ -25,7 +25,7 @@ COUNTED = (
 
 COST = """## Cost
 
-Operations that the kernels of the example do for the element, after equal ones have become one:
+Operations of the example's kernels for the element, where equal ones count once:
 
 | kernel | operations |
 |---|--:|"""

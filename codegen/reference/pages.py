@@ -110,8 +110,8 @@ def index(kinds: dict[str, Kind]) -> str:
     parts = [
         "# Elements",
         (
-            "What holds bodies together, moves them and pushes them. Each page has the equations "
-            "that are compiled, as the compiler has them, and what they cost. In them i and j are "
+            "The joints, drivers and forces of the library. Each page shows the equations of an "
+            "element as they are compiled, and their cost in operations. In them i and j are "
             "the two bodies of an element, with the coordinates x, y, φ; s'_i is a point in the "
             "frame of body i, s_i = A_i s'_i the same vector in global axes, and d the way from "
             "the point of i to that of j."

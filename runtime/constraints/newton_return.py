@@ -7,11 +7,18 @@ the steps, where the partition may be singular, are projected in the metric of t
 
 import numpy as np
 
-from runtime.core.array_views import view
-from runtime.core.function_table import correction_of
+from runtime.core.function_table import COORDINATES, CORRECT, correction_of, parameters_of
 from runtime.core.jit import addressed
-from runtime.core.signatures import CORRECT, Integers, Vector
-from runtime.core.workspace import DELTA, ROWS, SIZE
+from runtime.core.signatures import Integers
+from runtime.core.workspace import (
+    DELTA,
+    SIZE,
+    first_half,
+    positions,
+    row_of,
+    second_half,
+    velocities,
+)
 
 ITERATIONS = 10  # safety: Newton iterations before the return counts as failed
 WEAK = 64  # a converged result of WEAK * c + i: i iterations, constraint c - 1 has a weak pivot
@@ -24,7 +31,7 @@ _VELOCITY = 1e-8  # accuracy: relative change of a velocity that one linear solv
 
 
 @addressed(CORRECT)
-def correct(machine: Integers, t: float, index: int, weighing: int, w: Vector, p: Vector) -> int:
+def correct(context: Integers, t: float, index: int, weighing: int) -> int:
     """Bring the state in row `index` of the workspace onto the constraints at time `t`.
 
     Row `weighing` holds the weights: `PARTITION` holds the independent coordinates, `PROJECTION`
@@ -36,14 +43,15 @@ def correct(machine: Integers, t: float, index: int, weighing: int, w: Vector, p
         Calls of `correction`, plus `WEAK` times (1 + index of a constraint with a weak pivot);
         `FAILED` where the iteration does not converge.
     """
-    correction = correction_of(machine)
-    n = w.size // (2 * ROWS)
-    q = view(w, index * 2 * n, n)
-    v = view(w, index * 2 * n + n, n)
-    dq = view(w, DELTA * 2 * n, n)
-    dv = view(w, DELTA * 2 * n + n, n)
-    weights = view(w, weighing * 2 * n, n)
-    size = view(w, SIZE * 2 * n, 2 * n)
+    p = parameters_of(context)
+    correction = correction_of(context)
+    n = context[COORDINATES]
+    q = positions(context, index)
+    v = velocities(context, index)
+    dq = first_half(context, DELTA)
+    dv = second_half(context, DELTA)
+    weights = first_half(context, weighing)
+    size = row_of(context, SIZE)
     previous = np.inf
     weak = 0
     for iteration in range(1, ITERATIONS + 1):

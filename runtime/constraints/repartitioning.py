@@ -3,31 +3,35 @@
 import numpy as np
 
 from runtime.constraints.partitioning import choose, growth
-from runtime.core.array_views import (
-    floats_at,
-    integer_matrix_at,
-    integers_at,
-    matrix_at,
-    view,
-)
 from runtime.core.function_table import (
-    COLUMN_ORDER,
-    CONSTRAINT_COUNT,
-    DENSE_JACOBIAN,
-    JACOBIAN_COLUMNS,
-    JACOBIAN_ROWS,
-    JACOBIAN_VALUES,
-    LOG_ROWS,
-    LOG_SETS,
-    LOG_TIMES,
-    NONZEROS,
-    ROW_ORDER,
+    COORDINATES,
+    REPARTITION,
+    column_order_of,
     correction_of,
+    dense_jacobian_of,
+    jacobian_columns_of,
     jacobian_of,
+    jacobian_rows_of,
+    jacobian_values_of,
+    log_sets_of,
+    log_times_of,
+    parameters_of,
+    row_order_of,
 )
 from runtime.core.jit import addressed, inner
-from runtime.core.signatures import REPARTITION, Integers, Vector
-from runtime.core.workspace import DELTA, PARTITION, ROWS, UNIT, Y1, Run
+from runtime.core.run_record import run_record
+from runtime.core.signatures import Integers
+from runtime.core.workspace import (
+    DELTA,
+    PARTITION,
+    UNIT,
+    Y1,
+    first_half,
+    positions,
+    row_of,
+    second_half,
+    velocities,
+)
 
 # measured: entries of H, which full pivoting keeps near one, that call for a repartition
 GROWTH_LIMIT = 2.0
@@ -35,50 +39,49 @@ _CHECK_EVERY = 4  # measured: steps between probes of the independent coordinate
 
 
 @inner
-def log_partition(machine: Integers, t: float, w: Vector, run: Run) -> None:
+def log_partition(context: Integers, t: float) -> None:
     """Append the time and the independent coordinates in force (1, others 0) to the log."""
-    r = run[0]
-    n = w.size // (2 * ROWS)
-    capacity = machine[LOG_ROWS]
+    partition = row_of(context, PARTITION)
+    r = run_record(context)
+    n = context[COORDINATES]
     at = r.logged_repartitions
-    times = floats_at(machine, LOG_TIMES, capacity)
-    sets = integer_matrix_at(machine, LOG_SETS, capacity, n)
+    times = log_times_of(context)
+    sets = log_sets_of(context)
     times[at] = t
     for j in range(n):
-        sets[at, j] = 1 if w[PARTITION * 2 * n + j] == 0.0 else 0
+        sets[at, j] = 1 if partition[j] == 0.0 else 0
     r.logged_repartitions += 1
     r.repartitions += 1
 
 
 @addressed(REPARTITION)
-def repartition(machine: Integers, t: float, state: int, w: Vector, run: Run, p: Vector) -> int:
+def repartition(context: Integers, t: float, state: int) -> int:
     """Choose the independent coordinates anew at the state in row `state`; log a change.
 
     Returns 1 where the choice changed, else 0. Where it did not, the limits that led here are
     doubled, so that the same question is not asked at every step.
     """
-    r = run[0]
-    n = w.size // (2 * ROWS)
-    m = machine[CONSTRAINT_COUNT]
-    nonzeros = machine[NONZEROS]
-    weights = view(w, PARTITION * 2 * n, n)
-    scale = view(w, PARTITION * 2 * n + n, n)
-    before = view(w, DELTA * 2 * n, n)
+    p = parameters_of(context)
+    r = run_record(context)
+    n = context[COORDINATES]
+    weights = first_half(context, PARTITION)
+    scale = second_half(context, PARTITION)
+    before = first_half(context, DELTA)
     for j in range(n):
         before[j] = weights[j]
     r.rank = choose(
-        jacobian_of(machine),
+        jacobian_of(context),
         t,
-        view(w, state * 2 * n, n),
+        positions(context, state),
         p,
         scale,
-        integers_at(machine, JACOBIAN_ROWS, nonzeros),
-        integers_at(machine, JACOBIAN_COLUMNS, nonzeros),
-        floats_at(machine, JACOBIAN_VALUES, nonzeros),
-        matrix_at(machine, DENSE_JACOBIAN, m, n),
+        jacobian_rows_of(context),
+        jacobian_columns_of(context),
+        jacobian_values_of(context),
+        dense_jacobian_of(context),
         weights,
-        integers_at(machine, ROW_ORDER, m),
-        integers_at(machine, COLUMN_ORDER, n),
+        row_order_of(context),
+        column_order_of(context),
     )
     changed = 0
     for j in range(n):
@@ -88,7 +91,7 @@ def repartition(machine: Integers, t: float, state: int, w: Vector, run: Run, p:
         r.ratio_limit = GROWTH_LIMIT
         r.growth_limit = GROWTH_LIMIT
         r.probe = 0
-        log_partition(machine, t, w, run)
+        log_partition(context, t)
     else:
         r.growth_limit *= 2.0
         r.ratio_limit *= 2.0
@@ -96,7 +99,7 @@ def repartition(machine: Integers, t: float, state: int, w: Vector, run: Run, p:
 
 
 @inner
-def poorly_chosen(machine: Integers, t: float, w: Vector, p: Vector, run: Run) -> int:
+def poorly_chosen(context: Integers, t: float) -> int:
     """1 where the independent coordinates no longer describe the motion well at Y1, else 0.
 
     Costs nothing where the scaled velocities of dependent coordinates are not large against those
@@ -104,20 +107,21 @@ def poorly_chosen(machine: Integers, t: float, w: Vector, p: Vector, run: Run) -
     one after the other, a chain of ten bars would have hung from its heights for a hundred steps.
     Large velocities alone do not condemn a partition: a driver may cause them.
     """
-    r = run[0]
-    n = w.size // (2 * ROWS)
+    p = parameters_of(context)
+    r = run_record(context)
+    n = context[COORDINATES]
     if r.rank >= n:
         return 0
-    correction = correction_of(machine)
-    column_order = integers_at(machine, COLUMN_ORDER, n)
-    q = view(w, Y1 * 2 * n, n)
-    v = view(w, Y1 * 2 * n + n, n)
-    weights = view(w, PARTITION * 2 * n, n)
-    scale = view(w, PARTITION * 2 * n + n, n)
-    probe = view(w, UNIT * 2 * n, n)
-    rest = view(w, UNIT * 2 * n + n, n)
-    dq = view(w, DELTA * 2 * n, n)
-    dv = view(w, DELTA * 2 * n + n, n)
+    correction = correction_of(context)
+    column_order = column_order_of(context)
+    q = positions(context, Y1)
+    v = velocities(context, Y1)
+    weights = first_half(context, PARTITION)
+    scale = second_half(context, PARTITION)
+    probe = positions(context, UNIT)
+    rest = velocities(context, UNIT)
+    dq = first_half(context, DELTA)
+    dv = second_half(context, DELTA)
     held = 0.0
     carried = 0.0
     for j in range(n):

@@ -1,250 +1,207 @@
-"""The table by which compiled code reaches a machine: what stands where, and how it is taken out.
+"""The table by which compiled code reaches a machine, its method, the loop's parts and its arrays.
 
-One array of integers holds addresses of kernels, of the loop's own parts and of arrays, and a few
-numbers. It is handed from function to function in place of them all, so that a part that needs
-something rare costs the others nothing.
+`X_of(context)` takes a function or an array out of the table, ``context[X]`` is a number of it. A
+part that needs something rare thus costs the others nothing.
 """
 
-from enum import IntEnum, auto
-
-from runtime.core.jit import at
 from runtime.core.signatures import (
-    Accelerations,
-    AccelerationsTangent,
-    AppliedForces,
-    Attempt,
-    Correct,
-    Correction,
-    CorrectionTangent,
-    Dense,
-    Emit,
-    Error,
-    Field,
-    FirstStep,
-    Hook,
-    Impact,
-    Jacobian,
-    Limit,
-    Locate,
-    Margins,
-    Mass,
-    Passed,
-    Propose,
-    Reactions,
-    Repartition,
-    ReturnHeld,
-    RightSide,
-    Sampled,
-    Settle,
-    Slope,
-    Stages,
-    StateRightSide,
-    SwitchedReactions,
-    Switching,
-    SwitchingRates,
-    Transition,
-    Vanishing,
-    Watch,
+    ACCELERATIONS,
+    ACCELERATIONS_TANGENT,
+    APPLIED_FORCES,
+    CORRECTION,
+    CORRECTION_TANGENT,
+    JACOBIAN,
+    MASS,
+    REACTIONS,
+    RIGHT_SIDE,
+    STATE_RIGHT_SIDE,
+    SWITCHED_REACTIONS,
+    SWITCHING,
+    SWITCHING_RATES,
+    f8,
+    i8,
+    integers,
+    none,
+    vector,
 )
+from runtime.core.table_layout import TableLayout
 
+TABLE = TableLayout()
+"""The declaration that all below derives from."""
 
-class Slot(IntEnum):
-    """Places in the table."""
+RECENT = 8
+"""Instants of the last events that are kept."""
 
-    @staticmethod
-    def _generate_next_value_(name: str, start: int, count: int, last: list[int]) -> int:
-        return count
+# Numbers.
+COORDINATES = TABLE.number("coordinates")  # n
+CONSTRAINT_COUNT = TABLE.number("constraint_count")  # m
+SWITCHES = TABLE.number("switches")  # s
+RANK = TABLE.number("rank")  # of the Jacobian
+NONZEROS = TABLE.number("nonzeros")  # structural, of the Jacobian
+PARAMETER_COUNT = TABLE.number("parameter_count")  # derived constants included
+RIGID_COUNT = TABLE.number("rigid_count")  # rigid contacts
+REACTION_ROWS = TABLE.number("reaction_rows")
+LOOPS = TABLE.number("loops")  # that kernels close in closed form
+PLAN_SIZE = TABLE.number("plan_size")  # of the elimination
+WORKSPACE_SIZE = TABLE.number("workspace_size")
+SWITCHING_SIZE = TABLE.number("switching_size")
+PIVOT_SIZE = TABLE.number("pivot_size")
+MEMORY_SIZE = TABLE.number("memory_size")  # floats that a method remembers
+NOTES_SIZE = TABLE.number("notes_size")  # integers that a method remembers
+LOG_ROWS = TABLE.number("log_rows")  # room for changes of the partition
+SAMPLE_TIMES = TABLE.number("sample_times")  # instants of samples that are asked for
+OUT_ROWS = TABLE.number("out_rows")  # room for samples
+EVENT_ROWS = TABLE.number("event_rows")  # room for events
+MODIFIED = TABLE.number("modified")  # not 0: the right-hand side is not the kernel's alone
+SLIDING_COUNT = TABLE.number("sliding_count")  # functions in sliding mode
+STABILIZED = TABLE.number("stabilized")  # 1: constraints are stabilized by Baumgarte's terms
+EACH_STAGE = TABLE.number("each_stage")  # 1: every stage returns onto the constraints
+CORRECTING = TABLE.number("correcting")  # how a step returns onto them
 
-    # Kernels of the machine.
-    ACCELERATIONS = auto()
-    CORRECTION = auto()
-    JACOBIAN = auto()
-    SWITCHING = auto()
-    SWITCHING_RATES = auto()
-    CONSTRAINTS = auto()
-    VELOCITY_RHS = auto()
-    ACCELERATION_RHS = auto()
-    MASS = auto()
-    APPLIED_FORCES = auto()
-    GAP_ACCELERATIONS = auto()
-    REACTIONS = auto()
-    SWITCHED_REACTIONS = auto()
-    ACCELERATIONS_TANGENT = auto()
-    CORRECTION_TANGENT = auto()
-    DEAD_CENTRES = auto()
-    # The method.
-    STAGES = auto()
-    ERROR = auto()
-    DENSE = auto()
-    PROPOSE = auto()
-    ACCEPTED = auto()
-    RESTART = auto()
-    # Parts of the loop.
-    CORRECT = auto()
-    ATTEMPT = auto()
-    REPARTITION = auto()
-    LOCATE = auto()
-    SAMPLED = auto()
-    SETTLE = auto()
-    BEGIN = auto()
-    FIRST_STEP = auto()
-    EMIT = auto()
-    WATCH = auto()
-    BENT = auto()
-    BENT_SLOPE = auto()
-    IMPACT = auto()
-    RETURN_HELD = auto()
-    TRANSITION = auto()
-    LIMITED = auto()
-    MARGINS = auto()
-    VANISHING = auto()
-    PASSED = auto()
-    # Numbers.
-    COORDINATES = auto()
-    CONSTRAINT_COUNT = auto()
-    RANK = auto()
-    SWITCHES = auto()
-    NONZEROS = auto()
-    LOG_ROWS = auto()
-    BENDS = auto()
-    HELD = auto()
-    STABILIZED = auto()
-    RIGID_COUNT = auto()
-    REACTION_ROWS = auto()
-    EACH_STAGE = auto()
-    CORRECTING = auto()
-    PARAMETER_COUNT = auto()
-    LOOPS = auto()
-    PLAN_SIZE = auto()
-    # Arrays.
-    JACOBIAN_ROWS = auto()
-    JACOBIAN_COLUMNS = auto()
-    JACOBIAN_VALUES = auto()
-    DENSE_JACOBIAN = auto()
-    ROW_ORDER = auto()
-    COLUMN_ORDER = auto()
-    LOG_TIMES = auto()
-    LOG_SETS = auto()
-    LOW = auto()
-    HIGH = auto()
-    SHARE = auto()
-    RIGID = auto()
-    STICKS = auto()
-    RESTITUTION = auto()
-    PLAIN = auto()
-    LIMITS = auto()
-    SOUGHT = auto()
-    UNIT = auto()
-    REACTION = auto()
-    WORK = auto()
-    SETTINGS = auto()
-    WEIGHTS = auto()
-    MEMORY = auto()
-    NOTES = auto()
-    PIVOTS = auto()
-    PIVOT_COLUMNS = auto()
-    PLAN = auto()
-    LOOP_ROWS = auto()
-    NEARNESS = auto()
-    SPREADS = auto()
-    WORKSPACE = auto()
-    SURFACES = auto()
-    PARAMETERS = auto()
-    MODES = auto()
-    MULTIPLIERS = auto()
+# Kernels of the machine.
+accelerations_of = TABLE.function("accelerations", ACCELERATIONS)
+correction_of = TABLE.function("correction", CORRECTION)
+jacobian_of = TABLE.function("jacobian", JACOBIAN)
+switching_of = TABLE.function("switching", SWITCHING)
+switching_rates_of = TABLE.function("switching_rates", SWITCHING_RATES)
+constraints_of = TABLE.function("constraints", RIGHT_SIDE)
+velocity_rhs_of = TABLE.function("velocity_rhs", RIGHT_SIDE)
+acceleration_rhs_of = TABLE.function("acceleration_rhs", STATE_RIGHT_SIDE)
+mass_of = TABLE.function("mass", MASS)
+applied_forces_of = TABLE.function("applied_forces", APPLIED_FORCES)
+gap_accelerations_of = TABLE.function("gap_accelerations", SWITCHING_RATES)
+reactions_of = TABLE.function("reactions", REACTIONS)
+switched_reactions_of = TABLE.function("switched_reactions", SWITCHED_REACTIONS)
+accelerations_tangent_of = TABLE.function("accelerations_tangent", ACCELERATIONS_TANGENT)
+correction_tangent_of = TABLE.function("correction_tangent", CORRECTION_TANGENT)
+dead_centres_of = TABLE.function("dead_centres", SWITCHING)
 
+# The method. Arguments are in the comments.
+STAGES = i8(integers, f8, f8)  # context t h; Newton iterations, negative where one failed
+ERROR = f8(integers, f8, f8)  # context h rtol; over the tolerance, root mean square
+DENSE = i8(integers, f8, f8)  # context t h
+PROPOSE = f8(integers, f8)  # context h; ratio of two steps' lengths
+HOOK = i8(integers, f8, f8)  # context t h; 1: another method is due
+DIFFERENTIATE = i8(integers, f8, i8)  # context t state
+stages_of = TABLE.function("stages", STAGES)
+error_of = TABLE.function("error", ERROR)
+dense_of = TABLE.function("dense", DENSE)
+propose_of = TABLE.function("propose", PROPOSE)
+accepted_of = TABLE.function("accepted", HOOK)
+restart_of = TABLE.function("restart", HOOK)
 
-accelerations_of = at(Accelerations, Slot.ACCELERATIONS)
-correction_of = at(Correction, Slot.CORRECTION)
-jacobian_of = at(Jacobian, Slot.JACOBIAN)
-switching_of = at(Switching, Slot.SWITCHING)
-switching_rates_of = at(SwitchingRates, Slot.SWITCHING_RATES)
-constraints_of = at(RightSide, Slot.CONSTRAINTS)
-velocity_rhs_of = at(RightSide, Slot.VELOCITY_RHS)
-acceleration_rhs_of = at(StateRightSide, Slot.ACCELERATION_RHS)
-mass_of = at(Mass, Slot.MASS)
-applied_forces_of = at(AppliedForces, Slot.APPLIED_FORCES)
-gap_accelerations_of = at(SwitchingRates, Slot.GAP_ACCELERATIONS)
-accelerations_tangent_of = at(AccelerationsTangent, Slot.ACCELERATIONS_TANGENT)
-correction_tangent_of = at(CorrectionTangent, Slot.CORRECTION_TANGENT)
-stages_of = at(Stages, Slot.STAGES)
-error_of = at(Error, Slot.ERROR)
-dense_of = at(Dense, Slot.DENSE)
-propose_of = at(Propose, Slot.PROPOSE)
-accepted_of = at(Hook, Slot.ACCEPTED)
-restart_of = at(Hook, Slot.RESTART)
-correct_of = at(Correct, Slot.CORRECT)
-attempt_of = at(Attempt, Slot.ATTEMPT)
-repartition_of = at(Repartition, Slot.REPARTITION)
-locate_of = at(Locate, Slot.LOCATE)
-sampled_of = at(Sampled, Slot.SAMPLED)
-settle_of = at(Settle, Slot.SETTLE)
-begin_of = at(Settle, Slot.BEGIN)
-first_step_of = at(FirstStep, Slot.FIRST_STEP)
-emit_of = at(Emit, Slot.EMIT)
-watch_of = at(Watch, Slot.WATCH)
-bent_of = at(Field, Slot.BENT)
-bent_slope_of = at(Slope, Slot.BENT_SLOPE)
-limited_of = at(Limit, Slot.LIMITED)
-margins_of = at(Margins, Slot.MARGINS)
-reactions_of = at(Reactions, Slot.REACTIONS)
-switched_reactions_of = at(SwitchedReactions, Slot.SWITCHED_REACTIONS)
-transition_of = at(Transition, Slot.TRANSITION)
-impact_of = at(Impact, Slot.IMPACT)
-return_held_of = at(ReturnHeld, Slot.RETURN_HELD)
-vanishing_of = at(Vanishing, Slot.VANISHING)
-dead_centres_of = at(Switching, Slot.DEAD_CENTRES)
-passed_of = at(Passed, Slot.PASSED)
+# Parts of the loop.
+CORRECT = i8(integers, f8, i8, i8)  # context t row weighing
+ATTEMPT = i8(integers, f8, f8)  # context t h
+REPARTITION = i8(integers, f8, i8)  # context t state
+LOCATE = f8(integers, f8, f8, i8)  # context t h dense_rows
+SAMPLED = f8(integers, f8, f8, f8, i8, i8)  # context t h x k dense_rows
+SETTLE = i8(integers, i8, f8, f8, i8, i8)  # context first t d state slot
+FIRST_STEP = f8(integers, f8, f8, f8, i8)  # context t h_max rtol order
+EMIT = i8(integers, f8, f8, f8, i8)  # context t t1 h dense_ready
+WATCH = i8(integers, f8, f8, f8)  # context t h t1
+FIELD = i8(integers, f8, vector, vector, integers, vector, vector)  # context t q v modes a lam
+SLOPE = i8(integers, f8, i8, i8)  # context t state derivative
+IMPACT = f8(integers, i8, f8, i8)  # context first t state; time of the next flight
+RETURN_HELD = i8(integers, f8, i8)  # context t state
+TRANSITION = i8(integers, i8, f8, f8)  # context crossing t h
+LIMIT = f8(integers, f8, vector, vector, i8)  # context t q v k
+MARGINS = none(integers, f8, i8, i8)  # context t state slot
+VANISHING = f8(integers, f8, f8, i8)  # context t h state
+PASSED = i8(integers, f8, f8)  # context t h
+correct_of = TABLE.function("correct", CORRECT)
+attempt_of = TABLE.function("attempt", ATTEMPT)
+repartition_of = TABLE.function("repartition", REPARTITION)
+locate_of = TABLE.function("locate", LOCATE)
+sampled_of = TABLE.function("sampled", SAMPLED)
+settle_of = TABLE.function("settle", SETTLE)
+begin_of = TABLE.function("begin", SETTLE)
+first_step_of = TABLE.function("first_step", FIRST_STEP)
+emit_of = TABLE.function("emit", EMIT)
+watch_of = TABLE.function("watch", WATCH)
+bent_of = TABLE.function("bent", FIELD)
+bent_slope_of = TABLE.function("bent_slope", SLOPE)
+impact_of = TABLE.function("impact", IMPACT)
+return_held_of = TABLE.function("return_held", RETURN_HELD)
+transition_of = TABLE.function("transition", TRANSITION)
+limited_of = TABLE.function("limited", LIMIT)
+margins_of = TABLE.function("margins", MARGINS)
+vanishing_of = TABLE.function("vanishing", VANISHING)
+passed_of = TABLE.function("passed", PASSED)
 
-# Compiled code needs plain numbers.
-COORDINATES = int(Slot.COORDINATES)
-CONSTRAINT_COUNT = int(Slot.CONSTRAINT_COUNT)
-RANK = int(Slot.RANK)
-SWITCHES = int(Slot.SWITCHES)
-NONZEROS = int(Slot.NONZEROS)
-LOG_ROWS = int(Slot.LOG_ROWS)
-BENDS = int(Slot.BENDS)
-EACH_STAGE = int(Slot.EACH_STAGE)
-CORRECTING = int(Slot.CORRECTING)
-JACOBIAN_ROWS = int(Slot.JACOBIAN_ROWS)
-JACOBIAN_COLUMNS = int(Slot.JACOBIAN_COLUMNS)
-JACOBIAN_VALUES = int(Slot.JACOBIAN_VALUES)
-DENSE_JACOBIAN = int(Slot.DENSE_JACOBIAN)
-ROW_ORDER = int(Slot.ROW_ORDER)
-COLUMN_ORDER = int(Slot.COLUMN_ORDER)
-LOG_TIMES = int(Slot.LOG_TIMES)
-LOG_SETS = int(Slot.LOG_SETS)
-HELD = int(Slot.HELD)
-STABILIZED = int(Slot.STABILIZED)
-RIGID_COUNT = int(Slot.RIGID_COUNT)
-LOW = int(Slot.LOW)
-HIGH = int(Slot.HIGH)
-SHARE = int(Slot.SHARE)
-RIGID = int(Slot.RIGID)
-STICKS = int(Slot.STICKS)
-RESTITUTION = int(Slot.RESTITUTION)
-PLAIN = int(Slot.PLAIN)
-LIMITS = int(Slot.LIMITS)
-SOUGHT = int(Slot.SOUGHT)
-UNIT = int(Slot.UNIT)
-REACTION = int(Slot.REACTION)
-REACTION_ROWS = int(Slot.REACTION_ROWS)
-WORK = int(Slot.WORK)
-SETTINGS = int(Slot.SETTINGS)
-WEIGHTS = int(Slot.WEIGHTS)
-MEMORY = int(Slot.MEMORY)
-NOTES = int(Slot.NOTES)
-PIVOTS = int(Slot.PIVOTS)
-PIVOT_COLUMNS = int(Slot.PIVOT_COLUMNS)
-PLAN = int(Slot.PLAN)
-PLAN_SIZE = int(Slot.PLAN_SIZE)
-WORKSPACE = int(Slot.WORKSPACE)
-SURFACES = int(Slot.SURFACES)
-PARAMETERS = int(Slot.PARAMETERS)
-PARAMETER_COUNT = int(Slot.PARAMETER_COUNT)
-MODES = int(Slot.MODES)
-MULTIPLIERS = int(Slot.MULTIPLIERS)
-LOOPS = int(Slot.LOOPS)
-LOOP_ROWS = int(Slot.LOOP_ROWS)
-NEARNESS = int(Slot.NEARNESS)
-SPREADS = int(Slot.SPREADS)
+# The run: see `workspace` for the rows of the first two.
+workspace_of = TABLE.floats("workspace", WORKSPACE_SIZE)
+switching_rows_of = TABLE.floats("switching_rows", SWITCHING_SIZE)
+parameters_of = TABLE.floats("parameters", PARAMETER_COUNT, allotted=False)
+modes_of = TABLE.integers("modes", SWITCHES)
+multipliers_of = TABLE.floats("multipliers", CONSTRAINT_COUNT)
+RECORD = TABLE.number("record")  # address of the run's record, see `run_record`
+settings_of = TABLE.floats("settings", (2, None))  # length of the step, Baumgarte's time, s
+memory_of = TABLE.floats("memory", MEMORY_SIZE)  # of the method
+notes_of = TABLE.integers("notes", NOTES_SIZE)  # of the method
+
+# The constraints: structure of the Jacobian, the partition, its changes.
+jacobian_rows_of = TABLE.integers("jacobian_rows", NONZEROS, allotted=False)
+jacobian_columns_of = TABLE.integers("jacobian_columns", NONZEROS, allotted=False)
+jacobian_values_of = TABLE.floats("jacobian_values", NONZEROS)
+dense_jacobian_of = TABLE.matrix("dense_jacobian", CONSTRAINT_COUNT, COORDINATES)
+flat_jacobian_of = TABLE.flat("dense_jacobian")
+row_order_of = TABLE.integers("row_order", CONSTRAINT_COUNT)
+column_order_of = TABLE.integers("column_order", COORDINATES)
+log_times_of = TABLE.floats("log_times", LOG_ROWS)
+log_sets_of = TABLE.integer_matrix("log_sets", LOG_ROWS, COORDINATES)
+weights_of = TABLE.floats("weights", (4, COORDINATES))  # of Baumgarte's terms
+pivots_of = TABLE.floats("pivots", PIVOT_SIZE)  # see `singularity.detection`
+pivot_history_of = TABLE.floats("pivot_history", (2, None))
+pivot_columns_of = TABLE.integers("pivot_columns", CONSTRAINT_COUNT)
+elimination_plan_of = TABLE.integers("elimination_plan", PLAN_SIZE)
+loop_rows_of = TABLE.integers("loop_rows", LOOPS)
+loop_nearness_of = TABLE.floats("loop_nearness", (6, LOOPS))
+
+# Switching functions.
+share_of = TABLE.floats("share", SWITCHES)
+share_low_of = TABLE.floats("share_low", SWITCHES)
+share_high_of = TABLE.floats("share_high", SWITCHES)
+rigid_of = TABLE.integers("rigid", SWITCHES)  # number of the rigid contact, or -1
+sticks_of = TABLE.integers("sticks", SWITCHES)  # 1: friction that sticks
+limits_of = TABLE.integers("limits", (2, SWITCHES))  # rows of a force and of its bound, or -1
+stiction_place_of = TABLE.integers("stiction_place", SWITCHES)  # of its force in p, or -1
+stiction_units_of = TABLE.floats("stiction_units", (2, SWITCHES))  # unit of the force, its bound
+restitution_of = TABLE.floats("restitution", RIGID_COUNT)
+spreads_of = TABLE.floats("spreads", SWITCHES)
+
+# Sliding modes: the base, in which nothing slides, and the change by each function that does.
+kernel_modes_of = TABLE.integers("kernel_modes", SWITCHES)  # of the base
+sliding_functions_of = TABLE.integers("sliding_functions", SWITCHES)
+base_accelerations_of = TABLE.floats("base_accelerations", COORDINATES)
+base_multipliers_of = TABLE.floats("base_multipliers", CONSTRAINT_COUNT)
+unit_accelerations_of = TABLE.floats("unit_accelerations", SWITCHES, COORDINATES)
+unit_multipliers_of = TABLE.floats("unit_multipliers", SWITCHES, CONSTRAINT_COUNT)
+base_response_of = TABLE.floats("base_response", SWITCHES)  # d(dg/dt) or d(g̈) of the base
+response_of = TABLE.floats("response", SWITCHES, SWITCHES)  # the same of each change, by rows
+response_copy_of = TABLE.floats("response_copy", SWITCHES, SWITCHES)
+response_column_of = TABLE.floats("response_column", SWITCHES)
+response_rates_of = TABLE.floats("response_rates", SWITCHES)
+response_gaps_of = TABLE.floats("response_gaps", RIGID_COUNT)
+right_side_of = TABLE.floats("right_side", SWITCHES)
+reaction_of = TABLE.floats("reaction", REACTION_ROWS)  # mixed
+base_reaction_of = TABLE.floats("base_reaction", REACTION_ROWS)
+unit_reaction_of = TABLE.floats("unit_reaction", REACTION_ROWS)
+mixed_multipliers_of = TABLE.floats("mixed_multipliers", CONSTRAINT_COUNT)
+
+# The search for consistent modes.
+candidate_modes_of = TABLE.integers("candidate_modes", SWITCHES)
+members_of = TABLE.integers("members", SWITCHES)
+signs_of = TABLE.integers("signs", SWITCHES)
+former_modes_of = TABLE.integers("former_modes", SWITCHES)
+crossed_of = TABLE.integers("crossed", (1, None))  # function of the event that was located
+
+# Samples and events, made by `recording`.
+sample_times_of = TABLE.floats("sample_times", SAMPLE_TIMES, allotted=False)
+out_times_of = TABLE.floats("out_times", OUT_ROWS, allotted=False)
+out_states_of = TABLE.matrix("out_states", OUT_ROWS, (2, COORDINATES), allotted=False)
+out_modes_of = TABLE.integer_matrix("out_modes", OUT_ROWS, SWITCHES, allotted=False)
+recent_events_of = TABLE.floats("recent_events", (RECENT, None))
+event_times_of = TABLE.floats("event_times", EVENT_ROWS, allotted=False)
+event_kinds_of = TABLE.integer_matrix("event_kinds", EVENT_ROWS, (2, None), allotted=False)
+event_states_of = TABLE.matrix("event_states", EVENT_ROWS, (2, COORDINATES), allotted=False)

@@ -13,7 +13,6 @@ from numba import types
 from numpy.typing import NDArray
 
 from runtime.core.jit import compiled
-from runtime.core.workspace import run_record
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -45,70 +44,10 @@ ACCELERATIONS_TANGENT = none(
 CORRECTION_TANGENT = none(
     f8, vector, vector, vector, vector, vector, vector, vector, vector
 )  # t q v p w dq_in dv_in dq dv
-
-# Functions of a method and parts of the loop. `machine` is the table of `slots`, `w` the workspace
-# of `workspace`, `sw` its rows for switching functions, `run` the record of the run.
-STAGES = i8(integers, f8, f8, vector, run_record, vector, integers, vector)
-# machine t h w run p modes lam; Newton iterations, negative where one failed
-ERROR = f8(integers, f8, f8, vector)  # machine h rtol w; over the tolerance, root mean square
-DENSE = i8(integers, f8, f8, vector, vector, integers, vector)  # machine t h w p modes lam
-PROPOSE = f8(integers, f8, vector, run_record)  # machine h w run; ratio of two steps' lengths
-HOOK = i8(integers, f8, f8, vector, run_record)  # machine t h w run; 1: another method is due
-DIFFERENTIATE = i8(
-    integers, f8, i8, vector, run_record, vector, integers, vector
-)  # machine t state w run p modes lam
-CORRECT = i8(integers, f8, i8, i8, vector, vector)  # machine t row weighing w p
-SLOPE = i8(integers, f8, i8, i8, vector, vector, integers, vector)
-FIELD = i8(integers, f8, vector, vector, vector, integers, vector, vector)
-# machine t q v p modes a lam; as ACCELERATIONS
-IMPACT = f8(
-    integers, i8, f8, i8, vector, vector, vector, integers, vector
-)  # machine first t state w sw p modes lam; time of the next flight, infinite where it goes on
-RETURN_HELD = i8(
-    integers, f8, i8, vector, vector, integers, vector
-)  # machine t state w p modes lam
-TRANSITION = i8(
-    integers,
-    i8,
-    f8,
-    f8,
-    vector,
-    vector,
-    run_record,
-    vector,
-    integers,
-    integers,
-    vector,
-    vector,
-    integer_matrix,
-    matrix,
-)  # machine crossing t h w sw run p modes scratch lam event_t event_kind event_y
-LIMIT = f8(integers, f8, vector, vector, vector, vector, i8)  # machine t q v p lam k
 REACTIONS = none(f8, vector, vector, vector, vector, vector)  # t q v p lam out
 SWITCHED_REACTIONS = none(
     f8, vector, vector, vector, integers, vector, vector
 )  # t q v p modes lam out
-ATTEMPT = i8(integers, f8, f8, vector, run_record, vector, integers, vector)
-# machine t h w run p modes lam
-REPARTITION = i8(integers, f8, i8, vector, run_record, vector)  # machine t state w run p
-LOCATE = f8(integers, f8, f8, i8, integers)  # machine t h dense_rows found
-SAMPLED = f8(integers, f8, f8, f8, i8, i8)  # machine t h x k dense_rows
-MARGINS = none(integers, f8, i8, i8)  # machine t state slot
-SETTLE = i8(
-    integers, i8, f8, f8, i8, i8, vector, vector, vector, integers, integers, vector
-)  # machine first t d state slot w sw p modes scratch lam
-FIRST_STEP = f8(
-    integers, f8, f8, f8, i8, vector, vector, integers, vector
-)  # machine t h_max rtol order w p modes lam
-EMIT = i8(
-    integers, f8, f8, f8, i8, vector, run_record, vector, integers, vector, vector, vector, matrix,
-    integer_matrix,
-)  # machine t t1 h dense_ready w run p modes lam t_eval out_t out_y out_modes  # fmt: skip
-WATCH = i8(
-    integers, f8, f8, f8, vector, vector, run_record, vector, integers, vector
-)  # machine t h t1 w sw run p modes lam
-VANISHING = f8(integers, f8, f8, i8, vector, run_record, vector)  # machine t h state w run p
-PASSED = i8(integers, f8, f8, vector, run_record, vector)  # machine t h w run p
 
 Accelerations = types.FunctionType(ACCELERATIONS)
 Correction = types.FunctionType(CORRECTION)
@@ -121,31 +60,8 @@ Mass = types.FunctionType(MASS)
 AppliedForces = types.FunctionType(APPLIED_FORCES)
 AccelerationsTangent = types.FunctionType(ACCELERATIONS_TANGENT)
 CorrectionTangent = types.FunctionType(CORRECTION_TANGENT)
-Stages = types.FunctionType(STAGES)
-Error = types.FunctionType(ERROR)
-Dense = types.FunctionType(DENSE)
-Propose = types.FunctionType(PROPOSE)
-Hook = types.FunctionType(HOOK)
-Correct = types.FunctionType(CORRECT)
-Slope = types.FunctionType(SLOPE)
-Field = types.FunctionType(FIELD)
-Impact = types.FunctionType(IMPACT)
-ReturnHeld = types.FunctionType(RETURN_HELD)
-Transition = types.FunctionType(TRANSITION)
-Limit = types.FunctionType(LIMIT)
 Reactions = types.FunctionType(REACTIONS)
 SwitchedReactions = types.FunctionType(SWITCHED_REACTIONS)
-Attempt = types.FunctionType(ATTEMPT)
-Repartition = types.FunctionType(REPARTITION)
-Locate = types.FunctionType(LOCATE)
-Sampled = types.FunctionType(SAMPLED)
-Margins = types.FunctionType(MARGINS)
-Settle = types.FunctionType(SETTLE)
-FirstStep = types.FunctionType(FIRST_STEP)
-Emit = types.FunctionType(EMIT)
-Watch = types.FunctionType(WATCH)
-Vanishing = types.FunctionType(VANISHING)
-Passed = types.FunctionType(PASSED)
 
 
 @compiled(SWITCHING)

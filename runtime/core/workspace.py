@@ -1,4 +1,4 @@
-"""What a run remembers: the rows of the workspace and the record of where it stands.
+"""Rows of a run's workspace, by name, and how compiled code takes them out.
 
 The workspace `w` is one flat float64 array of rows of length 2 n, n coordinates. A row that holds a
 state has q in its first half and v in its second; a row that holds a derivative has v, then a.
@@ -6,10 +6,18 @@ Everything that a run needs to go on lies in these arrays, so that it can stop a
 continue with the same bits.
 """
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, cast
 
-import numpy as np
-from numba import from_dtype, types
+from numba import types
+from numba.extending import intrinsic
+from numba.np import arrayobj
+
+from runtime.core.function_table import COORDINATES, SWITCHES, TABLE
+from runtime.core.signatures import Integers, Vector
+from runtime.core.table_layout import word
+
+_arrays: Any = arrayobj
 
 Y0 = 0  # state at the start of the step
 Y1 = 1  # state at its end
@@ -48,91 +56,58 @@ IMPACT_AT = STRUCK + 1  # time of the last impact of this contact
 FLIGHT = IMPACT_AT + 1  # time between its last two impacts
 SWITCH_ROWS = FLIGHT + 1
 
-_FLOATS = [
-    "t",  # where the run stands
-    "t_end",
-    "duration",  # of the whole run
-    "h",  # length of the next step
-    "h_min",
-    "h_max",
-    "rtol",
-    "error",  # of the last trial step, over the tolerance
-    "error_old",  # of the last accepted step
-    "remembered",  # error of the last step, as it counts for the next one's length; 0: none
-    "length_old",  # of that step
-    "exponent",  # of the step control, 1 over the order of the error
-    "beta",
-    "safety",
-    "shrink",  # least ratio of two steps' lengths
-    "grow",  # largest
-    "ratio_limit",  # speeds of dependent over independent coordinates that ask for a probe
-    "growth_limit",  # entry of H that asks for a new partition
-    "largest_dq",
-    "event_span",  # time that the last events took
-    "stretch",  # ratio of two steps' lengths that the switching functions allow
-    "flight",  # time to the next impact of a contact that bounces
-    "finest",  # length of a step that is never too long for them
-    "permitted",  # error that a step may have, over the tolerance: 1 but where rounding exceeds it
-    "vanishing",  # time from now at which constraints seem to become dependent
-    "tried",  # length of a step that was taken for good, but for this; 0 for none
-    "turn",  # instant at which the step over a singular position begins
-    "leap",  # length of that step
-    "blind_from",  # samples between these two instants stay as they are interpolated
-    "blind_to",
-    "look_at",  # instant at which the constraints are looked at again
-    "quiet",  # instant until which a singular position is not looked for
-    "usual",  # length of the last accepted step of free choice
-    "foresight",  # change of the coordinates, in their sizes, over which one is looked for
-    "lent_until",  # instant from which a method that was lent is not needed
-]
-_INTEGERS = [
-    "last",  # row, after K, of the derivative at the end of a step
-    "stage_calls",
-    "order",  # power of a step's length in the error estimate of the first one
-    "dense_rows",
-    "dense_calls",
-    "fixed",  # 1: no error control
-    "steps",
-    "rejected",
-    "retakes",
-    "rhs",
-    "corrections",
-    "newton",
-    "automatic",  # 1: the method may be changed
-    "patience",  # how many times longer than at first it is watched before that
-    "iterations",  # of Newton's method in the steps of implicit methods
-    "jacobians",
-    "factorizations",
-    "dense_outputs",
-    "events",
-    "repartitions",
-    "max_steps",
-    "max_events",
-    "every_step",  # 1: a sample at the end of every step
-    "samples",  # rows of the output written
-    "next_sample",  # of the instants asked for
-    "logged_events",  # rows of the event buffer written
-    "logged_repartitions",  # rows of the partition log written
-    "rank",  # of the Jacobian
-    "check_in",  # steps to the next probe of the partition
-    "probe",  # how often the partition was probed
-    "weak",  # accepted states in a row with a weak pivot
-    "weak_row",  # 1 + constraint of the weak pivot
-    "reason",  # why the last trial step was rejected
-    "rejected_before",
-    "shrinking",  # events in a row, each in less time than the one before
-    "standing",  # events in a row without time between them
-    "blamed",  # switching function for which no mode is consistent, or -1
-    "index",  # function or constraint that an outcome concerns
-    "lent",  # 1: another method steps near a singular position than elsewhere
-    "plan",  # what is planned about a singular position, one of the below
-]
-FREE, APPROACHING, CROSSING, LEAVING, MISSING = 0, 1, 2, 3, 4
-"""What is planned about singular positions: nothing; to come to where a step across begins; that
-step; to get away; to follow the bend in which the motion misses one."""
 
-RUN = np.dtype(
-    [(name, np.float64) for name in _FLOATS] + [(name, np.int64) for name in _INTEGERS], align=True
-)
-Run = np.ndarray[Any, np.dtype[np.void]]
-run_record = types.Array(from_dtype(RUN), 1, "C")
+def _row(array: str, count: int, factor: int, part: int | None) -> Any:
+    """An intrinsic that takes a row out of an array in the table, or a part of it.
+
+    Rows have `factor` parts, each as long as the number in slot `count`.
+    """
+
+    def fetch(typing_context: Any, context: Any, index: Any) -> Any:
+        signature = types.Array(types.float64, 1, "C")(context, types.intp)
+
+        def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            table = _arrays.make_array(signature.args[0])(context, builder, arguments[0])
+            target = _arrays.make_array(signature.return_type)(context, builder)
+            length = word(builder, table, count)
+            row = builder.mul(length, context.get_constant(types.intp, factor))
+            start = builder.mul(arguments[1], row)
+            if part:
+                start = builder.add(start, length)
+            address = word(builder, table, TABLE.slots[array])
+            base = builder.inttoptr(address, target.data.type)
+            item = context.get_constant(types.intp, 8)
+            _arrays.populate_array(
+                target,
+                data=builder.gep(base, [start], inbounds=True),
+                shape=[row if part is None else length],
+                strides=[item],
+                itemsize=item,
+                meminfo=None,
+            )
+            return target._getvalue()
+
+        return signature, codegen
+
+    return intrinsic(fetch)
+
+
+_Row = Callable[[Integers, int], Vector]
+
+row_of: _Row = cast(Any, _row("workspace", COORDINATES, 2, None))
+"""Row of the workspace, (2 n,)."""
+
+first_half: _Row = cast(Any, _row("workspace", COORDINATES, 2, 0))
+"""First half of such a row, (n,)."""
+
+second_half: _Row = cast(Any, _row("workspace", COORDINATES, 2, 1))
+"""Second half of such a row, (n,)."""
+
+positions, velocities = first_half, second_half
+"""q and v of a row that holds a state."""
+
+position_rates, velocity_rates = first_half, second_half
+"""dq/dt and dv/dt of a row that holds a derivative."""
+
+switch_row: _Row = cast(Any, _row("switching_rows", SWITCHES, 1, None))
+"""Row of the switching workspace, (s,)."""

@@ -6,22 +6,19 @@ import numpy as np
 import numpy.typing as npt
 from numba import types
 
-from runtime.core.array_views import floats_at, integers_at, view
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
-    COORDINATES,
-    HELD,
-    HIGH,
-    LIMITS,
-    PLAIN,
-    REACTION,
-    REACTION_ROWS,
-    RIGID_COUNT,
-    SHARE,
-    SOUGHT,
-    SWITCHES,
-    WORK,
+    SLIDING_COUNT,
+    base_multipliers_of,
     bent_of,
+    kernel_modes_of,
+    limits_of,
+    reaction_of,
+    share_high_of,
+    share_of,
+    sliding_functions_of,
+    stiction_place_of,
+    unit_multipliers_of,
 )
 from runtime.core.jit import ADDRESSES, allocating
 from runtime.core.kernels import FETCH, MATRIX, MODE_ROWS, MODES, VECTOR
@@ -57,7 +54,7 @@ powers_of = FETCH["powers"]
     )
 )
 def _mix_rows(
-    machine: Any,
+    context: Any,
     kernels: Any,
     rows: Any,
     times: Any,
@@ -73,32 +70,32 @@ def _mix_rows(
     base: Any,
     other: Any,
 ) -> None:
-    bent = bent_of(machine)
+    bent = bent_of(context)
     powers = powers_of(kernels)
-    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
-    size = n + m
-    plain = integers_at(machine, PLAIN, 2 * s)
-    held = view(plain, s, s)
-    share, high = floats_at(machine, SHARE, s), floats_at(machine, HIGH, s)
-    sought, limits = integers_at(machine, SOUGHT, s), integers_at(machine, LIMITS, 2 * s)
-    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
-    mixed = floats_at(machine, REACTION, machine[REACTION_ROWS])
+    m = context[CONSTRAINT_COUNT]
+    plain = kernel_modes_of(context)
+    held = sliding_functions_of(context)
+    share, high = share_of(context), share_high_of(context)
+    sought, limits = stiction_place_of(context), limits_of(context)
+    base_multipliers = base_multipliers_of(context)
+    unit_multipliers = unit_multipliers_of(context)
+    mixed = reaction_of(context)
     own = np.zeros(m)
     for row in rows:
         t = times[row]
-        hold(machine, modes[row])
-        bent(machine, t, q[row], v[row], p, modes[row], a[row], lam[row])
-        mix(machine, t, q[row], v[row], p, lam[row])
+        hold(context, modes[row])
+        bent(context, t, q[row], v[row], modes[row], a[row], lam[row])
+        mix(context, t, q[row], v[row], lam[row])
         for i in range(len(mixed)):
             reaction[row, i] = mixed[i]
-        for c in range(machine[HELD]):
-            release(machine, p, held[c])
+        for c in range(context[SLIDING_COUNT]):
+            release(context, held[c])
         for i in range(m):
-            own[i] = work[n + i]
+            own[i] = base_multipliers[i]
         powers(t, q[row], v[row], p, plain, own, base)
         for i in range(len(base)):
             power[row, i] = base[i]
-        for c in range(machine[HELD]):
+        for c in range(context[SLIDING_COUNT]):
             k = held[c]
             shares[row, k] = share[k]
             if sought[k] >= 0:
@@ -106,10 +103,10 @@ def _mix_rows(
                 force, limit = mixed[limits[2 * k]], mixed[limits[2 * k + 1]]
                 shares[row, k] = 0.5 - 0.5 * high[k] * force / limit if limit > 0.0 else np.nan
             for i in range(m):
-                own[i] = work[n + i] + work[(c + 1) * size + n + i]
-            engage(machine, p, k)
+                own[i] = base_multipliers[i] + unit_multipliers[c * m + i]
+            engage(context, k)
             powers(t, q[row], v[row], p, plain, own, other)
-            release(machine, p, k)
+            release(context, k)
             for i in range(len(base)):
                 power[row, i] += share[k] * (other[i] - base[i])
 

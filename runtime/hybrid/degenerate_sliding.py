@@ -2,17 +2,7 @@
 
 import numpy as np
 
-from runtime.core.array_views import floats_at, integers_at, view
-from runtime.core.function_table import (
-    CONSTRAINT_COUNT,
-    COORDINATES,
-    HELD,
-    PLAIN,
-    RIGID,
-    RIGID_COUNT,
-    SWITCHES,
-    WORK,
-)
+from runtime.core.function_table import SLIDING_COUNT, response_of, rigid_of, sliding_functions_of
 from runtime.core.jit import inner
 from runtime.core.signatures import Integers, Vector
 from runtime.linalg.lu import equilibrate
@@ -21,12 +11,7 @@ from runtime.linalg.rank_policy import SAME_HOLD
 
 @inner
 def least(
-    machine: Integers,
-    matrix: Vector,
-    right: Vector,
-    count: int,
-    reach: Vector,
-    slack: float,
+    context: Integers, matrix: Vector, right: Vector, count: int, reach: Vector, slack: float
 ) -> int:
     """As `solve_equilibrated`, for the smallest of many solutions; 1 where there is none.
 
@@ -46,9 +31,8 @@ def least(
         By which a row that follows from others may differ from what they say, in parts of its
         terms.
     """
-    s = machine[SWITCHES]
-    rigid = integers_at(machine, RIGID, s)
-    held = view(integers_at(machine, PLAIN, 2 * s), s, s)
+    rigid = rigid_of(context)
+    held = sliding_functions_of(context)
     if equilibrate(matrix, right, count) != 0:
         return 1
     for c in range(count):
@@ -105,13 +89,11 @@ def least(
 
 
 @inner
-def same(machine: Integers, k: int, other: int) -> bool:
+def same(context: Integers, k: int, other: int) -> bool:
     """Whether what holds two of the held functions acts on one freedom; after `bent`."""
-    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
-    count, size = machine[HELD], n + m
-    held = view(integers_at(machine, PLAIN, 2 * s), s, s)
-    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
-    matrix = view(work, (s + 1) * size, s * s)
+    count = context[SLIDING_COUNT]
+    held = sliding_functions_of(context)
+    matrix = response_of(context)
     c, d = 0, 0
     for i in range(count):
         c = i if held[i] == k else c

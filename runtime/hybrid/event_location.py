@@ -7,11 +7,10 @@ crossings is not stepped over.
 """
 
 from runtime.core.dense_output import interpolate
-from runtime.core.function_table import SWITCHES, sampled_of
+from runtime.core.function_table import LOCATE, SAMPLED, SWITCHES, crossed_of, modes_of, sampled_of
 from runtime.core.jit import addressed, inner
 from runtime.core.rounding import EPS
-from runtime.core.run_arrays import mode_numbers, parameters, surfaces, workspace
-from runtime.core.signatures import LOCATE, SAMPLED, Integers, Vector
+from runtime.core.signatures import Integers
 from runtime.core.workspace import (
     BAND,
     BETWEEN,
@@ -26,6 +25,7 @@ from runtime.core.workspace import (
     SUBDIVISIONS,
     SUSPECT,
     TRIAL,
+    switch_row,
 )
 from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.hybrid.switching_functions import functions
@@ -40,20 +40,29 @@ _GOLDEN = 0.3819660112501051  # formula: golden section
 
 
 @inner
-def suspects(h: float, sw: Vector, modes: Integers) -> int:
+def suspects(context: Integers, h: float) -> int:
     """Mark in SUSPECT the functions that may cross in the step, and count them."""
-    s = modes.size
+    modes = modes_of(context)
+    band_row = switch_row(context, BAND)
+    g0_row = switch_row(context, G0)
+    g1_row = switch_row(context, G1)
+    r0 = switch_row(context, R0)
+    r1 = switch_row(context, R1)
+    between = switch_row(context, BETWEEN)
+    mismatch = switch_row(context, MISMATCH)
+    suspect = switch_row(context, SUSPECT)
+    s = context[SWITCHES]
     count = 0
     for k in range(s):
         side = 1.0 if modes[k] != 0 else -1.0
-        band = sw[BAND * s + k]
-        g0 = side * sw[G0 * s + k]
-        g1 = side * sw[G1 * s + k]
-        c1 = g0 + h * side * sw[R0 * s + k] / 3.0
-        c2 = g1 - h * side * sw[R1 * s + k] / 3.0
-        a1 = side * sw[BETWEEN * s + k]
-        a2 = side * sw[(BETWEEN + 1) * s + k]
-        a3 = side * sw[(BETWEEN + 2) * s + k]
+        band = band_row[k]
+        g0 = side * g0_row[k]
+        g1 = side * g1_row[k]
+        c1 = g0 + h * side * r0[k] / 3.0
+        c2 = g1 - h * side * r1[k] / 3.0
+        a1 = side * between[k]
+        a2 = side * switch_row(context, BETWEEN + 1)[k]
+        a3 = side * switch_row(context, BETWEEN + 2)[k]
         low = min(c1, c2, g1, a1, a2, a3)
         high = max(g0, c1, c2, g1, a1, a2, a3)
         if band == 0.0:
@@ -62,24 +71,24 @@ def suspects(h: float, sw: Vector, modes: Integers) -> int:
             # On its surface and hardly moving: what counts is whether it leaves the band.
             low = low + band if high - low > 2.0 * band or g1 < -band else 1.0
             high = high + band
-        marked = g1 < -band or not low > max(_MARGIN * (high - low), 2.0 * sw[MISMATCH * s + k])
-        sw[SUSPECT * s + k] = 1.0 if marked else 0.0
+        marked = g1 < -band or not low > max(_MARGIN * (high - low), 2.0 * mismatch[k])
+        suspect[k] = 1.0 if marked else 0.0
         count += 1 if marked else 0
     return count
 
 
 @addressed(SAMPLED)
-def sampled(machine: Integers, t: float, h: float, x: float, k: int, dense_rows: int) -> float:
+def sampled(context: Integers, t: float, h: float, x: float, k: int, dense_rows: int) -> float:
     """Function `k` on the dense output at fraction `x` of the step; all of them in row TRIAL."""
-    w, sw = workspace(machine), surfaces(machine)
-    interpolate(w, dense_rows, x, SAMPLE)
-    functions(machine, t + x * h, SAMPLE, TRIAL, w, sw, parameters(machine))
-    return float(sw[TRIAL * machine[SWITCHES] + k])
+    trial = switch_row(context, TRIAL)
+    interpolate(context, dense_rows, x, SAMPLE)
+    functions(context, t + x * h, SAMPLE, TRIAL)
+    return float(trial[k])
 
 
 @inner
 def dip(
-    machine: Integers,
+    context: Integers,
     t: float,
     h: float,
     low: float,
@@ -93,11 +102,11 @@ def dip(
 
     Golden section, which ends as soon as such a point is found.
     """
-    sample = sampled_of(machine)
+    sample = sampled_of(context)
     x1 = low + _GOLDEN * (high - low)
     x2 = high - _GOLDEN * (high - low)
-    g1 = side * sample(machine, t, h, x1, k, dense_rows)
-    g2 = side * sample(machine, t, h, x2, k, dense_rows)
+    g1 = side * sample(context, t, h, x1, k, dense_rows)
+    g2 = side * sample(context, t, h, x2, k, dense_rows)
     for _ in range(40):
         if g1 < -band:
             return x1
@@ -106,17 +115,17 @@ def dip(
         if g1 < g2:
             high, x2, g2 = x2, x1, g1
             x1 = low + _GOLDEN * (high - low)
-            g1 = side * sample(machine, t, h, x1, k, dense_rows)
+            g1 = side * sample(context, t, h, x1, k, dense_rows)
         else:
             low, x1, g1 = x1, x2, g2
             x2 = high - _GOLDEN * (high - low)
-            g2 = side * sample(machine, t, h, x2, k, dense_rows)
+            g2 = side * sample(context, t, h, x2, k, dense_rows)
     return NOWHERE
 
 
 @inner
 def root(
-    machine: Integers,
+    context: Integers,
     t: float,
     h: float,
     low: float,
@@ -131,9 +140,9 @@ def root(
     Regula falsi with halved weights (Illinois), every third point a bisection; to 1e-13 of the
     step.
     """
-    sample = sampled_of(machine)
-    g_low = side * sample(machine, t, h, low, k, dense_rows) + band
-    g_high = side * sample(machine, t, h, high, k, dense_rows) + band
+    sample = sampled_of(context)
+    g_low = side * sample(context, t, h, low, k, dense_rows) + band
+    g_high = side * sample(context, t, h, high, k, dense_rows) + band
     kept = 0
     for i in range(120):
         if high - low <= 1e-13:
@@ -144,7 +153,7 @@ def root(
             x = high - g_high * (high - low) / (g_high - g_low)
             if not (low < x < high):
                 x = 0.5 * (low + high)
-        g = side * sample(machine, t, h, x, k, dense_rows) + band
+        g = side * sample(context, t, h, x, k, dense_rows) + band
         if g < 0.0:
             high, g_high = x, g
             if kept == 1:
@@ -159,52 +168,65 @@ def root(
 
 
 @inner
-def last_due(t: float, sw: Vector, modes: Integers) -> int:
+def last_due(context: Integers, t: float) -> int:
     """A function that reaches zero at the step's end but for what the clock cannot tell, or -1.
 
     For the end of a run, after which no step sees it.
     """
-    s = modes.size
+    modes = modes_of(context)
+    r1 = switch_row(context, R1)
+    band = switch_row(context, BAND)
+    g1 = switch_row(context, G1)
+    s = context[SWITCHES]
     for k in range(s):
         side = 1.0 if modes[k] != 0 else -1.0
-        change = side * sw[R1 * s + k] * INSTANT * abs(t)
-        off = modes[k] != HELD_MODE and sw[BAND * s + k] == 0.0
-        if off and change < 0.0 and side * sw[G1 * s + k] + change <= 0.0:
+        change = side * r1[k] * INSTANT * abs(t)
+        off = modes[k] != HELD_MODE and band[k] == 0.0
+        if off and change < 0.0 and side * g1[k] + change <= 0.0:
             return k
     return -1
 
 
 @addressed(LOCATE)
-def locate(machine: Integers, t: float, h: float, dense_rows: int, found: Integers) -> float:
+def locate(context: Integers, t: float, h: float, dense_rows: int) -> float:
     """Fraction of the step at which a marked function first crosses, or `NOWHERE`.
 
-    The dense output must be there. `found[0]` receives the function's index.
+    The dense output must be there. The first of `crossed_of` receives the function's index.
     """
-    s = machine[SWITCHES]
-    sw, modes = surfaces(machine), mode_numbers(machine)
-    sample = sampled_of(machine)
+    trial = switch_row(context, TRIAL)
+    scan = switch_row(context, SCAN)
+    g0 = switch_row(context, G0)
+    g1 = switch_row(context, G1)
+    suspect = switch_row(context, SUSPECT)
+    band_row = switch_row(context, BAND)
+    largest = switch_row(context, LARGEST)
+    r0 = switch_row(context, R0)
+    r1 = switch_row(context, R1)
+    s = context[SWITCHES]
+    modes = modes_of(context)
+    sample = sampled_of(context)
     for i in range(1, SUBDIVISIONS):
-        sample(machine, t, h, i / SUBDIVISIONS, 0, dense_rows)
+        sample(context, t, h, i / SUBDIVISIONS, 0, dense_rows)
         for k in range(s):
-            sw[(SCAN + i) * s + k] = sw[TRIAL * s + k]
+            switch_row(context, SCAN + i)[k] = trial[k]
     for k in range(s):
-        sw[SCAN * s + k] = sw[G0 * s + k]
-        sw[(SCAN + SUBDIVISIONS) * s + k] = sw[G1 * s + k]
+        scan[k] = g0[k]
+        switch_row(context, SCAN + SUBDIVISIONS)[k] = g1[k]
     first = NOWHERE
     for k in range(s):
-        if sw[SUSPECT * s + k] == 0.0:
+        if suspect[k] == 0.0:
             continue
         side = 1.0 if modes[k] != 0 else -1.0
-        band = sw[BAND * s + k]
+        band = band_row[k]
         # Rounding of the dense output is no crossing; that of the end point is looked at as it is.
-        noise = max(band, _NOISE * sw[LARGEST * s + k])
+        noise = max(band, _NOISE * largest[k])
         low, high, away = NOWHERE, NOWHERE, NOWHERE
         for i in range(1, SUBDIVISIONS + 1):
             left, right = (i - 1) / SUBDIVISIONS, i / SUBDIVISIONS
             if left >= first:
                 break
-            here = side * sw[(SCAN + i) * s + k]
-            before = side * sw[(SCAN + i - 1) * s + k]
+            here = side * switch_row(context, SCAN + i)[k]
+            before = side * switch_row(context, SCAN + i - 1)[k]
             if before > noise:
                 away = left
             if here < -(band if i == SUBDIVISIONS else noise):
@@ -212,15 +234,15 @@ def locate(machine: Integers, t: float, h: float, dense_rows: int, found: Intege
                 break
             # A lowest point may lie beside a sample that is lower than its neighbours.
             if i == 1:
-                falls = side * sw[R0 * s + k] < 0.0 and band == 0.0
+                falls = side * r0[k] < 0.0 and band == 0.0
             else:
-                falls = side * sw[(SCAN + i - 2) * s + k] >= before
+                falls = side * switch_row(context, SCAN + i - 2)[k] >= before
             if i == SUBDIVISIONS:
-                rises = side * sw[R1 * s + k] > 0.0
+                rises = side * r1[k] > 0.0
             else:
-                rises = side * sw[(SCAN + i + 1) * s + k] >= here
+                rises = side * switch_row(context, SCAN + i + 1)[k] >= here
             if (falls and before <= here) or (rises and here <= before):
-                x = dip(machine, t, h, left, right, side, noise, k, dense_rows)
+                x = dip(context, t, h, left, right, side, noise, k, dense_rows)
                 if x < 1.0:
                     low, high = left, x
                     break
@@ -228,8 +250,8 @@ def locate(machine: Integers, t: float, h: float, dense_rows: int, found: Intege
             # It has left the surface on which it began, and comes back to zero itself.
             low, band = away, 0.0
         if high <= 1.0:
-            x = root(machine, t, h, low, high, side, band, k, dense_rows)
+            x = root(context, t, h, low, high, side, band, k, dense_rows)
             if x < first:
                 first = x
-                found[0] = k
+                crossed_of(context)[0] = k
     return first

@@ -9,9 +9,10 @@ near, the step is too long.
 
 import numpy as np
 
-from runtime.core.array_views import view
+from runtime.core.function_table import COORDINATES, SWITCHES, WATCH, modes_of
 from runtime.core.jit import addressed, inner
-from runtime.core.signatures import WATCH, Integers, Vector
+from runtime.core.run_record import run_record
+from runtime.core.signatures import Integers
 from runtime.core.workspace import (
     BETWEEN,
     G0,
@@ -21,13 +22,13 @@ from runtime.core.workspace import (
     PREDICTED,
     R0,
     R1,
-    ROWS,
     SAMPLE,
     STAGE,
     Y0,
     Y1,
     K,
-    Run,
+    row_of,
+    switch_row,
 )
 from runtime.hybrid.event_location import suspects
 from runtime.hybrid.switching_functions import functions, measure
@@ -52,62 +53,62 @@ RISE3, LEAVE3, ARRIVE3 = X3 * X3 * (3 - 2 * X3), X3 * (1 - X3) ** 2, X3 * X3 * (
 
 
 @inner
-def between(
-    machine: Integers,
-    t: float,
-    h: float,
-    last: int,
-    w: Vector,
-    sw: Vector,
-    p: Vector,
-) -> None:
+def between(context: Integers, t: float, h: float, last: int) -> None:
     """Fill the three rows at BETWEEN with the functions at points between the ends of the step.
 
     The states there lie on the cubics through both ends.
     """
-    length = w.size // ROWS
-    y0 = view(w, Y0 * length, length)
-    y1 = view(w, Y1 * length, length)
-    k0 = view(w, K * length, length)
-    k1 = view(w, last * length, length)
-    z1 = view(w, STAGE * length, length)
-    z2 = view(w, SAMPLE * length, length)
-    z3 = view(w, PREDICTED * length, length)
+    length = 2 * context[COORDINATES]
+    y0 = row_of(context, Y0)
+    y1 = row_of(context, Y1)
+    k0 = row_of(context, K)
+    k1 = row_of(context, last)
+    z1 = row_of(context, STAGE)
+    z2 = row_of(context, SAMPLE)
+    z3 = row_of(context, PREDICTED)
     for j in range(length):
         start, change = y0[j], y1[j] - y0[j]
         leave, arrive = h * k0[j], h * k1[j]
         z1[j] = start + RISE1 * change + LEAVE1 * leave + ARRIVE1 * arrive
         z2[j] = start + RISE2 * change + LEAVE2 * leave + ARRIVE2 * arrive
         z3[j] = start + RISE3 * change + LEAVE3 * leave + ARRIVE3 * arrive
-    functions(machine, t + X1 * h, STAGE, BETWEEN, w, sw, p)
-    functions(machine, t + X2 * h, SAMPLE, BETWEEN + 1, w, sw, p)
-    functions(machine, t + X3 * h, PREDICTED, BETWEEN + 2, w, sw, p)
+    functions(context, t + X1 * h, STAGE, BETWEEN)
+    functions(context, t + X2 * h, SAMPLE, BETWEEN + 1)
+    functions(context, t + X3 * h, PREDICTED, BETWEEN + 2)
 
 
 @inner
-def bearable(h: float, sw: Vector, modes: Integers) -> float:
+def bearable(context: Integers, h: float) -> float:
     """Ratio to this step's length of the longest step that the functions allow; infinite if any.
 
     Row MISMATCH receives the differences found.
     """
-    s = modes.size
+    modes = modes_of(context)
+    g0_row = switch_row(context, G0)
+    g1_row = switch_row(context, G1)
+    between = switch_row(context, BETWEEN)
+    r0 = switch_row(context, R0)
+    r1 = switch_row(context, R1)
+    mismatch = switch_row(context, MISMATCH)
+    largest = switch_row(context, LARGEST)
+    s = context[SWITCHES]
     allowed = np.inf
     for k in range(s):
         side = 1.0 if modes[k] != 0 else -1.0
-        g0, g1 = side * sw[G0 * s + k], side * sw[G1 * s + k]
-        a1 = side * sw[BETWEEN * s + k]
-        a2 = side * sw[(BETWEEN + 1) * s + k]
-        a3 = side * sw[(BETWEEN + 2) * s + k]
+        g0, g1 = side * g0_row[k], side * g1_row[k]
+        a1 = side * between[k]
+        a2 = side * switch_row(context, BETWEEN + 1)[k]
+        a3 = side * switch_row(context, BETWEEN + 2)[k]
         change = g1 - g0
-        leave, arrive = h * side * sw[R0 * s + k], h * side * sw[R1 * s + k]
+        leave, arrive = h * side * r0[k], h * side * r1[k]
         b1 = g0 + RISE1 * change + LEAVE1 * leave + ARRIVE1 * arrive
         b2 = g0 + RISE2 * change + LEAVE2 * leave + ARRIVE2 * arrive
         b3 = g0 + RISE3 * change + LEAVE3 * leave + ARRIVE3 * arrive
         difference = max(abs(a1 - b1), abs(a2 - b2), abs(a3 - b3))
-        sw[MISMATCH * s + k] = difference
+        mismatch[k] = difference
         low = min(g0, g1, a1, a2, a3)
         high = max(g0, g1, a1, a2, a3)
-        if not difference > _ROUNDING * max(sw[LARGEST * s + k], abs(low), abs(high)):
+        if not difference > _ROUNDING * max(largest[k], abs(low), abs(high)):
             continue
         # The difference grows with the fourth power of the length, the variation with the first.
         varied = max(high, b1, b2, b3) - min(low, b1, b2, b3)
@@ -122,27 +123,16 @@ def bearable(h: float, sw: Vector, modes: Integers) -> float:
 
 
 @addressed(WATCH)
-def watch(
-    machine: Integers,
-    t: float,
-    h: float,
-    t1: float,
-    w: Vector,
-    sw: Vector,
-    run: Run,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> int:
+def watch(context: Integers, t: float, h: float, t1: float) -> int:
     """Evaluate the functions over the step and count those that may cross in it.
 
     Returns `UNRESOLVED` where the step is too long to tell. `run.stretch` is the ratio of the next
     step's length to this one's that the functions allow.
     """
-    r = run[0]
-    measure(machine, t1, Y1, K + r.last, G1, w, sw, p, modes, lam)
-    between(machine, t, h, K + r.last, w, sw, p)
-    allowed = bearable(h, sw, modes)
+    r = run_record(context)
+    measure(context, t1, Y1, K + r.last, G1)
+    between(context, t, h, K + r.last)
+    allowed = bearable(context, h)
     r.stretch = np.inf if r.fixed != 0 else 0.9 * allowed
     if r.fixed == 0:
         finest = _FINEST * r.duration
@@ -156,4 +146,4 @@ def watch(
             # A jump, a kink or rounding: shorter steps would tell no more.
             r.finest = _COARSER * max(finest, r.finest)
             r.stretch = _COARSER
-    return int(suspects(h, sw, modes))
+    return int(suspects(context, h))

@@ -2,26 +2,47 @@
 
 import numpy as np
 
-from runtime.core.array_views import floats_at, integers_at, view
+from runtime.core.array_views import view
 from runtime.core.function_table import (
-    CONSTRAINT_COUNT,
     COORDINATES,
-    HELD,
-    PLAIN,
-    RESTITUTION,
-    RIGID,
+    IMPACT,
+    RETURN_HELD,
     RIGID_COUNT,
-    SHARE,
-    SOUGHT,
+    SLIDING_COUNT,
     SWITCHES,
-    WORK,
+    base_accelerations_of,
+    base_response_of,
     gap_accelerations_of,
+    modes_of,
+    parameters_of,
+    response_column_of,
+    response_copy_of,
+    response_gaps_of,
+    response_of,
+    response_rates_of,
+    restitution_of,
+    right_side_of,
+    rigid_of,
+    share_of,
+    sliding_functions_of,
+    stiction_place_of,
     switching_of,
     switching_rates_of,
+    unit_accelerations_of,
 )
 from runtime.core.jit import addressed, inner
-from runtime.core.signatures import IMPACT, RETURN_HELD, Integers, Vector
-from runtime.core.workspace import ATOL, LARGEST, NOW, RATE_NOW, RESERVE, ROWS
+from runtime.core.signatures import Integers, Vector
+from runtime.core.workspace import (
+    ATOL,
+    LARGEST,
+    NOW,
+    RATE_NOW,
+    RESERVE,
+    positions,
+    row_of,
+    switch_row,
+    velocities,
+)
 from runtime.hybrid.degenerate_sliding import least
 from runtime.hybrid.sliding_modes import CANCELLED, HELD_MODE, shares, units
 from runtime.hybrid.stiction_force import FREE_MODE
@@ -43,52 +64,42 @@ _UNSEEN = 2e-12
 
 
 @inner
-def largest_gap(sw: Vector, modes: Integers, k: int) -> float:
+def largest_gap(context: Integers, k: int) -> float:
     """Running maximum of the gap of contact `k`, also while it is closed."""
-    s = modes.size
-    return float(sw[RESERVE * s + k] if modes[k] == HELD_MODE else sw[LARGEST * s + k])
+    modes = modes_of(context)
+    reserve = switch_row(context, RESERVE)
+    largest = switch_row(context, LARGEST)
+    return float(reserve[k] if modes[k] == HELD_MODE else largest[k])
 
 
 @inner
-def free_gap(
-    machine: Integers, t: float, q: Vector, v: Vector, p: Vector, modes: Integers, first: int
-) -> float:
+def free_gap(context: Integers, t: float, q: Vector, v: Vector, first: int) -> float:
     """Second derivative of the gap of contact `first` under `modes`, in which it is open."""
-    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
-    size, r = n + m, machine[RIGID_COUNT]
-    rigid = integers_at(machine, RIGID, s)
-    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + r)
+    p = parameters_of(context)
+    modes = modes_of(context)
+    n, s = context[COORDINATES], context[SWITCHES]
+    rigid = rigid_of(context)
     count = 0
     for k in range(s):
         count += 1 if modes[k] == HELD_MODE else 0
-    machine[HELD] = count
-    units(machine, t, q, v, p, modes)
-    a = view(work, 0, n)
+    context[SLIDING_COUNT] = count
+    units(context, t, q, v, modes)
+    a = base_accelerations_of(context)
     if count > 0:
-        shares(machine, t, q, v, p, count)
-        share = floats_at(machine, SHARE, s)
-        held = view(integers_at(machine, PLAIN, 2 * s), s, s)
+        shares(context, t, q, v, count)
+        share = share_of(context)
+        held = sliding_functions_of(context)
         for c in range(count):
-            unit = view(work, (c + 1) * size, n)
+            unit = view(unit_accelerations_of(context), c * n, n)
             for j in range(n):
                 a[j] += share[held[c]] * unit[j]
-    gaps = view(work, (s + 1) * size + s * s + 4 * s, r)
-    gap_accelerations_of(machine)(t, q, v, a, p, gaps)
+    gaps = response_gaps_of(context)
+    gap_accelerations_of(context)(t, q, v, a, p, gaps)
     return float(gaps[rigid[first]])
 
 
 @addressed(IMPACT)
-def impact(
-    machine: Integers,
-    first: int,
-    t: float,
-    state: int,
-    w: Vector,
-    sw: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> float:
+def impact(context: Integers, first: int, t: float, state: int) -> float:
     """Change the velocities in row `state` by the impact of rigid contact `first`.
 
     Newton's law, ġ⁺ = -e ġ⁻, with impulses that only push, and with those that hold the other
@@ -103,43 +114,42 @@ def impact(
     Returns the time T of the next flight, T/(1 - e) negative where it is the last, infinite where
     the contact does not return by itself.
     """
-    length = w.size // ROWS
-    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
-    size = n + m
-    q, v = view(w, state * length, n), view(w, state * length + n, n)
-    rigid = integers_at(machine, RIGID, s)
-    restitution = floats_at(machine, RESTITUTION, machine[RIGID_COUNT])
-    plain = integers_at(machine, PLAIN, 2 * s)
-    held = view(plain, s, s)
-    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
-    rates, now = view(sw, RATE_NOW * s, s), view(sw, NOW * s, s)
-    before, holding = modes[first], machine[HELD]
+    p = parameters_of(context)
+    modes = modes_of(context)
+    atol = row_of(context, ATOL)
+    n, s = context[COORDINATES], context[SWITCHES]
+    q, v = positions(context, state), velocities(context, state)
+    rigid = rigid_of(context)
+    restitution = restitution_of(context)
+    held = sliding_functions_of(context)
+    rates, now = switch_row(context, RATE_NOW), switch_row(context, NOW)
+    before, holding = modes[first], context[SLIDING_COUNT]
     # All contacts that touch as held, and nothing else: friction gives no impulse.
-    gaps, sought = view(work, (s + 1) * size, s), integers_at(machine, SOUGHT, s)
-    switching_of(machine)(t, q, v, p, gaps)
+    gaps, sought = right_side_of(context), stiction_place_of(context)
+    switching_of(context)(t, q, v, p, gaps)
     for k in range(s):
-        touches = abs(gaps[k]) <= ON_SURFACE * largest_gap(sw, modes, k)
+        touches = abs(gaps[k]) <= ON_SURFACE * largest_gap(context, k)
         now[k] = modes[k]
         if rigid[k] < 0 and modes[k] == HELD_MODE:
             modes[k] = FREE_MODE if sought[k] >= 0 else 0
         elif rigid[k] >= 0 and touches:
             modes[k] = HELD_MODE
     modes[first] = HELD_MODE
-    units(machine, t, q, v, p, modes)
+    units(context, t, q, v, modes)
     count = 0
     for k in range(s):
         count += 1 if modes[k] == HELD_MODE else 0
-    any_a = view(work, 0, n)  # the rate of a gap does not depend on it
-    impulse = view(work, (s + 1) * size + s * s + 3 * s, s)
-    target = view(work, (s + 1) * size + s * s + s, s)
-    switching_rates_of(machine)(t, q, v, any_a, p, rates)
+    any_a = base_accelerations_of(context)  # the rate of a gap does not depend on it
+    impulse = right_side_of(context)
+    target = response_column_of(context)
+    switching_rates_of(context)(t, q, v, any_a, p, rates)
     fastest = 0.0
     for c in range(count):
         k = held[c]
         impulse[c] = 0.0
         target[c] = -restitution[rigid[k]] * min(rates[k], 0.0)
         fastest = max(fastest, abs(rates[k]))
-    matrix = view(work, (s + 1) * size, s * s)
+    matrix = response_of(context)
     quickest = 0.0
     for j in range(n):
         quickest = max(quickest, abs(v[j]))
@@ -147,8 +157,8 @@ def impact(
         moved = 0.0
         for c in range(count):
             k = held[c]
-            unit = view(work, (c + 1) * size, n)
-            switching_rates_of(machine)(t, q, v, any_a, p, rates)
+            unit = view(unit_accelerations_of(context), c * n, n)
+            switching_rates_of(context)(t, q, v, any_a, p, rates)
             gain = -matrix[c * count + c]
             more = max((target[c] - rates[k]) / gain, -impulse[c]) if gain > 0.0 else 0.0
             for j in range(n):
@@ -165,21 +175,21 @@ def impact(
                 target[c] = 0.0
     for k in range(s):
         modes[k] = int(now[k])
-    switching_rates_of(machine)(t, q, v, any_a, p, rates)
+    switching_rates_of(context)(t, q, v, any_a, p, rates)
     leaving = rates[first]
     # How the gap goes on without this contact.
     modes[first] = 1
-    fall = free_gap(machine, t, q, v, p, modes, first)
+    fall = free_gap(context, t, q, v, first)
     modes[first] = before
-    machine[HELD] = holding
+    context[SLIDING_COUNT] = holding
     if not fall < 0.0:
         return np.inf
     flight = -2.0 * leaving / fall
     share = restitution[rigid[first]]
     lowest = np.inf
     for j in range(n):
-        lowest = min(lowest, w[ATOL * length + j])
-    unseen = max(_LOW_FLIGHT * lowest, _UNSEEN * largest_gap(sw, modes, first))
+        lowest = min(lowest, atol[j])
+    unseen = max(_LOW_FLIGHT * lowest, _UNSEEN * largest_gap(context, first))
     if -0.5 * leaving * leaving / fall > unseen or share >= 1.0:
         # What still closes was let no jump by the constraints.
         return float(flight) if flight > 0.0 else np.inf
@@ -188,41 +198,34 @@ def impact(
 
 
 @addressed(RETURN_HELD)
-def return_held(
-    machine: Integers,
-    t: float,
-    state: int,
-    w: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> int:
+def return_held(context: Integers, t: float, state: int) -> int:
     """Bring the state in row `state` back onto the surfaces of what is held.
 
     It moves in the directions in which the forces that hold act. These leave the constraints as
     they are in the velocities; in the positions, but for the square of what was to be corrected.
     """
-    length = w.size // ROWS
-    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
-    size, r = n + m, machine[RIGID_COUNT]
-    q, v = view(w, state * length, n), view(w, state * length + n, n)
-    count = machine[HELD]
-    rigid = integers_at(machine, RIGID, s)
-    held = view(integers_at(machine, PLAIN, 2 * s), s, s)
-    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + r)
-    matrix = view(work, (s + 1) * size, s * s)
-    rates = view(work, (s + 1) * size + s * s + 2 * s, s)
-    right = view(work, (s + 1) * size + s * s + 3 * s, s)
-    values = view(work, (s + 1) * size + s * s, s)
-    reach = view(work, (s + 1) * size + s * s + s, s)
-    copy = view(work, (s + 1) * size + s * s + 4 * s + r, s * s)
-    units(machine, t, q, v, p, modes)
+    p = parameters_of(context)
+    modes = modes_of(context)
+    unit_accelerations = unit_accelerations_of(context)
+    n = context[COORDINATES]
+    r = context[RIGID_COUNT]
+    q, v = positions(context, state), velocities(context, state)
+    count = context[SLIDING_COUNT]
+    rigid = rigid_of(context)
+    held = sliding_functions_of(context)
+    matrix = response_of(context)
+    rates = response_rates_of(context)
+    right = right_side_of(context)
+    values = base_response_of(context)
+    reach = response_column_of(context)
+    copy = response_copy_of(context)
+    units(context, t, q, v, modes)
     for level in range(2):
         # First the gaps, then the velocities.
         if level == 0 and r == 0:
             continue
-        switching_of(machine)(t, q, v, p, values)
-        switching_rates_of(machine)(t, q, v, view(work, 0, n), p, rates)
+        switching_of(context)(t, q, v, p, values)
+        switching_rates_of(context)(t, q, v, base_accelerations_of(context), p, rates)
         for attempt in range(2):
             for i in range(count):
                 k = held[i]
@@ -240,12 +243,12 @@ def return_held(
                 for c in range(count):
                     reach[c] = 1.0
                 # What surfaces that depend on each other ask for differs by rounding.
-                if least(machine, copy, right, count, reach, np.inf) != 0:
+                if least(context, copy, right, count, reach, np.inf) != 0:
                     return 1
         for j in range(n):
             total, largest = 0.0, 0.0
             for c in range(count):
-                part = right[c] * work[(c + 1) * size + j]
+                part = right[c] * unit_accelerations[c * n + j]
                 total += part
                 largest = max(largest, abs(part))
             if level == 0:

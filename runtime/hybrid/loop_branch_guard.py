@@ -11,14 +11,22 @@ once the turn is resolved.
 
 import numpy as np
 
-from runtime.core.array_views import floats_at, integers_at, view
-from runtime.core.function_table import LOOP_ROWS, LOOPS, NEARNESS, dead_centres_of
+from runtime.core.array_views import view
+from runtime.core.function_table import (
+    LOOPS,
+    PASSED,
+    dead_centres_of,
+    loop_nearness_of,
+    loop_rows_of,
+    parameters_of,
+)
 from runtime.core.jit import addressed
 from runtime.core.outcome_codes import SINGULAR
 from runtime.core.outcomes import Outcome
-from runtime.core.signatures import PASSED, Integers, Matrix, Vector
+from runtime.core.run_record import run_record
+from runtime.core.signatures import Integers, Matrix, Vector
 from runtime.core.system import System
-from runtime.core.workspace import ROWS, Y0, Y1, Run
+from runtime.core.workspace import Y0, Y1, positions, velocities
 
 AGAIN = -1
 _ADDED = 2.0  # measured: steps; sum of both times below which a loop has passed its dead centre
@@ -40,13 +48,8 @@ MET = (
 _ENDS = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
 
 
-def numbers_for(loops: int) -> int:
-    """Numbers to keep: ρ² and its rate at both ends, the largest ρ², a step's length."""
-    return 5 * loops + 1
-
-
 @addressed(PASSED)
-def passed(machine: Integers, t: float, h: float, w: Vector, run: Run, p: Vector) -> int:
+def passed(context: Integers, t: float, h: float) -> int:
     """Judge a step from Y0 to Y1: 0, `AGAIN` and shorter, or the code of an outcome.
 
     It is 0 where no loop passes its dead centre. Where the run ends, `run.index` and `run.turn` say
@@ -54,16 +57,15 @@ def passed(machine: Integers, t: float, h: float, w: Vector, run: Run, p: Vector
     τ before it they err by their rounding over τ³: no step control comes there, so steps much
     shorter than those further away end a run too.
     """
-    r = run[0]
-    length = w.size // ROWS
-    n = length // 2
-    count = machine[LOOPS]
-    rows = integers_at(machine, LOOP_ROWS, count)
-    numbers = floats_at(machine, NEARNESS, 5 * count + 1)
+    p = parameters_of(context)
+    r = run_record(context)
+    count = context[LOOPS]
+    rows = loop_rows_of(context)
+    numbers = loop_nearness_of(context)
     before, after = view(numbers, 0, 2 * count), view(numbers, 2 * count, 2 * count)
     largest = view(numbers, 4 * count, count)
-    nearness = dead_centres_of(machine)
-    nearness(t + h, view(w, Y1 * length, n), view(w, Y1 * length + n, n), p, after)
+    nearness = dead_centres_of(context)
+    nearness(t + h, positions(context, Y1), velocities(context, Y1), p, after)
     known, away = False, True
     stuck = h < _SHORT * numbers[5 * count]
     first, over, row = np.inf, False, -1
@@ -79,7 +81,7 @@ def passed(machine: Integers, t: float, h: float, w: Vector, run: Run, p: Vector
             left = h - 2.0 * square / rate
         elif 2.0 * square < rate * h:
             if not known:
-                nearness(t, view(w, Y0 * length, n), view(w, Y0 * length + n, n), p, before)
+                nearness(t, positions(context, Y0), velocities(context, Y0), p, before)
                 known = True
             start, fall = before[2 * k], -before[2 * k + 1]
             if fall > 0.0:

@@ -2,23 +2,24 @@
 
 import numpy as np
 
-from runtime.core.array_views import floats_at, integers_at, view
 from runtime.core.function_table import (
-    BENDS,
-    CONSTRAINT_COUNT,
     COORDINATES,
-    HELD,
-    HIGH,
-    LIMITS,
-    LOW,
-    PLAIN,
-    RIGID,
-    RIGID_COUNT,
-    SHARE,
+    MODIFIED,
+    SLIDING_COUNT,
     STABILIZED,
-    STICKS,
-    WORK,
+    SWITCHES,
     limited_of,
+    limits_of,
+    members_of,
+    parameters_of,
+    response_of,
+    rigid_of,
+    share_high_of,
+    share_low_of,
+    share_of,
+    signs_of,
+    sliding_functions_of,
+    sticks_of,
     switching_of,
 )
 from runtime.core.jit import inner
@@ -29,10 +30,13 @@ from runtime.core.workspace import (
     LARGEST,
     NOW,
     PREFERRED,
-    ROWS,
     SAMPLE,
-    SWITCH_ROWS,
     TRIAL,
+    positions,
+    row_of,
+    second_half,
+    switch_row,
+    velocities,
 )
 from runtime.hybrid.sliding_modes import HELD_MODE
 
@@ -44,54 +48,49 @@ MISSED = 1e-9  # accuracy: amount by which a share may miss its bounds at an eve
 
 
 @inner
-def carry(
-    machine: Integers, t: float, d: float, state: int, w: Vector, sw: Vector, p: Vector
-) -> None:
+def carry(context: Integers, t: float, d: float, state: int) -> None:
     """Write into row TRIAL of `sw` the functions after a time `d` at constant acceleration.
 
     The acceleration is the second half of row DELTA.
     """
-    n = w.size // (2 * ROWS)
-    s = sw.size // SWITCH_ROWS
-    y = view(w, state * 2 * n, 2 * n)
-    a = view(w, DELTA * 2 * n + n, n)
-    z = view(w, SAMPLE * 2 * n, 2 * n)
+    p = parameters_of(context)
+    n = context[COORDINATES]
+    y = row_of(context, state)
+    a = second_half(context, DELTA)
+    z = row_of(context, SAMPLE)
     for j in range(n):
         z[j] = y[j] + d * (y[n + j] + 0.5 * d * a[j])
         z[n + j] = y[n + j] + d * a[j]
-    q, v = view(w, SAMPLE * 2 * n, n), view(w, SAMPLE * 2 * n + n, n)
-    switching_of(machine)(t + d, q, v, p, view(sw, TRIAL * s, s))
+    q, v = positions(context, SAMPLE), velocities(context, SAMPLE)
+    switching_of(context)(t + d, q, v, p, switch_row(context, TRIAL))
 
 
 @inner
-def hold(machine: Integers, modes: Integers) -> None:
+def hold(context: Integers, modes: Integers) -> None:
     """Make the field that of `modes`: count what is held."""
     count = 0
     for k in range(modes.size):
         count += 1 if modes[k] == HELD_MODE else 0
-    machine[HELD] = count
-    machine[BENDS] = count + machine[STABILIZED]
+    context[SLIDING_COUNT] = count
+    context[MODIFIED] = count + context[STABILIZED]
 
 
 @inner
-def loose(machine: Integers, t: float, q: Vector, v: Vector, p: Vector, lam: Vector, s: int) -> int:
+def loose(context: Integers, t: float, q: Vector, v: Vector, s: int) -> int:
     """First function that is said to be held and that nothing holds, else `CONSISTENT`.
 
     To be called after the field was evaluated.
     """
-    n, m = machine[COORDINATES], machine[CONSTRAINT_COUNT]
-    size = n + m
-    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
-    matrix = view(work, (s + 1) * size, s * s)
-    share = floats_at(machine, SHARE, s)
-    low, high = floats_at(machine, LOW, s), floats_at(machine, HIGH, s)
-    count = machine[HELD]
-    held = view(integers_at(machine, PLAIN, 2 * s), s, s)
+    matrix = response_of(context)
+    share = share_of(context)
+    low, high = share_low_of(context), share_high_of(context)
+    count = context[SLIDING_COUNT]
+    held = sliding_functions_of(context)
     for c in range(count):
         k = int(held[c])
         inside = low[k] - MISSED <= share[k] <= high[k] + MISSED
-        if integers_at(machine, LIMITS, 2 * s)[2 * k] >= 0:
-            inside = limited_of(machine)(machine, t, q, v, p, lam, k) >= -MISSED
+        if limits_of(context)[2 * k] >= 0:
+            inside = limited_of(context)(context, t, q, v, k) >= -MISSED
         if not inside or not matrix[c * count + c] < 0.0:
             return k
     return CONSISTENT
@@ -99,36 +98,26 @@ def loose(machine: Integers, t: float, q: Vector, v: Vector, p: Vector, lam: Vec
 
 @inner
 def contradicted(
-    machine: Integers,
-    t: float,
-    d: float,
-    state: int,
-    w: Vector,
-    sw: Vector,
-    p: Vector,
-    candidate: Integers,
-    lam: Vector,
-    members: Integers,
-    count: int,
-    signs: Integers,
+    context: Integers, t: float, d: float, state: int, candidate: Integers, count: int
 ) -> int:
     """First of the `count` members that does not go to the side that its candidate mode claims.
 
     Returns `CONSISTENT` where all do. `signs` receives where each goes: -1, 0 or 1.
     """
-    n = w.size // (2 * ROWS)
-    s = sw.size // SWITCH_ROWS
-    g = view(sw, NOW * s, s)
-    ahead = view(sw, TRIAL * s, s)
-    largest = view(sw, LARGEST * s, s)
-    preferred = view(sw, PREFERRED * s, s)
-    rigid, sticks = integers_at(machine, RIGID, s), integers_at(machine, STICKS, s)
-    q = view(w, state * 2 * n, n)
-    v = view(w, state * 2 * n + n, n)
-    hold(machine, candidate)
-    field(machine, t, q, v, p, candidate, view(w, DELTA * 2 * n + n, n), lam)
-    if machine[HELD] != 0:
-        k = loose(machine, t, q, v, p, lam, s)
+    members = members_of(context)
+    signs = signs_of(context)
+    s = context[SWITCHES]
+    g = switch_row(context, NOW)
+    ahead = switch_row(context, TRIAL)
+    largest = switch_row(context, LARGEST)
+    preferred = switch_row(context, PREFERRED)
+    rigid, sticks = rigid_of(context), sticks_of(context)
+    q = positions(context, state)
+    v = velocities(context, state)
+    hold(context, candidate)
+    field(context, t, q, v, candidate, second_half(context, DELTA))
+    if context[SLIDING_COUNT] != 0:
+        k = loose(context, t, q, v, s)
         if k != CONSISTENT:
             return k
     open_members = 0
@@ -137,7 +126,7 @@ def contradicted(
         open_members += 1 if candidate[members[i]] != HELD_MODE else 0
     distance = d * _FIRST
     while open_members > 0 and distance <= 1.5 * d:
-        carry(machine, t, distance, state, w, sw, p)
+        carry(context, t, distance, state)
         for i in range(count):
             k = members[i]
             change = ahead[k] - g[k]

@@ -4,77 +4,80 @@ Rows of reactions that a mode decides mix as the accelerations do, each mode wit
 multipliers; the others follow from the mixed multipliers.
 """
 
-from runtime.core.array_views import floats_at, integers_at, view
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
-    COORDINATES,
-    HELD,
-    LIMITS,
-    PLAIN,
-    REACTION,
+    LIMIT,
     REACTION_ROWS,
-    RIGID_COUNT,
-    SHARE,
-    SWITCHES,
-    WORK,
+    SLIDING_COUNT,
+    base_multipliers_of,
+    base_reaction_of,
+    kernel_modes_of,
+    limits_of,
+    mixed_multipliers_of,
+    multipliers_of,
+    parameters_of,
+    reaction_of,
     reactions_of,
+    share_of,
+    sliding_functions_of,
     switched_reactions_of,
+    unit_multipliers_of,
+    unit_reaction_of,
 )
 from runtime.core.jit import addressed, inner
-from runtime.core.signatures import LIMIT, Integers, Vector
+from runtime.core.signatures import Integers, Vector
 from runtime.hybrid.stiction_force import engage, exert, release
 
 
 @inner
-def mix(machine: Integers, t: float, q: Vector, v: Vector, p: Vector, lam: Vector) -> None:
+def mix(context: Integers, t: float, q: Vector, v: Vector, lam: Vector) -> None:
     """Fill REACTION with all rows for the mixed multipliers `lam`; `bent` must just have run."""
-    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
-    size, rows, count = n + m, machine[REACTION_ROWS], machine[HELD]
-    plain = integers_at(machine, PLAIN, 2 * s)
-    held = view(plain, s, s)
-    share = floats_at(machine, SHARE, s)
-    room = floats_at(machine, REACTION, 3 * rows + m)
-    out, base, other = view(room, 0, rows), view(room, rows, rows), view(room, 2 * rows, rows)
-    own = view(room, 3 * rows, m)
-    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
+    p = parameters_of(context)
+    base_multipliers = base_multipliers_of(context)
+    unit_multipliers = unit_multipliers_of(context)
+    m = context[CONSTRAINT_COUNT]
+    rows, count = context[REACTION_ROWS], context[SLIDING_COUNT]
+    plain = kernel_modes_of(context)
+    held = sliding_functions_of(context)
+    share = share_of(context)
+    out, base, other = reaction_of(context), base_reaction_of(context), unit_reaction_of(context)
+    own = mixed_multipliers_of(context)
     for c in range(count):
-        release(machine, p, held[c])
-    reactions_of(machine)(t, q, v, p, lam, out)
+        release(context, held[c])
+    reactions_of(context)(t, q, v, p, lam, out)
     for i in range(rows):
         base[i] = out[i]
-    switched_reactions_of(machine)(t, q, v, p, plain, view(work, n, m), base)
+    switched_reactions_of(context)(t, q, v, p, plain, base_multipliers_of(context), base)
     for i in range(rows):
         out[i] = base[i]
     for c in range(count):
         for i in range(m):
-            own[i] = work[n + i] + work[(c + 1) * size + n + i]
-        engage(machine, p, held[c])
+            own[i] = base_multipliers[i] + unit_multipliers[c * m + i]
+        engage(context, held[c])
         for i in range(rows):
             other[i] = base[i]
-        switched_reactions_of(machine)(t, q, v, p, plain, own, other)
-        release(machine, p, held[c])
+        switched_reactions_of(context)(t, q, v, p, plain, own, other)
+        release(context, held[c])
         for i in range(rows):
             out[i] += share[held[c]] * (other[i] - base[i])
-    exert(machine, p, count)
+    exert(context, count)
 
 
 @addressed(LIMIT)
-def limited(
-    machine: Integers, t: float, q: Vector, v: Vector, p: Vector, lam: Vector, k: int
-) -> float:
+def limited(context: Integers, t: float, q: Vector, v: Vector, k: int) -> float:
     """How much of what friction `k` can bear is left, in parts of it; 1 where nothing says.
 
     Where the force that presses depends on friction itself, bounds of the share alone do not tell
     when it tears loose: the force must be compared with what it may be, μ_s N. `bent` must just
     have run.
     """
-    s, rows = machine[SWITCHES], machine[REACTION_ROWS]
-    limits = integers_at(machine, LIMITS, 2 * s)
+    lam = multipliers_of(context)
+    limits = limits_of(context)
     force, limit = limits[2 * k], limits[2 * k + 1]
     if force < 0:
         return 1.0
-    mix(machine, t, q, v, p, lam)
-    room = floats_at(machine, REACTION, rows)
+    mix(context, t, q, v, lam)
+    room = reaction_of(context)
     if not room[limit] > 0.0:
         return -1.0
     return float(1.0 - abs(room[force]) / room[limit])

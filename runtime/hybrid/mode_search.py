@@ -2,11 +2,20 @@
 
 import numpy as np
 
-from runtime.core.array_views import floats_at, integers_at, view
-from runtime.core.function_table import HIGH, LOW, RIGID, SHARE, STICKS, SWITCHES
+from runtime.core.function_table import (
+    SWITCHES,
+    candidate_modes_of,
+    members_of,
+    modes_of,
+    rigid_of,
+    share_high_of,
+    share_low_of,
+    share_of,
+    sticks_of,
+)
 from runtime.core.jit import inner
-from runtime.core.signatures import Integers, Vector
-from runtime.core.workspace import BAND, PREFERRED
+from runtime.core.signatures import Integers
+from runtime.core.workspace import BAND, PREFERRED, switch_row
 from runtime.hybrid.mode_consistency import CONSISTENT, GIVEN, contradicted, hold
 from runtime.hybrid.sliding_modes import HELD_MODE
 
@@ -30,37 +39,23 @@ def alternative(rigid: int, preferred: int, choice: int) -> int:
 
 
 @inner
-def flipped(machine: Integers, k: int, mode: int, preferred: int) -> int:
+def flipped(context: Integers, k: int, mode: int, preferred: int) -> int:
     """What function `k` is to try next, whose `mode` is contradicted.
 
     What nothing holds goes where the force that would hold it exceeds what it may be.
     """
-    s = machine[SWITCHES]
     if mode == HELD_MODE:
-        share = floats_at(machine, SHARE, s)[k]
-        low, high = floats_at(machine, LOW, s)[k], floats_at(machine, HIGH, s)[k]
-        if integers_at(machine, RIGID, s)[k] >= 0 or not np.isfinite(share):
+        share = share_of(context)[k]
+        low, high = share_low_of(context)[k], share_high_of(context)[k]
+        if rigid_of(context)[k] >= 0 or not np.isfinite(share):
             return 1
         return 1 if share > 0.5 * (low + high) else 0
-    freely = integers_at(machine, RIGID, s)[k] < 0 and integers_at(machine, STICKS, s)[k] == 0
+    freely = rigid_of(context)[k] < 0 and sticks_of(context)[k] == 0
     return 1 - mode if freely and mode == preferred else HELD_MODE
 
 
 @inner
-def in_turn(
-    machine: Integers,
-    t: float,
-    d: float,
-    state: int,
-    w: Vector,
-    sw: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-    members: Integers,
-    count: int,
-    scratch: Integers,
-) -> int:
+def in_turn(context: Integers, t: float, d: float, state: int, count: int) -> int:
     """Modes by changing the first that is contradicted, again and again, as Murty's pivots do.
 
     (K. G. Murty, Note on a Bard-type scheme for solving the complementarity problem, Opsearch 11,
@@ -68,47 +63,39 @@ def in_turn(
     surface that repels makes it run in circles, it gives up: each function has three
     modes, and may be met again once for each of the others.
     """
-    s = modes.size
-    candidate, signs = view(scratch, 0, s), view(scratch, 2 * s, s)
+    modes = modes_of(context)
+    members = members_of(context)
+    band = switch_row(context, BAND)
+    preferred_row = switch_row(context, PREFERRED)
+    s = context[SWITCHES]
+    candidate = candidate_modes_of(context)
     for k in range(s):
         candidate[k] = modes[k]
     for i in range(count):
-        candidate[members[i]] = int(sw[PREFERRED * s + members[i]]) % GIVEN
+        candidate[members[i]] = int(preferred_row[members[i]]) % GIVEN
     wrong = CONSISTENT
     for _ in range(3 * count * count):
-        wrong = contradicted(machine, t, d, state, w, sw, p, candidate, lam, members, count, signs)
+        wrong = contradicted(context, t, d, state, candidate, count)
         if wrong == CONSISTENT:
             for k in range(s):
                 modes[k] = candidate[k]
-            hold(machine, modes)
+            hold(context, modes)
             break
-        if not sw[BAND * s + wrong] > 0.0:
+        if not band[wrong] > 0.0:
             break
-        preferred = int(sw[PREFERRED * s + wrong]) % GIVEN
-        candidate[wrong] = flipped(machine, wrong, int(candidate[wrong]), preferred)
+        preferred = int(preferred_row[wrong]) % GIVEN
+        candidate[wrong] = flipped(context, wrong, int(candidate[wrong]), preferred)
     return wrong
 
 
 @inner
-def exhaustively(
-    machine: Integers,
-    t: float,
-    d: float,
-    state: int,
-    w: Vector,
-    sw: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-    members: Integers,
-    tried: int,
-    count: int,
-    scratch: Integers,
-) -> int:
+def exhaustively(context: Integers, t: float, d: float, state: int, tried: int, count: int) -> int:
     """Modes by trying all combinations for the first `tried` members; result as of `settle`."""
-    s = modes.size
-    candidate, signs = view(scratch, 0, s), view(scratch, 2 * s, s)
-    preferred, rigid = view(sw, PREFERRED * s, s), integers_at(machine, RIGID, s)
+    modes = modes_of(context)
+    members = members_of(context)
+    s = context[SWITCHES]
+    candidate = candidate_modes_of(context)
+    preferred, rigid = switch_row(context, PREFERRED), rigid_of(context)
     choices = 3 if tried <= MOST_THREE else 2
     combinations = choices**tried
     blamed = CONSISTENT
@@ -129,15 +116,13 @@ def exhaustively(
                     candidate[k] = mode
                 if changed != changes or late != holds or not known:
                     continue
-                wrong = contradicted(
-                    machine, t, d, state, w, sw, p, candidate, lam, members, count, signs
-                )
+                wrong = contradicted(context, t, d, state, candidate, count)
                 if wrong == CONSISTENT:
                     for k in range(s):
                         modes[k] = candidate[k]
-                    hold(machine, modes)
+                    hold(context, modes)
                     return CONSISTENT
                 if blamed == CONSISTENT:
                     blamed = wrong
-    hold(machine, modes)
+    hold(context, modes)
     return blamed

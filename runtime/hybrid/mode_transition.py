@@ -2,32 +2,33 @@
 
 import numpy as np
 
-from runtime.core.array_views import floats_at, integers_at, view
-from runtime.core.function_table import HELD as HELD_COUNT
 from runtime.core.function_table import (
-    HIGH,
-    LOW,
-    RESTITUTION,
-    RIGID,
-    RIGID_COUNT,
-    SHARE,
+    COORDINATES,
+    SLIDING_COUNT,
     SWITCHES,
+    TRANSITION,
+    event_kinds_of,
+    event_states_of,
+    event_times_of,
+    former_modes_of,
     impact_of,
+    modes_of,
+    parameters_of,
+    restitution_of,
     return_held_of,
+    rigid_of,
     settle_of,
+    share_high_of,
+    share_low_of,
+    share_of,
     switching_of,
     switching_rates_of,
 )
 from runtime.core.jit import addressed, inner
 from runtime.core.rhs import field
 from runtime.core.rounding import EPS
-from runtime.core.signatures import (
-    TRANSITION,
-    IntegerMatrix,
-    Integers,
-    Matrix,
-    Vector,
-)
+from runtime.core.run_record import run_record
+from runtime.core.signatures import Integers, Vector
 from runtime.core.workspace import (
     BAND,
     DELTA,
@@ -39,11 +40,16 @@ from runtime.core.workspace import (
     PREFERRED,
     RATE_NOW,
     RESERVE,
-    ROWS,
     STRUCK,
     Y1,
     K,
-    Run,
+    first_half,
+    position_rates,
+    positions,
+    row_of,
+    switch_row,
+    velocities,
+    velocity_rates,
 )
 from runtime.hybrid.degenerate_sliding import same
 from runtime.hybrid.impact import ON_SURFACE
@@ -64,57 +70,54 @@ _CLOCK = 8.0 * EPS
 
 
 @inner
-def log_event(
-    t: float,
-    k: int,
-    direction: int,
-    w: Vector,
-    run: Run,
-    event_t: Vector,
-    event_kind: IntegerMatrix,
-    event_y: Matrix,
-) -> None:
+def log_event(context: Integers, t: float, k: int, direction: int) -> None:
     """Append an event of function `k` with the state in row Y1."""
-    r = run[0]
-    length = w.size // ROWS
+    event_t = event_times_of(context)
+    event_kind = event_kinds_of(context)
+    event_y = event_states_of(context)
+    y1 = row_of(context, Y1)
+    r = run_record(context)
+    length = 2 * context[COORDINATES]
     at = r.logged_events
     event_t[at] = t
     event_kind[at, 0] = k
     event_kind[at, 1] = direction
     for j in range(length):
-        event_y[at, j] = w[Y1 * length + j]
+        event_y[at, j] = y1[j]
     r.logged_events += 1
     r.events += 1
 
 
 @inner
-def approaching(
-    machine: Integers, t: float, w: Vector, sw: Vector, p: Vector, modes: Integers
-) -> None:
+def approaching(context: Integers, t: float) -> None:
     """Write in row STRUCK at what rate the open contacts that touch are closing; 0: they do not."""
-    n = w.size // (2 * ROWS)
-    s = modes.size
-    rigid = integers_at(machine, RIGID, s)
-    q, v = view(w, Y1 * 2 * n, n), view(w, Y1 * 2 * n + n, n)
-    g, rates = view(sw, NOW * s, s), view(sw, RATE_NOW * s, s)
-    switching_of(machine)(t, q, v, p, g)
-    switching_rates_of(machine)(t, q, v, view(w, DELTA * 2 * n, n), p, rates)
+    p = parameters_of(context)
+    modes = modes_of(context)
+    largest = switch_row(context, LARGEST)
+    struck = switch_row(context, STRUCK)
+    s = context[SWITCHES]
+    rigid = rigid_of(context)
+    q, v = positions(context, Y1), velocities(context, Y1)
+    g, rates = switch_row(context, NOW), switch_row(context, RATE_NOW)
+    switching_of(context)(t, q, v, p, g)
+    switching_rates_of(context)(t, q, v, first_half(context, DELTA), p, rates)
     for k in range(s):
-        touches = rigid[k] >= 0 and abs(g[k]) <= ON_SURFACE * sw[LARGEST * s + k]
+        touches = rigid[k] >= 0 and abs(g[k]) <= ON_SURFACE * largest[k]
         closing = touches and modes[k] == 1 and rates[k] < 0.0
-        sw[STRUCK * s + k] = -rates[k] if closing else 0.0
+        struck[k] = -rates[k] if closing else 0.0
 
 
 @inner
-def remaining(machine: Integers, k: int, t: float, free: float, sw: Vector) -> float:
+def remaining(context: Integers, k: int, t: float, free: float) -> float:
     """Time that all further flights of contact `k` take together.
 
     That is `free`, T/(1 - e), where they are free; where friction or another contact meddles with
     them, each is shorter than the one before in the ratio of the last two.
     """
-    s = machine[SWITCHES]
-    e = floats_at(machine, RESTITUTION, machine[RIGID_COUNT])[integers_at(machine, RIGID, s)[k]]
-    before, flight = sw[FLIGHT * s + k], t - sw[IMPACT_AT * s + k]
+    flight_row = switch_row(context, FLIGHT)
+    impact_at = switch_row(context, IMPACT_AT)
+    e = restitution_of(context)[rigid_of(context)[k]]
+    before, flight = flight_row[k], t - impact_at[k]
     ratio = flight / before if before > 0.0 else e
     if abs(ratio - e) < _FREE * e or not 0.0 < ratio < 1.0:
         return free
@@ -122,19 +125,21 @@ def remaining(machine: Integers, k: int, t: float, free: float, sw: Vector) -> f
 
 
 @inner
-def jumped(
-    machine: Integers, t: float, crossing: int, w: Vector, sw: Vector, p: Vector, modes: Integers
-) -> None:
+def jumped(context: Integers, t: float, crossing: int) -> None:
     """After velocities have jumped, give every function the mode that its value asks for."""
-    n = w.size // (2 * ROWS)
-    s = modes.size
-    rigid = integers_at(machine, RIGID, s)
-    q, v = view(w, Y1 * 2 * n, n), view(w, Y1 * 2 * n + n, n)
-    g, rates = view(sw, NOW * s, s), view(sw, RATE_NOW * s, s)
-    switching_of(machine)(t, q, v, p, g)
-    switching_rates_of(machine)(t, q, v, view(w, DELTA * 2 * n, n), p, rates)
+    p = parameters_of(context)
+    modes = modes_of(context)
+    largest_row = switch_row(context, LARGEST)
+    reserve = switch_row(context, RESERVE)
+    n = context[COORDINATES]
+    s = context[SWITCHES]
+    rigid = rigid_of(context)
+    q, v = positions(context, Y1), velocities(context, Y1)
+    g, rates = switch_row(context, NOW), switch_row(context, RATE_NOW)
+    switching_of(context)(t, q, v, p, g)
+    switching_rates_of(context)(t, q, v, first_half(context, DELTA), p, rates)
     for k in range(s):
-        largest = max(sw[LARGEST * s + k], sw[RESERVE * s + k])
+        largest = max(largest_row[k], reserve[k])
         if rigid[k] >= 0:
             if k != crossing and modes[k] == HELD_MODE and rates[k] > 0.0:
                 speed = 0.0
@@ -146,50 +151,27 @@ def jumped(
 
 
 @inner
-def together(
-    machine: Integers,
-    t: float,
-    letting_go: int,
-    q: Vector,
-    v: Vector,
-    sw: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> None:
+def together(context: Integers, t: float, letting_go: int, q: Vector, v: Vector) -> None:
     """Let go, with `letting_go`, frictions of the same freedom that have reached bounds with it.
 
     One after the other, each would take up again what the other has just let go. The field must
     just have been evaluated.
     """
-    s = modes.size
-    rigid, share = integers_at(machine, RIGID, s), floats_at(machine, SHARE, s)
-    low, high = floats_at(machine, LOW, s), floats_at(machine, HIGH, s)
+    modes = modes_of(context)
+    preferred = switch_row(context, PREFERRED)
+    s = context[SWITCHES]
+    rigid, share = rigid_of(context), share_of(context)
+    low, high = share_low_of(context), share_high_of(context)
     for k in range(s):
         if k == letting_go or modes[k] != HELD_MODE or rigid[k] >= 0 or rigid[letting_go] >= 0:
             continue
-        if same(machine, k, letting_go) and margin(machine, t, q, v, p, lam, s, k) <= MISSED:
+        if same(context, k, letting_go) and margin(context, t, q, v, s, k) <= MISSED:
             side = 1 if share[k] > 0.5 * (low[k] + high[k]) else 0
-            sw[PREFERRED * s + k] = side + GIVEN
+            preferred[k] = side + GIVEN
 
 
 @addressed(TRANSITION)
-def transition(
-    machine: Integers,
-    crossing: int,
-    t: float,
-    h: float,
-    w: Vector,
-    sw: Vector,
-    run: Run,
-    p: Vector,
-    modes: Integers,
-    scratch: Integers,
-    lam: Vector,
-    event_t: Vector,
-    event_kind: IntegerMatrix,
-    event_y: Matrix,
-) -> int:
+def transition(context: Integers, crossing: int, t: float, h: float) -> int:
     """Give the state in row Y1 the modes and, after an impact, the velocities of what follows.
 
     `h` is the length of the next step as far as it is known. `run.flight` receives the time until
@@ -198,56 +180,62 @@ def transition(
 
     Returns the number of events that were logged.
     """
-    r = run[0]
-    length = w.size // ROWS
-    n = length // 2
-    s = modes.size
-    rigid = integers_at(machine, RIGID, s)
-    before = view(scratch, 3 * s + 1, s)
-    q, v = view(w, Y1 * length, n), view(w, Y1 * length + n, n)
-    slope, a = view(w, (K + r.last) * length, n), view(w, (K + r.last) * length + n, n)
+    p = parameters_of(context)
+    modes = modes_of(context)
+    struck_row = switch_row(context, STRUCK)
+    flight_row = switch_row(context, FLIGHT)
+    impact_at = switch_row(context, IMPACT_AT)
+    preferred = switch_row(context, PREFERRED)
+    reserve = switch_row(context, RESERVE)
+    largest_row = switch_row(context, LARGEST)
+    band = switch_row(context, BAND)
+    r = run_record(context)
+    n = context[COORDINATES]
+    s = context[SWITCHES]
+    rigid = rigid_of(context)
+    before = former_modes_of(context)
+    q, v = positions(context, Y1), velocities(context, Y1)
+    slope, a = position_rates(context, K + r.last), velocity_rates(context, K + r.last)
     for k in range(s):
         before[k] = modes[k]
     r.flight = np.inf
     letting_go, side, last = -1, 0, 0.0
     if modes[crossing] == HELD_MODE:
         letting_go = crossing
-        field(machine, t, q, v, p, modes, view(w, DELTA * length, n), lam)
-        share = floats_at(machine, SHARE, s)[crossing]
-        low, high = floats_at(machine, LOW, s)[crossing], floats_at(machine, HIGH, s)[crossing]
+        field(context, t, q, v, modes, first_half(context, DELTA))
+        share = share_of(context)[crossing]
+        low, high = share_low_of(context)[crossing], share_high_of(context)[crossing]
         side = 1 if low < UNBOUNDED or share > 0.5 * (low + high) else 0
     hit = rigid[crossing] >= 0 and letting_go < 0
     if hit:
-        approaching(machine, t, w, sw, p, modes)
-        flight = impact_of(machine)(machine, crossing, t, Y1, w, sw, p, modes, lam)
+        approaching(context, t)
+        flight = impact_of(context)(context, crossing, t, Y1)
         r.flight = flight if flight > 0.0 else np.inf
-        last = remaining(machine, crossing, t, -flight, sw) if flight < 0.0 else 0.0
+        last = remaining(context, crossing, t, -flight) if flight < 0.0 else 0.0
         for k in range(s):
-            if k == crossing or sw[STRUCK * s + k] > 0.0:
-                sw[FLIGHT * s + k] = t - sw[IMPACT_AT * s + k]
-                sw[IMPACT_AT * s + k] = t
-        jumped(machine, t, crossing, w, sw, p, modes)
-        hold(machine, modes)
-    prefer(machine, letting_go, side, sw, modes)
+            if k == crossing or struck_row[k] > 0.0:
+                flight_row[k] = t - impact_at[k]
+                impact_at[k] = t
+        jumped(context, t, crossing)
+        hold(context, modes)
+    prefer(context, letting_go, side)
     if letting_go >= 0:
-        together(machine, t, letting_go, q, v, sw, p, modes, lam)
+        together(context, t, letting_go, q, v)
     if not hit:
-        go_on(machine, crossing, t, q, v, w, sw, p, modes, lam)
-    rates = view(sw, RATE_NOW * s, s)
-    switching_rates_of(machine)(t, q, v, view(w, DELTA * length, n), p, rates)
+        go_on(context, crossing, t, q, v)
+    rates = switch_row(context, RATE_NOW)
+    switching_rates_of(context)(t, q, v, first_half(context, DELTA), p, rates)
     if hit:
-        leaves = (
-            modes[crossing] != HELD_MODE and rates[crossing] > _STILL * sw[STRUCK * s + crossing]
-        )
-        sw[PREFERRED * s + crossing] = modes[crossing] + GIVEN if leaves else HELD_MODE
-    g = view(sw, NOW * s, s)
-    switching_of(machine)(t, q, v, p, g)
+        leaves = modes[crossing] != HELD_MODE and rates[crossing] > _STILL * struck_row[crossing]
+        preferred[crossing] = modes[crossing] + GIVEN if leaves else HELD_MODE
+    g = switch_row(context, NOW)
+    switching_of(context)(t, q, v, p, g)
     for k in range(s):
         # An impact tears away from its surface what it has given a velocity.
         was_held = before[k] == HELD_MODE and (modes[k] == HELD_MODE or rigid[k] >= 0)
-        largest = sw[RESERVE * s + k] if was_held else sw[LARGEST * s + k]
-        clock = _CLOCK * abs(t * sw[(G1 + 1) * s + k]) if not was_held else 0.0
-        sw[BAND * s + k] = 0.0
+        largest = reserve[k] if was_held else largest_row[k]
+        clock = _CLOCK * abs(t * switch_row(context, G1 + 1)[k]) if not was_held else 0.0
+        band[k] = 0.0
         near = k == crossing or was_held or abs(g[k]) <= max(ON_SURFACE * largest, clock)
         if rigid[k] >= 0 and modes[k] == 1 and k != crossing and not was_held:
             # It took part in this impact where it touched, or rests against what lets go now; else
@@ -255,50 +243,48 @@ def transition(
             near = abs(g[k]) <= ON_SURFACE * largest and (
                 hit or abs(rates[k]) * LOOK_AHEAD * h <= ON_SURFACE * largest
             )
-            if near and hit and rates[k] > _STILL * sw[STRUCK * s + k]:
-                sw[PREFERRED * s + k] = 1 + GIVEN
+            if near and hit and rates[k] > _STILL * struck_row[k]:
+                preferred[k] = 1 + GIVEN
         if near:
-            sw[BAND * s + k] = 2.0 * abs(g[k]) + 1e-14 * largest + 1e-300
+            band[k] = 2.0 * abs(g[k]) + 1e-14 * largest + 1e-300
             if k == letting_go and rigid[k] >= 0:
                 # It parts with the third power of time: at first by less than a step's error, which
                 # is no impact.
-                sw[BAND * s + k] = max(sw[BAND * s + k], r.rtol * largest)
+                band[k] = max(band[k], r.rtol * largest)
     ahead = min(LOOK_AHEAD * h, 0.1 * r.flight)
-    r.blamed = settle_of(machine)(
-        machine, crossing, t, ahead, Y1, G1, w, sw, p, modes, scratch, lam
-    )
+    r.blamed = settle_of(context)(context, crossing, t, ahead, Y1, G1)
     logged = 0
     if hit:
         direction = HELD if modes[crossing] == HELD_MODE else IMPACT
         last = last if r.blamed == CONSISTENT else 0.0  # no mode is right: nothing comes after
-        log_event(t + last, crossing, direction, w, run, event_t, event_kind, event_y)
+        log_event(context, t + last, crossing, direction)
         logged = 1
     for k in range(s):
         held, was_held = modes[k] == HELD_MODE, before[k] == HELD_MODE
         if held and not was_held:
-            sw[RESERVE * s + k] = sw[LARGEST * s + k]
-            sw[LARGEST * s + k] = 1.0
+            reserve[k] = largest_row[k]
+            largest_row[k] = 1.0
         elif was_held and not held:
-            sw[LARGEST * s + k] = sw[RESERVE * s + k]
+            largest_row[k] = reserve[k]
         if held:
-            sw[BAND * s + k] = 0.0
+            band[k] = 0.0
         blamed = k == crossing and r.blamed != CONSISTENT
-        struck = hit and sw[STRUCK * s + k] > 0.0
+        struck = hit and struck_row[k] > 0.0
         if (modes[k] != before[k] or blamed or struck) and not (hit and k == crossing):
             direction = HELD
             if modes[k] != before[k] and not held:
                 direction = BEGAN if modes[k] != 0 else CEASED
             elif struck and not held:
                 direction = IMPACT
-            log_event(t, k, direction, w, run, event_t, event_kind, event_y)
+            log_event(context, t, k, direction)
             logged += 1
     if logged > 0 and r.blamed == CONSISTENT:
-        if machine[HELD_COUNT] != 0:
+        if context[SLIDING_COUNT] != 0:
             # From here on velocities along what is held are none, and steps begin with these.
-            return_held_of(machine)(machine, t, Y1, w, p, modes, lam)
+            return_held_of(context)(context, t, Y1)
         for j in range(n):
             slope[j] = v[j]
-        field(machine, t, q, v, p, modes, a, lam)
-        measure(machine, t, Y1, K + r.last, G1, w, sw, p, modes, lam)
+        field(context, t, q, v, modes, a)
+        measure(context, t, Y1, K + r.last, G1)
         r.rhs += 1
     return logged

@@ -15,23 +15,35 @@ effects add up, so that the accelerations of one changed mode each are enough.
 
 import numpy as np
 
-from runtime.core.array_views import floats_at, integers_at, view
+from runtime.core.array_views import view
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
     COORDINATES,
-    HIGH,
-    LOW,
-    PLAIN,
-    RIGID,
     RIGID_COUNT,
-    SHARE,
-    SOUGHT,
     SWITCHES,
-    UNIT,
-    WORK,
     accelerations_of,
+    base_accelerations_of,
+    base_multipliers_of,
+    base_response_of,
     gap_accelerations_of,
+    kernel_modes_of,
+    parameters_of,
+    response_column_of,
+    response_copy_of,
+    response_gaps_of,
+    response_of,
+    response_rates_of,
+    right_side_of,
+    rigid_of,
+    share_high_of,
+    share_low_of,
+    share_of,
+    sliding_functions_of,
+    stiction_place_of,
+    stiction_units_of,
     switching_rates_of,
+    unit_accelerations_of,
+    unit_multipliers_of,
 )
 from runtime.core.jit import inner
 from runtime.core.rounding import EPS
@@ -56,20 +68,8 @@ HELD_MODE = 2
 _UNITS = 3  # safety: attempts at a unit of the size of the force
 
 
-def work_size(n: int, m: int, s: int, r: int) -> int:
-    """Floats of WORK for n coordinates, m constraints, s switches and r contacts."""
-    return (s + 2) * (n + m) + 2 * s * s + 4 * s + r
-
-
 @inner
-def units(
-    machine: Integers,
-    t: float,
-    q: Vector,
-    v: Vector,
-    p: Vector,
-    modes: Integers,
-) -> int:
+def units(context: Integers, t: float, q: Vector, v: Vector, modes: Integers) -> int:
     """Fill WORK: fields with nothing held, then with one mode changed each, and what they do.
 
     In the place of a mode that friction whose force is sought would change, a unit of this force.
@@ -77,12 +77,11 @@ def units(
     (n + m); the change by each (c rows of n + m, room for s); the matrix of d(dg/dt) or d(g̈), by
     rows (s × s); the same of the base (s). Returns what `accelerations` says of the base.
     """
-    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
-    size = n + m
-    plain = integers_at(machine, PLAIN, 2 * s)
-    held = view(plain, s, s)
-    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
-    sought = integers_at(machine, SOUGHT, s)
+    p = parameters_of(context)
+    s = context[SWITCHES]
+    plain = kernel_modes_of(context)
+    held = sliding_functions_of(context)
+    sought = stiction_place_of(context)
     count = 0
     for k in range(s):
         plain[k] = HELD_MODE if modes[k] == FREE_MODE else modes[k]
@@ -92,111 +91,106 @@ def units(
             plain[k] = HELD_MODE if sought[k] >= 0 else 0
             held[count] = k
             count += 1
-    base_a, base_lam = view(work, 0, n), view(work, n, m)
-    weak = int(accelerations_of(machine)(t, q, v, p, plain, base_a, base_lam))
-    base = view(work, (s + 1) * size + s * s, s)
-    respond(machine, t, q, v, base_a, p, held, count, base)
-    choose_units(machine, t, q, v, p, count)
+    base_a, base_lam = base_accelerations_of(context), base_multipliers_of(context)
+    weak = int(accelerations_of(context)(t, q, v, p, plain, base_a, base_lam))
+    base = base_response_of(context)
+    respond(context, t, q, v, base_a, held, count, base)
+    choose_units(context, t, q, v, count)
     for c in range(count):
-        unit(machine, t, q, v, p, count, c)
+        unit(context, t, q, v, count, c)
     return weak
 
 
 @inner
-def unit(machine: Integers, t: float, q: Vector, v: Vector, p: Vector, count: int, c: int) -> None:
+def unit(context: Integers, t: float, q: Vector, v: Vector, count: int, c: int) -> None:
     """Fill the `c`-th change of the field, and what it does, in WORK, where the base stands."""
-    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
-    size = n + m
-    plain = integers_at(machine, PLAIN, 2 * s)
-    held = view(plain, s, s)
-    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
-    matrix = view(work, (s + 1) * size, s * s)
-    base = view(work, (s + 1) * size + s * s, s)
-    column = view(work, (s + 1) * size + s * s + s, s)
-    unit_a = view(work, (c + 1) * size, n)
-    unit_lam = view(work, (c + 1) * size + n, m)
-    engage(machine, p, held[c])
-    accelerations_of(machine)(t, q, v, p, plain, unit_a, unit_lam)
-    release(machine, p, held[c])
-    respond(machine, t, q, v, unit_a, p, held, count, column)
+    p = parameters_of(context)
+    base_accelerations = base_accelerations_of(context)
+    base_multipliers = base_multipliers_of(context)
+    n, m = context[COORDINATES], context[CONSTRAINT_COUNT]
+    plain = kernel_modes_of(context)
+    held = sliding_functions_of(context)
+    matrix = response_of(context)
+    base = base_response_of(context)
+    column = response_column_of(context)
+    unit_a = view(unit_accelerations_of(context), c * n, n)
+    unit_lam = view(unit_multipliers_of(context), c * m, m)
+    engage(context, held[c])
+    accelerations_of(context)(t, q, v, p, plain, unit_a, unit_lam)
+    release(context, held[c])
+    respond(context, t, q, v, unit_a, held, count, column)
     for i in range(count):
         matrix[i * count + c] = column[i] - base[i]
     for j in range(n):
-        unit_a[j] -= work[j]
+        unit_a[j] -= base_accelerations[j]
     for i in range(m):
-        unit_lam[i] -= work[n + i]
+        unit_lam[i] -= base_multipliers[i]
 
 
 @inner
 def respond(
-    machine: Integers,
+    context: Integers,
     t: float,
     q: Vector,
     v: Vector,
     a: Vector,
-    p: Vector,
     held: Integers,
     count: int,
     out: Vector,
 ) -> None:
     """Write dg/dt, for a rigid contact g̈, of the `count` functions that are held."""
-    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
-    r = machine[RIGID_COUNT]
-    size = n + m
-    rigid = integers_at(machine, RIGID, s)
-    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + r)
-    rates = view(work, (s + 1) * size + s * s + 2 * s, s)
-    gaps = view(work, (s + 1) * size + s * s + 4 * s, r)
-    switching_rates_of(machine)(t, q, v, a, p, rates)
+    p = parameters_of(context)
+    r = context[RIGID_COUNT]
+    rigid = rigid_of(context)
+    rates = response_rates_of(context)
+    gaps = response_gaps_of(context)
+    switching_rates_of(context)(t, q, v, a, p, rates)
     if r > 0:
-        gap_accelerations_of(machine)(t, q, v, a, p, gaps)
+        gap_accelerations_of(context)(t, q, v, a, p, gaps)
     for c in range(count):
         k = held[c]
         out[c] = gaps[rigid[k]] if rigid[k] >= 0 else rates[k]
 
 
 @inner
-def shares(machine: Integers, t: float, q: Vector, v: Vector, p: Vector, count: int) -> None:
+def shares(context: Integers, t: float, q: Vector, v: Vector, count: int) -> None:
     """Shares by which the `count` functions are held, into SHARE; not a number where none do.
 
     The matrix that `units` left is kept, but for the columns of units that prove too small.
     """
-    s = machine[SWITCHES]
-    held = view(integers_at(machine, PLAIN, 2 * s), s, s)
+    held = sliding_functions_of(context)
     for _ in range(_UNITS):
-        balanced(machine, count)
+        balanced(context, count)
         grown = 0
         for c in range(count):
-            if outgrown(machine, held[c]):
-                unit(machine, t, q, v, p, count, c)
+            if outgrown(context, held[c]):
+                unit(context, t, q, v, count, c)
                 grown += 1
         if grown == 0:
             return
-    balanced(machine, count)
+    balanced(context, count)
 
 
 @inner
-def balanced(machine: Integers, count: int) -> None:
+def balanced(context: Integers, count: int) -> None:
     """The shares with which nothing that is held changes, by the matrix that stands in WORK."""
-    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
-    size = n + m
-    held = view(integers_at(machine, PLAIN, 2 * s), s, s)
-    rigid = integers_at(machine, RIGID, s)
-    sought, forces = integers_at(machine, SOUGHT, s), floats_at(machine, UNIT, 2 * s)
-    share = floats_at(machine, SHARE, s)
-    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
-    matrix = view(work, (s + 1) * size, s * s)
-    base = view(work, (s + 1) * size + s * s, s)
-    right = view(work, (s + 1) * size + s * s + 3 * s, s)
-    copy = view(work, (s + 1) * size + s * s + 4 * s + machine[RIGID_COUNT], s * s)
+    s = context[SWITCHES]
+    held = sliding_functions_of(context)
+    rigid = rigid_of(context)
+    sought, forces = stiction_place_of(context), stiction_units_of(context)
+    share = share_of(context)
+    matrix = response_of(context)
+    base = base_response_of(context)
+    right = right_side_of(context)
+    copy = response_copy_of(context)
     for i in range(count):
         right[i] = -base[i]
     for i in range(count * count):
         copy[i] = matrix[i]
     if solve_equilibrated(copy, right, count, SAME_HOLD) != 0:
-        low, high = floats_at(machine, LOW, s), floats_at(machine, HIGH, s)
-        middle = view(work, (s + 1) * size + s * s + 2 * s, s)
-        reach = view(work, (s + 1) * size + s * s + s, s)
+        low, high = share_low_of(context), share_high_of(context)
+        middle = response_rates_of(context)
+        reach = response_column_of(context)
         for c in range(count):
             k = held[c]
             # A contact without a force has its upper bound as its share, and no lower one.
@@ -209,7 +203,7 @@ def balanced(machine: Integers, count: int) -> None:
             for c in range(count):
                 copy[i * count + c] = matrix[i * count + c]
                 right[i] -= matrix[i * count + c] * middle[c]
-        found = least(machine, copy, right, count, reach, SAME_HOLD)
+        found = least(context, copy, right, count, reach, SAME_HOLD)
         for i in range(count):
             right[i] = right[i] + middle[i] if found == 0 else np.nan
     for c in range(count):

@@ -6,28 +6,33 @@ with α = β = 1/τ). Accelerations depend on the right side of Φ_q q̈ = γ by
 corrections of `correction` in the metric of the masses on theirs, so no kernel is needed for it.
 """
 
-from runtime.core.array_views import floats_at, integers_at, view
+from runtime.core.array_views import view
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
     COORDINATES,
     EACH_STAGE,
-    HELD,
-    PLAIN,
-    RIGID_COUNT,
-    SETTINGS,
-    SHARE,
+    FIELD,
+    SLIDING_COUNT,
+    SLOPE,
     STABILIZED,
-    SWITCHES,
-    WEIGHTS,
-    WORK,
     accelerations_of,
+    base_accelerations_of,
+    base_multipliers_of,
     correct_of,
     correction_of,
+    modes_of,
+    parameters_of,
+    settings_of,
+    share_of,
+    sliding_functions_of,
+    unit_accelerations_of,
+    unit_multipliers_of,
+    weights_of,
 )
 from runtime.core.jit import addressed, inner
 from runtime.core.rhs import field
-from runtime.core.signatures import FIELD, SLOPE, Integers, Vector
-from runtime.core.workspace import PARTITION, ROWS
+from runtime.core.signatures import Integers, Vector
+from runtime.core.workspace import PARTITION, position_rates, positions, velocities, velocity_rates
 from runtime.hybrid.sliding_modes import CANCELLED, shares, units
 from runtime.hybrid.stiction_force import exert
 
@@ -53,37 +58,33 @@ def beyond(value: Vector, change: Vector, size: Vector) -> float:
 
 @addressed(FIELD)
 def bent(
-    machine: Integers,
-    t: float,
-    q: Vector,
-    v: Vector,
-    p: Vector,
-    modes: Integers,
-    a: Vector,
-    lam: Vector,
+    context: Integers, t: float, q: Vector, v: Vector, modes: Integers, a: Vector, lam: Vector
 ) -> int:
     """Accelerations and multipliers, what is held included; as `accelerations`.
 
     SHARE receives the share of each function that is held.
     """
-    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
+    p = parameters_of(context)
+    base_multipliers = base_multipliers_of(context)
+    base_accelerations = base_accelerations_of(context)
+    unit_accelerations = unit_accelerations_of(context)
+    n, m = context[COORDINATES], context[CONSTRAINT_COUNT]
     size = n + m
-    count = machine[HELD]
+    count = context[SLIDING_COUNT]
     if count == 0:
-        weak = int(accelerations_of(machine)(t, q, v, p, modes, a, lam))
+        weak = int(accelerations_of(context)(t, q, v, p, modes, a, lam))
     else:
-        weak = units(machine, t, q, v, p, modes)
-        shares(machine, t, q, v, p, count)
-        exert(machine, p, count)
-        share = floats_at(machine, SHARE, s)
-        held = view(integers_at(machine, PLAIN, 2 * s), s, s)
-        work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
+        weak = units(context, t, q, v, modes)
+        shares(context, t, q, v, count)
+        exert(context, count)
+        share = share_of(context)
+        held = sliding_functions_of(context)
         for i in range(m):
-            lam[i] = work[n + i]
+            lam[i] = base_multipliers[i]
         for j in range(n):
-            total, largest = work[j], abs(work[j])
+            total, largest = base_accelerations[j], abs(base_accelerations[j])
             for c in range(count):
-                part = share[held[c]] * work[(c + 1) * size + j]
+                part = share[held[c]] * unit_accelerations[c * n + j]
                 total += part
                 largest = max(largest, abs(part))
             # What is left where they cancel would set a machine at rest creeping. What is no number
@@ -91,14 +92,14 @@ def bent(
             a[j] = 0.0 if abs(total) <= CANCELLED * largest else total
         for c in range(count):
             part = share[held[c]]
-            unit = view(work, (c + 1) * size + n, m)
+            unit = view(unit_multipliers_of(context), c * m, m)
             for i in range(m):
                 lam[i] += part * unit[i]
-    if machine[STABILIZED] != 0 and m > 0:
-        tau = floats_at(machine, SETTINGS, 2)[TIME_SCALE]
-        pull = floats_at(machine, WEIGHTS, 4 * n)
+    if context[STABILIZED] != 0 and m > 0:
+        tau = settings_of(context)[TIME_SCALE]
+        pull = weights_of(context)
         dq, dv = view(pull, n, n), view(pull, 2 * n, n)
-        correction_of(machine)(t, q, v, p, view(pull, 0, n), dq, dv)
+        correction_of(context)(t, q, v, p, view(pull, 0, n), dq, dv)
         size = view(pull, 3 * n, n)
         part, rate = beyond(q, dq, size), beyond(v, dv, size)
         for j in range(n):
@@ -107,26 +108,17 @@ def bent(
 
 
 @addressed(SLOPE)
-def bent_slope(
-    machine: Integers,
-    t: float,
-    state: int,
-    derivative: int,
-    w: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> int:
+def bent_slope(context: Integers, t: float, state: int, derivative: int) -> int:
     """As `slope`, also where the field is not the machine's own or stages are corrected."""
-    length = w.size // ROWS
-    n = length // 2
+    modes = modes_of(context)
+    n = context[COORDINATES]
     taken = 0
-    if machine[EACH_STAGE] != 0:
-        taken = int(correct_of(machine)(machine, t, state, PARTITION, w, p))
-    q = view(w, state * length, n)
-    v = view(w, state * length + n, n)
-    rate = view(w, derivative * length, n)
-    field(machine, t, q, v, p, modes, view(w, derivative * length + n, n), lam)
+    if context[EACH_STAGE] != 0:
+        taken = int(correct_of(context)(context, t, state, PARTITION))
+    q = positions(context, state)
+    v = velocities(context, state)
+    rate = position_rates(context, derivative)
+    field(context, t, q, v, modes, velocity_rates(context, derivative))
     for j in range(n):
         rate[j] = v[j]
     return taken

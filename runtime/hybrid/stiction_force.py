@@ -9,22 +9,21 @@ is for its limit to say, μ_s N.
 
 import numpy as np
 
-from runtime.core.array_views import floats_at, integers_at, view
 from runtime.core.function_table import (
-    CONSTRAINT_COUNT,
-    COORDINATES,
-    LIMITS,
-    PLAIN,
-    REACTION,
-    REACTION_ROWS,
-    RIGID_COUNT,
-    SHARE,
-    SOUGHT,
     SWITCHES,
-    UNIT,
-    WORK,
     accelerations_of,
+    base_multipliers_of,
+    kernel_modes_of,
+    limits_of,
+    modes_of,
+    multipliers_of,
+    parameters_of,
+    reaction_of,
     reactions_of,
+    share_of,
+    sliding_functions_of,
+    stiction_place_of,
+    stiction_units_of,
     switched_reactions_of,
 )
 from runtime.core.jit import inner
@@ -41,47 +40,49 @@ _COARSE = 8.0
 
 
 @inner
-def engage(machine: Integers, p: Vector, k: int) -> None:
+def engage(context: Integers, k: int) -> None:
     """Have the kernels exert one unit of what holds function `k`: its mode 1, or a unit of force.
 
     The unit acts against g, as friction does in mode 1.
     """
-    s = machine[SWITCHES]
-    place = integers_at(machine, SOUGHT, s)[k]
+    p = parameters_of(context)
+    place = stiction_place_of(context)[k]
     if place >= 0:
-        p[place] = -floats_at(machine, UNIT, 2 * s)[k]
+        p[place] = -stiction_units_of(context)[k]
     else:
-        integers_at(machine, PLAIN, 2 * s)[k] = 1
+        kernel_modes_of(context)[k] = 1
 
 
 @inner
-def release(machine: Integers, p: Vector, k: int) -> None:
+def release(context: Integers, k: int) -> None:
     """Have the kernels exert nothing of what holds function `k`: its mode 0, or no force."""
-    s = machine[SWITCHES]
-    place = integers_at(machine, SOUGHT, s)[k]
+    p = parameters_of(context)
+    place = stiction_place_of(context)[k]
     if place >= 0:
         p[place] = 0.0
     else:
-        integers_at(machine, PLAIN, 2 * s)[k] = 0
+        kernel_modes_of(context)[k] = 0
 
 
 @inner
-def exert(machine: Integers, p: Vector, count: int) -> None:
+def exert(context: Integers, count: int) -> None:
     """Leave in `p` the forces that hold, for kernels that are called with the mode 2."""
-    s = machine[SWITCHES]
-    held = view(integers_at(machine, PLAIN, 2 * s), s, s)
-    sought, share = integers_at(machine, SOUGHT, s), floats_at(machine, SHARE, s)
-    unit = floats_at(machine, UNIT, 2 * s)
+    p = parameters_of(context)
+    held = sliding_functions_of(context)
+    sought, share = stiction_place_of(context), share_of(context)
+    unit = stiction_units_of(context)
     for c in range(count):
         if sought[held[c]] >= 0:
             p[sought[held[c]]] = -share[held[c]] * unit[held[c]]
 
 
 @inner
-def at_rest(machine: Integers, p: Vector, modes: Integers) -> None:
+def at_rest(context: Integers) -> None:
     """Have the kernels exert nothing of all frictions whose force is sought, by `modes`."""
-    sought = integers_at(machine, SOUGHT, machine[SWITCHES])
-    for k in range(modes.size):
+    p = parameters_of(context)
+    modes = modes_of(context)
+    sought = stiction_place_of(context)
+    for k in range(context[SWITCHES]):
         if sought[k] >= 0:
             p[sought[k]] = 0.0
             modes[k] = GIVEN_MODE
@@ -97,23 +98,17 @@ def finite(a: Vector) -> bool:
 
 
 @inner
-def jams(
-    machine: Integers,
-    t: float,
-    q: Vector,
-    v: Vector,
-    p: Vector,
-    modes: Integers,
-    a: Vector,
-    lam: Vector,
-) -> int:
+def jams(context: Integers, t: float, q: Vector, v: Vector, a: Vector) -> int:
     """A friction that slides, without which, and those before it, there are accelerations; or -1.
 
     To be called where there are none under `modes`; `a` and `lam` are overwritten.
     """
-    s = machine[SWITCHES]
-    sought = integers_at(machine, SOUGHT, s)
-    plain = integers_at(machine, PLAIN, 2 * s)
+    p = parameters_of(context)
+    modes = modes_of(context)
+    lam = multipliers_of(context)
+    s = context[SWITCHES]
+    sought = stiction_place_of(context)
+    plain = kernel_modes_of(context)
     for k in range(s):
         plain[k] = modes[k]
     for k in range(s):
@@ -121,32 +116,31 @@ def jams(
             continue
         p[sought[k]] = 0.0
         plain[k] = GIVEN_MODE
-        accelerations_of(machine)(t, q, v, p, plain, a, lam)
+        accelerations_of(context)(t, q, v, p, plain, a, lam)
         if finite(a):
             return k
     return -1
 
 
 @inner
-def choose_units(machine: Integers, t: float, q: Vector, v: Vector, p: Vector, count: int) -> None:
+def choose_units(context: Integers, t: float, q: Vector, v: Vector, count: int) -> None:
     """Fill UNIT: the units of the forces that are sought, and what they bear in the base.
 
     The one is taken for the other: it has the size of the forces in the machine.
     """
-    n, m, s = machine[COORDINATES], machine[CONSTRAINT_COUNT], machine[SWITCHES]
-    size, rows = n + m, machine[REACTION_ROWS]
-    plain = integers_at(machine, PLAIN, 2 * s)
-    held, sought = view(plain, s, s), integers_at(machine, SOUGHT, s)
-    limits, unit = integers_at(machine, LIMITS, 2 * s), floats_at(machine, UNIT, 2 * s)
+    p = parameters_of(context)
+    s = context[SWITCHES]
+    plain = kernel_modes_of(context)
+    held, sought = sliding_functions_of(context), stiction_place_of(context)
+    limits, unit = limits_of(context), stiction_units_of(context)
     any_sought = False
     for c in range(count):
         any_sought = any_sought or sought[held[c]] >= 0
     if not any_sought:
         return
-    work = floats_at(machine, WORK, (s + 2) * size + 2 * s * s + 4 * s + machine[RIGID_COUNT])
-    room, lam = floats_at(machine, REACTION, rows), view(work, n, m)
-    reactions_of(machine)(t, q, v, p, lam, room)
-    switched_reactions_of(machine)(t, q, v, p, plain, lam, room)
+    room, lam = reaction_of(context), base_multipliers_of(context)
+    reactions_of(context)(t, q, v, p, lam, room)
+    switched_reactions_of(context)(t, q, v, p, plain, lam, room)
     for c in range(count):
         k = held[c]
         if sought[k] >= 0:
@@ -156,15 +150,14 @@ def choose_units(machine: Integers, t: float, q: Vector, v: Vector, p: Vector, c
 
 
 @inner
-def outgrown(machine: Integers, k: int) -> bool:
+def outgrown(context: Integers, k: int) -> bool:
     """Whether function `k` is held by a force of which its unit is too small a part; then it grows.
 
     A share that is no number may come from a unit that is lost in the rounding of the base.
     """
-    s = machine[SWITCHES]
-    if integers_at(machine, SOUGHT, s)[k] < 0:
+    if stiction_place_of(context)[k] < 0:
         return False
-    unit, share = floats_at(machine, UNIT, 2 * s), floats_at(machine, SHARE, s)[k]
+    unit, share = stiction_units_of(context), share_of(context)[k]
     if not np.isfinite(share):
         lost = unit[k] < 1.0
         unit[k] = max(unit[k], 1.0)

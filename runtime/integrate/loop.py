@@ -8,20 +8,26 @@ with the same bits.
 import numpy as np
 
 from runtime.core import outcome_codes as codes
-from runtime.core.array_views import view
 from runtime.core.function_table import (
-    BENDS,
+    CONSTRAINT_COUNT,
+    COORDINATES,
+    EVENT_ROWS,
     LOG_ROWS,
     LOOPS,
+    MODIFIED,
     STABILIZED,
+    SWITCHES,
     accepted_of,
     attempt_of,
+    crossed_of,
     dense_of,
     emit_of,
     first_step_of,
     locate_of,
+    modes_of,
     passed_of,
     propose_of,
+    recent_events_of,
     repartition_of,
     restart_of,
     transition_of,
@@ -29,37 +35,9 @@ from runtime.core.function_table import (
     watch_of,
 )
 from runtime.core.jit import ADDRESSES, compiled
-from runtime.core.signatures import (
-    IntegerMatrix,
-    Integers,
-    Matrix,
-    Vector,
-    i8,
-    integer_matrix,
-    integers,
-    matrix,
-    vector,
-)
-from runtime.core.workspace import (
-    APPROACHING,
-    BAND,
-    CROSSING,
-    FREE,
-    G0,
-    G1,
-    LARGEST,
-    LEAVING,
-    MISSING,
-    R0,
-    R1,
-    ROWS,
-    SWITCH_ROWS,
-    Y0,
-    Y1,
-    K,
-    Run,
-    run_record,
-)
+from runtime.core.run_record import APPROACHING, CROSSING, FREE, LEAVING, MISSING, run_record
+from runtime.core.signatures import Integers, i8
+from runtime.core.workspace import BAND, G0, G1, LARGEST, R0, R1, Y0, Y1, K, row_of, switch_row
 from runtime.hybrid.event_location import INSTANT, last_due
 from runtime.hybrid.event_resolution import UNRESOLVED
 from runtime.hybrid.mode_consistency import CONSISTENT
@@ -71,81 +49,52 @@ LOOK = -2  # nor is this: a singular position has to be looked at, see `crossing
 CHANGE = -3  # nor is this: another method is due
 UNFINISHED = (GOING, LOOK, CHANGE)
 
-_FLIGHT = 0.6  # of the time between two impacts: a first step that meets none
-_RETAKES = 5
-WEAK_STATES = 3  # accepted states in a row with a weak pivot that make a singular run
-_ZENO_EVENTS = 30  # events in a row with such a ratio that are no accident
-_ZENO_SPAN = 1e-7  # of the run: what eight such events must take at most
-_ZENO_RATIO = 0.98  # of the time of eight events to that of the eight before the last
-_SHARE = 0.3  # of the way to a position that is missed: what a step may cover
-RECENT = 8
-TOO_CLOSE = 1.2  # steps: a singular position no further away than this needs a plan before the step
-LOG_MARGIN = 16  # free rows of the partition log that one step may need
+_FLIGHT = 0.6  # measured: of the time between two impacts; a first step of this length meets none
+_RETAKES = 5  # safety: attempts at a step that ends at its event
+WEAK_STATES = 3  # measured: accepted states in a row with a weak pivot that make a singular run
+_ZENO_EVENTS = 30  # measured: events in a row with such a ratio that are no accident
+_ZENO_SPAN = 1e-7  # measured: of the run; eight such events take at most this time
+_ZENO_RATIO = 0.98  # measured: of the time of eight events to that of the eight before the last
+_SHARE = 0.3  # measured: of the way to a singular position that is missed; a step may cover as much
+RECENT = 8  # measured: events whose time is compared with that of as many before
+# measured: steps; a singular position nearer than this needs a plan before the step
+TOO_CLOSE = 1.2
+LOG_MARGIN = 16  # safety: free rows of the partition log that one step may need
 
 
-@compiled(
-    i8(
-        i8,
-        ADDRESSES,
-        vector,
-        vector,
-        run_record,
-        vector,
-        integers,
-        integers,
-        vector,
-        vector,
-        vector,
-        matrix,
-        integer_matrix,
-        vector,
-        vector,
-        integer_matrix,
-        matrix,
-    )
-)
-def advance(
-    budget: int,
-    machine: Integers,
-    w: Vector,
-    sw: Vector,
-    run: Run,
-    p: Vector,
-    modes: Integers,
-    scratch: Integers,
-    lam: Vector,
-    t_eval: Vector,
-    out_t: Vector,
-    out_y: Matrix,
-    out_modes: IntegerMatrix,
-    recent: Vector,
-    event_t: Vector,
-    event_kind: IntegerMatrix,
-    event_y: Matrix,
-) -> int:
+@compiled(i8(ADDRESSES, i8))
+def advance(context: Integers, budget: int) -> int:
     """Take at most `budget` trial steps.
 
     Returns `GOING`, `LOOK`, `CHANGE`, or the code of the outcome. `run.index` names the switching
     function or constraint where an outcome concerns one.
     """
-    attempt = attempt_of(machine)
-    first_step = first_step_of(machine)
-    r = run[0]
-    length = w.size // ROWS
-    m = lam.size
-    s = sw.size // SWITCH_ROWS
-    y0 = view(w, Y0 * length, length)
-    y1 = view(w, Y1 * length, length)
-    k0 = view(w, K * length, length)
-    k1 = view(w, (K + r.last) * length, length)
-    found = view(scratch, 3 * s, 1)
+    modes = modes_of(context)
+    recent = recent_events_of(context)
+    g1 = switch_row(context, G1)
+    g0 = switch_row(context, G0)
+    r1 = switch_row(context, R1)
+    r0 = switch_row(context, R0)
+    largest = switch_row(context, LARGEST)
+    band = switch_row(context, BAND)
+    attempt = attempt_of(context)
+    first_step = first_step_of(context)
+    r = run_record(context)
+    length = 2 * context[COORDINATES]
+    m = context[CONSTRAINT_COUNT]
+    s = context[SWITCHES]
+    y0 = row_of(context, Y0)
+    y1 = row_of(context, Y1)
+    k0 = row_of(context, K)
+    k1 = row_of(context, K + r.last)
+    found = crossed_of(context)
     for _ in range(budget):
         t = r.t
         if t >= r.t_end:
             return codes.OK
         if (
-            r.logged_events + 2 * s > event_t.size
-            or r.logged_repartitions + LOG_MARGIN > machine[LOG_ROWS]
+            r.logged_events + 2 * s > context[EVENT_ROWS]
+            or r.logged_repartitions + LOG_MARGIN > context[LOG_ROWS]
         ):
             return GOING
         if r.steps + r.rejected >= r.max_steps:
@@ -169,7 +118,7 @@ def advance(
 
         # Try the step.
         due = 0
-        code = attempt(machine, t, h, w, run, p, modes, lam)
+        code = attempt(context, t, h)
         if code != DONE:
             r.rejected += 1
             r.reason = code
@@ -185,13 +134,13 @@ def advance(
                 return LOOK
             if r.fixed == 0 and m > 0 and r.plan != APPROACHING and t >= r.quiet:
                 # Where constraints are about to become dependent, shorter steps do not help.
-                r.vanishing = vanishing_of(machine)(machine, t, t1 - t, Y0, w, run, p)
+                r.vanishing = vanishing_of(context)(context, t, t1 - t, Y0)
                 if np.isfinite(r.vanishing):
                     return LOOK
             continue
         soon = 0
-        if machine[LOOPS] != 0:
-            code = passed_of(machine)(machine, t, h, w, run, p)
+        if context[LOOPS] != 0:
+            code = passed_of(context)(context, t, h)
             if code > 0:
                 return int(code)
             if code < 0:
@@ -199,12 +148,12 @@ def advance(
         if (
             r.plan == FREE
             and m > 0
-            and machine[BENDS] == machine[STABILIZED]
+            and context[MODIFIED] == context[STABILIZED]
             and t1 >= r.look_at
             and t1 >= r.quiet
             and r.fixed == 0
         ):
-            r.vanishing = vanishing_of(machine)(machine, t, h, Y1, w, run, p)
+            r.vanishing = vanishing_of(context)(context, t, h, Y1)
             if r.vanishing < TOO_CLOSE * h:
                 # Not to be stepped over by chance, nor to be ended at.
                 r.rejected += 1
@@ -215,7 +164,7 @@ def advance(
                 soon = 1
         h_next = r.h
         if r.fixed == 0:
-            h_next = h * propose_of(machine)(machine, h, w, run)
+            h_next = h * propose_of(context)(context, h)
             if planned != 0:
                 h_next = max(h_next, r.h) if r.plan == APPROACHING else r.h
 
@@ -223,7 +172,7 @@ def advance(
         crossing = -1
         dense_ready = 0
         if s > 0:
-            suspects = watch_of(machine)(machine, t, h, t1, w, sw, run, p, modes, lam)
+            suspects = watch_of(context)(context, t, h, t1)
             if suspects == UNRESOLVED:
                 r.rejected += 1
                 r.reason = UNRESOLVED
@@ -232,18 +181,18 @@ def advance(
                 continue
             h_next = min(h_next, h * r.stretch)
             if suspects > 0:
-                dense_of(machine)(machine, t, h, w, p, modes, lam)
+                dense_of(context)(context, t, h)
                 dense_ready = 1
                 r.dense_outputs += 1
                 r.rhs += r.dense_calls
-                x = locate_of(machine)(machine, t, h, r.dense_rows, found)
+                x = locate_of(context)(context, t, h, r.dense_rows)
                 if x <= 1.0:
                     crossing = found[0]
                     reach = h
                     h = x * h
                     dense_ready = 0
             if crossing < 0 and t1 >= r.t_end:
-                crossing = last_due(t1, sw, modes)
+                crossing = last_due(context, t1)
                 if crossing >= 0:
                     reach = h
                     dense_ready = 0
@@ -259,8 +208,8 @@ def advance(
                 y1[j] = y0[j]
                 k1[j] = k0[j]
             for k in range(s):
-                sw[G1 * s + k] = sw[G0 * s + k]
-                sw[R1 * s + k] = sw[R0 * s + k]
+                g1[k] = g0[k]
+                r1[k] = r0[k]
             r.standing += 1
             if r.standing > 8 + 2 * s:
                 r.index = crossing
@@ -269,15 +218,15 @@ def advance(
             r.standing = 0
             for retake in range(_RETAKES):
                 t1 = t + h
-                code = attempt(machine, t, h, w, run, p, modes, lam)
+                code = attempt(context, t, h)
                 r.retakes += 1
                 if code != DONE:
                     break
-                measure(machine, t1, Y1, K + r.last, G1, w, sw, p, modes, lam)
-                g = sw[G1 * s + crossing]
-                if abs(g) <= 4e-16 * sw[LARGEST * s + crossing] or retake == _RETAKES - 1:
+                measure(context, t1, Y1, K + r.last, G1)
+                g = g1[crossing]
+                if abs(g) <= 4e-16 * largest[crossing] or retake == _RETAKES - 1:
                     break
-                polished = h - g / sw[R1 * s + crossing]
+                polished = h - g / r1[crossing]
                 if not (0.0 < polished <= reach) or abs(polished - h) > 1e-3 * reach:
                     break
                 if t + polished == t1:
@@ -289,21 +238,20 @@ def advance(
                 r.rejected_before = 1
                 r.h = 0.5 * h
                 continue
-            g = sw[G1 * s + crossing]
+            g = g1[crossing]
             side = 1.0 if modes[crossing] != 0 else -1.0
             near = max(
-                1e-11 * sw[LARGEST * s + crossing],
-                1e-12 * reach * abs(sw[R1 * s + crossing]),
-                sw[BAND * s + crossing],
+                1e-11 * largest[crossing],
+                1e-12 * reach * abs(r1[crossing]),
+                band[crossing],
             )
             if side * g > near:
                 crossing = -1  # it only came close
 
         # Write the samples, then accept.
         if h > 0.0:
-            written = emit_of(machine)(
-                machine, t, t1, h, dense_ready, w, run, p, modes,
-                lam, t_eval, out_t, out_y, out_modes,
+            written = emit_of(context)(
+                context, t, t1, h, dense_ready,
             )  # fmt: skip
             if written < 0:
                 r.rejected += 1
@@ -314,30 +262,29 @@ def advance(
             r.steps += 1
             r.rejected_before = 0
             r.error_old = max(r.error, 1e-4)
-            due = accepted_of(machine)(machine, t, h, w, run)
+            due = accepted_of(context)(context, t, h)
             r.weak = r.weak + 1 if r.weak_row > 0 else 0
         r.t = t1
         r.h = h_next
         for k in range(s):
-            sw[LARGEST * s + k] = max(sw[LARGEST * s + k], abs(sw[G1 * s + k]))
+            largest[k] = max(largest[k], abs(g1[k]))
         changed = 0
         if crossing >= 0:
-            changed = transition_of(machine)(
-                machine, crossing, t1, h_next, w, sw, run, p, modes, scratch, lam, event_t,
-                event_kind, event_y,
+            changed = transition_of(context)(
+                context, crossing, t1, h_next,
             )  # fmt: skip
             r.rhs += 1
         else:
             for k in range(s):
                 side = 1.0 if modes[k] != 0 else -1.0
-                if side * sw[G1 * s + k] > sw[BAND * s + k]:
-                    sw[BAND * s + k] = 0.0
+                if side * g1[k] > band[k]:
+                    band[k] = 0.0
         for j in range(length):
             y0[j] = y1[j]
             k0[j] = k1[j]
         for k in range(s):
-            sw[G0 * s + k] = sw[G1 * s + k]
-            sw[R0 * s + k] = sw[R1 * s + k]
+            g0[k] = g1[k]
+            r0[k] = r1[k]
 
         # Is there a reason to stop?
         if changed > 0:
@@ -355,9 +302,9 @@ def advance(
             if endless or r.events > r.max_events:
                 r.index = crossing
                 return codes.ZENO
-            restart_of(machine)(machine, t1, h_next, w, run)
+            restart_of(context)(context, t1, h_next)
             if r.fixed == 0:
-                first = first_step(machine, t1, r.h_max, r.rtol, r.order, w, p, modes, lam)
+                first = first_step(context, t1, r.h_max, r.rtol, r.order)
                 r.h = min(h_next, 2.0 * first, _FLIGHT * r.flight)
                 r.rhs += 1
                 r.error_old = 1e-4
@@ -372,7 +319,7 @@ def advance(
             return LOOK
         if r.plan >= LEAVING and t1 >= r.quiet:
             if r.plan == LEAVING:
-                repartition_of(machine)(machine, t1, Y0, w, run, p)
+                repartition_of(context)(context, t1, Y0)
             r.plan = FREE
         if r.lent != 0 and r.plan == FREE and t1 >= r.lent_until:
             return LOOK

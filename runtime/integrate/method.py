@@ -11,14 +11,13 @@ from importlib import import_module
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from runtime.core.signatures import Integers, Vector
-    from runtime.core.workspace import Run
+    from runtime.core.signatures import Integers
 
-    Stages = Callable[[Integers, float, float, Vector, Run, Vector, Integers, Vector], int]
-    Error = Callable[[Integers, float, float, Vector], float]
-    Dense = Callable[[Integers, float, float, Vector, Vector, Integers, Vector], int]
-    Propose = Callable[[Integers, float, Vector, Run], float]
-    Hook = Callable[[Integers, float, float, Vector, Run], int]
+    Stages = Callable[[Integers, float, float], int]
+    Error = Callable[[Integers, float, float], float]
+    Dense = Callable[[Integers, float, float], int]
+    Propose = Callable[[Integers, float], float]
+    Hook = Callable[[Integers, float, float], int]
 
 
 class Registration(NamedTuple):
@@ -57,8 +56,8 @@ def _no_memory(n: int) -> tuple[int, int]:
 class Method:
     """An integration method.
 
-    Its functions are compiled for the types that `runtime.core.signatures` names; the loop calls
-    them by their addresses. All but `memory` work on the rows of the workspace (see
+    Its functions are compiled for the types that `runtime.core.function_table` names; the loop
+    calls them by their addresses. All but `memory` work on the rows of the workspace (see
     `runtime.core.workspace`): the state y = (q, v) at Y0 and Y1, derivatives from K on, dense
     output from F on.
 
@@ -124,7 +123,7 @@ class Method:
 
     @property
     def functions(self) -> "tuple[Stages, Error, Dense, Propose, Hook, Hook]":
-        """Compiled functions in the order of `Slot` from STAGES on."""
+        """Compiled functions in the order of the function table."""
         return self.stages, self.error, self.dense, self.propose, self.accepted, self.restart
 
 

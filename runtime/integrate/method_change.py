@@ -4,10 +4,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from runtime.core.function_table import Slot
-from runtime.core.workspace import PARTITION, ROWS
+from runtime.core.workspace import PARTITION
 from runtime.integrate.method import Method, find_method
-from runtime.integrate.wiring import function_table
+from runtime.integrate.wiring import METHOD_SLOTS, function_table
 
 if TYPE_CHECKING:
     from runtime.integrate.run import _Run
@@ -34,7 +33,7 @@ def change_method(run: "_Run") -> None:
     )
 
     r = run.r
-    free = run.w.reshape(ROWS, 2, run.n)[PARTITION, 0] == 0.0
+    free = run.rows[PARTITION, 0] == 0.0
     freedoms = int(np.count_nonzero(free)) if run.m else run.n
     name = successor(run.methods[-1][1], freedoms, run.options.rtol)
     run.methods.append((float(r["t"]), name))
@@ -44,10 +43,9 @@ def change_method(run: "_Run") -> None:
 
 def adopt(run: "_Run", name: str) -> None:
     """Take the next steps with the method `name`, for which nothing is to be remembered."""
-    r, table, method = run.r, run.wiring.table, find_method(name)
+    r, method = run.r, find_method(name)
     fill_method(r, method)
     run.crossings.follow(method)
-    functions = function_table(name)
-    table[Slot.STAGES : Slot.STAGES + functions.size] = functions
-    run.wiring.arrays[Slot.NOTES][:] = 0
-    method.restart(table, r["t"], r["h"], run.w, run.record)
+    run.table[METHOD_SLOTS] = function_table(name)
+    run.wiring.arrays["notes"][:] = 0
+    method.restart(run.table, r["t"], r["h"])

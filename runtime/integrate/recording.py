@@ -1,14 +1,19 @@
 """What the compiled loop writes while it runs, taken over whenever it returns."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from runtime.core.function_table import EVENT_ROWS, OUT_ROWS, SAMPLE_TIMES
 from runtime.core.signatures import IntegerMatrix, Integers, Matrix, Vector
 from runtime.integrate.trajectory import Events, Partitions
+from runtime.integrate.wiring import Wiring, place
 
-_EVENT_ROWS = 64
+_EVENT_ROWS = 64  # layout: events that fit between two returns to Python
+_EVENTS = ("event_times", "event_kinds", "event_states")
+_SAMPLES = ("out_times", "out_states", "out_modes")
 
 
 @dataclass
@@ -34,24 +39,32 @@ class Gathered:
 
     Parameters
     ----------
+    wiring
+        The run's table, into which room for samples and events is put.
     n, s
         Coordinates and switching functions.
-    log_t, log_sets : (c,), (c, n)
-        Where the loop logs changes of the partition.
-    instants
-        How many samples are asked for; None: one at the end of every step.
+    t_eval
+        Instants of the samples that are asked for; None: the end of every step.
     """
 
-    def __init__(
-        self, n: int, s: int, log_t: Vector, log_sets: IntegerMatrix, instants: int | None
-    ) -> None:
+    def __init__(self, wiring: Wiring, n: int, s: int, t_eval: Vector | None) -> None:
         self.n, self.s = n, s
-        self.fixed_size = instants is not None
-        self.log = log_t, log_sets
+        self.wiring = wiring
+        self.fixed_size = t_eval is not None
+        self.log = wiring.arrays["log_times"], wiring.arrays["log_sets"]
         rows = _EVENT_ROWS + 2 * s
         self.events_out = np.zeros(rows), np.zeros((rows, 2), np.int64), np.zeros((rows, 2 * n))
+        self._place(EVENT_ROWS, rows, _EVENTS, self.events_out)
+        instants = np.zeros(0) if t_eval is None else t_eval
+        self._place(SAMPLE_TIMES, instants.size, ("sample_times",), (instants,))
         self.taken, self.happened, self.sets = _Rows(), _Rows(), _Rows()
-        self._allot(1 if instants is None else instants)
+        self._allot(1 if t_eval is None else instants.size)
+
+    def _place(self, count: int, rows: int, names: Iterable[str], arrays: Iterable[Any]) -> None:
+        table = self.wiring.table
+        table[count] = rows
+        for name, array in zip(names, arrays, strict=True):
+            place(table, self.wiring.arrays, name, array)
 
     def make_room(self, size: int) -> None:
         """Make room for `size` samples, unless it is known how many there will be."""
@@ -64,6 +77,7 @@ class Gathered:
             np.zeros((size, 2 * self.n)),
             np.zeros((size, self.s), np.int64),
         )
+        self._place(OUT_ROWS, size, _SAMPLES, self.out)
 
     def flush(self, r: Any) -> None:
         """Take over what the last chunk wrote; samples at given instants stay where they are."""

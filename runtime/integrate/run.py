@@ -2,12 +2,11 @@
 
 import time
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from runtime.constraints.repartitioning import GROWTH_LIMIT
-from runtime.core.function_table import Slot
+from runtime.core.function_table import CORRECTING, EACH_STAGE, MODIFIED, STABILIZED
 from runtime.core.outcomes import Outcome
 from runtime.core.signatures import Integers, Vector
 from runtime.core.system import System
@@ -17,7 +16,6 @@ from runtime.core.workspace import (
     PARTITION,
     PROJECTION,
     ROWS,
-    RUN,
     SIZE,
     STRUCK,
     SWITCH_ROWS,
@@ -44,11 +42,10 @@ from runtime.integrate.wiring import wire
 Progress = Callable[[float, int], None]
 """Called between chunks with the time reached and the steps taken."""
 
-_FIRST_CHUNK = 128  # steps before which an interrupt is raised, as before the run
-_LONGEST_CHUNK = 16384
-_CHUNK_SECONDS = 0.05
-_SHOWN = (Slot.WORKSPACE, Slot.SURFACES, Slot.PARAMETERS, Slot.MODES, Slot.MULTIPLIERS)
-_FOLLOWED = 2.0  # of Baumgarte's time: within longer steps what pulls back swings
+_FIRST_CHUNK = 128  # measured: steps before an interrupt is heard, as before the run
+_LONGEST_CHUNK = 16384  # safety: steps before an interrupt is heard, at most
+_CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress and interrupts
+_FOLLOWED = 2.0  # measured: of Baumgarte's time; in longer steps the stabilisation oscillates
 _CORRECTING = {
     "step": attempt.BY_PARTITION,
     "stage": attempt.BY_PARTITION,
@@ -116,11 +113,15 @@ class _Run:
         method = find_method(options.method)
         self.n, self.m, self.s = n, m, s
         self.options = options
-        self.t_eval = np.ascontiguousarray(
-            np.zeros(0) if options.t_eval is None else options.t_eval, dtype=np.float64
-        )
-        self.w = np.zeros(ROWS * 2 * n)
-        rows = self.w.reshape(ROWS, 2, n)
+        t_eval = options.t_eval
+        t_eval = None if t_eval is None else np.ascontiguousarray(t_eval, dtype=np.float64)
+        p = np.ascontiguousarray(problem.p, dtype=np.float64)
+        self.wiring = wire(system, options.method, p, 4 * driver.LOG_MARGIN)
+        table, arrays = self.wiring.table, self.wiring.arrays
+        self.table, self.p = table, p
+        self.modes: Integers = arrays["modes"]
+        self.rows = arrays["workspace"].reshape(ROWS, 2, n)
+        rows = self.rows
         rows[Y0, 0], rows[Y0, 1] = problem.q, problem.v
         rows[SIZE] = problem.sizes
         fallback = options.rtol * np.minimum(1.0, rows[SIZE])
@@ -129,47 +130,23 @@ class _Run:
         rows[PARTITION, 0], rows[PARTITION, 1] = problem.scale**2, problem.scale
         rows[PROJECTION, 0] = problem.scale**2
         self.state = rows[Y0]
-        self.sw = np.zeros(SWITCH_ROWS * s)
-        self.record = np.zeros(1, RUN)
-        self.r = self.record[0]
+        self.switch_rows = arrays["switching_rows"].reshape(SWITCH_ROWS, s)
+        self.r = arrays["record"][0]
         self._fill_record(problem, options, method)
-        self.modes = np.zeros(s, np.int64)
         self.methods = [(float(problem.t0), str(options.method))]
-        p = np.ascontiguousarray(problem.p, dtype=np.float64)
-        self.wiring = wire(system, options.method, p, 4 * driver.LOG_MARGIN)
-        table, arrays = self.wiring.table, self.wiring.arrays
-        table[Slot.CORRECTING] = _CORRECTING[options.correction]
+        table[CORRECTING] = _CORRECTING[options.correction]
         stabilized = options.correction in ("baumgarte", "hybrid")
-        table[Slot.STABILIZED] = table[Slot.BENDS] = int(stabilized)
+        table[STABILIZED] = table[MODIFIED] = int(stabilized)
         duration = problem.t_end - problem.t0
         pull = options.time_scale or 1e-3 * duration or 1.0
-        arrays[Slot.SETTINGS][TIME_SCALE] = pull
+        arrays["settings"][TIME_SCALE] = pull
         if stabilized and options.fixed_step is None:
             self.r["h_max"] = min(float(self.r["h_max"]), _FOLLOWED * pull)
-        table[Slot.EACH_STAGE] = 1 if options.correction == "stage" and m > 0 else 0
-        arrays[Slot.WEIGHTS][:n], arrays[Slot.WEIGHTS][3 * n :] = problem.scale**2, problem.sizes
-        arrays[Slot.SPREADS][:] = problem.spreads
-        instants = None if options.t_eval is None else self.t_eval.size
-        self.gathered = Gathered(n, s, arrays[Slot.LOG_TIMES], arrays[Slot.LOG_SETS], instants)
-        self.fixed_arrays: tuple[Any, ...] = (
-            self.w,
-            self.sw,
-            self.record,
-            p,
-            self.modes,
-            np.zeros(4 * s + 1, np.int64),
-            np.zeros(m),
-            self.t_eval,
-        )
-        shown = (self.w, self.sw, p, self.modes, self.fixed_arrays[6])
-        for slot, array in zip(_SHOWN, shown, strict=True):
-            table[slot] = array.ctypes.data
-        table[Slot.PARAMETER_COUNT] = p.size
+        table[EACH_STAGE] = 1 if options.correction == "stage" and m > 0 else 0
+        arrays["weights"][:n], arrays["weights"][3 * n :] = problem.scale**2, problem.sizes
+        arrays["spreads"][:] = problem.spreads
+        self.gathered = Gathered(self.wiring, n, s, t_eval)
         self.crossings = Crossings(system, problem, self, method)
-        self.event_arrays: tuple[Any, ...] = (
-            np.full(driver.RECENT, -np.inf),
-            *self.gathered.events_out,
-        )
 
     def _fill_record(self, problem: Problem, options: Options, method: Method) -> None:
         r = self.r
@@ -197,12 +174,12 @@ class _Run:
     def start(self) -> int:
         """Prepare the first step; returns the code of an outcome."""
         given = self.state.copy()
-        code: int = start(self.wiring.table, *self.fixed_arrays, *self.gathered.out)
+        code: int = start(self.table)
         if code in {Outcome.SINGULAR, Outcome.NEWTON_FAILED}:
             # What did not converge has gone astray: the start values are those given.
             self.state[:] = given
             if self.crossings.begin():
-                code = start(self.wiring.table, *self.fixed_arrays, *self.gathered.out)
+                code = start(self.table)
                 if code == Outcome.OK:
                     code = self.crossings.leave()
         self.gathered.flush(self.r)
@@ -212,7 +189,7 @@ class _Run:
 
     def _log_first_impacts(self) -> None:
         """The contacts that were struck in the very first instant are events as well."""
-        struck = np.flatnonzero(self.sw.reshape(SWITCH_ROWS, self.s)[STRUCK])
+        struck = np.flatnonzero(self.switch_rows[STRUCK])
         kinds = [HELD if self.modes[k] == HELD_MODE else IMPACT for k in struck]
         self.gathered.strike(self.r["t"], struck, kinds, self.state.ravel())
         self.r["events"] += len(struck)
@@ -228,13 +205,7 @@ class _Run:
             while code == driver.GOING:
                 self.gathered.make_room(chunk)
                 before = time.perf_counter()
-                code = driver.advance(
-                    chunk,
-                    self.wiring.table,
-                    *self.fixed_arrays,
-                    *self.gathered.out,
-                    *self.event_arrays,
-                )
+                code = driver.advance(self.table, chunk)
                 took = time.perf_counter() - before
                 self.gathered.flush(self.r)
                 if code in driver.UNFINISHED:
@@ -259,7 +230,7 @@ class _Run:
         r, n = self.r, self.n
         t, y, modes = self.gathered.samples(r)
         note = ""
-        p, kept = self.fixed_arrays[3], self.wiring.arrays[Slot.NEARNESS]
+        p, kept = self.p, self.wiring.arrays["loop_nearness"]
         loop = on_the_way(self.system, float(r["t"]), self.state, p, kept, outcome)
         if loop is not None:
             outcome, r["index"], r["turn"] = Outcome.SINGULAR, loop, r["t"]
@@ -291,7 +262,7 @@ class _Run:
 
     def _given_up(self, outcome: Outcome) -> str:
         """What to know where more functions were on their surface than can all be tried."""
-        count = int(np.count_nonzero(self.sw.reshape(SWITCH_ROWS, self.s)[BAND] > 0.0))
+        count = int(np.count_nonzero(self.switch_rows[BAND] > 0.0))
         if outcome is not Outcome.INCONSISTENT or count <= MOST:
             return ""
         return (

@@ -7,18 +7,30 @@ section II.4.
 
 import numpy as np
 
-from runtime.core.array_views import view
+from runtime.core.function_table import COORDINATES, FIRST_STEP, PROPOSE, modes_of
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.rhs import field
-from runtime.core.signatures import FIRST_STEP, PROPOSE, Integers, Vector
-from runtime.core.workspace import ATOL, DELTA, FREE, ROWS, SAMPLE, SIZE, Y0, K, Run
-
-_FALL = 0.1
-_COMPARABLE = (
-    2.0  # ratio of two steps' lengths up to which the one's error says something of the other's
+from runtime.core.run_record import FREE, run_record
+from runtime.core.signatures import Integers
+from runtime.core.workspace import (
+    ATOL,
+    DELTA,
+    SAMPLE,
+    SIZE,
+    Y0,
+    K,
+    positions,
+    row_of,
+    second_half,
+    velocities,
 )
-_ROUNDING = 1e-12  # of the typical size: start values that assembling left of zero
-_START = 1e-3  # of the typical size: a start value counts as no smaller
+
+# measured: least ratio of an error to its expectation from the step before that is believed
+_FALL = 0.1
+# measured: ratio of two steps' lengths up to which the error of one tells that of the other
+_COMPARABLE = 2.0
+_ROUNDING = 1e-12  # accuracy: of the typical size; start values that assembly left of zero
+_START = 1e-3  # measured: of the typical size; a start value counts as no smaller
 
 
 @inner
@@ -39,14 +51,14 @@ def factor(
 
 
 @addressed(PROPOSE)
-def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
+def propose(context: Integers, h: float) -> float:
     """Ratio of the next step's length to this accepted one's.
 
     Of a motion in few coordinates an estimate passes through zero now and then, and steps that
     trust it come to be so long that the next estimate is worth nothing. From step to step an error
     is taken to fall to a tenth of what the lengths of the steps let expect, and no further.
     """
-    r = run[0]
+    r = run_record(context)
     if r.plan != FREE:
         r.remembered = 0.0
     else:
@@ -59,29 +71,20 @@ def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
 
 
 @compiled(FIRST_STEP)
-def first_step(
-    machine: Integers,
-    t: float,
-    h_max: float,
-    rtol: float,
-    order: int,
-    w: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> float:
+def first_step(context: Integers, t: float, h_max: float, rtol: float, order: int) -> float:
     """Length of a first step from the state Y0 with derivative K, at most `h_max`.
 
     One evaluation of the field.
     """
-    length = w.size // ROWS
-    n = length // 2
-    y0 = view(w, Y0 * length, length)
-    k1 = view(w, K * length, length)
-    z = view(w, SAMPLE * length, length)
-    d = view(w, DELTA * length, length)
-    atol = view(w, ATOL * length, length)
-    typical = view(w, SIZE * length, length)
+    modes = modes_of(context)
+    n = context[COORDINATES]
+    length = 2 * n
+    y0 = row_of(context, Y0)
+    k1 = row_of(context, K)
+    z = row_of(context, SAMPLE)
+    d = row_of(context, DELTA)
+    atol = row_of(context, ATOL)
+    typical = row_of(context, SIZE)
     size = 0.0
     rate = 0.0
     largest = 0.0
@@ -95,9 +98,9 @@ def first_step(
     h = min(h, h_max)
     for j in range(length):
         z[j] = y0[j] + h * k1[j]
-    a = view(w, DELTA * length + n, n)
-    q, v = view(w, SAMPLE * length, n), view(w, SAMPLE * length + n, n)
-    field(machine, t + h, q, v, p, modes, a, lam)
+    a = second_half(context, DELTA)
+    q, v = positions(context, SAMPLE), velocities(context, SAMPLE)
+    field(context, t + h, q, v, modes, a)
     bend = 0.0
     for j in range(n):
         d[j] = z[n + j]

@@ -7,10 +7,32 @@ import numpy as np
 
 from runtime.constraints import repartitioning as repartition
 from runtime.constraints.newton_return import correct
-from runtime.core.function_table import Slot
+from runtime.core.function_table import (
+    CONSTRAINT_COUNT,
+    COORDINATES,
+    CORRECTING,
+    LOG_ROWS,
+    LOOPS,
+    MEMORY_SIZE,
+    NONZEROS,
+    NOTES_SIZE,
+    PARAMETER_COUNT,
+    PIVOT_SIZE,
+    PLAN_SIZE,
+    RANK,
+    REACTION_ROWS,
+    RECORD,
+    RIGID_COUNT,
+    SWITCHES,
+    SWITCHING_SIZE,
+    TABLE,
+    WORKSPACE_SIZE,
+)
 from runtime.core.jit import addresses
+from runtime.core.run_record import RUN
 from runtime.core.signatures import Integers, Vector
 from runtime.core.system import System
+from runtime.core.workspace import ROWS, SWITCH_ROWS
 from runtime.hybrid import event_location as events
 from runtime.hybrid import event_resolution as watch
 from runtime.hybrid import impact
@@ -20,7 +42,6 @@ from runtime.hybrid import mode_selection as modes
 from runtime.hybrid import mode_transition as transition
 from runtime.hybrid import sliding_rhs as bent
 from runtime.hybrid import switching_functions as surfaces
-from runtime.hybrid.sliding_modes import work_size
 from runtime.integrate import sampling as outputs
 from runtime.integrate import step as attempt
 from runtime.integrate import step_control as control
@@ -28,17 +49,25 @@ from runtime.integrate.method import find_method
 from runtime.linalg.elimination_plan import plan_capacity
 from runtime.singularity.detection import PIVOT_ROWS, vanishing
 
+_KERNEL_SLOTS = slice(TABLE.slots["accelerations"], TABLE.slots["stages"])
+METHOD_SLOTS = slice(TABLE.slots["stages"], TABLE.slots["correct"])
+"""Slots of the method's functions."""
+
+_LOOP_SLOTS = slice(TABLE.slots["correct"], TABLE.slots["passed"] + 1)
+KERNELS = tuple(TABLE.slots)[_KERNEL_SLOTS]
+"""Names of the kernels in the function table."""
+
 
 class Wiring(NamedTuple):
-    """A table and what must live as long as it."""
+    """A function table, and the arrays by name that must live as long as it."""
 
     table: Integers
-    arrays: dict[Slot, Any]
+    arrays: dict[str, Any]
 
 
 @cache
 def _loop() -> Integers:
-    """Addresses of the parts of the loop, in the order of `Slot` from CORRECT on."""
+    """Addresses of the parts of the loop, in the order of the function table from `correct` on."""
     return addresses(
         (
             correct,
@@ -66,14 +95,14 @@ def _loop() -> Integers:
 
 @cache
 def function_table(name: str) -> Integers:
-    """Addresses of the functions of the method `name`, in the order of `Slot` from STAGES on."""
+    """Addresses of the functions of the method `name`, in the order of the function table."""
     return addresses(find_method(name).functions)
 
 
 @cache
 def _kernels(system: System) -> Integers:
-    """Addresses of a machine's kernels, in the order of `Slot`."""
-    return addresses(getattr(system, slot.name.lower()) for slot in Slot if slot < Slot.STAGES)
+    """Addresses of a machine's kernels, in the order of the function table."""
+    return addresses(getattr(system, name) for name in KERNELS)
 
 
 def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
@@ -86,66 +115,68 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     log_rows
         Room for changes of the partition.
     """
-    n, m = system.coordinates, system.constraint_count
-    table = np.zeros(len(Slot), np.int64)
-    kernels, parts, loop = _kernels(system), function_table(name), _loop()
-    table[: kernels.size] = kernels
-    table[Slot.STAGES : Slot.STAGES + parts.size] = parts
-    table[Slot.CORRECT : Slot.CORRECT + loop.size] = loop
+    n, m, s = system.coordinates, system.constraint_count, system.switches
+    nonzeros, loops = len(system.jacobian_rows), len(system.loop_rows)
+    table = np.zeros(TABLE.size, np.int64)
+    table[_KERNEL_SLOTS] = _kernels(system)
+    table[METHOD_SLOTS] = function_table(name)
+    table[_LOOP_SLOTS] = _loop()
     memory, notes = find_method(name).memory(n)
-    s, contacts = system.switches, len(system.rigid)
-    rigid = np.full(s, -1, np.int64)
-    rigid[list(system.rigid)] = np.arange(contacts)
-    limits = np.full(2 * s, -1, np.int64)
-    for k, force, limit in system.limits:
-        limits[2 * k], limits[2 * k + 1] = force, limit
-    sought = np.full(s, -1, np.int64)
-    for k, place in system.sought:
-        sought[k] = place
-    nonzeros = len(system.jacobian_rows)
-    arrays = {
-        Slot.JACOBIAN_ROWS: np.ascontiguousarray(system.jacobian_rows, dtype=np.int64),
-        Slot.JACOBIAN_COLUMNS: np.ascontiguousarray(system.jacobian_columns, dtype=np.int64),
-        Slot.JACOBIAN_VALUES: np.zeros(nonzeros),
-        Slot.DENSE_JACOBIAN: np.zeros((m, n)),
-        Slot.ROW_ORDER: np.arange(m),
-        Slot.COLUMN_ORDER: np.arange(n),
-        Slot.LOG_TIMES: np.zeros(log_rows),
-        Slot.LOG_SETS: np.zeros((log_rows, n), np.int64),
-        Slot.LOW: np.zeros(s),
-        Slot.HIGH: np.ones(s),
-        Slot.SHARE: np.full(s, np.nan),
-        Slot.RIGID: rigid,
-        Slot.STICKS: np.array([k in system.sticking for k in range(s)], dtype=np.int64),
-        Slot.LIMITS: limits,
-        Slot.SOUGHT: sought,
-        Slot.UNIT: np.ones(2 * s),
-        Slot.REACTION: np.zeros(3 * system.reaction_rows + m),
-        Slot.RESTITUTION: np.zeros(contacts),
-        Slot.PLAIN: np.zeros(2 * s, np.int64),
-        Slot.WORK: np.zeros(work_size(n, m, s, contacts)),
-        Slot.SETTINGS: np.zeros(2),
-        Slot.WEIGHTS: np.zeros(4 * n),
-        Slot.MEMORY: np.zeros(memory),
-        Slot.NOTES: np.zeros(notes, np.int64),
-        Slot.PIVOTS: np.zeros(PIVOT_ROWS * m + 2),
-        Slot.PIVOT_COLUMNS: np.zeros(m, np.int64),
-        Slot.PLAN: np.zeros(plan_capacity(m, nonzeros), np.int64),
-        Slot.LOOP_ROWS: np.array(system.loop_rows, dtype=np.int64),
-        Slot.NEARNESS: np.zeros(dead_centres.numbers_for(len(system.loop_rows))),
-        Slot.SPREADS: np.zeros(s),
+    numbers = {
+        COORDINATES: n,
+        CONSTRAINT_COUNT: m,
+        SWITCHES: s,
+        RANK: system.rank,
+        NONZEROS: nonzeros,
+        PARAMETER_COUNT: p.size,
+        RIGID_COUNT: len(system.rigid),
+        REACTION_ROWS: system.reaction_rows,
+        LOOPS: loops,
+        PLAN_SIZE: plan_capacity(m, nonzeros),
+        WORKSPACE_SIZE: 2 * n * ROWS,
+        SWITCHING_SIZE: s * SWITCH_ROWS,
+        PIVOT_SIZE: PIVOT_ROWS * m,
+        MEMORY_SIZE: memory,
+        NOTES_SIZE: notes,
+        LOG_ROWS: log_rows,
+        CORRECTING: 1,
     }
-    for slot, array in arrays.items():
-        table[slot] = array.ctypes.data
-    table[Slot.COORDINATES], table[Slot.CONSTRAINT_COUNT], table[Slot.RANK] = n, m, system.rank
-    table[Slot.SWITCHES], table[Slot.NONZEROS] = system.switches, nonzeros
-    system.holds(p, arrays[Slot.LOW], arrays[Slot.HIGH])
-    for k, _ in system.sought:
-        # Shares are of a force in units, from no force.
-        reach = arrays[Slot.HIGH][k] - arrays[Slot.LOW][k]
-        arrays[Slot.LOW][k], arrays[Slot.HIGH][k] = -reach, reach
-    system.restitution(p, arrays[Slot.RESTITUTION])
-    table[Slot.RIGID_COUNT], table[Slot.REACTION_ROWS] = contacts, system.reaction_rows
-    table[Slot.LOG_ROWS], table[Slot.LOOPS] = log_rows, len(system.loop_rows)
-    table[Slot.CORRECTING], table[Slot.PLAN_SIZE] = 1, plan_capacity(m, nonzeros)
+    table[list(numbers)] = list(numbers.values())
+    arrays = TABLE.allot(table)
+    place(table, arrays, "parameters", p)
+    place(table, arrays, "jacobian_rows", np.ascontiguousarray(system.jacobian_rows, np.int64))
+    columns = np.ascontiguousarray(system.jacobian_columns, np.int64)
+    place(table, arrays, "jacobian_columns", columns)
+    record = arrays["record"] = np.zeros(1, RUN)
+    table[RECORD] = record.ctypes.data
+    arrays["row_order"][:], arrays["column_order"][:] = np.arange(m), np.arange(n)
+    arrays["recent_events"][:] = -np.inf
+    if loops:
+        arrays["loop_rows"][:] = system.loop_rows
+    if s:
+        _describe_switches(system, p, arrays)
     return Wiring(table, arrays)
+
+
+def place(table: Integers, arrays: dict[str, Any], name: str, array: Any) -> None:
+    """Put an array that was made elsewhere into a table."""
+    arrays[name] = array
+    table[TABLE.slots[name]] = array.ctypes.data
+
+
+def _describe_switches(system: System, p: Vector, arrays: dict[str, Any]) -> None:
+    """Fill in what is known of the switching functions before a run."""
+    low, high = arrays["share_low"], arrays["share_high"]
+    arrays["rigid"][:], arrays["limits"][:], arrays["stiction_place"][:] = -1, -1, -1
+    arrays["rigid"][list(system.rigid)] = np.arange(len(system.rigid))
+    arrays["sticks"][list(system.sticking)] = 1
+    arrays["share"][:], arrays["stiction_units"][:], high[:] = np.nan, 1.0, 1.0
+    for k, force, limit in system.limits:
+        arrays["limits"][2 * k : 2 * k + 2] = force, limit
+    system.holds(p, low, high)
+    for k, slot in system.sought:
+        arrays["stiction_place"][k] = slot
+        # Shares are of a force in units, from no force.
+        reach = high[k] - low[k]
+        low[k], high[k] = -reach, reach
+    system.restitution(p, arrays["restitution"])

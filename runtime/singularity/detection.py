@@ -8,25 +8,40 @@ pivot that changes sign in between announces a singular position.
 
 import numpy as np
 
-from runtime.core.array_views import floats_at, integers_at, matrix_at, view
+from runtime.core.array_views import view
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
-    DENSE_JACOBIAN,
-    JACOBIAN_COLUMNS,
-    JACOBIAN_ROWS,
-    JACOBIAN_VALUES,
-    NONZEROS,
-    PIVOT_COLUMNS,
-    PIVOTS,
-    PLAN,
-    PLAN_SIZE,
+    COORDINATES,
     RANK,
+    VANISHING,
+    dense_jacobian_of,
+    elimination_plan_of,
+    flat_jacobian_of,
+    jacobian_columns_of,
     jacobian_of,
+    jacobian_rows_of,
+    jacobian_values_of,
+    parameters_of,
+    pivot_columns_of,
+    pivot_history_of,
+    pivots_of,
 )
 from runtime.core.jit import addressed, inner
 from runtime.core.rounding import EPS
-from runtime.core.signatures import VANISHING, Integers, Vector
-from runtime.core.workspace import PARTITION, ROWS, SAMPLE, SIZE, Y0, K, Run
+from runtime.core.run_record import run_record
+from runtime.core.signatures import Integers, Vector
+from runtime.core.workspace import (
+    PARTITION,
+    SAMPLE,
+    SIZE,
+    Y0,
+    K,
+    first_half,
+    positions,
+    second_half,
+    velocities,
+    velocity_rates,
+)
 from runtime.linalg.elimination_plan import replay_plan, write_plan
 from runtime.linalg.rank_policy import REDUNDANT
 from runtime.linalg.row_elimination import eliminate_rows, fill_unit_rows, smallest_pivot
@@ -89,9 +104,7 @@ def announced(now: Vector, later: Vector, span: float, ahead: float) -> bool:
 
 
 @addressed(VANISHING)
-def vanishing(
-    machine: Integers, t: float, h: float, state: int, w: Vector, run: Run, p: Vector
-) -> float:
+def vanishing(context: Integers, t: float, h: float, state: int) -> float:
     """Time after t at which a pivot vanishes, where that is soon; else infinite.
 
     Pivots are compared at the start of the step, Y0, and in row `state`, its end; where that is Y0
@@ -103,32 +116,32 @@ def vanishing(
     eliminations, some more where something is announced: a pivot changes sign by way of infinity
     too, where an earlier one of the same order vanishes.
     """
-    r = run[0]
-    n = w.size // (2 * ROWS)
-    m = machine[CONSTRAINT_COUNT]
-    nonzeros = machine[NONZEROS]
-    jacobian = jacobian_of(machine)
-    rows = integers_at(machine, JACOBIAN_ROWS, nonzeros)
-    columns = integers_at(machine, JACOBIAN_COLUMNS, nonzeros)
-    values = floats_at(machine, JACOBIAN_VALUES, nonzeros)
-    dense = matrix_at(machine, DENSE_JACOBIAN, m, n)
-    order = integers_at(machine, PIVOT_COLUMNS, m)
-    pivots = floats_at(machine, PIVOTS, PIVOT_ROWS * m + 2)
+    p = parameters_of(context)
+    r = run_record(context)
+    n = context[COORDINATES]
+    m = context[CONSTRAINT_COUNT]
+    jacobian = jacobian_of(context)
+    rows = jacobian_rows_of(context)
+    columns = jacobian_columns_of(context)
+    values = jacobian_values_of(context)
+    dense = dense_jacobian_of(context)
+    order = pivot_columns_of(context)
+    pivots = pivots_of(context)
     now, later, last = view(pivots, 0, m), view(pivots, m, m), view(pivots, 2 * m, m)
     lengths = view(pivots, 3 * m, m)
-    known = view(pivots, PIVOT_ROWS * m, 2)
-    plan = integers_at(machine, PLAN, machine[PLAN_SIZE])
-    scale = view(w, PARTITION * 2 * n + n, n)
-    size = view(w, SIZE * 2 * n, n)
-    q = view(w, Y0 * 2 * n, n)
-    v = view(w, Y0 * 2 * n + n, n)
-    end, rate = view(w, state * 2 * n, n), view(w, state * 2 * n + n, n)
-    moved, place = view(w, SAMPLE * 2 * n, n), view(w, SAMPLE * 2 * n + n, n)
-    speed = max(greatest(v, size), greatest(view(w, state * 2 * n + n, n), size))
+    known = pivot_history_of(context)
+    plan = elimination_plan_of(context)
+    scale = second_half(context, PARTITION)
+    size = first_half(context, SIZE)
+    q = positions(context, Y0)
+    v = velocities(context, Y0)
+    end, rate = positions(context, state), velocities(context, state)
+    moved, place = positions(context, SAMPLE), velocities(context, SAMPLE)
+    speed = max(greatest(v, size), greatest(velocities(context, state), size))
     span, back, ahead = h, 0.0, max(AHEAD * h, r.foresight / max(speed, 1e-300))
     # Only from look to look: in a gap between them a pivot may change its sign twice.
     if state != Y0 and plan[0] > 0 and t <= r.look_at and t + h > known[WHEN]:
-        flat = floats_at(machine, DENSE_JACOBIAN, m * n)
+        flat = flat_jacobian_of(context)
         if replay_plan(
             jacobian, t + h, end, p, scale, rows, columns, values, flat, plan, lengths, later
         ):
@@ -140,11 +153,11 @@ def vanishing(
                     last[i] = later[i]
                 r.look_at = t + _TRUST * ahead
                 if _MARGIN * weakest > speed * _TRUST * ahead:
-                    haste = greatest(view(w, K * 2 * n + n, n), size)
+                    haste = greatest(velocity_rates(context, K), size)
                     r.look_at = max(r.look_at, sooner(t, weakest, speed, haste))
                 return np.inf
     plan[0] = 0
-    haste = greatest(view(w, K * 2 * n + n, n), size)
+    haste = greatest(velocity_rates(context, K), size)
     if state == Y0:
         # Rounding fails steps that are shorter and shorter within this distance, on either side.
         noisy = np.cbrt(EPS / r.rtol) / max(speed, 1e-300)
@@ -164,7 +177,7 @@ def vanishing(
             change = later[i] - now[i]
             if max(abs(now[i]), abs(later[i])) <= REDUNDANT or change == 0.0:
                 continue
-            if abs(now[i]) <= REDUNDANT and machine[RANK] < m:
+            if abs(now[i]) <= REDUNDANT and context[RANK] < m:
                 continue  # it follows from others wherever these hold
             s = -now[i] * span / change
             if back <= s <= ahead and beyond < abs(s) < abs(nearest):
@@ -174,7 +187,7 @@ def vanishing(
         if not nearest < np.inf:
             if candidate == 0:
                 r.look_at = max(r.look_at, t + _TRUST * ahead)
-                if state != Y0 and machine[RANK] == m:
+                if state != Y0 and context[RANK] == m:
                     known[WHEN], known[LEAST] = t + h, min(weakest, smallest_pivot(later))
                     for i in range(m):
                         last[i] = later[i]

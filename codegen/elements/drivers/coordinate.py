@@ -15,7 +15,7 @@ from codegen.elements.registry import element
 @element(driver=True)
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """driven - law(t) = 0; its reaction is what the driver exerts along `driven`."""
+    """driven - law(t) = 0; its reaction is the force that the driver exerts along `driven`."""
 
     kind: ClassVar[str] = "driver"
     name: str

@@ -37,8 +37,8 @@ def coefficient_problems(
         )
     elif kinetic == 0:
         found.append(
-            f"{where}: the coefficient of friction is 0 and the static one {static}; what sticks "
-            "rubs when it slides: give a positive coefficient."
+            f"{where}: the coefficient of friction is 0 and the static one {static}; a friction "
+            "that sticks also acts when it slides: give a positive coefficient."
         )
     elif kinetic.is_number and static.is_number and static < kinetic:
         found.append(
@@ -51,12 +51,12 @@ def coefficient_problems(
 @element
 @dataclass(frozen=True, eq=False)
 class DryFriction:
-    """f = -μ N sign(ṡ) along the slip ṡ; at ṡ = 0 whatever keeps it there, up to μ_s N (Coulomb).
+    """f = -μ N sign(ṡ) along the slip ṡ; at ṡ = 0 the force that keeps it, up to μ_s N (Coulomb).
 
     The slip is a velocity, linear in the velocities of the bodies, ṡ = J q̇ + b; f acts as Q = Jᵀ f.
-    b is the speed of a belt, say. Where ṡ changes sign is an event of a run, and where the force
-    that keeps ṡ at 0 lies within ±μ_s N, the run goes on sticking. The power that is reported is
-    that on the bodies, Q·q̇: a belt that carries a block along does work.
+    b is the speed of a belt, say. A change of sign of ṡ is an event of a run; where the force that
+    keeps ṡ at 0 lies within ±μ_s N, the run goes on sticking. The reported power is that on the
+    bodies, Q·q̇: a belt that carries a block along does work.
 
     With a creep speed v_c the law is smooth instead, f = -μ N tanh(ṡ/v_c), and creeps where it
     would stick, at ṡ = v_c f/(μ N) nearly.

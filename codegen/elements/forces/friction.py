@@ -30,12 +30,12 @@ class JointFriction:
     bearing's length b is given, it presses at both ends, with |F/2 ± T/b| each. In a
     revolute-translational joint the force across the line presses.
 
-    At ṡ = 0 the friction is whatever keeps the joint there, up to μ_s N. Where ṡ changes sign is an
-    event of a run, and where such a force is small enough, the run goes on sticking: it seeks the
-    force that keeps the joint at rest, and holds it against the limit of the reaction that it meets
-    there. Whether the joint could slide does not matter: one that would jam on one side can stick.
-    Only where a condition or another friction changes with the same slip is the force sought
-    between those of sliding either way.
+    At ṡ = 0 the friction is the force that keeps the joint at rest, up to μ_s N. A change of sign
+    of ṡ is an event of a run. There the run finds the stiction force, compares it with the limit of
+    the reaction that goes with it, and goes on sticking where the force is small enough. Whether
+    the joint could slide does not matter: one that would jam on one side can stick. Only where a
+    condition or another friction changes with the same slip, the force is found between those of
+    sliding to either side.
 
     A joint that sticks reports its `force` (a revolute joint its `torque`), N as `normal`, and the
     `limit`, μ_s N or μ_s R N.
@@ -84,7 +84,7 @@ class JointFriction:
         return {}
 
     def friction(self) -> FrictionLaw:
-        """Along what it acts, and what presses."""
+        """The slip along which it acts, and the normal force."""
         joint, mu = self.joint, self.coefficient
         if isinstance(joint, Revolute):
             pressing: tuple[Any, ...] = ((("fx", sympy.S.One),), (("fy", sympy.S.One),))

@@ -18,7 +18,7 @@ X_AXIS = I.A * sympy.Matrix([1, 0])
 @element
 @dataclass(frozen=True, eq=False)
 class Absolute:
-    """x_j^P = c, y_j^P = c or φ_j = c; the reaction is what the ground exerts on the body."""
+    """x_j^P = c, y_j^P = c or φ_j = c; the reaction is that of the ground on the body."""
 
     kind: ClassVar[str] = "absolute"
     name: str
@@ -29,7 +29,7 @@ class Absolute:
 
     @property
     def bodies(self) -> tuple[Body, ...]:
-        """The ground and the body held."""
+        """The ground and the body."""
         return (self.ground, self.point.body)
 
     def statement(self) -> Statement:

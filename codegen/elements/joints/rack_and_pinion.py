@@ -32,10 +32,10 @@ class RackAndPinion:
     A pinion that turns counter-clockwise on a rack held fast moves against the axis; a rack under
     a pinion held in place moves along it. `offset` s0 is uᵀ d at the angle φ_pinion = φ_rack.
 
-    The reaction is what the pinion exerts on the rack, in the rack's axes (x along `axis`) and
-    about the pinion's centre: `fx` is the force at the teeth, `torque` = R `fx` what it takes to
-    turn the pinion for it. The teeth bear in both directions and without play; `fy` is the force
-    of the guide that keeps the centre at its distance, and not that of a pressure angle.
+    The reaction is the force and torque of the pinion on the rack, in the rack's axes (x along
+    `axis`) and about the pinion's centre: `fx` is the force at the teeth, `torque` = R `fx` the
+    torque that turns the pinion for it. The teeth bear in both directions and without play; `fy` is
+    the force of the guide that keeps the centre at its distance, and not that of a pressure angle.
     """
 
     kind: ClassVar[str] = "rack-and-pinion"

@@ -21,7 +21,7 @@ GLOBAL_X = sympy.Matrix([1, 0])
 class Relative:
     """x_j^P - x_i^P = c, y_j^P - y_i^P = c or φ_j - φ_i = c, in global axes.
 
-    The reaction is what the constraint exerts on body j at its point, in global axes. Body i gets
+    The reaction is that of the constraint on body j at its point, in global axes. Body i gets
     the opposite force at its own point. The moment of this pair, where the points are apart across
     the force, is borne by whatever keeps the global axes from turning; so a relative x or y
     between two free bodies keeps their linear momentum and their energy, not the angular momentum.

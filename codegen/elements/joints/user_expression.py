@@ -13,7 +13,7 @@ from codegen.elements.registry import element
 @element
 @dataclass(frozen=True, eq=False)
 class ExpressionConstraint:
-    """Any equations of coordinates, parameters and t; each expression is held at zero."""
+    """Any equations of coordinates, parameters and t; each expression is kept at zero."""
 
     kind: ClassVar[str] = "constraint"
     name: str

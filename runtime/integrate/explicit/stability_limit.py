@@ -15,11 +15,11 @@ Ordinary Differential Equations II, section IV.2), who detect stiffness by them.
 
 import numpy as np
 
-from runtime.core.array_views import floats_at
-from runtime.core.function_table import MEMORY
+from runtime.core.function_table import COORDINATES, HOOK, memory_of
 from runtime.core.jit import compiled, inner
-from runtime.core.signatures import HOOK, Integers, Vector
-from runtime.core.workspace import ROWS, SIZE, STAGE, Y1, Run
+from runtime.core.run_record import run_record
+from runtime.core.signatures import Integers, Vector
+from runtime.core.workspace import SIZE, STAGE, Y1, row_of
 from runtime.integrate.step_control import propose
 
 # Places in MEMORY: sums of products of differences over the last steps; and the logarithm of the
@@ -49,23 +49,23 @@ def permits_growth(rtol: float, length: int, edge: float) -> bool:
 
 
 @inner
-def observe(machine: Integers, rtol: float, w: Vector, edge: float, last: int) -> int:
+def observe(context: Integers, rtol: float, edge: float, last: int) -> int:
     """Take in the last stage and the result of a step, two states at one instant.
 
     `last` is the row of the result's derivative; that of the last stage's is the one before.
     """
-    length = w.size // ROWS
-    if not permits_growth(rtol, length, edge):
+    n = context[COORDINATES]
+    if not permits_growth(rtol, 2 * n, edge):
         return 0
-    memory = floats_at(machine, MEMORY, FLOATS)
-    n = length // 2
+    memory, sizes = memory_of(context), row_of(context, SIZE)
+    y, z = row_of(context, Y1), row_of(context, STAGE)
+    after, before = row_of(context, last), row_of(context, last - 1)
     for i in range(_GROWN):
         memory[i] *= _KEPT
     for j in range(n):
-        size = w[SIZE * length + j]
-        q = (w[Y1 * length + j] - w[STAGE * length + j]) / size
-        v = (w[Y1 * length + n + j] - w[STAGE * length + n + j]) / size
-        a = (w[last * length + n + j] - w[(last - 1) * length + n + j]) / size
+        q = (y[j] - z[j]) / sizes[j]
+        v = (y[n + j] - z[n + j]) / sizes[j]
+        a = (after[n + j] - before[n + j]) / sizes[j]
         memory[_QQ] += q * q
         memory[_QV] += q * v
         memory[_VV] += v * v
@@ -76,9 +76,9 @@ def observe(machine: Integers, rtol: float, w: Vector, edge: float, last: int) -
 
 
 @compiled(HOOK)
-def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
+def restart(context: Integers, t: float, h: float) -> int:
     """Forget the vibration: the motion goes on under other equations."""
-    memory = floats_at(machine, MEMORY, FLOATS)
+    memory = memory_of(context)
     for i in range(FLOATS):
         memory[i] = 0.0
     return 0
@@ -140,11 +140,9 @@ def stable_length(memory: Vector, powers: Vector, h: float) -> float:
 
 
 @inner
-def stable_ratio(
-    machine: Integers, h: float, w: Vector, run: Run, powers: Vector, edge: float
-) -> float:
+def stable_ratio(context: Integers, h: float, powers: Vector, edge: float) -> float:
     """Ratio of two steps' lengths by the error, or less where a vibration would grow too much."""
-    ratio = propose(machine, h, w, run)
-    if not permits_growth(run[0].rtol, w.size // ROWS, edge):
+    ratio = propose(context, h)
+    if not permits_growth(run_record(context).rtol, 2 * context[COORDINATES], edge):
         return float(ratio)
-    return float(stable_length(floats_at(machine, MEMORY, FLOATS), powers, ratio * h) / h)
+    return float(stable_length(memory_of(context), powers, ratio * h) / h)

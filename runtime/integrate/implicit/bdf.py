@@ -14,11 +14,20 @@ this is solved.
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED
-from runtime.core.array_views import view
-from runtime.core.function_table import HELD
+from runtime.core.function_table import (
+    COORDINATES,
+    ERROR,
+    HOOK,
+    PROPOSE,
+    SLIDING_COUNT,
+    STAGES,
+    memory_of,
+    notes_of,
+)
 from runtime.core.jit import addressed, compiled, inner
-from runtime.core.signatures import ERROR, HOOK, PROPOSE, STAGES, Integers, Vector
-from runtime.core.workspace import ROWS, STAGE, Y1, K, Run
+from runtime.core.run_record import run_record
+from runtime.core.signatures import Integers
+from runtime.core.workspace import STAGE, Y1, K, row_of
 from runtime.integrate.implicit.bdf_history import (
     AHEAD,
     ALPHA,
@@ -54,8 +63,6 @@ from runtime.integrate.implicit.method_memory import (
     STEP_ERROR,
     STEP_ORDER,
     STIFFNESS,
-    counts,
-    floats,
     line,
     memory,
 )
@@ -83,56 +90,45 @@ def share(rtol: float) -> float:
 
 
 @addressed(STAGES)
-def stages(
-    machine: Integers,
-    t: float,
-    h: float,
-    w: Vector,
-    run: Run,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> int:
+def stages(context: Integers, t: float, h: float) -> int:
     """Take the step from Y0 to Y1, of which the dependent half is not yet corrected."""
-    r = run[0]
-    length = w.size // ROWS
-    n = length // 2
-    memory, notes = floats(machine, n), counts(machine, n)
-    unknowns(machine, w, run, notes)
-    look_back(memory, notes, h, w, run)
+    r = run_record(context)
+    n = context[COORDINATES]
+    length = 2 * n
+    memory, notes = memory_of(context), notes_of(context)
+    unknowns(context)
+    look_back(context, h)
     c = h / ALPHA[notes[STEP_ORDER]]
     part = share(r.rtol)
     for _ in range(2):
-        foresee(memory, notes, w)
-        y1 = view(w, Y1 * length, length)
-        memory[ENOUGH] = tolerate(
-            memory, notes, w, part * r.rtol, r.rtol, NEWTON, HIGHEST + 2, c, y1
-        )
+        foresee(context)
+        y1 = row_of(context, Y1)
+        memory[ENOUGH] = tolerate(context, part * r.rtol, r.rtol, NEWTON, HIGHEST + 2, c, y1)
         fresh = notes[CURRENT] != 1
         if fresh:
-            z = view(w, STAGE * length, length)
+            z = row_of(context, STAGE)
             for i in range(length):
                 z[i] = y1[i]
-            if arrive(machine, t + h, STAGE, K + LAST, w, p, modes, lam) == FAILED:
+            if arrive(context, t + h, STAGE, K + LAST) == FAILED:
                 return FAILED
-            differentiate(machine, t + h, STAGE, w, run, p, modes, lam)
+            differentiate(context, t + h, STAGE)
         if memory[C_FACTORED] != c:
             memory[RATE] = 1.0
             memory[C_FACTORED] = c
             r.factorizations += 1
-            if factor_real(memory, notes, n, c) != 0:
+            if factor_real(context, n, c) != 0:
                 notes[CURRENT] = 0
                 return FAILED
-        taken = newton(machine, t + h, c, memory, notes, w, run, p, modes, lam)
+        taken = newton(context, t + h, c)
         if taken != FAILED:
             k = notes[STEP_ORDER]
             t1 = t + h
-            memory[STEP_ERROR] = estimate(machine, t1, c, 0, part, memory, notes, w, p)
+            memory[STEP_ERROR] = estimate(context, t1, c, 0, part)
             if notes[EQUAL] >= k:
                 if k > 1:
-                    memory[LOWER] = estimate(machine, t1, c, -1, part, memory, notes, w, p)
+                    memory[LOWER] = estimate(context, t1, c, -1, part)
                 if k < HIGHEST:
-                    memory[HIGHER] = estimate(machine, t1, c, 1, part, memory, notes, w, p)
+                    memory[HIGHER] = estimate(context, t1, c, 1, part)
             return taken
         notes[CURRENT] = 0
         if fresh:
@@ -141,39 +137,39 @@ def stages(
 
 
 @addressed(ERROR)
-def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
+def error(context: Integers, h: float, rtol: float) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
-    return float(floats(machine, w.size // (2 * ROWS))[STEP_ERROR])
+    return float(memory_of(context)[STEP_ERROR])
 
 
 @inner
-def permitted(memory: Vector, k: int, h: float) -> bool:
+def permitted(context: Integers, k: int, h: float) -> bool:
     """Whether the formula of order `k` damps the fastest vibration at steps of length `h`.
 
     The formulas of order 3 to 5 do so within an angle about the negative real axis, and outside it
     where the vibration is resolved, or else passes many times in a step.
     """
+    memory = memory_of(context)
     turn = h * memory[STIFFNESS]
     return bool(memory[DAMPING] >= _DAMPED[k] or turn < _RESOLVED or turn > _PASSED)
 
 
 @addressed(PROPOSE)
-def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
+def propose(context: Integers, h: float) -> float:
     """Choose the next order; ratio of the next step's length to this accepted one's.
 
     Both stay until k + 1 steps of one length were taken at order k, as the differences of higher
     order mean nothing before.
     """
-    r = run[0]
-    n = w.size // (2 * ROWS)
-    memory, notes = floats(machine, n), counts(machine, n)
+    r = run_record(context)
+    memory, notes = memory_of(context), notes_of(context)
     k = notes[STEP_ORDER]
     notes[NEXT_ORDER] = k
     if notes[EQUAL] + 1 < k + 1:
         return 1.0
     safety = r.safety * (2 * MOST_ITERATIONS + 1) / (2 * MOST_ITERATIONS + notes[ITERATIONS])
     best = max(r.error, 1e-10) ** (-1.0 / (k + 1))
-    stable = permitted(memory, k, h)
+    stable = permitted(context, k, h)
     if k > 1:
         ratio = max(memory[LOWER], 1e-10) ** (-1.0 / k)
         if ratio > best or not stable:
@@ -181,7 +177,7 @@ def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
             notes[NEXT_ORDER] = k - 1
     if k < HIGHEST and stable:
         ratio = max(memory[HIGHER], 1e-10) ** (-1.0 / (k + 2))
-        if ratio > best and permitted(memory, k + 1, max(1.0, ratio * safety) * h):
+        if ratio > best and permitted(context, k + 1, max(1.0, ratio * safety) * h):
             best = ratio
             notes[NEXT_ORDER] = k + 1
     best *= safety
@@ -191,14 +187,14 @@ def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
 
 
 @compiled(HOOK)
-def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
+def accepted(context: Integers, t: float, h: float) -> int:
     """Take the step into the differences, and change to the order proposed."""
-    r = run[0]
-    length = w.size // ROWS
-    n = length // 2
-    memory, notes = floats(machine, n), counts(machine, n)
+    r = run_record(context)
+    n = context[COORDINATES]
+    length = 2 * n
+    memory, notes = memory_of(context), notes_of(context)
     k = notes[STEP_ORDER]
-    y1 = view(w, Y1 * length, length)
+    y1 = row_of(context, Y1)
     start, ahead, low = line(memory, NOW, n), line(memory, AHEAD, n), line(memory, LOW, n)
     newest, higher = line(memory, PAST + k + 1, n), line(memory, PAST + k + 2, n)
     last = line(memory, NOW + k + 1, n)
@@ -210,7 +206,7 @@ def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
         j = notes[COUNTS + i // 2] + i % 2 * n
         change = ahead[j] + difference[j]
         left = start[j] + change
-        if machine[HELD] != 0 or y1[j] == left:
+        if context[SLIDING_COUNT] != 0 or y1[j] == left:
             low[j] = change - (left - start[j])
             newest[j] = difference[j]
     for i in range(length):
@@ -233,17 +229,16 @@ def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
         notes[STEP_ORDER] = notes[NEXT_ORDER]
         notes[EQUAL] = 0
     r.exponent = 1.0 / (notes[STEP_ORDER] + 1)
-    return int(calm(memory, notes, h, run))
+    return int(calm(context, h))
 
 
 @compiled(HOOK)
-def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
+def restart(context: Integers, t: float, h: float) -> int:
     """Forget the past: the motion goes on under other equations."""
-    n = w.size // (2 * ROWS)
-    memory, notes = floats(machine, n), counts(machine, n)
-    begin(memory, notes, h if h > 0.0 else 1.0, 2, w, run)
+    notes = notes_of(context)
+    begin(context, h if h > 0.0 else 1.0, 2)
     notes[CURRENT] = 0
-    notes[REJECTED] = run[0].rejected
+    notes[REJECTED] = run_record(context).rejected
     return 0
 
 

@@ -10,9 +10,11 @@ from fractions import Fraction
 import numpy as np
 
 from runtime.core.array_views import view
+from runtime.core.function_table import COORDINATES, DENSE, memory_of, notes_of
 from runtime.core.jit import addressed, inner
-from runtime.core.signatures import DENSE, Integers, Vector
-from runtime.core.workspace import ROWS, Y0, Y1, F, K, Run
+from runtime.core.run_record import run_record
+from runtime.core.signatures import Integers
+from runtime.core.workspace import Y0, Y1, F, K, row_of
 from runtime.integrate.explicit.newton_form import nesting
 from runtime.integrate.implicit.method_memory import (
     CHANGE,
@@ -22,8 +24,6 @@ from runtime.integrate.implicit.method_memory import (
     NEXT_ORDER,
     REJECTED,
     STEP_ORDER,
-    counts,
-    floats,
     line,
 )
 
@@ -58,11 +58,12 @@ _NESTING = nesting(_basis())
 
 
 @inner
-def lengthen(memory: Vector, k: int, ratio: float) -> None:
+def lengthen(context: Integers, k: int, ratio: float) -> None:
     """Work out, at CHANGE, the matrix that takes differences 1 … k to another distance.
 
     It is R(ratio) R(1) of Shampine and Reichelt's section 2; column j belongs to the new ∇ʲ.
     """
+    memory = memory_of(context)
     scaled = view(memory, CHANGE, 36)
     result = view(memory, CHANGE + 36, 36)
     for j in range(1, k + 1):
@@ -83,16 +84,18 @@ def lengthen(memory: Vector, k: int, ratio: float) -> None:
 
 
 @inner
-def begin(memory: Vector, notes: Integers, h: float, order: int, w: Vector, run: Run) -> None:
+def begin(context: Integers, h: float, order: int) -> None:
     """Make up a past for the state Y0 with derivative K: a straight line, at order 1.
 
     At order 2 positions have a parabola, as their second derivative is known, which leaves their
     tiny flights after an impact exact however coarse the tolerance is.
     """
-    length = w.size // ROWS
-    n = length // 2
-    y0 = view(w, Y0 * length, length)
-    k0 = view(w, K * length, length)
+    memory = memory_of(context)
+    notes = notes_of(context)
+    n = context[COORDINATES]
+    length = 2 * n
+    y0 = row_of(context, Y0)
+    k0 = row_of(context, K)
     for j in range(8):
         past = line(memory, PAST + j, n)
         for i in range(length):
@@ -113,26 +116,28 @@ def begin(memory: Vector, notes: Integers, h: float, order: int, w: Vector, run:
     notes[NEXT_ORDER] = order
     # What is made up is smooth: the next step may be another one at once.
     notes[EQUAL] = order if order > 1 else 0
-    run[0].exponent = 1.0 / (order + 1)
+    run_record(context).exponent = 1.0 / (order + 1)
 
 
 @inner
-def look_back(memory: Vector, notes: Integers, h: float, w: Vector, run: Run) -> None:
+def look_back(context: Integers, h: float) -> None:
     """Fill the rows at NOW with the differences of the past at distance `h`.
 
     Where the past is of no use, that is the derivative alone, and the order one.
     """
-    length = w.size // ROWS
-    n = length // 2
-    r = run[0]
+    memory = memory_of(context)
+    notes = notes_of(context)
+    n = context[COORDINATES]
+    length = 2 * n
+    r = run_record(context)
     ratio = h / memory[H_BASE]
     failures = r.rejected - notes[REJECTED]
     if notes[STEP_ORDER] > 1 and (ratio > 1.01 * GROW or failures >= _FAILURES):
-        begin(memory, notes, h, 1, w, run)
+        begin(context, h, 1)
         ratio = 1.0
     k = notes[STEP_ORDER]
     if ratio != 1.0:
-        lengthen(memory, k, ratio)
+        lengthen(context, k, ratio)
         notes[EQUAL] = 0
     change = view(memory, CHANGE, 36)
     for j in range(k + 3):
@@ -151,12 +156,14 @@ def look_back(memory: Vector, notes: Integers, h: float, w: Vector, run: Run) ->
 
 
 @inner
-def foresee(memory: Vector, notes: Integers, w: Vector) -> None:
+def foresee(context: Integers) -> None:
     """Extrapolate the past to the end of the step: what it adds, AHEAD; the state, Y1; and PSI."""
-    length = w.size // ROWS
-    n = length // 2
+    memory = memory_of(context)
+    notes = notes_of(context)
+    n = context[COORDINATES]
+    length = 2 * n
     k = notes[STEP_ORDER]
-    y1 = view(w, Y1 * length, length)
+    y1 = row_of(context, Y1)
     ahead, psi = line(memory, AHEAD, n), line(memory, PSI, n)
     low, start = line(memory, LOW, n), line(memory, NOW, n)
     for i in range(length):
@@ -174,23 +181,15 @@ def foresee(memory: Vector, notes: Integers, w: Vector) -> None:
 
 
 @addressed(DENSE)
-def dense(
-    machine: Integers,
-    t: float,
-    h: float,
-    w: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> int:
+def dense(context: Integers, t: float, h: float) -> int:
     """Fill the coefficient rows with the polynomial of degree k through the last k + 1 states."""
-    length = w.size // ROWS
-    n = length // 2
-    memory, notes = floats(machine, n), counts(machine, n)
-    y1 = view(w, Y1 * length, length)
+    n = context[COORDINATES]
+    length = 2 * n
+    memory, notes = memory_of(context), notes_of(context)
+    y1 = row_of(context, Y1)
     start, ahead = line(memory, NOW, n), line(memory, AHEAD, n)
     for row in range(DENSE_ROWS):
-        f = view(w, (F + row) * length, length)
+        f = row_of(context, F + row)
         for i in range(length):
             f[i] = 0.0
     for i in range(length):
@@ -199,5 +198,5 @@ def dense(
             summed += line(memory, NOW + j, n)[i]
             value = summed if j > 0 else y1[i]
             for row in range(DENSE_ROWS):
-                w[(F + row) * length + i] += _NESTING[row, j] * value
+                row_of(context, F + row)[i] += _NESTING[row, j] * value
     return 0

@@ -4,9 +4,11 @@ import numpy as np
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core.array_views import view
+from runtime.core.function_table import COORDINATES, memory_of, notes_of
 from runtime.core.jit import inner
-from runtime.core.signatures import Integers, Vector
-from runtime.core.workspace import ROWS, Y1, K, Run
+from runtime.core.run_record import run_record
+from runtime.core.signatures import Integers
+from runtime.core.workspace import Y1, K, row_of, velocity_rates
 from runtime.integrate.implicit.bdf_history import (
     AHEAD,
     DIFFERENCE,
@@ -38,27 +40,19 @@ _SEEN = 0.01  # accuracy: of the tolerance; change of a velocity by the rounding
 
 
 @inner
-def unrounded(
-    machine: Integers,
-    t: float,
-    c: float,
-    memory: Vector,
-    notes: Integers,
-    w: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> bool:
+def unrounded(context: Integers, t: float, c: float) -> bool:
     """Write into row SLOPE what accelerations change by from Y1 to what rounding cut off from it.
 
     Where that is nothing that Newton's method would see, False and nothing is written. At an angle
     of a million turns the last digit is a force that no step gets smooth; so it is where a force is
     stiff.
     """
-    length = w.size // ROWS
-    n = length // 2
+    memory = memory_of(context)
+    notes = notes_of(context)
+    n = context[COORDINATES]
+    length = 2 * n
     f = notes[FREEDOMS]
-    y1 = view(w, Y1 * length, length)
+    y1 = row_of(context, Y1)
     start, ahead, difference = (
         line(memory, NOW, n),
         line(memory, AHEAD, n),
@@ -79,36 +73,26 @@ def unrounded(
         seen = seen or c * change > _SEEN * allowed[n + notes[COUNTS + i]]
     if seen:
         dq, dv = view(rest, 0, n), view(rest, n, n)
-        carry(machine, t, Y1, dq, dv, view(out, 0, n), view(out, n, n), w, p)
+        carry(context, t, Y1, dq, dv, view(out, 0, n), view(out, n, n))
         # The complex matrix is none of this method's, and lends room.
         free = view(memory, NUMBERS + length * LINES + 3 * n * n, 4 * n * n)
-        along(machine, t, Y1, dq, dv, view(line(memory, SLOPE, n), 0, n), free, w, p, modes, lam)
+        along(context, t, Y1, dq, dv, view(line(memory, SLOPE, n), 0, n), free)
     return seen
 
 
 @inner
-def newton(
-    machine: Integers,
-    t: float,
-    c: float,
-    memory: Vector,
-    notes: Integers,
-    w: Vector,
-    run: Run,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> int:
+def newton(context: Integers, t: float, c: float) -> int:
     """Solve for the state Y1 at time `t`, the end of the step; its dependent half is not final.
 
     Returns calls of `correction`, or `FAILED` where the iteration does not converge.
     """
-    r = run[0]
-    length = w.size // ROWS
-    n = length // 2
+    memory = memory_of(context)
+    notes = notes_of(context)
+    r = run_record(context)
+    n = context[COORDINATES]
     f = notes[FREEDOMS]
-    y1 = view(w, Y1 * length, length)
-    a = view(w, (K + LAST) * length + n, n)
+    y1 = row_of(context, Y1)
+    a = velocity_rates(context, K + LAST)
     start, ahead, psi = line(memory, NOW, n), line(memory, AHEAD, n), line(memory, PSI, n)
     difference, delta = line(memory, DIFFERENCE, n), line(memory, RESIDUAL, n)
     da, allowed = view(line(memory, SLOPE, n), 0, n), line(memory, TOLERANCE, n)
@@ -120,13 +104,13 @@ def newton(
     taken = 0
     before = 0.0
     for iteration in range(MOST_ITERATIONS):
-        result = arrive(machine, t, Y1, K + LAST, w, p, modes, lam)
+        result = arrive(context, t, Y1, K + LAST)
         if result == FAILED:
             return FAILED
         taken += result
         r.rhs += 1
         r.iterations += 1
-        if unrounded(machine, t, c, memory, notes, w, p, modes, lam):
+        if unrounded(context, t, c):
             for i in range(n):
                 a[i] += da[i]
         for i in range(f):
@@ -143,7 +127,7 @@ def newton(
             total += (delta[i] / allowed[n + j]) ** 2 + (c * delta[i] / allowed[j]) ** 2
         size = np.sqrt(total / max(1, 2 * f))
         left = MOST_ITERATIONS - 1 - iteration
-        reached = converged(memory, notes, iteration, left, size, before, 1.0)
+        reached = converged(context, iteration, left, size, before, 1.0)
         if reached != GOING:
             return taken if reached == DONE else FAILED
         before = size
@@ -151,17 +135,7 @@ def newton(
 
 
 @inner
-def estimate(
-    machine: Integers,
-    t: float,
-    c: float,
-    other: int,
-    share: float,
-    memory: Vector,
-    notes: Integers,
-    w: Vector,
-    p: Vector,
-) -> float:
+def estimate(context: Integers, t: float, c: float, other: int, share: float) -> float:
     """Size of the filtered difference of order k + 1 + `other` at the new state.
 
     At an order k it is ∇ᵏ⁺¹, what the step adds to what was foreseen, one lower it is that plus ∇ᵏ
@@ -172,10 +146,11 @@ def estimate(
     dependent coordinates' own differences are the error of the dense output, which is not carried
     on: it is held to what was asked, over which the tolerance of a step is `share`.
     """
-    n = w.size // (2 * ROWS)
-    length = 2 * n
+    memory = memory_of(context)
+    notes = notes_of(context)
+    n = context[COORDINATES]
     k = notes[STEP_ORDER]
-    y1 = view(w, Y1 * length, length)
+    y1 = row_of(context, Y1)
     start, ahead, difference = (
         line(memory, NOW, n),
         line(memory, AHEAD, n),
@@ -188,8 +163,8 @@ def estimate(
         j = notes[COUNTS + i]
         rates[n + i] = difference[j] + sign * past[j]
         rates[i] = difference[n + j] + sign * past[n + j]
-    found = filtered(machine, t, Y1, c, memory, notes, w, p)
+    found = filtered(context, t, Y1, c)
     raw, allowed = line(memory, OUT, n), line(memory, TOLERANCE, n)
     for i in range(n):
         raw[i] = share * ((y1[i] - start[i]) - ahead[i] + sign * past[i])
-    return float(ERROR_CONSTANT[k + other] * max(found, uneven(raw, notes, w, allowed)))
+    return float(ERROR_CONSTANT[k + other] * max(found, uneven(context, raw, allowed)))

@@ -1,7 +1,7 @@
 """Where an implicit method keeps what it must remember: the arrays MEMORY and NOTES of a run."""
 
-from runtime.core.array_views import floats_at, integers_at, view
-from runtime.core.function_table import MEMORY, NOTES
+from runtime.core.array_views import view
+from runtime.core.function_table import memory_of, notes_of
 from runtime.core.jit import fetched
 from runtime.core.signatures import Integers, Vector
 
@@ -43,9 +43,9 @@ def memory(n: int) -> tuple[int, int]:
 
 
 @fetched
-def floats(machine: Integers, n: int) -> Vector:
+def floats(context: Integers, n: int) -> Vector:
     """All of MEMORY."""
-    found: Vector = floats_at(machine, MEMORY, NUMBERS + 2 * n * LINES + 7 * n * n)
+    found: Vector = memory_of(context)
     return found
 
 
@@ -66,7 +66,7 @@ def matrix(memory: Vector, index: int, n: int) -> Vector:
 
 
 @fetched
-def counts(machine: Integers, n: int) -> Integers:
+def counts(context: Integers, n: int) -> Integers:
     """All of NOTES."""
-    found: Integers = integers_at(machine, NOTES, COUNTS + 4 * n)
+    found: Integers = notes_of(context)
     return found

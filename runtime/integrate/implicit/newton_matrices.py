@@ -3,10 +3,11 @@
 import numpy as np
 
 from runtime.core.array_views import view
+from runtime.core.function_table import COORDINATES, memory_of, notes_of
 from runtime.core.jit import inner
 from runtime.core.rounding import EPS
 from runtime.core.signatures import Integers, Vector
-from runtime.core.workspace import ATOL, PARTITION, ROWS, SIZE, Y0
+from runtime.core.workspace import ATOL, PARTITION, SIZE, Y0, row_of
 from runtime.integrate.implicit.method_memory import (
     COUNTS,
     CURRENT,
@@ -43,8 +44,10 @@ _FASTEST = 10.0
 
 
 @inner
-def factor_real(memory: Vector, notes: Integers, n: int, c: float) -> int:
+def factor_real(context: Integers, n: int, c: float) -> int:
     """Factor I - c G_u̇ - c² G_u; 1 where it is singular, else 0."""
+    memory = memory_of(context)
+    notes = notes_of(context)
     f = notes[FREEDOMS]
     by_u, by_rate, a = matrix(memory, 0, n), matrix(memory, 1, n), matrix(memory, 2, n)
     for i in range(f):
@@ -55,8 +58,10 @@ def factor_real(memory: Vector, notes: Integers, n: int, c: float) -> int:
 
 
 @inner
-def factor_complex(memory: Vector, notes: Integers, n: int, c: float, d: float) -> int:
+def factor_complex(context: Integers, n: int, c: float, d: float) -> int:
     """Factor I - (c + i d) G_u̇ - (c + i d)² G_u as a real matrix of order 2 f, real parts first."""
+    memory = memory_of(context)
+    notes = notes_of(context)
     f = notes[FREEDOMS]
     by_u, by_rate, a = matrix(memory, 0, n), matrix(memory, 1, n), matrix(memory, 3, n)
     for i in range(f):
@@ -73,9 +78,7 @@ def factor_complex(memory: Vector, notes: Integers, n: int, c: float, d: float) 
 
 @inner
 def tolerate(
-    memory: Vector,
-    notes: Integers,
-    w: Vector,
+    context: Integers,
     relative: float,
     asked: float,
     newton: float,
@@ -104,11 +107,13 @@ def tolerate(
         Of the matrix I - c G_u̇ - c² G_u. Where it is stiff, the last digit of a position is a force
         that the next velocity has to undo.
     """
-    length = w.size // ROWS
-    n = length // 2
-    y0 = view(w, Y0 * length, length)
-    atol = view(w, ATOL * length, length)
-    size = view(w, SIZE * length, length)
+    memory = memory_of(context)
+    notes = notes_of(context)
+    n = context[COORDINATES]
+    length = 2 * n
+    y0 = row_of(context, Y0)
+    atol = row_of(context, ATOL)
+    size = row_of(context, SIZE)
     allowed = line(memory, TOLERANCE, n)
     held, carried, moved = 0.0, 0.0, 0.0
     for j in range(n, length):
@@ -144,13 +149,7 @@ def tolerate(
 
 @inner
 def converged(
-    memory: Vector,
-    notes: Integers,
-    iteration: int,
-    left: int,
-    size: float,
-    before: float,
-    slowest: float,
+    context: Integers, iteration: int, left: int, size: float, before: float, slowest: float
 ) -> int:
     """Whether Newton's iteration is `DONE`, `GOING` or `DIVERGING` after a change of this size.
 
@@ -163,6 +162,8 @@ def converged(
     slowest
         Ratio of the two from which on it is given up.
     """
+    memory = memory_of(context)
+    notes = notes_of(context)
     enough = memory[ENOUGH]
     notes[ITERATIONS] = iteration + 1
     if size == 0.0:
@@ -192,16 +193,7 @@ def measured(change: Vector, allowed: Vector) -> float:
 
 
 @inner
-def filtered(
-    machine: Integers,
-    t: float,
-    state: int,
-    c: float,
-    memory: Vector,
-    notes: Integers,
-    w: Vector,
-    p: Vector,
-) -> float:
+def filtered(context: Integers, t: float, state: int, c: float) -> float:
     """Size of (I - c J)⁻¹ (x, y) over the tolerance, over all coordinates and velocities.
 
     x and y, changes of the unknowns and of their rates, are in the second and in the first half of
@@ -209,7 +201,9 @@ def filtered(
     dependent coordinates at the state in row `state`. The matrix takes out what stiff forces do
     not permit, and turns an error of a position that they hold into that of its velocity.
     """
-    n = w.size // (2 * ROWS)
+    memory = memory_of(context)
+    notes = notes_of(context)
+    n = context[COORDINATES]
     f = notes[FREEDOMS]
     by_u = matrix(memory, 0, n)
     change, y, out = line(memory, IN, n), line(memory, SLOPE, n), line(memory, OUT, n)
@@ -225,12 +219,12 @@ def filtered(
         change[n + j] = y[i]
         change[j] = x[i] + c * y[i]
     dq, dv = view(change, 0, n), view(change, n, n)
-    carry(machine, t, state, dq, dv, view(out, 0, n), view(out, n, n), w, p)
+    carry(context, t, state, dq, dv, view(out, 0, n), view(out, n, n))
     return float(measured(change, line(memory, TOLERANCE, n)))
 
 
 @inner
-def uneven(raw: Vector, notes: Integers, w: Vector, allowed: Vector) -> float:
+def uneven(context: Integers, raw: Vector, allowed: Vector) -> float:
     """Size of an error `raw` of all coordinates, over the tolerance, of the dependent ones alone.
 
     At the ends of steps these follow from the constraints and have no error of their own. But they
@@ -238,12 +232,14 @@ def uneven(raw: Vector, notes: Integers, w: Vector, allowed: Vector) -> float:
     of how, and Newton's method for them might come to another way to assemble the machine.
     Velocities are left out: where a stiff force holds a position they are not smooth.
     """
+    notes = notes_of(context)
+    partition = row_of(context, PARTITION)
     if notes[PARTITIONED] == 0:
         return 0.0
-    length = w.size // ROWS
-    n = length // 2
+    n = context[COORDINATES]
+    length = 2 * n
     total = 0.0
     for j in range(n):
-        if w[PARTITION * length + j] != 0.0:
+        if partition[j] != 0.0:
             total += (raw[j] / allowed[j]) ** 2
     return float(np.sqrt(total / length))

@@ -12,12 +12,22 @@ therefore mapped: what the estimate is held to is `share` times what was asked.
 """
 
 from runtime.constraints.newton_return import FAILED
-from runtime.core.array_views import view
 from runtime.core.dense_output import hermite_rows
+from runtime.core.function_table import (
+    COORDINATES,
+    DENSE,
+    ERROR,
+    HOOK,
+    PROPOSE,
+    STAGES,
+    memory_of,
+    notes_of,
+)
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.rounding import EPS
-from runtime.core.signatures import DENSE, ERROR, HOOK, PROPOSE, STAGES, Integers, Vector
-from runtime.core.workspace import ROWS, Y0, Y1, F, K, Run
+from runtime.core.run_record import run_record
+from runtime.core.signatures import Integers
+from runtime.core.workspace import Y0, Y1, F, K, row_of
 from runtime.integrate.implicit.method_memory import (
     C_FACTORED,
     CURRENT,
@@ -29,8 +39,6 @@ from runtime.integrate.implicit.method_memory import (
     LOW,
     RATE,
     STEP_ERROR,
-    counts,
-    floats,
     line,
     memory,
 )
@@ -68,46 +76,37 @@ def share(rtol: float) -> float:
 
 
 @addressed(STAGES)
-def stages(
-    machine: Integers,
-    t: float,
-    h: float,
-    w: Vector,
-    run: Run,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> int:
+def stages(context: Integers, t: float, h: float) -> int:
     """Take the step from Y0 to Y1, of which the dependent half is not yet corrected."""
-    r = run[0]
-    length = w.size // ROWS
-    n = length // 2
-    memory, notes = floats(machine, n), counts(machine, n)
-    unknowns(machine, w, run, notes)
+    r = run_record(context)
+    n = context[COORDINATES]
+    length = 2 * n
+    memory, notes = memory_of(context), notes_of(context)
+    unknowns(context)
     for _ in range(2):
-        foresee(memory, notes, h, w)
-        last = view(w, (K + STATES + 2) * length, length)
+        foresee(context, h)
+        last = row_of(context, K + STATES + 2)
         memory[ENOUGH] = tolerate(
-            memory, notes, w, share(r.rtol) * r.rtol, r.rtol, NEWTON, 0, h * C_REAL, last
+            context, share(r.rtol) * r.rtol, r.rtol, NEWTON, 0, h * C_REAL, last
         )
         fresh = notes[CURRENT] != 1
         if fresh:
-            differentiate(machine, t, Y0, w, run, p, modes, lam)
+            differentiate(context, t, Y0)
         if memory[C_FACTORED] != h:
             memory[RATE] = 1.0
             memory[C_FACTORED] = h
             r.factorizations += 1
-            singular = factor_real(memory, notes, n, h * C_REAL)
-            singular += factor_complex(memory, notes, n, h * C_COMPLEX, h * C_IMAGINARY)
+            singular = factor_real(context, n, h * C_REAL)
+            singular += factor_complex(context, n, h * C_COMPLEX, h * C_IMAGINARY)
             if singular != 0:
                 notes[CURRENT] = 0
                 return FAILED
-        taken = newton(machine, t, h, memory, notes, w, run, p, modes, lam)
+        taken = newton(context, t, h)
         if taken != FAILED:
-            y1 = view(w, Y1 * length, length)
+            y1 = row_of(context, Y1)
             for i in range(length):
                 y1[i] = last[i]
-            memory[STEP_ERROR] = estimate(machine, t, h, memory, notes, w, run, p, modes, lam)
+            memory[STEP_ERROR] = estimate(context, t, h)
             return taken
         notes[CURRENT] = 0
         if fresh:
@@ -116,21 +115,20 @@ def stages(
 
 
 @addressed(ERROR)
-def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
+def error(context: Integers, h: float, rtol: float) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
-    return float(floats(machine, w.size // (2 * ROWS))[STEP_ERROR])
+    return float(memory_of(context)[STEP_ERROR])
 
 
 @addressed(PROPOSE)
-def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
+def propose(context: Integers, h: float) -> float:
     """Ratio of the next step's length to this accepted one's.
 
     The predictive controller of K. Gustafsson; a step that could grow by little keeps its length,
     and with it the factored matrices.
     """
-    r = run[0]
-    n = w.size // (2 * ROWS)
-    memory, notes = floats(machine, n), counts(machine, n)
+    r = run_record(context)
+    memory, notes = memory_of(context), notes_of(context)
     now = max(r.error, 1e-10)
     ratio = now**-0.25
     if notes[EQUAL] > 0:
@@ -145,28 +143,30 @@ def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
 
 
 @compiled(HOOK)
-def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
+def accepted(context: Integers, t: float, h: float) -> int:
     """Keep the step's polynomial, from which the next one's stages are foreseen."""
-    length = w.size // ROWS
-    n = length // 2
-    memory, notes = floats(machine, n), counts(machine, n)
-    keep_low(h, memory, notes, w)
+    y1 = row_of(context, Y1)
+    y0 = row_of(context, Y0)
+    n = context[COORDINATES]
+    length = 2 * n
+    memory, notes = memory_of(context), notes_of(context)
+    keep_low(context, h)
     change = line(memory, POLYNOMIAL, n)
     for i in range(length):
-        change[i] = w[Y1 * length + i] - w[Y0 * length + i]
-    curve(w, line(memory, POLYNOMIAL + 1, n), line(memory, POLYNOMIAL + 2, n))
+        change[i] = y1[i] - y0[i]
+    curve(context, line(memory, POLYNOMIAL + 1, n), line(memory, POLYNOMIAL + 2, n))
     memory[H_BASE] = h
-    memory[ERROR_BASE] = max(1e-2, run[0].error)
+    memory[ERROR_BASE] = max(1e-2, run_record(context).error)
     notes[EQUAL] += 1
-    return int(calm(memory, notes, h, run))
+    return int(calm(context, h))
 
 
 @compiled(HOOK)
-def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
+def restart(context: Integers, t: float, h: float) -> int:
     """Forget the past: the motion goes on under other equations."""
-    length = w.size // ROWS
-    notes = counts(machine, length // 2)
-    low = line(floats(machine, length // 2), LOW, length // 2)
+    length = 2 * context[COORDINATES]
+    notes = notes_of(context)
+    low = line(memory_of(context), LOW, length // 2)
     for j in range(length):
         low[j] = 0.0
     notes[EQUAL] = 0
@@ -175,15 +175,7 @@ def restart(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
 
 
 @addressed(DENSE)
-def dense(
-    machine: Integers,
-    t: float,
-    h: float,
-    w: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> int:
+def dense(context: Integers, t: float, h: float) -> int:
     """Fill the coefficient rows of the dense output of the step from Y0 to Y1.
 
     The collocation polynomial is of degree three. Where the equations are not stiff over the step,
@@ -191,31 +183,27 @@ def dense(
     velocities and accelerations is of the method's own order; where they are stiff, errors of the
     state would be magnified in them.
     """
-    length = w.size // ROWS
-    n = length // 2
-    memory, notes = floats(machine, n), counts(machine, n)
+    n = context[COORDINATES]
+    length = 2 * n
+    y0, y1 = row_of(context, Y0), row_of(context, Y1)
+    f0, f1 = row_of(context, F), row_of(context, F + 1)
     for row in range(DENSE_ROWS):
-        f = view(w, (F + row) * length, length)
+        f = row_of(context, F + row)
         for i in range(length):
             f[i] = 0.0
-    if stiffness(memory, notes, w, h) > _SMOOTH:
-        y0 = view(w, Y0 * length, length)
-        y1 = view(w, Y1 * length, length)
+    if stiffness(context, h) > _SMOOTH:
         for i in range(length):
-            w[F * length + i] = y0[i]
-            w[(F + 1) * length + i] = y1[i] - y0[i]
-        curve(w, view(w, (F + 2) * length, length), view(w, (F + 3) * length, length))
+            f0[i] = y0[i]
+            f1[i] = y1[i] - y0[i]
+        curve(context, row_of(context, F + 2), row_of(context, F + 3))
         return 0
-    hermite_rows(h, w, K + LAST)
-    y0 = view(w, Y0 * length, length)
-    y1 = view(w, Y1 * length, length)
-    k0 = view(w, K * length, length)
-    k1 = view(w, (K + LAST) * length, length)
-    f1 = view(w, (F + 1) * length, length)
-    f2 = view(w, (F + 2) * length, length)
-    f3 = view(w, (F + 3) * length, length)
-    f4 = view(w, (F + 4) * length, length)
-    f5 = view(w, (F + 5) * length, length)
+    hermite_rows(context, h, K + LAST)
+    k0 = row_of(context, K)
+    k1 = row_of(context, K + LAST)
+    f2 = row_of(context, F + 2)
+    f3 = row_of(context, F + 3)
+    f4 = row_of(context, F + 4)
+    f5 = row_of(context, F + 5)
     for i in range(n):
         j = n + i
         f4[i] = 0.5 * h * h * k0[j] + f2[i] - f3[i]

@@ -1,10 +1,11 @@
 """The error of a Radau IIA step, from an embedded formula of order 3."""
 
 from runtime.constraints.newton_return import FAILED
-from runtime.core.array_views import view
+from runtime.core.function_table import COORDINATES, memory_of, notes_of
 from runtime.core.jit import inner
+from runtime.core.run_record import run_record
 from runtime.core.signatures import Integers, Vector
-from runtime.core.workspace import ROWS, STAGE, Y0, K, Run
+from runtime.core.workspace import STAGE, Y0, K, row_of
 from runtime.integrate.implicit.method_memory import (
     COUNTS,
     EQUAL,
@@ -45,23 +46,15 @@ E_A3 = E1 * A13 + E2 * A23 + E3 * A33
 
 
 @inner
-def embedded(
-    machine: Integers,
-    t: float,
-    h: float,
-    k0: Vector,
-    memory: Vector,
-    notes: Integers,
-    w: Vector,
-    p: Vector,
-) -> float:
+def embedded(context: Integers, t: float, h: float, k0: Vector) -> float:
     """Size of the filtered error c (k0 + Σ e z / h), which is left in row IN of MEMORY."""
-    length = w.size // ROWS
-    n = length // 2
-    y0 = view(w, Y0 * length, length)
-    s1 = view(w, (K + STATES) * length, length)
-    s2 = view(w, (K + STATES + 1) * length, length)
-    s3 = view(w, (K + STATES + 2) * length, length)
+    memory = memory_of(context)
+    notes = notes_of(context)
+    n = context[COORDINATES]
+    y0 = row_of(context, Y0)
+    s1 = row_of(context, K + STATES)
+    s2 = row_of(context, K + STATES + 1)
+    s3 = row_of(context, K + STATES + 2)
     rates = line(memory, SLOPE, n)
     c = h * C_REAL
     one, two, three = (
@@ -75,43 +68,34 @@ def embedded(
         z = E_A1 * one[i] + E_A2 * two[i] + E_A3 * three[i]
         rates[n + i] = c * ((k0[j] - y0[n + j]) + z)
         rates[i] = c * k0[n + j] + C_REAL * (E1 * one[i] + E2 * two[i] + E3 * three[i])
-    found = filtered(machine, t, Y0, c, memory, notes, w, p)
+    found = filtered(context, t, Y0, c)
     raw = line(memory, OUT, n)
     for j in range(n):
         z = E1 * (s1[j] - y0[j]) + E2 * (s2[j] - y0[j]) + E3 * (s3[j] - y0[j])
         raw[j] = c * k0[j] + C_REAL * z
-    return float(max(found, uneven(raw, notes, w, line(memory, TOLERANCE, n))))
+    return float(max(found, uneven(context, raw, line(memory, TOLERANCE, n))))
 
 
 @inner
-def estimate(
-    machine: Integers,
-    t: float,
-    h: float,
-    memory: Vector,
-    notes: Integers,
-    w: Vector,
-    run: Run,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> float:
+def estimate(context: Integers, t: float, h: float) -> float:
     """Error over the tolerance; where it is too large at a first step or again, filtered twice."""
-    r = run[0]
-    length = w.size // ROWS
-    n = length // 2
-    found = embedded(machine, t, h, view(w, K * length, length), memory, notes, w, p)
+    memory = memory_of(context)
+    notes = notes_of(context)
+    r = run_record(context)
+    n = context[COORDINATES]
+    length = 2 * n
+    found = embedded(context, t, h, row_of(context, K))
     if found >= 1.0 and (r.rejected_before != 0 or notes[EQUAL] == 0):
-        y0 = view(w, Y0 * length, length)
-        z = view(w, STAGE * length, length)
-        slope = view(w, (K + LAST) * length, length)
+        y0 = row_of(context, Y0)
+        z = row_of(context, STAGE)
+        slope = row_of(context, K + LAST)
         change = line(memory, IN, n)
         for i in range(length):
             z[i] = y0[i] + change[i]
-        if arrive(machine, t, STAGE, K + LAST, w, p, modes, lam) == FAILED:
+        if arrive(context, t, STAGE, K + LAST) == FAILED:
             return found
         r.rhs += 1
         for i in range(n):
             slope[i] = z[n + i]
-        found = embedded(machine, t, h, slope, memory, notes, w, p)
+        found = embedded(context, t, h, slope)
     return found

@@ -4,9 +4,11 @@ import numpy as np
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core.array_views import view
+from runtime.core.function_table import COORDINATES, memory_of, notes_of
 from runtime.core.jit import inner
+from runtime.core.run_record import run_record
 from runtime.core.signatures import Integers, Vector
-from runtime.core.workspace import ROWS, Y0, Y1, K, Run
+from runtime.core.workspace import Y0, Y1, K, row_of, velocity_rates
 from runtime.integrate.implicit.bdf_history import GROW
 from runtime.integrate.implicit.method_memory import (
     COUNTS,
@@ -65,16 +67,18 @@ MOST_ITERATIONS = 7  # safety: Newton iterations of a step
 
 
 @inner
-def foresee(memory: Vector, notes: Integers, h: float, w: Vector) -> None:
+def foresee(context: Integers, h: float) -> None:
     """Fill the states of the stages: the last step's polynomial continued, or a straight line."""
-    length = w.size // ROWS
-    n = length // 2
-    y0 = view(w, Y0 * length, length)
-    k0 = view(w, K * length, length)
+    memory = memory_of(context)
+    notes = notes_of(context)
+    n = context[COORDINATES]
+    length = 2 * n
+    y0 = row_of(context, Y0)
+    k0 = row_of(context, K)
     ratio = h / memory[H_BASE] if notes[EQUAL] > 0 else 0.0
     for stage in range(3):
         c = C1 if stage == 0 else (C2 if stage == 1 else 1.0)
-        z = view(w, (K + STATES + stage) * length, length)
+        z = row_of(context, K + STATES + stage)
         if notes[EQUAL] == 0 or ratio > GROW:
             for i in range(length):
                 z[i] = y0[i] + c * h * k0[i]
@@ -88,13 +92,13 @@ def foresee(memory: Vector, notes: Integers, h: float, w: Vector) -> None:
 
 
 @inner
-def curve(w: Vector, f2: Vector, f3: Vector) -> None:
+def curve(context: Integers, f2: Vector, f3: Vector) -> None:
     """Coefficients F2 and F3 of the polynomial through the start and the three stages."""
-    length = w.size // ROWS
-    y0 = view(w, Y0 * length, length)
-    y1 = view(w, Y1 * length, length)
-    s1 = view(w, (K + STATES) * length, length)
-    s2 = view(w, (K + STATES + 1) * length, length)
+    length = 2 * context[COORDINATES]
+    y0 = row_of(context, Y0)
+    y1 = row_of(context, Y1)
+    s1 = row_of(context, K + STATES)
+    s2 = row_of(context, K + STATES + 1)
     for i in range(length):
         change = y1[i] - y0[i]
         one = ((s1[i] - y0[i]) / C1 - change) / (1.0 - C1)
@@ -104,12 +108,13 @@ def curve(w: Vector, f2: Vector, f3: Vector) -> None:
 
 
 @inner
-def place(h: float, stage: int, memory: Vector, notes: Integers, w: Vector) -> None:
+def place(context: Integers, h: float, stage: int) -> None:
     """Set the unknowns of a stage from the changes of velocity of all three."""
-    length = w.size // ROWS
-    n = length // 2
-    y0 = view(w, Y0 * length, length)
-    z = view(w, (K + STATES + stage) * length, length)
+    memory = memory_of(context)
+    notes = notes_of(context)
+    n = context[COORDINATES]
+    y0 = row_of(context, Y0)
+    z = row_of(context, K + STATES + stage)
     low = line(memory, LOW, n)
     one, two, three = (
         line(memory, VELOCITIES, n),
@@ -131,12 +136,14 @@ def place(h: float, stage: int, memory: Vector, notes: Integers, w: Vector) -> N
 
 
 @inner
-def keep_low(h: float, memory: Vector, notes: Integers, w: Vector) -> None:
+def keep_low(context: Integers, h: float) -> None:
     """Keep what rounding cut off the unknowns at Y1, where they are as the last stage left them."""
-    length = w.size // ROWS
-    n = length // 2
-    y0 = view(w, Y0 * length, length)
-    y1 = view(w, Y1 * length, length)
+    memory = memory_of(context)
+    notes = notes_of(context)
+    n = context[COORDINATES]
+    length = 2 * n
+    y0 = row_of(context, Y0)
+    y1 = row_of(context, Y1)
     low, kept = line(memory, LOW, n), line(memory, SIDES, n)
     one, two, three = (
         line(memory, VELOCITIES, n),
@@ -159,52 +166,40 @@ def keep_low(h: float, memory: Vector, notes: Integers, w: Vector) -> None:
 
 
 @inner
-def newton(
-    machine: Integers,
-    t: float,
-    h: float,
-    memory: Vector,
-    notes: Integers,
-    w: Vector,
-    run: Run,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> int:
+def newton(context: Integers, t: float, h: float) -> int:
     """Solve for the three stages; their dependent halves are not final.
 
     Returns calls of `correction`, or `FAILED` where the iteration does not converge.
     """
-    r = run[0]
-    length = w.size // ROWS
-    n = length // 2
+    memory = memory_of(context)
+    notes = notes_of(context)
+    r = run_record(context)
+    n = context[COORDINATES]
     f = notes[FREEDOMS]
-    y0 = view(w, Y0 * length, length)
+    y0 = row_of(context, Y0)
     one, two, three = (
         line(memory, VELOCITIES, n),
         line(memory, VELOCITIES + 1, n),
         line(memory, VELOCITIES + 2, n),
     )
     real, pair = line(memory, SIDES, n), line(memory, SIDES + 1, n)
-    a1 = view(w, (K + SLOPES) * length + n, n)
-    a2 = view(w, (K + SLOPES + 1) * length + n, n)
-    a3 = view(w, (K + SLOPES + 2) * length + n, n)
+    a1 = velocity_rates(context, K + SLOPES)
+    a2 = velocity_rates(context, K + SLOPES + 1)
+    a3 = velocity_rates(context, K + SLOPES + 2)
     allowed = line(memory, TOLERANCE, n)
     for i in range(f):
         j = n + notes[COUNTS + i]
-        one[i] = w[(K + STATES) * length + j] - y0[j]
-        two[i] = w[(K + STATES + 1) * length + j] - y0[j]
-        three[i] = w[(K + STATES + 2) * length + j] - y0[j]
+        one[i] = row_of(context, K + STATES)[j] - y0[j]
+        two[i] = row_of(context, K + STATES + 1)[j] - y0[j]
+        three[i] = row_of(context, K + STATES + 2)[j] - y0[j]
     for stage in range(3):
-        place(h, stage, memory, notes, w)
+        place(context, h, stage)
     taken = 0
     before = 0.0
     for iteration in range(MOST_ITERATIONS):
         for stage in range(3):
             c = C1 if stage == 0 else (C2 if stage == 1 else 1.0)
-            result = arrive(
-                machine, t + c * h, K + STATES + stage, K + SLOPES + stage, w, p, modes, lam
-            )
+            result = arrive(context, t + c * h, K + STATES + stage, K + SLOPES + stage)
             if result == FAILED:
                 return FAILED
             taken += result
@@ -241,10 +236,10 @@ def newton(
             total += ((A21 * d1 + A22 * d2 + A23 * d3) / scale) ** 2
             total += ((A31 * d1 + A32 * d2 + A33 * d3) / scale) ** 2
         for stage in range(3):
-            place(h, stage, memory, notes, w)
+            place(context, h, stage)
         size = np.sqrt(total / max(1, 6 * f))
         left = MOST_ITERATIONS - 1 - iteration
-        reached = converged(memory, notes, iteration, left, size, before, 0.99)
+        reached = converged(context, iteration, left, size, before, 0.99)
         if reached != GOING:
             return taken if reached == DONE else FAILED
         before = size

@@ -12,17 +12,32 @@ from constraints, all coordinates are unknowns.
 from runtime.constraints.newton_return import FAILED, WEAK
 from runtime.core.array_views import view
 from runtime.core.function_table import (
-    BENDS,
     CONSTRAINT_COUNT,
+    COORDINATES,
     CORRECTING,
+    DIFFERENTIATE,
+    MODIFIED,
     accelerations_tangent_of,
     correct_of,
     correction_tangent_of,
+    memory_of,
+    modes_of,
+    notes_of,
+    parameters_of,
 )
 from runtime.core.jit import compiled, inner
 from runtime.core.rhs import field
-from runtime.core.signatures import DIFFERENTIATE, Integers, Vector
-from runtime.core.workspace import FREE, MISSING, PARTITION, ROWS, SIZE, Run
+from runtime.core.run_record import FREE, MISSING, run_record
+from runtime.core.signatures import Integers, Vector
+from runtime.core.workspace import (
+    PARTITION,
+    SIZE,
+    first_half,
+    positions,
+    row_of,
+    velocities,
+    velocity_rates,
+)
 from runtime.integrate.implicit.method_memory import (
     C_FACTORED,
     COUNTS,
@@ -35,8 +50,6 @@ from runtime.integrate.implicit.method_memory import (
     PARTITIONED,
     SETTLED,
     SLOPE,
-    counts,
-    floats,
     line,
     matrix,
 )
@@ -48,19 +61,21 @@ _DIFFERENCE = 1e-7
 
 
 @inner
-def unknowns(machine: Integers, w: Vector, run: Run, notes: Integers) -> int:
+def unknowns(context: Integers) -> int:
     """List the unknowns in `notes`; returns f. Derivatives for others are no longer current.
 
     They are the independent coordinates. Where steps are not brought back by partitioning, and near
     singular positions, where no coordinates are independent, they are all.
     """
-    n = w.size // (2 * ROWS)
-    by_partition = machine[CONSTRAINT_COUNT] > 0 and machine[CORRECTING] == BY_PARTITION
-    singular = FREE < run[0].plan < MISSING
+    notes = notes_of(context)
+    partition = row_of(context, PARTITION)
+    n = context[COORDINATES]
+    by_partition = context[CONSTRAINT_COUNT] > 0 and context[CORRECTING] == BY_PARTITION
+    singular = FREE < run_record(context).plan < MISSING
     notes[PARTITIONED] = 1 if by_partition and not singular else 0
     f = 0
     for j in range(n):
-        if notes[PARTITIONED] == 0 or w[PARTITION * 2 * n + j] == 0.0:
+        if notes[PARTITIONED] == 0 or partition[j] == 0.0:
             if notes[COUNTS + f] != j:
                 notes[COUNTS + f] = j
                 notes[CURRENT] = 0
@@ -74,56 +89,40 @@ def unknowns(machine: Integers, w: Vector, run: Run, notes: Integers) -> int:
 
 
 @inner
-def arrive(
-    machine: Integers,
-    t: float,
-    state: int,
-    derivative: int,
-    w: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> int:
+def arrive(context: Integers, t: float, state: int, derivative: int) -> int:
     """Complete the state in row `state` by its dependent half, and write its accelerations.
 
     Returns the iterations that took, or `FAILED`.
     """
-    n = w.size // (2 * ROWS)
+    modes = modes_of(context)
     taken = 0
-    if counts(machine, n)[PARTITIONED] != 0:
-        taken = correct_of(machine)(machine, t, state, PARTITION, w, p)
+    if notes_of(context)[PARTITIONED] != 0:
+        taken = correct_of(context)(context, t, state, PARTITION)
         if taken == FAILED:
             return FAILED
         taken %= WEAK
-    q = view(w, state * 2 * n, n)
-    v = view(w, state * 2 * n + n, n)
-    field(machine, t, q, v, p, modes, view(w, derivative * 2 * n + n, n), lam)
+    q = positions(context, state)
+    v = velocities(context, state)
+    field(context, t, q, v, modes, velocity_rates(context, derivative))
     return taken
 
 
 @inner
 def carry(
-    machine: Integers,
-    t: float,
-    state: int,
-    dq: Vector,
-    dv: Vector,
-    out_q: Vector,
-    out_v: Vector,
-    w: Vector,
-    p: Vector,
+    context: Integers, t: float, state: int, dq: Vector, dv: Vector, out_q: Vector, out_v: Vector
 ) -> None:
     """Complete a change of independent coordinates and velocities by the dependent ones' change.
 
     `dq` and `dv` are zero on the dependent coordinates on entry.
     """
+    p = parameters_of(context)
     n = dq.size
-    if counts(machine, n)[PARTITIONED] == 0:
+    if notes_of(context)[PARTITIONED] == 0:
         return
-    tangent = correction_tangent_of(machine)
-    q = view(w, state * 2 * n, n)
-    v = view(w, state * 2 * n + n, n)
-    weights = view(w, PARTITION * 2 * n, n)
+    tangent = correction_tangent_of(context)
+    q = positions(context, state)
+    v = velocities(context, state)
+    weights = first_half(context, PARTITION)
     tangent(t, q, v, p, weights, dq, dv, out_q, out_v)
     for j in range(n):
         dq[j] += out_q[j]
@@ -134,30 +133,22 @@ def carry(
 
 @inner
 def along(
-    machine: Integers,
-    t: float,
-    state: int,
-    dq: Vector,
-    dv: Vector,
-    da: Vector,
-    free: Vector,
-    w: Vector,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
+    context: Integers, t: float, state: int, dq: Vector, dv: Vector, da: Vector, free: Vector
 ) -> None:
     """Derivative of the accelerations at the state in row `state` along (dq, dv).
 
     Exact for the machine's own equations; along a surface of switching conditions, and with terms
     that stabilize, a difference. `free` is overwritten.
     """
+    p = parameters_of(context)
+    modes = modes_of(context)
     n = dq.size
-    q = view(w, state * 2 * n, n)
-    v = view(w, state * 2 * n + n, n)
-    if machine[BENDS] == 0:
-        accelerations_tangent_of(machine)(t, q, v, p, modes, dq, dv, da)
+    q = positions(context, state)
+    v = velocities(context, state)
+    if context[MODIFIED] == 0:
+        accelerations_tangent_of(context)(t, q, v, p, modes, dq, dv, da)
         return
-    size = view(w, SIZE * 2 * n, 2 * n)
+    size = row_of(context, SIZE)
     largest = 0.0
     for j in range(n):
         largest = max(largest, abs(dq[j]) / size[j], abs(dv[j]) / size[n + j])
@@ -168,7 +159,7 @@ def along(
     step = _DIFFERENCE / largest
     before = view(free, 0, n)
     moved = view(free, n, n)
-    field(machine, t, q, v, p, modes, before, lam)
+    field(context, t, q, v, modes, before)
     for j in range(n):
         moved[j] = q[j]
         q[j] += step * dq[j]
@@ -177,7 +168,7 @@ def along(
     # The state is put back before the accelerations overwrite what keeps its velocities.
     keep_q, keep_v = moved, da
     after = view(free, 2 * n, n)
-    field(machine, t, q, v, p, modes, after, lam)
+    field(context, t, q, v, modes, after)
     for j in range(n):
         q[j] = keep_q[j]
         v[j] = keep_v[j]
@@ -186,23 +177,14 @@ def along(
 
 
 @compiled(DIFFERENTIATE)
-def differentiate(
-    machine: Integers,
-    t: float,
-    state: int,
-    w: Vector,
-    run: Run,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> int:
+def differentiate(context: Integers, t: float, state: int) -> int:
     """Write G_u and G_u̇ at the state in row `state`, which is on the constraints.
 
     With e_k the change of one unknown, δq = H e_k and the change of dependent velocities that it
     causes are tangents of the recovery of dependent coordinates.
     """
-    n = w.size // (2 * ROWS)
-    memory, notes = floats(machine, n), counts(machine, n)
+    n = context[COORDINATES]
+    memory, notes = memory_of(context), notes_of(context)
     f = notes[FREEDOMS]
     by_u, by_rate = matrix(memory, 0, n), matrix(memory, 1, n)
     dq, dv = view(line(memory, IN, n), 0, n), view(line(memory, IN, n), n, n)
@@ -215,18 +197,18 @@ def differentiate(
             dq[j] = 0.0
             dv[j] = 0.0
         dq[notes[COUNTS + k]] = 1.0
-        carry(machine, t, state, dq, dv, out_q, out_v, w, p)
-        along(machine, t, state, dq, dv, da, free, w, p, modes, lam)
+        carry(context, t, state, dq, dv, out_q, out_v)
+        along(context, t, state, dq, dv, da, free)
         for i in range(f):
             by_u[i * f + k] = da[notes[COUNTS + i]]
         for j in range(n):
             dv[j] = dq[j]
             dq[j] = 0.0
-        along(machine, t, state, dq, dv, da, free, w, p, modes, lam)
+        along(context, t, state, dq, dv, da, free)
         for i in range(f):
             by_rate[i * f + k] = da[notes[COUNTS + i]]
     notes[CURRENT] = 1
     memory[C_FACTORED] = 0.0
-    run[0].jacobians += 1
-    take_spectrum(memory, notes, n)
+    run_record(context).jacobians += 1
+    take_spectrum(context, n)
     return 0

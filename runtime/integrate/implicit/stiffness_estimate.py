@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from runtime.core.array_views import view
+from runtime.core.function_table import COORDINATES, memory_of, notes_of
 from runtime.core.jit import inner
-from runtime.core.signatures import Integers, Vector
-from runtime.core.workspace import ROWS, SIZE, Run
+from runtime.core.run_record import run_record
+from runtime.core.signatures import Integers
+from runtime.core.workspace import SIZE, row_of
 from runtime.integrate.implicit.method_memory import (
     CALM,
     COUNTS,
@@ -25,13 +26,14 @@ _LONG = 30  # measured: steps at ease until the run returns to it
 
 
 @inner
-def stiffness(memory: Vector, notes: Integers, w: Vector, h: float) -> float:
+def stiffness(context: Integers, h: float) -> float:
     """Largest row of h² |G_u| + h |G_u̇|, each entry relative to the sizes of its coordinates."""
-    length = w.size // ROWS
-    n = length // 2
+    memory = memory_of(context)
+    notes = notes_of(context)
+    n = context[COORDINATES]
     f = notes[FREEDOMS]
     by_u, by_rate = matrix(memory, 0, n), matrix(memory, 1, n)
-    size = view(w, SIZE * length, length)
+    size = row_of(context, SIZE)
     largest = 0.0
     for i in range(f):
         total = 0.0
@@ -44,12 +46,14 @@ def stiffness(memory: Vector, notes: Integers, w: Vector, h: float) -> float:
 
 
 @inner
-def take_spectrum(memory: Vector, notes: Integers, n: int) -> None:
+def take_spectrum(context: Integers, n: int) -> None:
     """Find the largest |λ| of u̇ = y, ẏ = G_u u + G_u̇ y, and the damping of what belongs to it.
 
     The power method: the mean growth of an even number of iterations, as u and y have other units
     and their sizes change in turn. Three iterates in a row give a and b in λ² = a λ + b.
     """
+    memory = memory_of(context)
+    notes = notes_of(context)
     f = notes[FREEDOMS]
     by_u, by_rate = matrix(memory, 0, n), matrix(memory, 1, n)
     x, y, z = line(memory, IN, n), line(memory, OUT, n), line(memory, SLOPE, n)
@@ -98,11 +102,13 @@ def take_spectrum(memory: Vector, notes: Integers, n: int) -> None:
 
 
 @inner
-def calm(memory: Vector, notes: Integers, h: float, run: Run) -> int:
+def calm(context: Integers, h: float) -> int:
     """1 where an explicit method could long have taken the same steps, and may be chosen."""
-    quiet = run[0].automatic != 0 and h * memory[STIFFNESS] < _QUIET
+    memory = memory_of(context)
+    notes = notes_of(context)
+    quiet = run_record(context).automatic != 0 and h * memory[STIFFNESS] < _QUIET
     notes[CALM] = notes[CALM] + 1 if quiet else 0
-    if notes[CALM] < _LONG * run[0].patience:
+    if notes[CALM] < _LONG * run_record(context).patience:
         return 0
     notes[CALM] = 0
     return 1

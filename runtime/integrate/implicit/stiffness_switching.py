@@ -11,12 +11,13 @@ method is due, and the run changes over; see `successor`.
 
 from dataclasses import replace
 
-from runtime.core.array_views import view
+from runtime.core.function_table import COORDINATES, HOOK, STAGES, memory_of, notes_of
 from runtime.core.jit import addressed, compiled
-from runtime.core.signatures import HOOK, STAGES, Integers, Vector
-from runtime.core.workspace import ROWS, SIZE, Y0, K, Run
+from runtime.core.run_record import run_record
+from runtime.core.signatures import Integers
+from runtime.core.workspace import SIZE, Y0, K, row_of
 from runtime.integrate.explicit.generated import dop853
-from runtime.integrate.implicit.method_memory import EQUAL, STIFF, STIFFNESS, counts, floats, memory
+from runtime.integrate.implicit.method_memory import EQUAL, STIFF, STIFFNESS, memory
 from runtime.integrate.implicit.state_space_form import differentiate, unknowns
 
 _stages, _LAST = dop853.stages, dop853.METHOD.last
@@ -47,42 +48,30 @@ def successor(name: str, freedoms: int, rtol: float) -> str:
 
 
 @addressed(STAGES)
-def stages(
-    machine: Integers,
-    t: float,
-    h: float,
-    w: Vector,
-    run: Run,
-    p: Vector,
-    modes: Integers,
-    lam: Vector,
-) -> int:
+def stages(context: Integers, t: float, h: float) -> int:
     """Take the step from Y0 with derivative K to Y1, and look for stiffness at times."""
-    n = w.size // (2 * ROWS)
-    notes = counts(machine, n)
-    if notes[EQUAL] % _EVERY == 0:
-        unknowns(machine, w, run, notes)
-        differentiate(machine, t, Y0, w, run, p, modes, lam)
-    return _stages(machine, t, h, w, run, p, modes, lam)
+    if notes_of(context)[EQUAL] % _EVERY == 0:
+        unknowns(context)
+        differentiate(context, t, Y0)
+    return _stages(context, t, h)
 
 
 @compiled(HOOK)
-def accepted(machine: Integers, t: float, h: float, w: Vector, run: Run) -> int:
+def accepted(context: Integers, t: float, h: float) -> int:
     """Count the step; 1 where the steps have long been limited by stability."""
-    r = run[0]
-    length = w.size // ROWS
-    n = length // 2
-    notes = counts(machine, n)
+    r = run_record(context)
+    n = context[COORDINATES]
+    notes = notes_of(context)
     notes[EQUAL] += 1
-    size = view(w, SIZE * length, length)
-    before = view(w, K * length, length)
-    after = view(w, (K + _LAST) * length, length)
+    size = row_of(context, SIZE)
+    before = row_of(context, K)
+    after = row_of(context, K + _LAST)
     change, largest = 0.0, 0.0
-    for j in range(n, length):
+    for j in range(n, 2 * n):
         change = max(change, abs(after[j] - before[j]) / size[j])
         largest = max(largest, abs(after[j]) / size[j])
     easy = change < _EASY * r.rtol**0.2 * largest
-    turn = h * floats(machine, n)[STIFFNESS]
+    turn = h * memory_of(context)[STIFFNESS]
     limited = turn > _EDGE or (easy and turn > _TURN)
     notes[STIFF] = notes[STIFF] + 1 if limited else max(0, notes[STIFF] - _DOUBT)
     if notes[STIFF] < _SEEN * r.patience:

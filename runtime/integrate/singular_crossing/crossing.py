@@ -16,19 +16,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from runtime.core.outcomes import Outcome
+from runtime.core.run_record import APPROACHING, CROSSING, FREE, LEAVING, MISSING
 from runtime.core.signatures import Vector, no_right_side
 from runtime.core.system import System
-from runtime.core.workspace import (
-    APPROACHING,
-    CROSSING,
-    FREE,
-    LEAVING,
-    MISSING,
-    ROWS,
-    Y0,
-    Y1,
-    K,
-)
+from runtime.core.workspace import Y0, Y1, K
 from runtime.integrate import loop as driver
 from runtime.integrate.method import Method
 from runtime.integrate.problem import Problem
@@ -72,7 +63,7 @@ class Crossings:
         self.positions = SingularPositions(constraints)
         self.leaps = Leaps(self.scale, float(self.r["rtol"]), method)
         self.lending = Lending(run, self.leaps)
-        self.continuity = Continuity(system, run.fixed_arrays[3], run.modes, self.scale)
+        self.continuity = Continuity(system, run.p, run.modes, self.scale)
         if system.constraints is no_right_side or system.constraint_count == 0:
             self.r["quiet"] = np.inf  # nothing tells a position that is passed from one missed
         self.passed: list[Crossing] = []
@@ -250,12 +241,12 @@ class Crossings:
         a = self.continuity.accelerations(motion, found.t, self.leaps.reach(found))
         if a is None:
             return False
-        self.run.w.reshape(ROWS, 2, self.run.n)[K, 1] = a
+        self.run.rows[K, 1] = a
         return True
 
     def _state(self) -> tuple[float, Vector, Vector, Vector]:
         """t, q, v and dv/dt from which the next step starts."""
-        rows = self.run.w.reshape(ROWS, 2, self.run.n)
+        rows = self.run.rows
         return float(self.r["t"]), rows[Y0, 0].copy(), rows[Y0, 1].copy(), rows[K, 1].copy()
 
     def _instant(self, found: Singularity) -> float:
@@ -278,7 +269,7 @@ class Crossings:
     def _motion(self) -> Motion:
         """How the machine moves from where the run stands; over a step just tried, where it was."""
         r, n = self.r, self.run.n
-        rows = self.run.w.reshape(ROWS, 2, n)
+        rows = self.run.rows
         t = float(r["t"])
         start = rows[Y0, 0], rows[Y0, 1], rows[K, 1]
         if not np.isfinite(start[2]).all() or self._bent(start):

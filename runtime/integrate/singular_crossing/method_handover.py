@@ -44,10 +44,7 @@ class Lending:
         r["lent"], r["automatic"] = 1, 0
         r["lent_until"] = found.t + max(ahead, self.kept)
         adopt(run, _LEADING)
-        p, modes, lam = run.fixed_arrays[3], run.fixed_arrays[4], run.fixed_arrays[6]
-        first = first_step(
-            run.wiring.table, r["t"], r["h_max"], r["rtol"], r["order"], run.w, p, modes, lam
-        )
+        first = first_step(run.table, r["t"], r["h_max"], r["rtol"], r["order"])
         way = _LEARNING * ahead
         r["usual"] = r["h"] = min(first, way) if way > 0.0 else max(first, self.kept)
         r["look_at"] = -np.inf

@@ -4,11 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from runtime.core.signatures import (
-    ACCELERATIONS,
-    ACCELERATIONS_TANGENT,
-    CORRECTION_TANGENT,
-)
+from runtime.core.signatures import ACCELERATIONS, ACCELERATIONS_TANGENT, CORRECTION_TANGENT
 from runtime.core.system import System
 from runtime.integrate.problem import Problem
 from tests.runtime.integrate.systems import (

@@ -3,13 +3,7 @@
 import numpy as np
 from numba import njit
 
-from runtime.core.signatures import (
-    ACCELERATIONS,
-    CORRECTION,
-    JACOBIAN,
-    SWITCHING,
-    SWITCHING_RATES,
-)
+from runtime.core.signatures import ACCELERATIONS, CORRECTION, JACOBIAN, SWITCHING, SWITCHING_RATES
 from runtime.core.system import System
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate

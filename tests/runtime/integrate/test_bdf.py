@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from numba import njit
 
-from runtime.core.function_table import Slot
 from runtime.core.outcomes import Outcome
 from runtime.core.workspace import ROWS, Y0, Y1, K
 from runtime.integrate import loop as driver
@@ -27,8 +26,8 @@ def oscillator(t):
 
 
 @njit
-def _attempt(table, t, h, w, record, p, modes, lam):
-    return attempt(table, t, h, w, record, p, modes, lam)
+def _attempt(table, t, h):
+    return attempt(table, t, h)
 
 
 class Stepper:
@@ -43,21 +42,20 @@ class Stepper:
         )
         self.run.start()
         arrays = self.run.wiring.arrays
-        lines = arrays[Slot.MEMORY][NUMBERS : NUMBERS + 2 * LINES].reshape(LINES, 2)
+        lines = arrays["memory"][NUMBERS : NUMBERS + 2 * LINES].reshape(LINES, 2)
         past = np.array([oscillator(-i * h) for i in range(7)])
         for j in range(7):
             lines[PAST + j] = sum((-1) ** i * comb(j, i) * past[i] for i in range(j + 1))
-        arrays[Slot.MEMORY][H_BASE] = h
-        arrays[Slot.NOTES][STEP_ORDER] = arrays[Slot.NOTES][NEXT_ORDER] = order
+        arrays["memory"][H_BASE] = h
+        arrays["notes"][STEP_ORDER] = arrays["notes"][NEXT_ORDER] = order
         self.h, self.t = h, 0.0
 
     def step(self):
-        w, _, record, p, modes, _, lam, _ = self.run.fixed_arrays
-        table = self.run.wiring.table
-        _attempt(table, self.t, self.h, w, record, p, modes, lam)
-        accepted(table, self.t, self.h, w, record)
+        table = self.run.table
+        _attempt(table, self.t, self.h)
+        accepted(table, self.t, self.h)
         self.t += self.h
-        rows = w.reshape(ROWS, 2)
+        rows = self.run.rows.reshape(ROWS, 2)
         rows[Y0], rows[K] = rows[Y1], rows[K + 1]
         return rows[Y1].copy()
 
@@ -112,12 +110,10 @@ def test_a_change_of_partition_costs_neither_order_nor_restart():
     # x or y is the independent coordinate, and changes twice a turn.
     problem = pendulum_problem(0.3, 12.0, 20.0)
     run = _Run(SMOOTH_PENDULUM, problem, Options(method="bdf", rtol=1e-8, t_eval=[20.0]))
-    notes, before, orders = run.wiring.arrays[Slot.NOTES], 0, []
+    notes, before, orders = run.wiring.arrays["notes"], 0, []
     code = driver.GOING if run.start() == Outcome.OK else None
     while code == driver.GOING:
-        code = driver.advance(
-            1, run.wiring.table, *run.fixed_arrays, *run.gathered.out, *run.event_arrays
-        )
+        code = driver.advance(run.table, 1)
         run.gathered.flush(run.r)
         if run.r["repartitions"] > before:
             before = int(run.r["repartitions"])

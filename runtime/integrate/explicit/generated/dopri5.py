@@ -15,12 +15,12 @@ than a thousandth: at looser tolerances accuracy alone does not keep a vibration
 
 import numpy as np
 
-from runtime.core.array_views import view
 from runtime.core.dense_output import hermite_rows
+from runtime.core.function_table import COORDINATES, DENSE, ERROR, PROPOSE, STAGES
 from runtime.core.jit import addressed
 from runtime.core.rhs import slope
-from runtime.core.signatures import DENSE, ERROR, PROPOSE, STAGES, Integers, Vector
-from runtime.core.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K, Run
+from runtime.core.signatures import Integers
+from runtime.core.workspace import ATOL, STAGE, Y0, Y1, F, K, row_of
 from runtime.integrate.explicit.stability_limit import memory, observe, restart, stable_ratio
 from runtime.integrate.explicit.stateless import accepted
 from runtime.integrate.method import Method
@@ -33,45 +33,42 @@ POWERS = np.array([
 
 
 @addressed(STAGES)
-def stages(
-    machine: Integers, t: float, h: float, w: Vector, run: Run, p: Vector, modes: Integers,
-    lam: Vector
-) -> int:
+def stages(context: Integers, t: float, h: float) -> int:
     """Take the step from Y0 with derivative K to Y1, not yet corrected."""
-    length = w.size // ROWS
-    y0 = view(w, Y0 * length, length)
-    y1 = view(w, Y1 * length, length)
-    z = view(w, STAGE * length, length)
-    k1 = view(w, K * length, length)
-    k2 = view(w, (K + 1) * length, length)
-    k3 = view(w, (K + 2) * length, length)
-    k4 = view(w, (K + 3) * length, length)
-    k5 = view(w, (K + 4) * length, length)
-    k6 = view(w, (K + 5) * length, length)
+    length = 2 * context[COORDINATES]
+    y0 = row_of(context, Y0)
+    y1 = row_of(context, Y1)
+    z = row_of(context, STAGE)
+    k1 = row_of(context, K)
+    k2 = row_of(context, K + 1)
+    k3 = row_of(context, K + 2)
+    k4 = row_of(context, K + 3)
+    k5 = row_of(context, K + 4)
+    k6 = row_of(context, K + 5)
     taken = 0
     for j in range(length):
         z[j] = y0[j] + h * (0.2 * k1[j])
-    taken += slope(machine, t + 0.2 * h, STAGE, K + 1, w, p, modes, lam)
+    taken += slope(context, t + 0.2 * h, STAGE, K + 1)
     for j in range(length):
         z[j] = y0[j] + h * (0.075 * k1[j] + 0.225 * k2[j])
-    taken += slope(machine, t + 0.3 * h, STAGE, K + 2, w, p, modes, lam)
+    taken += slope(context, t + 0.3 * h, STAGE, K + 2)
     for j in range(length):
         z[j] = y0[j] + h * (
             0.9777777777777777 * k1[j] - 3.7333333333333334 * k2[j] + 3.5555555555555554 * k3[j]
         )
-    taken += slope(machine, t + 0.8 * h, STAGE, K + 3, w, p, modes, lam)
+    taken += slope(context, t + 0.8 * h, STAGE, K + 3)
     for j in range(length):
         z[j] = y0[j] + h * (
             2.9525986892242035 * k1[j] - 11.595793324188385 * k2[j] + 9.822892851699436 * k3[j]
             - 0.2908093278463649 * k4[j]
         )
-    taken += slope(machine, t + 0.8888888888888888 * h, STAGE, K + 4, w, p, modes, lam)
+    taken += slope(context, t + 0.8888888888888888 * h, STAGE, K + 4)
     for j in range(length):
         z[j] = y0[j] + h * (
             2.8462752525252526 * k1[j] - 10.757575757575758 * k2[j] + 8.906422717743473 * k3[j]
             + 0.2784090909090909 * k4[j] - 0.2735313036020583 * k5[j]
         )
-    taken += slope(machine, t + h, STAGE, K + 5, w, p, modes, lam)
+    taken += slope(context, t + h, STAGE, K + 5)
     for j in range(length):
         y1[j] = y0[j] + h * (
             0.09114583333333333 * k1[j] + 0.44923629829290207 * k3[j] + 0.6510416666666666 * k4[j]
@@ -81,18 +78,18 @@ def stages(
 
 
 @addressed(ERROR)
-def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
+def error(context: Integers, h: float, rtol: float) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
-    length = w.size // ROWS
-    y0 = view(w, Y0 * length, length)
-    y1 = view(w, Y1 * length, length)
-    atol = view(w, ATOL * length, length)
-    k1 = view(w, K * length, length)
-    k3 = view(w, (K + 2) * length, length)
-    k4 = view(w, (K + 3) * length, length)
-    k5 = view(w, (K + 4) * length, length)
-    k6 = view(w, (K + 5) * length, length)
-    k7 = view(w, (K + 6) * length, length)
+    length = 2 * context[COORDINATES]
+    y0 = row_of(context, Y0)
+    y1 = row_of(context, Y1)
+    atol = row_of(context, ATOL)
+    k1 = row_of(context, K)
+    k3 = row_of(context, K + 2)
+    k4 = row_of(context, K + 3)
+    k5 = row_of(context, K + 4)
+    k6 = row_of(context, K + 5)
+    k7 = row_of(context, K + 6)
     total = 0.0
     for j in range(length):
         estimate = h * (
@@ -102,24 +99,22 @@ def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
         )
         ratio = estimate / (atol[j] + rtol * max(abs(y0[j]), abs(y1[j])))
         total += ratio * ratio
-    observe(machine, rtol, w, EDGE, K + 6)
+    observe(context, rtol, EDGE, K + 6)
     return float(np.sqrt(total / length))
 
 
 @addressed(DENSE)
-def dense(
-    machine: Integers, t: float, h: float, w: Vector, p: Vector, modes: Integers, lam: Vector
-) -> int:
+def dense(context: Integers, t: float, h: float) -> int:
     """Fill the coefficient rows of the dense output of the step from Y0 to Y1."""
-    length = w.size // ROWS
-    k1 = view(w, K * length, length)
-    k3 = view(w, (K + 2) * length, length)
-    k4 = view(w, (K + 3) * length, length)
-    k5 = view(w, (K + 4) * length, length)
-    k6 = view(w, (K + 5) * length, length)
-    k7 = view(w, (K + 6) * length, length)
-    hermite_rows(h, w, K + 6)
-    f4 = view(w, (F + 4) * length, length)
+    length = 2 * context[COORDINATES]
+    k1 = row_of(context, K)
+    k3 = row_of(context, K + 2)
+    k4 = row_of(context, K + 3)
+    k5 = row_of(context, K + 4)
+    k6 = row_of(context, K + 5)
+    k7 = row_of(context, K + 6)
+    hermite_rows(context, h, K + 6)
+    f4 = row_of(context, F + 4)
     for j in range(length):
         f4[j] = h * (
             -1.1270175653862835 * k1[j] + 2.675424484351598 * k3[j] - 5.685526961588504 * k4[j]
@@ -129,9 +124,9 @@ def dense(
 
 
 @addressed(PROPOSE)
-def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
+def propose(context: Integers, h: float) -> float:
     """Ratio of the next step's length to this accepted one's."""
-    return float(stable_ratio(machine, h, w, run, POWERS, EDGE))
+    return float(stable_ratio(context, h, POWERS, EDGE))
 
 
 METHOD = Method(

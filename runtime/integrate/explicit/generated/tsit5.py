@@ -8,12 +8,12 @@ the first column simplifying assumption, Computers & Mathematics with Applicatio
 
 import numpy as np
 
-from runtime.core.array_views import view
 from runtime.core.dense_output import hermite_rows
+from runtime.core.function_table import COORDINATES, DENSE, ERROR, PROPOSE, STAGES
 from runtime.core.jit import addressed
 from runtime.core.rhs import slope
-from runtime.core.signatures import DENSE, ERROR, PROPOSE, STAGES, Integers, Vector
-from runtime.core.workspace import ATOL, ROWS, STAGE, Y0, Y1, F, K, Run
+from runtime.core.signatures import Integers
+from runtime.core.workspace import ATOL, STAGE, Y0, Y1, F, K, row_of
 from runtime.integrate.explicit.stability_limit import memory, observe, restart, stable_ratio
 from runtime.integrate.explicit.stateless import accepted
 from runtime.integrate.method import Method
@@ -26,45 +26,42 @@ POWERS = np.array([
 
 
 @addressed(STAGES)
-def stages(
-    machine: Integers, t: float, h: float, w: Vector, run: Run, p: Vector, modes: Integers,
-    lam: Vector
-) -> int:
+def stages(context: Integers, t: float, h: float) -> int:
     """Take the step from Y0 with derivative K to Y1, not yet corrected."""
-    length = w.size // ROWS
-    y0 = view(w, Y0 * length, length)
-    y1 = view(w, Y1 * length, length)
-    z = view(w, STAGE * length, length)
-    k1 = view(w, K * length, length)
-    k2 = view(w, (K + 1) * length, length)
-    k3 = view(w, (K + 2) * length, length)
-    k4 = view(w, (K + 3) * length, length)
-    k5 = view(w, (K + 4) * length, length)
-    k6 = view(w, (K + 5) * length, length)
+    length = 2 * context[COORDINATES]
+    y0 = row_of(context, Y0)
+    y1 = row_of(context, Y1)
+    z = row_of(context, STAGE)
+    k1 = row_of(context, K)
+    k2 = row_of(context, K + 1)
+    k3 = row_of(context, K + 2)
+    k4 = row_of(context, K + 3)
+    k5 = row_of(context, K + 4)
+    k6 = row_of(context, K + 5)
     taken = 0
     for j in range(length):
         z[j] = y0[j] + h * (0.161 * k1[j])
-    taken += slope(machine, t + 0.161 * h, STAGE, K + 1, w, p, modes, lam)
+    taken += slope(context, t + 0.161 * h, STAGE, K + 1)
     for j in range(length):
         z[j] = y0[j] + h * (-0.008480655492356989 * k1[j] + 0.335480655492357 * k2[j])
-    taken += slope(machine, t + 0.327 * h, STAGE, K + 2, w, p, modes, lam)
+    taken += slope(context, t + 0.327 * h, STAGE, K + 2)
     for j in range(length):
         z[j] = y0[j] + h * (
             2.8971530571054935 * k1[j] - 6.359448489975075 * k2[j] + 4.3622954328695815 * k3[j]
         )
-    taken += slope(machine, t + 0.9 * h, STAGE, K + 3, w, p, modes, lam)
+    taken += slope(context, t + 0.9 * h, STAGE, K + 3)
     for j in range(length):
         z[j] = y0[j] + h * (
             5.325864828439257 * k1[j] - 11.748883564062828 * k2[j] + 7.4955393428898365 * k3[j]
             - 0.09249506636175525 * k4[j]
         )
-    taken += slope(machine, t + 0.9800255409045097 * h, STAGE, K + 4, w, p, modes, lam)
+    taken += slope(context, t + 0.9800255409045097 * h, STAGE, K + 4)
     for j in range(length):
         z[j] = y0[j] + h * (
             5.86145544294642 * k1[j] - 12.92096931784711 * k2[j] + 8.159367898576159 * k3[j]
             - 0.071584973281401 * k4[j] - 0.028269050394068383 * k5[j]
         )
-    taken += slope(machine, t + h, STAGE, K + 5, w, p, modes, lam)
+    taken += slope(context, t + h, STAGE, K + 5)
     for j in range(length):
         y1[j] = y0[j] + h * (
             0.09646076681806523 * k1[j] + 0.01 * k2[j] + 0.4798896504144996 * k3[j]
@@ -74,19 +71,19 @@ def stages(
 
 
 @addressed(ERROR)
-def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
+def error(context: Integers, h: float, rtol: float) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
-    length = w.size // ROWS
-    y0 = view(w, Y0 * length, length)
-    y1 = view(w, Y1 * length, length)
-    atol = view(w, ATOL * length, length)
-    k1 = view(w, K * length, length)
-    k2 = view(w, (K + 1) * length, length)
-    k3 = view(w, (K + 2) * length, length)
-    k4 = view(w, (K + 3) * length, length)
-    k5 = view(w, (K + 4) * length, length)
-    k6 = view(w, (K + 5) * length, length)
-    k7 = view(w, (K + 6) * length, length)
+    length = 2 * context[COORDINATES]
+    y0 = row_of(context, Y0)
+    y1 = row_of(context, Y1)
+    atol = row_of(context, ATOL)
+    k1 = row_of(context, K)
+    k2 = row_of(context, K + 1)
+    k3 = row_of(context, K + 2)
+    k4 = row_of(context, K + 3)
+    k5 = row_of(context, K + 4)
+    k6 = row_of(context, K + 5)
+    k7 = row_of(context, K + 6)
     total = 0.0
     for j in range(length):
         estimate = h * (
@@ -96,25 +93,23 @@ def error(machine: Integers, h: float, rtol: float, w: Vector) -> float:
         )
         ratio = estimate / (atol[j] + rtol * max(abs(y0[j]), abs(y1[j])))
         total += ratio * ratio
-    observe(machine, rtol, w, EDGE, K + 6)
+    observe(context, rtol, EDGE, K + 6)
     return float(np.sqrt(total / length))
 
 
 @addressed(DENSE)
-def dense(
-    machine: Integers, t: float, h: float, w: Vector, p: Vector, modes: Integers, lam: Vector
-) -> int:
+def dense(context: Integers, t: float, h: float) -> int:
     """Fill the coefficient rows of the dense output of the step from Y0 to Y1."""
-    length = w.size // ROWS
-    k1 = view(w, K * length, length)
-    k2 = view(w, (K + 1) * length, length)
-    k3 = view(w, (K + 2) * length, length)
-    k4 = view(w, (K + 3) * length, length)
-    k5 = view(w, (K + 4) * length, length)
-    k6 = view(w, (K + 5) * length, length)
-    k7 = view(w, (K + 6) * length, length)
-    hermite_rows(h, w, K + 6)
-    f4 = view(w, (F + 4) * length, length)
+    length = 2 * context[COORDINATES]
+    k1 = row_of(context, K)
+    k2 = row_of(context, K + 1)
+    k3 = row_of(context, K + 2)
+    k4 = row_of(context, K + 3)
+    k5 = row_of(context, K + 4)
+    k6 = row_of(context, K + 5)
+    k7 = row_of(context, K + 6)
+    hermite_rows(context, h, K + 6)
+    f4 = row_of(context, F + 4)
     for j in range(length):
         f4[j] = h * (
             -1.0530884977290216 * k1[j] + 0.1017 * k2[j] + 2.490627285651253 * k3[j]
@@ -125,9 +120,9 @@ def dense(
 
 
 @addressed(PROPOSE)
-def propose(machine: Integers, h: float, w: Vector, run: Run) -> float:
+def propose(context: Integers, h: float) -> float:
     """Ratio of the next step's length to this accepted one's."""
-    return float(stable_ratio(machine, h, w, run, POWERS, EDGE))
+    return float(stable_ratio(context, h, POWERS, EDGE))
 
 
 METHOD = Method(

@@ -1,0 +1,116 @@
+"""The record of a run: where it stands, how it steps, and what it has counted."""
+
+from collections.abc import Callable
+from typing import Any, cast
+
+import numpy as np
+from numba import from_dtype
+from numba.extending import intrinsic
+from numba.np import arrayobj
+
+from runtime.core.function_table import RECORD
+from runtime.core.signatures import Integers
+from runtime.core.table_layout import word
+
+_arrays: Any = arrayobj
+
+_FLOATS = [
+    "t",  # where the run stands
+    "t_end",
+    "duration",  # of the whole run
+    "h",  # length of the next step
+    "h_min",
+    "h_max",
+    "rtol",
+    "error",  # of the last trial step, over the tolerance
+    "error_old",  # of the last accepted step
+    "remembered",  # error of the last step, as it counts for the next one's length; 0: none
+    "length_old",  # of that step
+    "exponent",  # of the step control, 1 over the order of the error
+    "beta",
+    "safety",
+    "shrink",  # least ratio of two steps' lengths
+    "grow",  # largest
+    "ratio_limit",  # speeds of dependent over independent coordinates that ask for a probe
+    "growth_limit",  # entry of H that asks for a new partition
+    "largest_dq",
+    "event_span",  # time that the last events took
+    "stretch",  # ratio of two steps' lengths that the switching functions allow
+    "flight",  # time to the next impact of a contact that bounces
+    "finest",  # length of a step that is never too long for them
+    "permitted",  # error that a step may have, over the tolerance: 1 but where rounding exceeds it
+    "vanishing",  # time from now at which constraints seem to become dependent
+    "tried",  # length of a step that was taken for good, but for this; 0 for none
+    "turn",  # instant at which the step over a singular position begins
+    "leap",  # length of that step
+    "blind_from",  # samples between these two instants stay as they are interpolated
+    "blind_to",
+    "look_at",  # instant at which the constraints are looked at again
+    "quiet",  # instant until which a singular position is not looked for
+    "usual",  # length of the last accepted step of free choice
+    "foresight",  # change of the coordinates, in their sizes, over which one is looked for
+    "lent_until",  # instant from which a method that was lent is not needed
+]
+_INTEGERS = [
+    "last",  # row, after K, of the derivative at the end of a step
+    "stage_calls",
+    "order",  # power of a step's length in the error estimate of the first one
+    "dense_rows",
+    "dense_calls",
+    "fixed",  # 1: no error control
+    "steps",
+    "rejected",
+    "retakes",
+    "rhs",
+    "corrections",
+    "newton",
+    "automatic",  # 1: the method may be changed
+    "patience",  # how many times longer than at first it is watched before that
+    "iterations",  # of Newton's method in the steps of implicit methods
+    "jacobians",
+    "factorizations",
+    "dense_outputs",
+    "events",
+    "repartitions",
+    "max_steps",
+    "max_events",
+    "every_step",  # 1: a sample at the end of every step
+    "samples",  # rows of the output written
+    "next_sample",  # of the instants asked for
+    "logged_events",  # rows of the event buffer written
+    "logged_repartitions",  # rows of the partition log written
+    "rank",  # of the Jacobian
+    "check_in",  # steps to the next probe of the partition
+    "probe",  # how often the partition was probed
+    "weak",  # accepted states in a row with a weak pivot
+    "weak_row",  # 1 + constraint of the weak pivot
+    "reason",  # why the last trial step was rejected
+    "rejected_before",
+    "shrinking",  # events in a row, each in less time than the one before
+    "standing",  # events in a row without time between them
+    "blamed",  # switching function for which no mode is consistent, or -1
+    "index",  # function or constraint that an outcome concerns
+    "lent",  # 1: another method steps near a singular position than elsewhere
+    "plan",  # what is planned about a singular position, one of the below
+]
+FREE, APPROACHING, CROSSING, LEAVING, MISSING = 0, 1, 2, 3, 4
+"""What is planned about singular positions: nothing; to come to where a step across begins; that
+step; to get away; to follow the bend in which the motion misses one."""
+
+RUN = np.dtype(
+    [(name, np.float64) for name in _FLOATS] + [(name, np.int64) for name in _INTEGERS], align=True
+)
+
+
+def _run_record(typing_context: Any, context: Any) -> Any:
+    record = from_dtype(RUN)
+
+    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        table = _arrays.make_array(signature.args[0])(context, builder, arguments[0])
+        return builder.inttoptr(word(builder, table, RECORD), context.get_value_type(record))
+
+    return record(context), codegen
+
+
+run_record: Callable[[Integers], Any] = cast(Any, intrinsic(_run_record))
+"""The record of the run, of the type `RUN`, for compiled code."""

@@ -1,0 +1,181 @@
+"""Layout of a function table: one array of integers through which compiled code reaches a machine.
+
+A table holds addresses of functions and of arrays, and a few numbers. It travels as `context` from
+function to function in place of them all. A layout is the one declaration of a table: each line
+allots a slot and answers with what compiled code takes out of it.
+"""
+
+from collections.abc import Callable
+from math import prod
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+from numba.np import arrayobj
+
+from runtime.core.jit import at
+from runtime.core.signatures import IntegerMatrix, Integers, Matrix, Vector
+
+_ALIGNED = 8  # layout: words of a cache line, in which an array of its own begins
+_arrays: Any = arrayobj
+_tools: Any = cgutils
+
+Length = int | tuple[int, int | None]
+"""A slot that holds a length; or a factor and such a slot, or a factor alone and None."""
+
+
+class ArraySlot(NamedTuple):
+    """An array in a table: its slot, its element type and its lengths."""
+
+    slot: int
+    item: Any
+    lengths: tuple[tuple[int, int | None], ...]
+    flat: bool
+    allotted: bool
+
+
+class TableLayout:
+    """Slots of one kind of table, in the order in which they are declared."""
+
+    def __init__(self) -> None:
+        self.size = 0
+        self.slots: dict[str, int] = {}
+        self.arrays: dict[str, ArraySlot] = {}
+
+    def _next(self, name: str) -> int:
+        slot = self.slots[name] = self.size
+        self.size += 1
+        return slot
+
+    def number(self, name: str) -> int:
+        """Slot of a number, which compiled code reads as ``context[SLOT]``."""
+        return self._next(name)
+
+    def function(self, name: str, signature: Any) -> Callable[[Integers], Callable[..., Any]]:
+        """What takes the function `name` out of a table."""
+        return at(types.FunctionType(signature), self._next(name))
+
+    def floats(
+        self, name: str, *lengths: Length, allotted: bool = True
+    ) -> Callable[[Integers], Vector]:
+        """What takes a flat array of float64, as long as the product of `lengths`, out of a table.
+
+        An array that is not `allotted` is made elsewhere.
+        """
+        return self._array(name, types.float64, lengths, True, allotted)
+
+    def integers(
+        self, name: str, *lengths: Length, allotted: bool = True
+    ) -> Callable[[Integers], Integers]:
+        """As `floats`, for int64."""
+        return self._array(name, types.int64, lengths, True, allotted)
+
+    def matrix(
+        self, name: str, rows: Length, columns: Length, allotted: bool = True
+    ) -> Callable[[Integers], Matrix]:
+        """What takes a matrix of float64 out of a table."""
+        return self._array(name, types.float64, (rows, columns), False, allotted)
+
+    def integer_matrix(
+        self, name: str, rows: Length, columns: Length, allotted: bool = True
+    ) -> Callable[[Integers], IntegerMatrix]:
+        """As `matrix`, for int64."""
+        return self._array(name, types.int64, (rows, columns), False, allotted)
+
+    def flat(self, name: str) -> Callable[[Integers], Vector]:
+        """The matrix `name` as a flat array."""
+        array = self.arrays[name]
+        return _fetcher(array._replace(flat=True))
+
+    def _array(
+        self, name: str, item: Any, lengths: tuple[Length, ...], flat: bool, allotted: bool
+    ) -> Callable[[Integers], Any]:
+        pairs = tuple(length if isinstance(length, tuple) else (1, length) for length in lengths)
+        array = ArraySlot(self._next(name), item, pairs, flat, allotted)
+        self.arrays[name] = array
+        return _fetcher(array)
+
+    def allot(self, table: Integers) -> dict[str, Any]:
+        """Arrays of zeros for a table whose numbers are set, their addresses written into it.
+
+        They lie in one block, and are made when they are first asked for.
+        """
+        numbers, end, starts = table.tolist(), 0, {}
+        for name, array in self.arrays.items():
+            if array.allotted:
+                size = 1
+                for factor, count in array.lengths:
+                    size *= factor if count is None else factor * numbers[count]
+                starts[name] = end
+                end += -(-size // _ALIGNED) * _ALIGNED
+        block = np.zeros(end, np.int64)
+        address = block.ctypes.data
+        for name, start in starts.items():
+            numbers[self.slots[name]] = address + 8 * start
+        table[:] = numbers
+        return _Allotted(self, table, block, starts)
+
+
+class _Allotted(dict[str, Any]):
+    """Arrays of a table by name."""
+
+    def __init__(
+        self, layout: TableLayout, table: Integers, block: Integers, starts: dict[str, int]
+    ) -> None:
+        self.layout, self.table, self.block, self.starts = layout, table, block, starts
+
+    def __missing__(self, name: str) -> Any:
+        array, start = self.layout.arrays[name], self.starts[name]
+        shape = [f if count is None else f * int(self.table[count]) for f, count in array.lengths]
+        words = self.block[start : start + prod(shape)]
+        words = words.view(np.float64) if array.item is types.float64 else words
+        self[name] = words = words if array.flat else words.reshape(shape)
+        return words
+
+
+def word(builder: Any, table: Any, slot: int) -> Any:
+    """The word in a slot of a table, in generated code."""
+    place = _tools.intp_t(slot)
+    return builder.load(builder.gep(table.data, [place], inbounds=True))
+
+
+def _fetcher(array: ArraySlot) -> Callable[[Integers], Any]:
+    """An intrinsic that makes an array, not owned, of what lies at an address in a table."""
+
+    def fetch(typing_context: Any, context: Any) -> Any:
+        result = types.Array(array.item, 1 if array.flat else len(array.lengths), "C")
+        signature = result(context)
+
+        def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            table = _arrays.make_array(signature.args[0])(context, builder, arguments[0])
+            target = _arrays.make_array(signature.return_type)(context, builder)
+            shape = [_emitted(builder, table, *length) for length in array.lengths]
+            if array.flat:
+                product = shape[0]
+                for other in shape[1:]:
+                    product = builder.mul(product, other)
+                shape = [product]
+            step = _tools.intp_t(8)
+            strides = [step] if len(shape) == 1 else [builder.mul(step, shape[1]), step]
+            _arrays.populate_array(
+                target,
+                data=builder.inttoptr(word(builder, table, array.slot), target.data.type),
+                shape=shape,
+                strides=strides,
+                itemsize=step,
+                meminfo=None,
+            )
+            return target._getvalue()
+
+        return signature, codegen
+
+    return cast(Callable[[Integers], Any], intrinsic(fetch))
+
+
+def _emitted(builder: Any, table: Any, factor: int, count: int | None) -> Any:
+    if count is None:
+        return _tools.intp_t(factor)
+    value = word(builder, table, count)
+    return value if factor == 1 else builder.mul(value, _tools.intp_t(factor))
