@@ -15,8 +15,6 @@ from codegen.declare.value_reader import Reader
 Names = Iterable["str | Body | Constraint | Effect"]
 Values = Mapping["str | sympy.Symbol", Any]
 NamedValues = tuple[tuple[str, float], ...]
-UNITS = {"x": "m", "y": "m", "phi": "rad", "alpha": "rad", "beta": "rad"}
-"""Letters of coordinates, with their units."""
 
 
 def named(

@@ -10,8 +10,10 @@ from numpy.testing import assert_allclose
 from codegen import Model
 from codegen.declare.symbols import CoordinateKind, declare_letter
 from codegen.errors import ModelError
+from codegen.lower.differentiation.tangent import tangent_program
+from codegen.lower.interpreter import evaluate
 from tests.codegen.elements.turned_body import turned_body
-from tests.codegen.workbench import Interpreted, State, complex_gamma, complex_step
+from tests.codegen.workbench import Interpreted, State, complex_gamma, complex_step, plain
 
 POSES = [0.0, 0.7, math.pi / 2, math.pi, -2.4]
 """Among them those in which e0 or e1, and with it a gradient of e0² + e1² - 1, vanishes."""
@@ -78,6 +80,25 @@ def test_the_inertia_force_is_that_of_lagrange(phi: float) -> None:
     free = np.eye(4) - np.outer(normal(s), normal(s))  # along the gradient λ takes the difference
     assert_allclose(free @ force, free @ lagrange, atol=1e-12)
     assert_allclose(machine.vector("acceleration_rhs", s), complex_gamma(machine, s), atol=1e-12)
+
+
+@pytest.mark.parametrize("phi", POSES)
+def test_derivatives_of_accelerations(phi: float) -> None:
+    """Those of the derivatives' module against complex steps through the kernel itself."""
+    machine, s = pendulum(), state(phi)
+    program = tangent_program(machine.program)
+    direction = np.random.default_rng(3).standard_normal((2, machine.n))
+    inputs = {"t": 0.0, "q": plain(s.q), "v": plain(s.v), "p": machine.p, "modes": []}
+    inputs |= {"dq": plain(direction[0]), "dv": plain(direction[1])}
+    out = evaluate(program, "accelerations_tangent", inputs, math)["da"]
+
+    def moved(h: np.ndarray) -> np.ndarray:
+        at = State(t=0.0, q=s.q + h[0] * direction[0], v=s.v + h[0] * direction[1])
+        return machine.flat("accelerations", at, cmath)["a"]
+
+    expected = complex_step(moved, np.zeros(1))[:, 0]
+    got = [out[k] for k in range(machine.n)]
+    assert_allclose(got, expected, atol=1e-11 * np.abs(expected).max())
 
 
 def normal(s: State) -> np.ndarray:
