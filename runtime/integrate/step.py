@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED, WEAK
-from runtime.constraints.repartitioning import poorly_chosen
+from runtime.constraints.repartitioning import is_poorly_chosen
 from runtime.core.array_views import (
     view,
 )
@@ -142,7 +142,7 @@ def returned(context: Integers, t: float) -> int:
             return NEWTON
         r.corrections += result % WEAK
         return DONE
-    if poorly_chosen(context, t) != 0:
+    if is_poorly_chosen(context, t) != 0:
         repartition_of(context)(context, t, Y1)
     result = correct(context, t, Y1, PARTITION)
     r.newton += 1
