@@ -18,7 +18,7 @@ def require_masses(mechanism: Mechanism, p: FloatArray) -> None:
         row = description.coordinates[index]
         body = row.name.rpartition(".")[0]
         if body in bodies:  # a coordinate of no body has no mass to refuse
-            impossible.setdefault((body, not row.is_length), index)
+            impossible.setdefault((body, row.unit != "m"), index)
     problems = []
     for body in description.bodies if impossible else ():
         for quantity, unit, angle in (("mass", "kg", False), ("inertia", "kg m^2", True)):
