@@ -33,22 +33,20 @@ from runtime.continuation.pivot_monitor import (
     look,
     suspicious,
 )
+from runtime.core.array_types import f8, integer_matrix, integers, matrix, vector
 from runtime.core.jit import ADDRESSES, compiled
-from runtime.core.kernels import FETCH, MATRIX, MODE_ROWS, MODES, SCALAR, TYPES, VECTOR
+from runtime.core.kernel_abi import TYPES, accelerations_of, correction_of, jacobian_of
 
 DONE, STUCK, SUSPECT, ARRIVED = 0, 1, 2, 3
 
 # measured: scaled error of a prediction up to which it is trusted to name the branch
 _PREDICTED = 0.05
 _TRAVEL = 0.5  # measured: scaled motion of the longest step
-correction_of = FETCH["correction"]
-accelerations_of = FETCH["accelerations"]
-jacobian_of = FETCH["jacobian"]
 
 
 @compiled(
     types.int64(
-        TYPES["correction"], SCALAR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR
+        TYPES["correction"], f8, vector, vector, vector, vector, vector, vector, vector, vector
     ),
 )
 def settle(
@@ -104,24 +102,24 @@ def settle(
 @compiled(
     types.int64(
         ADDRESSES,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        MODES,
-        VECTOR,
-        MATRIX,
-        MATRIX,
-        VECTOR,
-        MATRIX,
-        MODE_ROWS,
-        VECTOR,
-        MATRIX,
-        MATRIX,
-        MODE_ROWS,
+        vector,
+        vector,
+        vector,
+        vector,
+        vector,
+        vector,
+        vector,
+        integers,
+        vector,
+        matrix,
+        matrix,
+        vector,
+        matrix,
+        integer_matrix,
+        vector,
+        matrix,
+        matrix,
+        integer_matrix,
     ),
 )
 def walk(

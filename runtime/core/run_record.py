@@ -8,8 +8,8 @@ from numba import from_dtype
 from numba.extending import intrinsic
 from numba.np import arrayobj
 
+from runtime.core.array_types import Integers
 from runtime.core.function_table import RECORD
-from runtime.core.signatures import Integers
 from runtime.core.table_layout import word
 
 _arrays: Any = arrayobj

@@ -4,6 +4,7 @@ import numpy as np
 
 from runtime.constraints.newton_return import FAILED, WEAK
 from runtime.core import outcome_codes as codes
+from runtime.core.array_types import Integers, i8
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
     COORDINATES,
@@ -23,12 +24,11 @@ from runtime.core.function_table import (
     sample_times_of,
     settings_of,
     spreads_of,
-    switching_rates_of,
 )
 from runtime.core.jit import ADDRESSES, compiled, inner
+from runtime.core.kernel_abi import switching_rates_of
 from runtime.core.rhs import field
 from runtime.core.run_record import FREE, run_record
-from runtime.core.signatures import Integers, i8
 from runtime.core.workspace import (
     BAND,
     G0,

@@ -8,6 +8,7 @@ with the same bits.
 import numpy as np
 
 from runtime.core import outcome_codes as codes
+from runtime.core.array_types import Integers, i8
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
     COORDINATES,
@@ -36,7 +37,6 @@ from runtime.core.function_table import (
 )
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.run_record import APPROACHING, CROSSING, FREE, LEAVING, MISSING, run_record
-from runtime.core.signatures import Integers, i8
 from runtime.core.workspace import BAND, G0, G1, LARGEST, R0, R1, Y0, Y1, K, row_of, switch_row
 from runtime.hybrid.event_location import INSTANT, last_due
 from runtime.hybrid.event_resolution import UNRESOLVED

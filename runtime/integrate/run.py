@@ -6,9 +6,9 @@ from collections.abc import Callable
 import numpy as np
 
 from runtime.constraints.repartitioning import GROWTH_LIMIT
+from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import CORRECTING, EACH_STAGE, MODIFIED, STABILIZED
 from runtime.core.outcomes import Outcome
-from runtime.core.signatures import Integers, Vector
 from runtime.core.system import System
 from runtime.core.workspace import (
     ATOL,

@@ -1,6 +1,7 @@
 """Samples of a run: at the instants asked for, or at the end of every step."""
 
 from runtime.constraints.newton_return import FAILED, WEAK
+from runtime.core.array_types import Integers
 from runtime.core.dense_output import interpolate
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
@@ -21,7 +22,6 @@ from runtime.core.function_table import (
 )
 from runtime.core.jit import addressed, inner
 from runtime.core.run_record import run_record
-from runtime.core.signatures import Integers
 from runtime.core.workspace import PROJECTION, SAMPLE, Y1, row_of
 
 

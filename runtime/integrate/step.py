@@ -4,6 +4,7 @@ import numpy as np
 
 from runtime.constraints.newton_return import FAILED, WEAK
 from runtime.constraints.repartitioning import poorly_chosen
+from runtime.core.array_types import Integers
 from runtime.core.array_views import (
     view,
 )
@@ -13,7 +14,6 @@ from runtime.core.function_table import (
     COORDINATES,
     CORRECTING,
     SLIDING_COUNT,
-    constraints_of,
     correct_of,
     error_of,
     modes_of,
@@ -24,9 +24,9 @@ from runtime.core.function_table import (
     stages_of,
 )
 from runtime.core.jit import addressed, inner
+from runtime.core.kernel_abi import constraints_of
 from runtime.core.rhs import field
 from runtime.core.run_record import FREE, MISSING, run_record
-from runtime.core.signatures import Integers
 from runtime.core.workspace import (
     ATOL,
     DELTA,

@@ -9,31 +9,40 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Kernel, Vector, f8, integers, none, vector
 from runtime.core.array_views import floats_at, integers_at, view
-from runtime.core.jit import addresses, at, compiled, inner
-from runtime.core.signatures import (
-    Integers,
-    Jacobian,
-    Kernel,
-    RightSide,
-    Vector,
-    f8,
-    integers,
-    none,
-    vector,
-)
+from runtime.core.jit import addresses, compiled, inner
+from runtime.core.kernel_abi import constraints_of, jacobian_of, velocity_rhs_of
+from runtime.core.table_layout import TableLayout
 
-# Kernels, numbers, arrays: their places in the table.
-CONSTRAINTS, JACOBIAN, VELOCITY_RHS = 0, 1, 2
-COORDINATES, ALL_ROWS, ROWS, NONZEROS, PARAMETERS = 3, 4, 5, 6, 7
-VALUES_OF_PARAMETERS, SCALE, INDEPENDENT, ENTRY_ROWS, ENTRY_COLUMNS, LENGTHS = 8, 9, 10, 11, 12, 13
-POSITION, PHI, VALUES, AHEAD, BEHIND, ASIDE, STEP, GAPS = 14, 15, 16, 17, 18, 19, 20, 21
-ROW_ORDER, ROW_PLACE, COLUMN_ORDER, COLUMN_PLACE, ORIGIN = 22, 23, 24, 25, 26
-SLOTS = 27
+SEARCH_TABLE = TableLayout()
+_KERNEL_SLOTS = [SEARCH_TABLE.slots[name] for name in ("constraints", "jacobian", "velocity_rhs")]
 
-constraints_of = at(RightSide, CONSTRAINTS)
-jacobian_of = at(Jacobian, JACOBIAN)
-velocity_rhs_of = at(RightSide, VELOCITY_RHS)
+# Numbers, then addresses of arrays.
+COORDINATES = SEARCH_TABLE.number("coordinates")
+ALL_ROWS = SEARCH_TABLE.number("all_rows")
+ROWS = SEARCH_TABLE.number("rows")
+NONZEROS = SEARCH_TABLE.number("nonzeros")
+PARAMETERS = SEARCH_TABLE.number("parameters")
+VALUES_OF_PARAMETERS = SEARCH_TABLE.number("values_of_parameters")
+SCALE = SEARCH_TABLE.number("scale")
+INDEPENDENT = SEARCH_TABLE.number("independent")
+ENTRY_ROWS = SEARCH_TABLE.number("entry_rows")
+ENTRY_COLUMNS = SEARCH_TABLE.number("entry_columns")
+LENGTHS = SEARCH_TABLE.number("lengths")
+POSITION = SEARCH_TABLE.number("position")
+PHI = SEARCH_TABLE.number("phi")
+VALUES = SEARCH_TABLE.number("values")
+AHEAD = SEARCH_TABLE.number("ahead")
+BEHIND = SEARCH_TABLE.number("behind")
+ASIDE = SEARCH_TABLE.number("aside")
+STEP = SEARCH_TABLE.number("step")
+GAPS = SEARCH_TABLE.number("gaps")
+ROW_ORDER = SEARCH_TABLE.number("row_order")
+ROW_PLACE = SEARCH_TABLE.number("row_place")
+COLUMN_ORDER = SEARCH_TABLE.number("column_order")
+COLUMN_PLACE = SEARCH_TABLE.number("column_place")
+ORIGIN = SEARCH_TABLE.number("origin")
 
 
 class Layout(NamedTuple):
@@ -52,8 +61,8 @@ def lay_out(
     places: tuple[Integers, Integers],
 ) -> Layout:
     """The table of a machine's constraints; arguments as in `ScaledConstraints`."""
-    table = np.zeros(SLOTS, np.int64)
-    table[: len(kernels)] = addresses(kernels)
+    table = np.zeros(SEARCH_TABLE.size, np.int64)
+    table[_KERNEL_SLOTS] = addresses(kernels)
     rows, wide, size = independent.size, scale.size + 1, places[0].size
     table[COORDINATES], table[ALL_ROWS], table[ROWS] = scale.size, m, rows
     table[NONZEROS], table[PARAMETERS] = size - m, p.size

@@ -1,8 +1,8 @@
 """What a method without memory does after a step and at a new start: nothing."""
 
+from runtime.core.array_types import Integers
 from runtime.core.function_table import HOOK
 from runtime.core.jit import compiled
-from runtime.core.signatures import Integers
 
 
 @compiled(HOOK)

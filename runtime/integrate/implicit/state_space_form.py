@@ -10,6 +10,7 @@ from constraints, all coordinates are unknowns.
 """
 
 from runtime.constraints.newton_return import FAILED, WEAK
+from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
@@ -17,18 +18,16 @@ from runtime.core.function_table import (
     CORRECTING,
     DIFFERENTIATE,
     MODIFIED,
-    accelerations_tangent_of,
     correct_of,
-    correction_tangent_of,
     memory_of,
     modes_of,
     notes_of,
     parameters_of,
 )
 from runtime.core.jit import compiled, inner
+from runtime.core.kernel_abi import accelerations_tangent_of, correction_tangent_of
 from runtime.core.rhs import field
 from runtime.core.run_record import FREE, MISSING, run_record
-from runtime.core.signatures import Integers, Vector
 from runtime.core.workspace import (
     PARTITION,
     SIZE,

@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from runtime.core.array_types import Vector
+from runtime.core.kernel_abi import find_stand_in
 from runtime.core.outcomes import Outcome
 from runtime.core.run_record import APPROACHING, CROSSING, FREE, LEAVING, MISSING
-from runtime.core.signatures import Vector, no_right_side
 from runtime.core.system import System
 from runtime.core.workspace import Y0, Y1, K
 from runtime.integrate import loop as driver
@@ -64,7 +65,7 @@ class Crossings:
         self.leaps = Leaps(self.scale, float(self.r["rtol"]), method)
         self.lending = Lending(run, self.leaps)
         self.continuity = Continuity(system, run.p, run.modes, self.scale)
-        if system.constraints is no_right_side or system.constraint_count == 0:
+        if system.constraints is find_stand_in("constraints") or system.constraint_count == 0:
             self.r["quiet"] = np.inf  # nothing tells a position that is passed from one missed
         self.passed: list[Crossing] = []
         self.note = ""

@@ -5,8 +5,8 @@ import pytest
 from scipy.special import ellipj, ellipk
 
 from runtime.constraints.partitioning import eliminate
+from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.outcomes import Outcome
-from runtime.core.signatures import ACCELERATIONS
 from runtime.core.system import System
 from runtime.integrate.method import EXPLICIT
 from runtime.integrate.problem import Options
@@ -114,13 +114,13 @@ def test_elimination_finds_rank_and_redundant_row():
     assert np.array_equal(other, columns)
 
 
-@kernel(ACCELERATIONS)
+@kernel(SIGNATURES["accelerations"])
 def weak_accelerations(t, q, v, p, modes, a, lam):
     pendulum_accelerations(t, q, v, p, modes, a, lam)
     return 2 if t > 1.0 else 0
 
 
-@kernel(ACCELERATIONS)
+@kernel(SIGNATURES["accelerations"])
 def broken_accelerations(t, q, v, p, modes, a, lam):
     pendulum_accelerations(t, q, v, p, modes, a, lam)
     if t > 1.0:
