@@ -15,7 +15,7 @@ from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
     from runtime.dynamics.formulations import Coordinates
-    from runtime.dynamics.prepared_simulation import Prepared
+    from runtime.dynamics.prepared_simulation import PreparedSimulation
     from runtime.integrate.problem import Options
     from runtime.integrate.trajectory import Trajectory
     from runtime.machine import Machine
@@ -82,7 +82,7 @@ def single_runs(
 
 
 def _timed(
-    ready: "Prepared", taken: "Coordinates", options: "Options"
+    ready: "PreparedSimulation", taken: "Coordinates", options: "Options"
 ) -> tuple[float, "Trajectory"]:
     """A run, and its processor time in s."""
     from runtime.progress_bar import silent
@@ -92,11 +92,13 @@ def _timed(
     return process_time() - began, run
 
 
-def prepared(machine: "Machine", t: Array) -> "Prepared":
-    from runtime.dynamics.prepared_simulation import Prepared
+def prepared(machine: "Machine", t: Array) -> "PreparedSimulation":
+    from runtime.dynamics.prepared_simulation import PreparedSimulation
 
     end = float(t[-1])
-    return Prepared(machine.mechanism, end, t_start=0.0, parameters=None, guess=None, start=None)
+    return PreparedSimulation(
+        machine.mechanism, end, t_start=0.0, parameters=None, guess=None, start=None
+    )
 
 
 def error_of(truth: "Result", values: Array, of: "Columns") -> float:

@@ -13,9 +13,9 @@ from benchmarks import timing
 from benchmarks.counting import cost, operations
 from codegen import Model
 from codegen.artefact import import_generated
-from codegen.driver import Clock, origin, read_model, sound_scenes, translate
+from codegen.driver import Clock, origin, read_model, translate, valid_scenes
 from codegen.emit.module import module_text
-from codegen.generated_files.atomic_write import write_if_changed
+from codegen.generated_files.generated_file import write_if_changed
 from codegen.lower import operation_count as ledger
 
 Array = npt.NDArray[np.float64]
@@ -106,7 +106,7 @@ class Row:
 def generate(model: Model | str, scene: str, kernels: Sequence[str], folder: Path) -> Generated:
     """The kernels asked for, and no others, so that nothing is compiled that is not measured."""
     file = read_model(model)
-    chosen = sound_scenes(file.model, scene)[0]
+    chosen = valid_scenes(file.model, scene)[0]
     equations, lowered, _ = translate(file.model, chosen, Clock({}, lambda message: None, ""))
     program = lowered.program
     wanted = tuple(k for k in program.kernels if k.name in ("constants", *kernels))

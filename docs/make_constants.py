@@ -71,6 +71,7 @@ the page from the source, and `make check` compares them. The kinds are
 
 `EPS` is the unit roundoff of double precision, 2⁻⁵². The coefficients of integration methods are in
 their own modules and tune nothing.
+
 """
 
 

@@ -1,4 +1,4 @@
-"""Telling a person how far a long analysis has come."""
+"""Progress of a long analysis, as a bar on a terminal."""
 
 import sys
 import time

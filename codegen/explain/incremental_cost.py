@@ -1,15 +1,15 @@
-"""A scene put together part by part, so that what each part adds is a difference of two programs.
+"""Incremental costs: a scene assembled part by part, its parts' costs differences of programs.
 
-Effects are added one after another in the order of their declaration: to the joints, drivers and
-masses alone first, and the last of these programs is the scene's. What a part adds depends on what
-is there already, as a sum of two forces costs one operation whichever of them came first; the
-increments add up to the whole exactly, in operations and in time.
+Effects are added one after another in the order of their declaration, first to the joints, drivers
+and masses alone; the last of these programs is the scene's. An increment depends on the parts
+before it (a sum of two forces costs one operation, whichever came first), but the increments add up
+to the whole exactly, in operations and in time.
 """
 
 from dataclasses import dataclass
 
 from codegen.derive.equations import Equations
-from codegen.explain.marginal_cost import acting
+from codegen.explain.marginal_cost import with_effects
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.lower.operation_count import by_element, operations
 from codegen.lower.program import Kernel, Output, Program
@@ -18,12 +18,12 @@ Counts = dict[str, dict[str, int]]
 """Part → kernel → operations."""
 
 SOLUTION = "factorization"
-"""The part of `accelerations` that solves the equations: all that no element is the cause of."""
+"""The part of `accelerations` that solves the equations: the operations that serve no element."""
 
 
 @dataclass(frozen=True)
 class Stage:
-    """A kernel `accelerations` that does what the one before does, and the work of one more part.
+    """A kernel `accelerations` with the work of the stage before it and of one more part.
 
     Attributes
     ----------
@@ -37,18 +37,18 @@ class Stage:
     program: Program
 
 
-def grown(equations: Equations) -> tuple[Lowered, ...]:
+def cumulative_programs(equations: Equations) -> tuple[Lowered, ...]:
     """The scene with none of its effects, with the first, with the first two … with all."""
     names = [effect.name for effect in equations.effects]
-    return tuple(lower(acting(equations, names[:k])) for k in range(len(names) + 1))
+    return tuple(lower(with_effects(equations, names[:k])) for k in range(len(names) + 1))
 
 
-def counted(equations: Equations, programs: tuple[Lowered, ...]) -> Counts:
-    """Operations of each part; those of a kernel add up to all that the kernel has.
+def operations_by_part(equations: Equations, programs: tuple[Lowered, ...]) -> Counts:
+    """Operations of each part; in each kernel they add up to the kernel's total.
 
-    Those of joints, drivers and shared work are of the scene without effects, each operation
-    counted for the element that needed it first; an effect has what each kernel grows by when it
-    joins those before it, negative where it spares the others work.
+    Joints, drivers and shared work are counted in the scene without effects, each operation for the
+    element that needed it first. An effect counts the growth of each kernel when it joins those
+    before it, which is negative where it saves the others work.
     """
     found: Counts = {}
     totals: dict[str, int] = {}
@@ -74,12 +74,12 @@ def operations_of(lowered: Lowered) -> dict[str, int]:
     return {k.name: operations(program, k) for k in program.kernels}
 
 
-def stages(equations: Equations, programs: tuple[Lowered, ...]) -> tuple[Stage, ...]:
+def timing_stages(equations: Equations, programs: tuple[Lowered, ...]) -> tuple[Stage, ...]:
     """The kernel `accelerations`, from the first joint's terms to all; empty without one.
 
     The stage of a joint computes its entries of Φ_q and γ and those of the joints before it, and
-    stores what the rest of the kernel would read. Then comes the whole kernel without effects, and
-    then one more effect a stage.
+    stores the values that the rest of the kernel would read. The whole kernel without effects
+    follows, then one more effect a stage.
     """
     first = programs[0].program
     names = {kernel.name for kernel in programs[-1].program.kernels}
@@ -109,7 +109,7 @@ def _alone(program: Program, kernel: Kernel) -> Program:
 
 
 def _terms(program: Program, whole: Kernel, owners: frozenset[str]) -> Kernel:
-    """A kernel of what some elements alone contribute to `whole`."""
+    """A kernel of the contributions of some elements to `whole`."""
     hoisted = set(program.constants)
     roots = [
         number

@@ -1,4 +1,4 @@
-"""Everything that a machine declares, in or out of a scene, and why."""
+"""What a machine declares, what of it takes part in a scene, and why; the same for outputs."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ from codegen.derive.equations import active_joints
 from codegen.model import Model
 from codegen.model.couplers import FORMS
 from codegen.model.fidelities import NONE
+from codegen.model.outputs import ALL, GROUPS
 
 
 @dataclass(frozen=True)
@@ -31,12 +32,12 @@ class Entry:
     why: str
 
 
-def roster(model: Model, scene: Scene) -> tuple[Entry, ...]:
+def inventory(model: Model, scene: Scene) -> tuple[Entry, ...]:
     """All joints, drivers, effects and fidelities of `model`, in the order of declaration."""
-    return tuple(Roster(model, scene).entries())
+    return tuple(_Inventory(model, scene).entries())
 
 
-class Roster:
+class _Inventory:
     """The reasons of one scene."""
 
     def __init__(self, model: Model, scene: Scene) -> None:
@@ -158,3 +159,29 @@ class Roster:
             if acts:
                 why = "chosen by the scene" if name in self.how else "as declared"
             yield Entry(f"{name}: {word}", "fidelity", "fidelity", acts, why)
+
+
+@dataclass(frozen=True)
+class OutputEntry:
+    """A word of ``outputs=``, whether the scene has it, and why."""
+
+    name: str
+    asked: bool
+    why: str
+
+
+def output_inventory(model: Model, scene: Scene) -> tuple[OutputEntry, ...]:
+    """The groups of outputs, and those of single elements that the scene names."""
+    found = []
+    for word in GROUPS:
+        reported = word in ALL if scene.outputs is None else word in scene.outputs
+        why = "named by the scene" if reported else "the scene does not name it"
+        if scene.outputs is None:
+            why = "reported where no output is named" if reported else "not reported unless named"
+        if scene.analysis == "kinematics" and word != "paths":
+            reported, why = False, "a kinematic scene has no masses and no forces"
+        elif scene.analysis == "equilibrium" and word in ("powers", "works"):
+            reported, why = False, "a scene for equilibrium has no motion"
+        found.append(OutputEntry(word, reported, why))
+    single = [word for word in scene.outputs or () if word not in GROUPS]
+    return (*found, *(OutputEntry(word, True, "named by the scene") for word in single))

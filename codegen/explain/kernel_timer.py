@@ -1,9 +1,9 @@
-"""Times of kernels, taken in turns inside one compiled loop.
+"""Times of kernels, measured in turns inside one compiled loop.
 
-What others do on the machine only ever adds to a time, so the least of many rounds is kept, and
-every kernel has its turn in each round, so that all share the machine's moods. The loop itself,
-with a kernel that does nothing, takes its turn too, and is the zero from which times count; as
-numba takes about 0.1 ms to hand a function over, every turn has the same number of calls.
+Other work on the computer only adds to a time, so the minimum of many rounds is kept, and every
+kernel has its turn in each round, so that all see the same conditions. The loop with an empty
+kernel takes its turn too, and its time is subtracted; as numba takes about 0.1 ms to pass a
+function, every turn has the same number of calls.
 """
 
 from collections.abc import Callable, Sequence

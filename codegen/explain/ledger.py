@@ -1,17 +1,21 @@
-"""The ledger: what a scene takes of a machine, why, and what each part of it costs."""
+"""The ledger: the parts of a machine that a scene contains, why, and the cost of each."""
 
 from collections.abc import Callable
 from pathlib import Path
 
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from codegen.errors import InputError
-from codegen.explain.incremental_cost import SOLUTION, counted, grown, operations_of
-from codegen.explain.inventory import Entry, roster
+from codegen.explain.incremental_cost import (
+    SOLUTION,
+    cumulative_programs,
+    operations_by_part,
+    operations_of,
+)
+from codegen.explain.inventory import Entry, OutputEntry, inventory, output_inventory
 from codegen.explain.ledger_data import Ledger, Part
 from codegen.explain.marginal_cost import own_operations
-from codegen.explain.outputs import OutputEntry, outputs
 from codegen.model import Model
 from codegen.model_file import read_model
 
@@ -35,9 +39,9 @@ def explain(
     measure
         Compile the parts of `accelerations` and time them: some seconds a scene.
     t_end
-        Also run the scene for so many seconds with its defaults, and say what the run spent on
-        each part; times are then those of states along the run. The scene must be declared in a
-        file.
+        Also run the scene for this many seconds with its defaults, and report the time that the run
+        spent on each part; kernels are then timed at states along the run. The scene must be
+        declared in a file.
 
     Raises
     ------
@@ -47,31 +51,31 @@ def explain(
     file = read_model(model)
     path = file.path
     found = []
-    for chosen in sound_scenes(file.model, scene):
+    for chosen in valid_scenes(file.model, scene):
         progress(f"{file.model.name}, scene {chosen.name}: deriving")
         equations = derive(file.model, chosen)
         if t_end is not None and (path is None or chosen.root is not None):
             raise InputError(
-                f"scene '{chosen.name}' is not declared in a file, and a run is asked of the "
-                "runtime by the names of both; declare it, or explain it without a run."
+                f"scene '{chosen.name}' is not declared in a file, and a run needs the names of "
+                "both; declare the scene, or explain it without a run."
             )
         runs = (path, t_end) if path is not None and t_end is not None else None
-        entries = roster(file.model, chosen)
-        told = outputs(file.model, chosen)
-        found.append(_ledger(equations, entries, told, measure, runs, progress))
+        entries = inventory(file.model, chosen)
+        outputs = output_inventory(file.model, chosen)
+        found.append(_ledger(equations, entries, outputs, measure, runs, progress))
     return tuple(found)
 
 
 def _ledger(
     equations: Equations,
     entries: tuple[Entry, ...],
-    told: tuple[OutputEntry, ...],
+    outputs: tuple[OutputEntry, ...],
     measure: bool,
     runs: tuple[Path, float] | None,
     progress: Callable[[str], None],
 ) -> Ledger:
-    programs = grown(equations)
-    counts = counted(equations, programs)
+    programs = cumulative_programs(equations)
+    counts = operations_by_part(equations, programs)
     totals = operations_of(programs[-1])
     parts = [
         Part(
@@ -89,9 +93,9 @@ def _ledger(
     ]
     whole, costs = None, None
     if measure or runs is not None:
-        from codegen.explain.part_times import priced  # numba only where something is timed
+        from codegen.explain.part_times import with_times  # numba only where something is timed
 
-        parts, whole, costs = priced(equations, programs, parts, runs, progress)
+        parts, whole, costs = with_times(equations, programs, parts, runs, progress)
     return Ledger(
         equations.model,
         equations.scene.name,
@@ -99,7 +103,7 @@ def _ledger(
         tuple(parts),
         totals,
         equations.left_out,
-        told,
+        outputs,
         whole,
         costs,
     )

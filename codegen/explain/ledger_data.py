@@ -1,8 +1,8 @@
-"""The ledger as plain data."""
+"""The ledger of a scene as plain data."""
 
 from dataclasses import dataclass, field
 
-from codegen.explain.outputs import OutputEntry
+from codegen.explain.inventory import OutputEntry
 
 
 @dataclass(frozen=True)
@@ -16,15 +16,16 @@ class Part:
     acts, why
         Whether it is in, and the reason.
     operations
-        Kernel → what this part adds; see `codegen.explain.incremental_cost.counted`.
+        Kernel → what this part adds; see `codegen.explain.incremental_cost.operations_by_part`.
     own
-        Of an effect: kernel → what would be gone without it (`codegen.explain.marginal_cost`).
+        Of an effect: kernel → operations that would be gone without it
+        (`codegen.explain.marginal_cost`).
     nanoseconds
-        What it adds to an evaluation of `accelerations`, measured; None where it was not.
+        Measured time that it adds to an evaluation of `accelerations`; None without a measurement.
     events
         The conditions whose switching functions it brings.
     run_events, run_retakes, run_seconds
-        Of a run: its events, the steps taken again for them (of the run's, in proportion to
+        Of a run: its events, its share of the steps repeated for events (in proportion to the
         events), and the seconds that `accelerations` spent on it. None without a run.
     """
 
@@ -44,7 +45,7 @@ class Part:
 
 @dataclass(frozen=True)
 class RunCosts:
-    """What a run took; see `codegen.explain.run_cost.Run`."""
+    """Costs of a run; see `codegen.explain.run_cost.Run`."""
 
     t_end: float
     evaluations: int
@@ -57,7 +58,7 @@ class RunCosts:
 
 @dataclass(frozen=True)
 class Ledger:
-    """What a scene costs, by part and kernel; each operation stands in one part.
+    """The cost of a scene by part and kernel; each operation belongs to one part.
 
     Attributes
     ----------
@@ -68,10 +69,10 @@ class Ledger:
     left_out
         (name, kind) of the elements that do not take part.
     outputs
-        What the scene reports or could, and why it does or does not.
+        The outputs that the scene reports or could report, with the reason.
     nanoseconds
-        Of an evaluation of `accelerations`, timed by itself; the parts' add up to it but for the
-        noise of the measurement.
+        Time of an evaluation of `accelerations`, measured separately; those of the parts add up to
+        it but for the noise of the measurement.
     """
 
     model: str

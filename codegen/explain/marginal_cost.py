@@ -1,11 +1,11 @@
-"""What an effect costs by itself: its own operations, kernel by kernel.
+"""The marginal cost of an effect: the operations that would be gone without it, by kernel.
 
-Value numbering shares work: what an effect needs may stand there for a joint already, and what the
-solution does with its force it does with other forces too. So the operations that bear an effect's
-name in the text (`codegen.lower.operation_count.by_element`) are those that it was the first to
-need. Its own are those that would be gone without it: the kernel's operations less those of the
-same equations without its terms. An operation shared with another part is nobody's own, and a sum
-that goes on without the effect counts as the one term less that it is.
+Value numbering shares work: a value that an effect needs may already exist for a joint, and the
+solution treats its force together with other forces. The operations under an effect's name in the
+text (`codegen.lower.operation_count.by_element`) are those that it was the first to need. Its
+marginal cost is the kernel's operations less those of the same equations without its terms: an
+operation shared with another part does not count, and a sum that loses a term counts as one
+operation.
 """
 
 from collections.abc import Collection
@@ -17,8 +17,8 @@ from codegen.lower.kernels.scene_kernels import lower
 from codegen.lower.operation_count import operations
 
 
-def acting(equations: Equations, effects: Collection[str]) -> Equations:
-    """The equations with some of their effects alone; nothing is derived again."""
+def with_effects(equations: Equations, effects: Collection[str]) -> Equations:
+    """The equations with only some of their effects; nothing is derived again."""
     chosen = tuple(e for e in equations.effects if e.name in effects)
     named = tuple((e.name, e.terms) for e in chosen)
     found = switches(named)
@@ -31,19 +31,19 @@ def acting(equations: Equations, effects: Collection[str]) -> Equations:
     )
 
 
-def less(equations: Equations, effect: str) -> Equations:
+def without_effect(equations: Equations, effect: str) -> Equations:
     """The equations without the terms of one effect."""
-    return acting(equations, [e.name for e in equations.effects if e.name != effect])
+    return with_effects(equations, [e.name for e in equations.effects if e.name != effect])
 
 
 def own_operations(equations: Equations, effect: str) -> dict[str, int]:
-    """Kernel → the operations that only this effect is the cause of.
+    """Kernel → operations that only this effect causes.
 
-    Kernels that are there for the effect alone count with all that they hold. The number is
-    negative where the effect spares the others work, as a term that cancels another.
+    A kernel that exists for the effect alone counts as a whole. The number is negative where the
+    effect saves the others work, as a term that cancels another.
     """
     full, rest = (
         {k.name: operations(program, k) for k in program.kernels}
-        for program in (lower(equations).program, lower(less(equations, effect)).program)
+        for program in (lower(equations).program, lower(without_effect(equations, effect)).program)
     )
     return {name: count - rest.get(name, 0) for name, count in full.items()}

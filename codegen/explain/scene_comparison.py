@@ -1,4 +1,4 @@
-"""Two scenes of a machine, part by part."""
+"""Comparison of two scenes of a machine, part by part."""
 
 from dataclasses import dataclass
 

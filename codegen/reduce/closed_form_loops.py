@@ -1,17 +1,16 @@
-"""Loops that close in closed form.
+"""Loops with a solution in closed form.
 
 With every coordinate but the angle θ known, a constraint of rigid bodies reads
 
     A sin θ + B cos θ + C = 0,   R² = A² + B²,   ρ = √(R² - C²),
     sin θ = (-A C - σ B ρ)/R²,   cos θ = (-B C + σ A ρ)/R²,   ∂Φ/∂θ = A cos θ - B sin θ = σ ρ,
 
-with the branch σ = ±1 on which the loop was put together. Two constraints that close a loop of two
+with the branch σ = ±1 on which the loop was assembled. Two constraints that close a loop of two
 bodies, a + R(θ) b + R(η) d = 0 with plane turns R, give one such equation by |a + R(θ) b|² = |d|²,
-and η by what is left. Where ρ vanishes the two branches meet and the loop is at a dead centre.
+and η from the remaining equation. Where ρ vanishes the two branches meet: a dead centre.
 
-C is what the constraint is with zeros for sin θ and cos θ, A and B are its derivatives by these
-there. That it has this form is tested by numbers: an identity of analytic functions that holds at a
-few places taken at random holds.
+C is the constraint with sin θ = cos θ = 0, A and B are its derivatives by these. The form is tested
+numerically: an identity of analytic functions that holds at a few random points holds everywhere.
 """
 
 import math
@@ -26,8 +25,7 @@ from codegen.lower.interpreter import evaluate
 from codegen.lower.program import Kernel, Op, Program, store
 from codegen.lower.substitution import reached, rebuilt
 
-PLACES = 4
-"""safety: positions at which two expressions are compared."""
+POINTS = 4  # measured: random points at which an identity is tested
 
 AGREED = 1e-9
 """accuracy: difference of two numbers, in parts of their sizes, below which they are equal."""
@@ -40,13 +38,13 @@ class Angle:
     Attributes
     ----------
     column, row
-        Of the coordinate, and of the constraint that the dead centre is told of.
+        Of the coordinate, and of the constraint in whose name a dead centre is reported.
     s, c
         Its sine and cosine.
-    room
+    discriminant
         ρ², which vanishes at a dead centre.
     slope
-        σ ρ; the sign of its value in a position is the branch. None: what is left decides.
+        σ ρ, whose sign in a position is the branch; None where the other equations decide.
     branch
         The input σ.
     """
@@ -55,7 +53,7 @@ class Angle:
     row: int
     s: int
     c: int
-    room: int | None = None
+    discriminant: int | None = None
     slope: int | None = None
     branch: int | None = None
 
@@ -69,13 +67,14 @@ class Loop:
 
     @property
     def columns(self) -> tuple[int, ...]:
-        """The coordinates that follow."""
+        """Columns of its angles."""
         return tuple(angle.column for angle in self.angles)
 
 
-@dataclass
-class Loops:
-    """Finds the loops that close in closed form, once their forerunners are closed.
+def find_loops(
+    graph: Graph, q: Sequence[int], phi: dict[int, int], angles: list[int], first_branch: int
+) -> list[Loop]:
+    """The loops with a solution in closed form, in an order in which each needs only those before.
 
     Parameters
     ----------
@@ -88,6 +87,12 @@ class Loops:
     first_branch
         Slot of ``p`` for the first branch.
     """
+    return _LoopSearch(graph, q, phi, angles, first_branch).found
+
+
+@dataclass
+class _LoopSearch:
+    """The search; attributes as the parameters of `find_loops`."""
 
     graph: Graph
     q: Sequence[int]
@@ -163,14 +168,16 @@ class Loops:
         branch = graph.input("p", self.first_branch + self._branches, f"branch_{name}")
         self._branches += 1
         square = self._squares(a, b)
-        room = graph.sub(square, graph.mul(start, start))
-        root = graph.mul(branch, graph.power(room, 0.5))
+        discriminant = graph.sub(square, graph.mul(start, start))
+        root = graph.mul(branch, graph.power(discriminant, 0.5))
         inverse = graph.div(graph.one, square)
         s = graph.neg(graph.add(graph.mul(a, start), graph.mul(b, root)))
         c = graph.sub(graph.mul(a, root), graph.mul(b, start))
         sine, cosine = (graph.function(op, self.q[column]) for op in (Op.SIN, Op.COS))
         slope = graph.sub(graph.mul(a, cosine), graph.mul(b, sine))
-        return Angle(column, row, graph.mul(inverse, s), graph.mul(inverse, c), room, slope, branch)
+        return Angle(
+            column, row, graph.mul(inverse, s), graph.mul(inverse, c), discriminant, slope, branch
+        )
 
     def _squares(self, a: int, b: int) -> int:
         return self.graph.add(self.graph.mul(a, a), self.graph.mul(b, b))
@@ -191,15 +198,15 @@ class Loops:
             (self._slope(value, sine, still), self._slope(value, cosine, still))
             for sine, cosine in ends
         ]
-        stated = [start]
+        terms = [start]
         for (sine, cosine), (a, b) in zip(ends, factors, strict=True):
-            stated += [graph.mul(a, sine), graph.mul(b, cosine)]
-        if not self._zero(graph.sub(graph.total(stated), value), value):
+            terms += [graph.mul(a, sine), graph.mul(b, cosine)]
+        if not self._zero(graph.sub(graph.total(terms), value), value):
             return None
         return start, tuple(factors)
 
     def _slope(self, value: int, number: int, still: dict[int, int]) -> int:
-        """Derivative by a sine or cosine, where all of them are zero."""
+        """Derivative by a sine or cosine, where all sines and cosines are zero."""
         (slope,) = differentiate(self.graph, [value], {number: self.graph.one})
         return rebuilt(self.graph, [slope], still)[0]
 
@@ -210,14 +217,14 @@ class Loops:
         return self.graph.function(Op.COS, self.q[column])
 
     def _zero(self, value: int, size: int) -> bool:
-        """Whether a value is zero wherever it is looked at, beside another's size there."""
+        """Whether a value is zero at random points, compared with the size of another."""
         if value == self.graph.zero:
             return True
-        kernel = Kernel("looked", "", (), store("out", [value, size], ["", ""]))
+        kernel = Kernel("test", "", (), store("out", [value, size], ["", ""]))
         program = Program(tuple(self.graph.values), (kernel,), (), 0.0)
-        for place in range(PLACES):
+        for point in range(POINTS):
             try:
-                out = evaluate(program, "looked", Somewhere(place), math)["out"]
+                out = evaluate(program, "test", RandomPoint(point), math)["out"]
             except (ValueError, ZeroDivisionError, OverflowError):
                 return False
             if not abs(out[0]) <= AGREED * (1.0 + abs(out[1])):
@@ -225,15 +232,15 @@ class Loops:
         return True
 
 
-class Somewhere(dict[str, object]):
-    """Arguments at a place taken at random, the same in every build."""
+class RandomPoint(dict[str, object]):
+    """Arguments of kernels at a random point, the same in every build."""
 
-    def __init__(self, place: int) -> None:
+    def __init__(self, point: int) -> None:
         super().__init__()
-        self.place = place
+        self.point = point
 
     def __missing__(self, array: str) -> object:
-        draw = Random(f"{array} {self.place}")
+        draw = Random(f"{array} {self.point}")
         if array == "t":
             return draw.uniform(0.1, 1.0)
         if array == "modes":

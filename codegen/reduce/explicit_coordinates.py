@@ -1,13 +1,14 @@
-"""Coordinates that a constraint gives outright: which, by which formula, and what is left.
+"""Explicit coordinates, which one constraint determines: their formulas, and the constraints left.
 
-Where ∂Φ_i/∂q_k is a number b, constraint i reads b q_k + f = 0 with an f that q_k is not in, and
-q_k = -f/b is a substitution. One after the other, those that fill in least first, they take a
-pinned body's x and y and a guided body's angle out of the equations, and leave what closes loops.
-The rates follow by the same elimination of Φ_q q̇ = ν and Φ_q q̈ = γ. Every coordinate then is
+Where ∂Φ_i/∂q_k is a number b, constraint i reads b q_k + f = 0 with an f that does not contain q_k,
+and q_k = -f/b is a substitution. Substituted one after the other, those with the least fill-in
+first, x and y of a pinned body and the angle of a guided one leave the equations, and the
+constraints that close loops remain. The rates follow from the same elimination of Φ_q q̇ = ν and
+Φ_q q̈ = γ. Every coordinate then is
 
     q = q(c, t),    q̇_k = Σ T_kj ċ_j + ν_k,    q̈_k = Σ T_kj c̈_j + γ_k
 
-of the coordinates c that are left.
+with the coordinates c that remain.
 """
 
 from collections.abc import Sequence
@@ -31,7 +32,7 @@ class Rates:
 
 @dataclass
 class Row:
-    """A constraint while others are put into it."""
+    """A constraint in the course of the substitution."""
 
     value: int
     entries: dict[int, int]
@@ -40,8 +41,8 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Given:
-    """A coordinate by its formula, in those that were left when it was found."""
+class Substitution:
+    """A coordinate and its formula, in the coordinates that remained when it was found."""
 
     column: int
     formula: int
@@ -49,8 +50,8 @@ class Given:
 
 
 @dataclass
-class Outright:
-    """The constraints of a scene, and what they give outright.
+class ExplicitCoordinates:
+    """The constraints of a scene, its explicit coordinates substituted.
 
     Parameters
     ----------
@@ -58,9 +59,9 @@ class Outright:
         The inputs that are the coordinates.
     phi, entries, nu, gamma
         Φ, the structural non-zeros of Φ_q by (row, column), ν and γ.
-    held
-        Columns that are rather kept than given.
-    left
+    preferred
+        Columns that are kept where there is a choice.
+    kept
         Columns that are kept in any case.
     """
 
@@ -70,10 +71,10 @@ class Outright:
     entries: dict[tuple[int, int], int]
     nu: Sequence[int]
     gamma: Sequence[int]
-    held: frozenset[int]
-    left: frozenset[int]
+    preferred: frozenset[int]
+    kept: frozenset[int]
     rows: dict[int, Row] = field(default_factory=dict, init=False)
-    given: list[Given] = field(default_factory=list, init=False)
+    substitutions: list[Substitution] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
         for i, value in enumerate(self.phi):
@@ -81,16 +82,16 @@ class Outright:
         for (i, k), entry in self.entries.items():
             self.rows[i].entries[k] = entry
         while pivot := self._pivot():
-            self._take_out(*pivot)
+            self._substitute(*pivot)
 
     @property
     def coordinates(self) -> list[int]:
-        """Columns of those that are left."""
-        gone = {one.column for one in self.given}
+        """Columns of the coordinates that remain."""
+        gone = {one.column for one in self.substitutions}
         return [k for k in range(len(self.q)) if k not in gone]
 
     def _pivot(self) -> tuple[int, int] | None:
-        """The row and column that fill in least."""
+        """Row and column of the pivot with the least fill-in."""
         counts: dict[int, int] = {}
         for row in self.rows.values():
             for k in row.entries:
@@ -100,18 +101,18 @@ class Outright:
             sizes = {k: abs(self.graph.number(entry) or 0.0) for k, entry in row.entries.items()}
             least = LEAST_PIVOT * max(sizes.values(), default=0.0)
             found += [
-                (k in self.held, (len(sizes) - 1) * (counts[k] - 1), len(sizes), i, k)
+                (k in self.preferred, (len(sizes) - 1) * (counts[k] - 1), len(sizes), i, k)
                 for k, size in sizes.items()
-                if size > 0.0 and size >= least and k not in self.left and self._affine(row, k)
+                if size > 0.0 and size >= least and k not in self.kept and self._affine(row, k)
             ]
         return min(found)[3:] if found else None
 
     def _affine(self, row: Row, k: int) -> bool:
-        """Whether the constraint itself has the slope that its Jacobian says."""
+        """Whether the derivative of the constraint itself is that in its Jacobian."""
         (slope,) = differentiate(self.graph, [row.value], {self.q[k]: self.graph.one})
         return self.graph.number(slope) == self.graph.number(row.entries[k])
 
-    def _take_out(self, i: int, k: int) -> None:
+    def _substitute(self, i: int, k: int) -> None:
         graph = self.graph
         row = self.rows.pop(i)
         inverse = graph.neg(graph.div(graph.one, row.entries.pop(k)))
@@ -122,12 +123,12 @@ class Outright:
             graph.neg(graph.mul(inverse, row.nu)),
             graph.neg(graph.mul(inverse, row.gamma)),
         )
-        self.given.append(Given(k, formula, rates))
+        self.substitutions.append(Substitution(k, formula, rates))
         for other in self.rows.values():
             if k in other.entries:
-                self._put_in(other, k, formula, rates)
+                self._substitute_in(other, k, formula, rates)
 
-    def _put_in(self, row: Row, k: int, formula: int, rates: Rates) -> None:
+    def _substitute_in(self, row: Row, k: int, formula: int, rates: Rates) -> None:
         graph = self.graph
         (row.value,) = rebuilt(graph, [row.value], {self.q[k]: formula})
         factor = row.entries.pop(k)
@@ -140,28 +141,28 @@ class Outright:
         row.nu = graph.sub(row.nu, graph.mul(factor, rates.velocity))
         row.gamma = graph.sub(row.gamma, graph.mul(factor, rates.acceleration))
 
-    # -- in terms of what is left ------------------------------------------------------------
+    # -- in the coordinates that remain -------------------------------------------------------
 
     def formulas(self) -> dict[int, int]:
-        """Column of each given coordinate → its formula in those that are left."""
+        """Column of each explicit coordinate → its formula in those that remain."""
         known: dict[int, int] = {}
-        for one in reversed(self.given):
+        for one in reversed(self.substitutions):
             met = reached(self.graph, [one.formula])
             inner = {self.q[k]: value for k, value in known.items() if self.q[k] in met}
             (known[one.column],) = rebuilt(self.graph, [one.formula], inner)
         return known
 
     def rates(self) -> dict[int, Rates]:
-        """Column of every coordinate → its rates by those of the coordinates that are left."""
+        """Column of every coordinate → its rates by those of the coordinates that remain."""
         graph = self.graph
         known = {k: Rates({k: graph.one}, graph.zero, graph.zero) for k in self.coordinates}
-        for one in reversed(self.given):
+        for one in reversed(self.substitutions):
             known[one.column] = combined(graph, one.rates, known)
         return known
 
 
 def combined(graph: Graph, rates: Rates, known: dict[int, Rates]) -> Rates:
-    """Rates by others, with those in their place."""
+    """Rates by other rates, with these substituted."""
     slopes: dict[int, int] = {}
     velocity, acceleration = rates.velocity, rates.acceleration
     for j, factor in rates.slopes.items():

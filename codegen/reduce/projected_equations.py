@@ -14,12 +14,12 @@ from codegen.lower.differentiation.tangent import differentiate
 from codegen.lower.linear.factorization import Elimination, Strategy
 from codegen.lower.operation_count import cost
 from codegen.lower.program import STATE, Check, Kernel, Output, store
-from codegen.reduce.coordinate_map import Places
+from codegen.reduce.coordinate_map import CoordinateMap
 
 Entries = dict[tuple[int, int], int]
 
 
-class Projected:
+class ProjectedEquations:
     """M_r, Q_r and the constraints that are left.
 
     Attributes
@@ -30,24 +30,24 @@ class Projected:
         Structural non-zeros of M_r by (slot, slot), and Q_r.
     """
 
-    def __init__(self, places: Places) -> None:
-        self.places, self.graph = places, places.graph
-        self.phi = places.put_in(places.scene.phi[i] for i in places.closures)
+    def __init__(self, mapping: CoordinateMap) -> None:
+        self.mapping, self.graph = mapping, mapping.graph
+        self.phi = mapping.substituted(mapping.scene.phi[i] for i in mapping.closures)
         self.nu: list[int] = []
         self.gamma: list[int] = []
         self.jacobian: Entries = {}
         self._constrain()
         self.mass: Entries = {}
-        self.force = [self.graph.zero] * len(places.kept)
+        self.force = [self.graph.zero] * len(mapping.kept)
         self._project()
 
     def accelerations(self) -> Kernel:
-        """ü and λ_r by the way that costs least."""
-        trials = [self._again()]
-        weightless = any((k, k) not in self.mass for k in range(len(self.places.kept)))
-        if not self.places.scene.rubbing and not weightless:
+        """ü and λ_r with the fewest operations."""
+        trials = [self._substituted()]
+        massless = any((k, k) not in self.mass for k in range(len(self.mapping.kept)))
+        if not self.mapping.scene.frictions and not massless:
             strategies: tuple[Strategy, ...] = ("schur", "mixed", "substitute")
-            trials += [self._solved(s) for s in strategies[: 3 if self.jacobian else 1]]
+            trials += [self._eliminated(s) for s in strategies[: 3 if self.jacobian else 1]]
 
         def price(kernel: Kernel) -> int:
             program = with_constants(self.graph, (kernel,), 0)
@@ -61,33 +61,33 @@ class Projected:
         entries[key] = self.graph.add(entries.get(key, self.graph.zero), value)
 
     def _constrain(self) -> None:
-        graph, places, scene = self.graph, self.places, self.places.scene
-        gamma = places.put_in(scene.gamma[i] for i in places.closures)
-        for row, i in enumerate(places.closures):
-            own = {k: e for (r, k), e in scene.entries.items() if r == i}
-            bend = gamma[row]
-            for k, factor in zip(own, places.put_in(own.values()), strict=True):
-                for j, slope in places.slopes[k].items():
-                    self._add(self.jacobian, (row, places.slots[j]), graph.mul(factor, slope))
-                bend = graph.sub(bend, graph.mul(factor, places.bends[k]))
-            (shift,) = differentiate(graph, [self.phi[row]], {scene.t: graph.one})
+        graph, mapping, scene = self.graph, self.mapping, self.mapping.scene
+        gamma = mapping.substituted(scene.gamma[i] for i in mapping.closures)
+        for row, i in enumerate(mapping.closures):
+            own = {k: e for (r, k), e in scene.jacobian.items() if r == i}
+            bias = gamma[row]
+            for k, factor in zip(own, mapping.substituted(own.values()), strict=True):
+                for j, slope in mapping.slopes[k].items():
+                    self._add(self.jacobian, (row, mapping.slots[j]), graph.mul(factor, slope))
+                bias = graph.sub(bias, graph.mul(factor, mapping.bias[k]))
+            (shift,) = differentiate(graph, [self.phi[row]], {scene.time: graph.one})
             self.nu.append(graph.neg(shift))
-            self.gamma.append(bend)
+            self.gamma.append(bias)
         self.jacobian = self._present(self.jacobian)
 
     def _project(self) -> None:
-        graph, places = self.graph, self.places
-        forces = places.put_in(places.scene.forces)
-        for k, slopes in places.slopes.items():
-            mass = places.scene.masses[k]
-            pull = graph.sub(forces[k], graph.mul(mass, places.bends[k]))
+        graph, mapping = self.graph, self.mapping
+        forces = mapping.substituted(mapping.scene.applied)
+        for k, slopes in mapping.slopes.items():
+            mass = mapping.scene.masses[k]
+            pull = graph.sub(forces[k], graph.mul(mass, mapping.bias[k]))
             for j, slope in slopes.items():
-                i = places.slots[j]
+                i = mapping.slots[j]
                 self.force[i] = graph.add(self.force[i], graph.mul(slope, pull))
                 heavy = graph.mul(mass, slope)
                 for other, along in slopes.items():
-                    if i <= places.slots[other]:
-                        key = i, places.slots[other]
+                    if i <= mapping.slots[other]:
+                        key = i, mapping.slots[other]
                         self._add(self.mass, key, graph.mul(heavy, along))
         self.mass |= {(j, i): entry for (i, j), entry in self.mass.items()}
         self.mass = self._present(self.mass)
@@ -97,9 +97,9 @@ class Projected:
 
     # -- solutions ---------------------------------------------------------------------------
 
-    def _solved(self, strategy: Strategy) -> Kernel:
-        """By elimination of these equations."""
-        graph, n, m = self.graph, len(self.places.kept), len(self.places.closures)
+    def _eliminated(self, strategy: Strategy) -> Kernel:
+        """By elimination of the projected equations."""
+        graph, n, m = self.graph, len(self.mapping.kept), len(self.mapping.closures)
         sizes: dict[int, int] = {}
         with graph.serving("factorization"):
             entries = dict(self.mass)
@@ -114,25 +114,25 @@ class Projected:
         checks = tuple(c._replace(constraint=c.constraint - n) for c in system.checks)
         return self._kernel(solution[:n], dict(enumerate(solution[n:])), checks)
 
-    def _again(self) -> Kernel:
-        """By what the machine itself does, in other coordinates."""
-        places = self.places
-        stated = places.scene.kernels["accelerations"]
+    def _substituted(self) -> Kernel:
+        """By substitution in the kernel of the scene itself."""
+        mapping = self.mapping
+        stated = mapping.lowered.kernels["accelerations"]
         values = {(out.array, out.slot): out.value for out in stated.outputs}
-        rates = places.put_in(values["a", k] for k in places.kept)
-        rows = {r: values["lam", i] for r, i in enumerate(places.closures) if ("lam", i) in values}
-        multipliers = dict(zip(rows, places.put_in(rows.values()), strict=True))
+        rates = mapping.substituted(values["a", k] for k in mapping.kept)
+        rows = {r: values["lam", i] for r, i in enumerate(mapping.closures) if ("lam", i) in values}
+        multipliers = dict(zip(rows, mapping.substituted(rows.values()), strict=True))
         checks = []
         for check in stated.checks:
-            pivot, reference = places.put_in([check.pivot, check.reference])
+            pivot, reference = mapping.substituted([check.pivot, check.reference])
             if self.graph.number(pivot) is None or self.graph.number(reference) is None:
                 row = self.row(check.constraint)
                 checks.append(check._replace(pivot=pivot, reference=reference, constraint=row))
         return self._kernel(rates, multipliers, tuple(checks))
 
     def row(self, constraint: int) -> int:
-        """How a constraint of the machine is told of: those that are left first, then all."""
-        closures = self.places.closures
+        """Number by which a constraint is reported: those that are left first, then all."""
+        closures = self.mapping.closures
         if constraint in closures:
             return closures.index(constraint)
         return len(closures) + constraint
@@ -140,9 +140,9 @@ class Projected:
     def _kernel(
         self, rates: list[int], multipliers: dict[int, int], checks: tuple[Check, ...]
     ) -> Kernel:
-        scene, places = self.places.scene, self.places
-        names = scene.row_names(places.closures)
-        outputs = store("a", rates, [scene.name(scene.v[k]) for k in places.kept])
+        mapping = self.mapping
+        names = mapping.row_names
+        outputs = store("a", rates, [mapping.rate_name(k) for k in mapping.kept])
         outputs += tuple(Output("lam", r, x, names[r]) for r, x in multipliers.items())
         return Kernel(
             "accelerations",

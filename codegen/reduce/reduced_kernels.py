@@ -1,9 +1,9 @@
-"""The same machine in fewer coordinates.
+"""The kernels of the reduced formulation.
 
-`places` says which coordinates are kept and what stands for the others, `projected` what the
-equations of motion then are. The kernels made of them here are called as those of the machine
-itself and take the same arguments in fewer coordinates, so that every integrator takes them as it
-takes the others. In ``p`` the branches of the loops in closed form stand behind the parameters.
+`coordinate_map` gives all coordinates by those that are kept, `projected_equations` the equations
+of motion in these. The kernels have the names and arguments of the scene's own, in fewer
+coordinates, so that every integrator accepts them. In ``p`` the branches of the loops in closed
+form follow the parameters.
 """
 
 import math
@@ -17,9 +17,8 @@ from codegen.lower.module_tables import Pattern
 from codegen.lower.program import STATE, Kernel, Program, store
 from codegen.lower.substitution import rebuilt
 from codegen.reduce.closed_form_loops import Angle
-from codegen.reduce.coordinate_map import REPEATED, Places
-from codegen.reduce.lowered_equations import stated
-from codegen.reduce.projected_equations import Projected
+from codegen.reduce.coordinate_map import EVENT_KERNELS, CoordinateMap
+from codegen.reduce.projected_equations import ProjectedEquations
 
 TURN = 2.0 * math.pi
 
@@ -54,19 +53,19 @@ class Reduced:
 
 
 def reduce(lowered: Lowered) -> Reduced:
-    """Put what constraints give into the program of a scene that moves."""
-    scene = stated(lowered)
-    with scene.graph.serving("reduction"):
-        places = Places(scene)
-        equations = Projected(places)
+    """The equations of motion of a scene in the coordinates that its constraints leave."""
+    graph = lowered.scene.graph
+    with graph.serving("reduction"):
+        mapping = CoordinateMap(lowered)
+        equations = ProjectedEquations(mapping)
         kernels = (
-            *_of_constraints(equations),
-            *_of_motion(equations),
-            *_of_events(places),
-            *_of_places(places),
+            *_constraint_kernels(equations),
+            *_motion_kernels(equations),
+            *_event_kernels(mapping),
+            *_expansion_kernels(mapping),
         )
-    sides = _sides(places)
-    program = with_constants(scene.graph, kernels, len(scene.told.parameters) + len(sides))
+    sides = _sides(mapping)
+    program = with_constants(graph, kernels, len(lowered.description.parameters) + len(sides))
     tangents = tangent_program(program)
     whole = Program(
         tangents.values,
@@ -76,9 +75,9 @@ def reduce(lowered: Lowered) -> Reduced:
     )
     return Reduced(
         whole,
-        places.kept,
-        places.closures,
-        tuple(angle.column for angle in places.angles),
+        mapping.kept,
+        mapping.closures,
+        tuple(angle.column for angle in mapping.angles),
         tuple((angle.column, angle.row) for angle in sides),
         _pattern(equations.jacobian),
         _pattern(equations.mass),
@@ -90,19 +89,19 @@ def _pattern(entries: dict[tuple[int, int], int]) -> Pattern:
     return Pattern(tuple(rows), tuple(columns))
 
 
-def _sides(places: Places) -> list[Angle]:
-    """Angles with a branch of their own."""
-    return [angle for angle in places.angles if angle.branch is not None]
+def _sides(mapping: CoordinateMap) -> list[Angle]:
+    """Angles with two branches."""
+    return [angle for angle in mapping.angles if angle.branch is not None]
 
 
-def _of_constraints(equations: Projected) -> list[Kernel]:
-    places, scene = equations.places, equations.places.scene
-    rows = scene.row_names(places.closures)
-    notes = [f"{rows[i]}, {scene.name(scene.q[places.kept[k]])}" for i, k in equations.jacobian]
+def _constraint_kernels(equations: ProjectedEquations) -> list[Kernel]:
+    mapping = equations.mapping
+    rows = mapping.row_names
+    notes = [f"{rows[i]}, {mapping.name(mapping.kept[k])}" for i, k in equations.jacobian]
     return [
         Kernel(
             "constraints",
-            "Φ of the loops that are left.",
+            "Φ_r: the constraints that are left.",
             ("t", "q", "p", "phi"),
             store("phi", equations.phi, rows),
         ),
@@ -114,27 +113,27 @@ def _of_constraints(equations: Projected) -> list[Kernel]:
         ),
         Kernel(
             "velocity_rhs",
-            "ν of the loops that are left.",
+            "ν_r = -∂Φ_r/∂t, so that Φ_r u̇ = ν_r.",
             ("t", "q", "p", "nu"),
             store("nu", equations.nu, rows),
         ),
         Kernel(
             "acceleration_rhs",
-            "γ of the loops that are left.",
+            "γ_r, so that Φ_r ü = γ_r.",
             (*STATE, "gamma"),
             store("gamma", equations.gamma, rows),
         ),
     ]
 
 
-def _of_motion(equations: Projected) -> list[Kernel]:
-    places, scene, graph = equations.places, equations.places.scene, equations.graph
-    names = [scene.name(scene.q[k]) for k in places.kept]
+def _motion_kernels(equations: ProjectedEquations) -> list[Kernel]:
+    mapping, graph = equations.mapping, equations.graph
+    names = [mapping.name(k) for k in mapping.kept]
     weights = [graph.input("w", slot, f"w_{name}") for slot, name in enumerate(names)]
     return [
         Kernel(
             "mass",
-            "Structural non-zeros of M_r, at MASS_ROWS, MASS_COLUMNS.",
+            "Structural non-zeros of M_r = Tᵀ M T, at MASS_ROWS, MASS_COLUMNS.",
             ("q", "p", "values"),
             store(
                 "values",
@@ -144,7 +143,7 @@ def _of_motion(equations: Projected) -> list[Kernel]:
         ),
         Kernel(
             "applied_forces",
-            "Q_r.",
+            "Generalized forces Q_r = Tᵀ (Q - M γ).",
             (*STATE, "modes", "Q"),
             store("Q", equations.force, names),
         ),
@@ -154,75 +153,80 @@ def _of_motion(equations: Projected) -> list[Kernel]:
             equations.jacobian,
             equations.phi,
             equations.nu,
-            [places.replaced[scene.v[k]] for k in places.kept],
+            [mapping.substitutes[mapping.scene.v[k]] for k in mapping.kept],
             weights,
             names,
-            scene.row_names(places.closures),
+            mapping.row_names,
         ),
     ]
 
 
-def _of_events(places: Places) -> list[Kernel]:
+def _event_kernels(mapping: CoordinateMap) -> list[Kernel]:
     """The kernels of events, with the accelerations of all coordinates by those that are kept."""
-    graph, scene = places.graph, places.scene
-    own = {k: graph.input("a", slot, scene.name(scene.a[k])) for k, slot in places.slots.items()}
-    replaced = dict(places.replaced)
-    for k, slopes in places.slopes.items():
+    graph, kernels = mapping.graph, mapping.lowered.kernels
+    own = {
+        k: graph.input("a", slot, f"{mapping.rate_name(k)}_rate")
+        for k, slot in mapping.slots.items()
+    }
+    substitutes = dict(mapping.substitutes)
+    for k, slopes in mapping.slopes.items():
         terms = [graph.mul(slope, own[j]) for j, slope in slopes.items()]
-        replaced[scene.a[k]] = graph.total([*terms, places.bends[k]])
+        substitutes[mapping.accelerations[k]] = graph.total([*terms, mapping.bias[k]])
     made = []
-    for kernel in (scene.kernels[name] for name in REPEATED if name in scene.kernels):
-        values = rebuilt(graph, [out.value for out in kernel.outputs], replaced)
+    for kernel in (kernels[name] for name in EVENT_KERNELS if name in kernels):
+        values = rebuilt(graph, [out.value for out in kernel.outputs], substitutes)
         pairs = zip(kernel.outputs, values, strict=True)
         outputs = tuple(out._replace(value=value) for out, value in pairs)
         made.append(Kernel(kernel.name, kernel.summary, kernel.arguments, outputs))
     return made
 
 
-def _of_places(places: Places) -> list[Kernel]:
-    """All coordinates by those that are kept, and on which branch, how near to a dead centre."""
-    graph, scene = places.graph, places.scene
+def _expansion_kernels(mapping: CoordinateMap) -> list[Kernel]:
+    """All coordinates by those that are kept, the branches, and the distances to dead centres."""
+    graph, scene = mapping.graph, mapping.scene
     turn = graph.constant(TURN)
-    wound = dict(places.replaced)
-    for slot, angle in enumerate(places.angles):
-        name = scene.name(scene.q[angle.column])
+    wound = dict(mapping.substitutes)
+    for slot, angle in enumerate(mapping.angles):
+        name = mapping.name(angle.column)
         turns = graph.mul(turn, graph.input("turns", slot, f"turns_{name}"))
-        wound[scene.q[angle.column]] = graph.add(places.replaced[scene.q[angle.column]], turns)
-    formulas = rebuilt(graph, list(places.formulas.values()), wound)
-    wound |= {scene.q[k]: value for k, value in zip(places.formulas, formulas, strict=True)}
-    sides = _sides(places)
-    names = [scene.name(scene.q[angle.column]) for angle in sides]
+        wound[scene.q[angle.column]] = graph.add(mapping.substitutes[scene.q[angle.column]], turns)
+    formulas = rebuilt(graph, list(mapping.formulas.values()), wound)
+    wound |= {scene.q[k]: value for k, value in zip(mapping.formulas, formulas, strict=True)}
+    sides = _sides(mapping)
+    names = [mapping.name(angle.column) for angle in sides]
     return [
         Kernel(
             "expand",
-            "All coordinates and velocities; the angles in closed form with so many whole turns.",
+            "All coordinates and velocities; angles in closed form plus the given whole turns.",
             (*STATE, "turns", "all_q", "all_v"),
-            store("all_q", [wound[q] for q in scene.q], [scene.name(q) for q in scene.q])
+            store("all_q", [wound[q] for q in scene.q], [mapping.name(k) for k in range(scene.n)])
             + store(
-                "all_v", [places.replaced[v] for v in scene.v], [scene.name(v) for v in scene.v]
+                "all_v",
+                [mapping.substitutes[v] for v in scene.v],
+                [mapping.rate_name(k) for k in range(scene.n)],
             ),
         ),
         Kernel(
             "branches",
-            "∂Φ/∂θ of each loop in closed form, all coordinates given: its sign is the branch.",
+            "∂Φ/∂θ of each loop in closed form, in all coordinates; its sign is the branch.",
             ("t", "q", "p", "out"),
             store("out", [angle.slope for angle in sides if angle.slope is not None], names),
         ),
-        _dead_centres(places, sides, names),
+        _dead_centres(mapping, sides, names),
     ]
 
 
-def _dead_centres(places: Places, sides: list[Angle], names: list[str]) -> Kernel:
+def _dead_centres(mapping: CoordinateMap, sides: list[Angle], names: list[str]) -> Kernel:
     """ρ² of each loop with a branch, and its rate."""
-    graph, scene = places.graph, places.scene
-    seeds = {scene.t: graph.one}
-    for k in places.kept:
-        seeds[places.replaced[scene.q[k]]] = places.replaced[scene.v[k]]
+    graph, scene = mapping.graph, mapping.scene
+    seeds = {scene.time: graph.one}
+    for k in mapping.kept:
+        seeds[mapping.substitutes[scene.q[k]]] = mapping.substitutes[scene.v[k]]
     values, notes = [], []
     for angle, name in zip(sides, names, strict=True):
-        assert angle.room is not None
-        (room,) = places.put_in([angle.room])
-        values += [room, *differentiate(graph, [room], seeds)]
+        assert angle.discriminant is not None
+        (discriminant,) = mapping.substituted([angle.discriminant])
+        values += [discriminant, *differentiate(graph, [discriminant], seeds)]
         notes += [f"{name}: ρ²", f"{name}: its rate"]
     return Kernel(
         "dead_centres",

@@ -1,8 +1,8 @@
-"""Newton's return of a state onto the constraints, positions and velocities together.
+"""Return of a state onto the constraints by Newton's method, positions and velocities together.
 
-Which coordinates move is data. At the end of a step the weights are zero on the independent ones,
-so that these are held and the dependent ones follow (Haug's coordinate partitioning). States off
-the steps, where the partition may be singular, are projected in the metric of the masses.
+The weights say which coordinates move. At the end of a step they are zero on the independent ones,
+which stay, and the dependent ones follow (E. J. Haug's coordinate partitioning). States off the
+steps, where the partition may be singular, are projected in the metric of the masses.
 """
 
 import numpy as np
@@ -32,7 +32,7 @@ _VELOCITY = 1e-8  # accuracy: relative change of a velocity that one linear solv
 
 
 @addressed(CORRECT)
-def correct(context: Integers, t: float, index: int, weighing: int) -> int:
+def return_to_constraints(context: Integers, t: float, index: int, weighing: int) -> int:
     """Bring the state in row `index` of the workspace onto the constraints at time `t`.
 
     Row `weighing` holds the weights: `PARTITION` holds the independent coordinates, `PROJECTION`

@@ -1,8 +1,8 @@
-"""Choice of the independent coordinates.
+"""Partition of the coordinates into dependent and independent ones, and its quality.
 
-Gaussian elimination with full pivoting on the constraint Jacobian, columns scaled so that the
-choice does not depend on units: the columns that receive a pivot are the dependent coordinates, the
-others the independent ones; rows without a pivot are redundant. (E. J. Haug, Computer-Aided
+The constraint Jacobian is factored with full pivoting, columns scaled so that the choice does not
+depend on units: the columns that receive a pivot are the dependent coordinates, the others the
+independent ones; rows without a pivot are redundant. (E. J. Haug, Computer-Aided
 Kinematics and Dynamics of Mechanical Systems, 1989; R. A. Wehage and E. J. Haug, Journal of
 Mechanical Design 104, 1982.)
 """
@@ -27,7 +27,9 @@ from runtime.linalg.rank_policy import NO_PIVOT
 
 
 @compiled(i8(matrix, vector, integers, integers))
-def eliminate(dense: Matrix, scale: Vector, row_order: Integers, column_order: Integers) -> int:
+def order_by_pivots(
+    dense: Matrix, scale: Vector, row_order: Integers, column_order: Integers
+) -> int:
     """Order rows and columns of a Jacobian by full pivoting, and count the pivots.
 
     Parameters
@@ -74,7 +76,7 @@ def eliminate(dense: Matrix, scale: Vector, row_order: Integers, column_order: I
         integers,
     )
 )
-def choose(
+def choose_independent(
     jacobian: Kernel,
     t: float,
     q: Vector,
@@ -103,7 +105,7 @@ def choose(
     weights : (n,) float64
         Out: 0 on independent coordinates, scale ** 2 on dependent ones.
     row_order, column_order : (m,), (n,) int64
-        Out: as in `eliminate`.
+        Out: as in `order_by_pivots`.
 
     Returns
     -------
@@ -114,7 +116,7 @@ def choose(
     dense[:, :] = 0.0
     for k in range(rows.size):
         dense[rows[k], columns[k]] += values[k]
-    rank = eliminate(dense, scale, row_order, column_order)
+    rank = order_by_pivots(dense, scale, row_order, column_order)
     for position in range(column_order.size):
         j = column_order[position]
         weights[j] = scale[j] ** 2 if position < rank else 0.0
@@ -122,7 +124,7 @@ def choose(
 
 
 @inner
-def rest_rate(
+def driven_velocities(
     correction: Kernel,
     t: float,
     q: Vector,
@@ -132,13 +134,13 @@ def rest_rate(
     dq: Vector,
     dv: Vector,
 ) -> None:
-    """Write into `dv` the dependent velocities while the independent ones rest."""
+    """Write into `dv` the dependent velocities with the independent coordinates at rest."""
     probe[:] = 0.0
     correction(t, q, probe, p, weights, dq, dv)
 
 
 @inner
-def growth(
+def column_norm(
     correction: Kernel,
     t: float,
     independent: int,
@@ -149,16 +151,15 @@ def growth(
     probe: Vector,
     dq: Vector,
     dv: Vector,
-    rest: Vector,
+    driven: Vector,
 ) -> float:
-    """Largest change of a dependent coordinate for a unit change of one independent one, scaled.
+    """Largest entry of a column of H in dq_dependent = H dq_independent, coordinates scaled.
 
-    This is the largest entry of a column of H in dq_dependent = H dq_independent. It costs two
-    calls of `correction`, and grows without bound where the partition becomes singular. Where
-    `independent` is negative all of them change by a unit, forward or back: columns of H are added
-    with signs that are drawn by this number.
+    It costs two calls of `correction`, and grows without bound where the partition becomes
+    singular. Where `independent` is negative, all columns of H are added, with signs that are drawn
+    by this number.
     """
-    rest_rate(correction, t, q, p, weights, probe, dq, rest)
+    driven_velocities(correction, t, q, p, weights, probe, dq, driven)
     if independent >= 0:
         probe[independent] = scale[independent]
     else:
@@ -171,7 +172,7 @@ def growth(
     largest = 0.0
     for j in range(q.size):
         if weights[j] > 0.0:
-            change = abs(dv[j] - rest[j]) / scale[j]
+            change = abs(dv[j] - driven[j]) / scale[j]
             if not change <= largest:
                 largest = change
     return largest if np.isfinite(largest) else np.inf

@@ -1,8 +1,8 @@
-"""The choice of independent coordinates in a run: when it is poor, made anew, and logged."""
+"""Repartition in a run: when the independent coordinates are poor, are chosen anew, and logged."""
 
 import numpy as np
 
-from runtime.constraints.partitioning import choose, growth
+from runtime.constraints.partitioning import choose_independent, column_norm
 from runtime.core.array_types import Integers
 from runtime.core.function_table import (
     COORDINATES,
@@ -58,7 +58,7 @@ def repartition(context: Integers, t: float, state: int) -> int:
     """Choose the independent coordinates anew at the state in row `state`; log a change.
 
     Returns 1 where the choice changed, else 0. Where it did not, the limits that led here are
-    doubled, so that the same question is not asked at every step.
+    doubled, so that the partition is not judged again at every step.
     """
     p = parameters_of(context)
     r = run_record(context)
@@ -68,7 +68,7 @@ def repartition(context: Integers, t: float, state: int) -> int:
     before = first_half(context, DELTA)
     for j in range(n):
         before[j] = weights[j]
-    r.rank = choose(
+    r.rank = choose_independent(
         jacobian_of(context),
         t,
         positions(context, state),
@@ -98,13 +98,13 @@ def repartition(context: Integers, t: float, state: int) -> int:
 
 
 @inner
-def poorly_chosen(context: Integers, t: float) -> int:
-    """1 where the independent coordinates no longer describe the motion well at Y1, else 0.
+def is_poorly_chosen(context: Integers, t: float) -> int:
+    """Whether the independent coordinates no longer describe the motion well at Y1: 1, else 0.
 
-    Costs nothing where the scaled velocities of dependent coordinates are not large against those
-    of independent ones, except that now and then the independent ones are probed, all together:
-    one after the other, a chain of ten bars would have hung from its heights for a hundred steps.
-    Large velocities alone do not condemn a partition: a driver may cause them.
+    It costs nothing where the scaled velocities of dependent coordinates are not large against
+    those of independent ones, except that every few steps all independent ones are probed together:
+    probed one by one, a chain of ten bars would keep a poor partition for a hundred steps. Large
+    velocities alone do not condemn a partition: a driver may cause them.
     """
     p = parameters_of(context)
     r = run_record(context)
@@ -118,19 +118,19 @@ def poorly_chosen(context: Integers, t: float) -> int:
     weights = first_half(context, PARTITION)
     scale = second_half(context, PARTITION)
     probe = positions(context, UNIT)
-    rest = velocities(context, UNIT)
+    driven = velocities(context, UNIT)
     dq = first_half(context, DELTA)
     dv = second_half(context, DELTA)
-    held = 0.0
-    carried = 0.0
+    fastest_independent = 0.0
+    fastest_dependent = 0.0
     for j in range(n):
         speed = abs(v[j]) / scale[j]
         if weights[j] == 0.0:
-            held = max(held, speed)
+            fastest_independent = max(fastest_independent, speed)
         else:
-            carried = max(carried, speed)
+            fastest_dependent = max(fastest_dependent, speed)
     free = n - r.rank
-    uneven = carried > r.ratio_limit * held
+    uneven = fastest_dependent > r.ratio_limit * fastest_independent
     if not uneven:
         r.check_in -= 1
         if r.check_in > 0:
@@ -138,14 +138,14 @@ def poorly_chosen(context: Integers, t: float) -> int:
         r.check_in = _CHECK_EVERY
         r.probe += 1
         r.corrections += 2
-        together = growth(correction, t, -r.probe, q, p, weights, scale, probe, dq, dv, rest)
+        together = column_norm(correction, t, -r.probe, q, p, weights, scale, probe, dq, dv, driven)
         # Entries of either sign add up to some more than one of them, the more the more they are.
         return 1 if together > r.growth_limit * np.sqrt(0.75 + 0.25 * free) else 0
     largest = 0.0
     for position in range(r.rank, n):
         column = column_order[position]
         largest = max(
-            largest, growth(correction, t, column, q, p, weights, scale, probe, dq, dv, rest)
+            largest, column_norm(correction, t, column, q, p, weights, scale, probe, dq, dv, driven)
         )
         r.corrections += 2
     if largest > r.growth_limit:

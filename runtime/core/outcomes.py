@@ -4,7 +4,7 @@ from enum import IntEnum
 
 
 class Outcome(IntEnum):
-    """How a run ended. Everything but `OK` keeps what was computed until then."""
+    """How a run ended. Everything but `OK` keeps the results up to that time."""
 
     def __str__(self) -> str:
         """The name, not the number."""
@@ -43,26 +43,26 @@ _TEXT = {
     Outcome.OK: ("The run reached its end.", "Nothing needs to be done."),
     Outcome.INCONSISTENT: (
         (
-            "No state of the effects that switch here agrees with the motion that follows from it: "
-            "whichever side is tried, its forces drive the motion to the other, and none holds it "
-            "between."
+            "No modes of the switching effects are consistent with the motion that follows from "
+            "them: on either side of the switch, forces drive the motion back to the other side, "
+            "and no sliding or sticking is possible between them."
         ),
         (
-            "Look for a joint that jams because friction raises the force that presses, a "
-            "contact against a driver, or two conditions that undo each other; give the friction "
-            "creep= or the contact stiffness=, or end the run before."
+            "Look for a joint that jams because friction raises its own normal force, a contact "
+            "that works against a driver, or two conditions that undo each other; give the "
+            "friction creep= or the contact stiffness=, or end the run before this time."
         ),
     ),
     Outcome.ZENO: (
-        "Switching conditions change ever faster, without end in a finite time, and nothing holds.",
+        "Switching conditions change ever faster, infinitely often in a finite time, with no rest.",
         (
-            "Look at the events before this time; let the effect end in rest (add damping, "
-            "a clearance or a hysteresis), or, if it stands for a contact, declare a rigid one, "
+            "Look at the events before this time; let the effect come to rest (add damping, a "
+            "clearance or a hysteresis), or, if it represents a contact, declare a rigid one, "
             "whose bouncing ends."
         ),
     ),
     Outcome.STEP_TOO_SMALL: (
-        "The step that the tolerances ask for is too small for the clock.",
+        "The tolerances require a step that the resolution of the clock does not permit.",
         (
             "Loosen rtol, give atol a size that matters for the machine, or look for an effect "
             "that grows without bound or jumps without a switching condition."
@@ -77,10 +77,10 @@ _TEXT = {
         ),
     ),
     Outcome.NEWTON_FAILED: (
-        "Newton's method did not bring the state back onto the constraints at any step.",
+        "Newton's method did not return the state onto the constraints, however short the step.",
         (
-            "Check that the mechanism can move on from here: a driver may ask for a "
-            "position that the joints do not allow."
+            "Check that the mechanism can move on from here: a driver may require a position that "
+            "the joints do not permit."
         ),
     ),
     Outcome.SINGULAR: (
@@ -98,12 +98,12 @@ _TEXT = {
         (
             "Look in the effects for a division by zero, a root of a negative number, a spring "
             "whose ends coincide or a mass of zero; in motion laws, curves and effects for a table "
-            "asked beyond its ends; in joints with friction for one that jams."
+            "evaluated beyond its ends; in joints with friction for one that jams."
         ),
     ),
     Outcome.INTERRUPTED: (
-        "The run was interrupted by the user.",
-        "What was computed is kept; start again from the last state to go on.",
+        "The user interrupted the run.",
+        "The results up to this time are kept; start again from the last state to go on.",
     ),
     Outcome.LOCKED: (
         "The mechanism cannot follow its driver any further.",
@@ -120,10 +120,10 @@ _TEXT = {
         ),
     ),
     Outcome.INACCURATE: (
-        "Beyond this time the motion cannot be had as accurately as was asked.",
+        "Beyond this time the motion cannot be computed to the accuracy asked for.",
         (
             "Ask for less accuracy or for a shorter time, or simulate with rtol in place of "
-            "accuracy for a motion that is right about its constraints, energy and means only."
+            "accuracy for a motion of which only constraints, energy and means are right."
         ),
     ),
 }

@@ -19,7 +19,7 @@ from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.jit import at
 from runtime.core.kernel_abi import KERNELS
 
-_ALIGNED = 8  # words of a cache line, in which an array of its own begins
+_ALIGNED = 8  # layout: words of a cache line, in which an array of its own begins
 _arrays: Any = arrayobj
 _tools: Any = cgutils
 

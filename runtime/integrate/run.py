@@ -34,6 +34,7 @@ from runtime.integrate.method import Method, find_method
 from runtime.integrate.method_change import change_method, fill_method
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.recording import Gathered
+from runtime.integrate.sampling import INTERVAL, QUADRATURE, STEP_ENDS
 from runtime.integrate.signals import UNFINISHED, Signal
 from runtime.integrate.singular_crossing.crossing import Crossings
 from runtime.integrate.trajectory import Statistics, Trajectory
@@ -43,10 +44,10 @@ from runtime.integrate.wiring import wire
 Progress = Callable[[float, int], None]
 """Called between chunks with the time reached and the steps taken."""
 
-_FIRST_CHUNK = 128  # steps before which an interrupt is raised, as before the run
-_LONGEST_CHUNK = 16384
-_CHUNK_SECONDS = 0.05
-_FOLLOWED = 2.0  # of Baumgarte's time: within longer steps what pulls back swings
+_FIRST_CHUNK = 128  # measured: steps before an interrupt is heard, as before the run
+_LONGEST_CHUNK = 16384  # safety: steps before an interrupt is heard, at most
+_CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress and interrupts
+_FOLLOWED = 2.0  # measured: of Baumgarte's time; in longer steps the stabilisation oscillates
 _CORRECTING = {
     "step": ConstraintReturn.BY_PARTITION,
     "stage": ConstraintReturn.BY_PARTITION,
@@ -146,7 +147,8 @@ class _Run:
         table[EACH_STAGE] = 1 if options.correction == "stage" and m > 0 else 0
         arrays["weights"][:n], arrays["weights"][3 * n :] = problem.scale**2, problem.sizes
         arrays["spreads"][:] = problem.spreads
-        self.gathered = Gathered(self.wiring, n, s, t_eval)
+        interval = INTERVAL if options.quadrature else None
+        self.gathered = Gathered(self.wiring, n, s, t_eval, interval)
         self.crossings = Crossings(system, problem, self, method)
 
     def _fill_record(self, problem: Problem, options: Options, method: Method) -> None:
@@ -164,7 +166,9 @@ class _Run:
         fill_method(r, method)
         r["automatic"], r["patience"] = int(options.method == "auto"), 1
         r["error_old"] = 1e-4
-        r["every_step"] = 1 if options.t_eval is None else 0
+        r["every_step"] = STEP_ENDS if options.t_eval is None else 0
+        if options.quadrature:
+            r["every_step"] = QUADRATURE
         r["growth_limit"] = r["ratio_limit"] = GROWTH_LIMIT
         r["event_span"] = np.inf
         r["index"] = -1

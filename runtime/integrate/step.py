@@ -5,7 +5,7 @@ from enum import IntEnum
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED, WEAK
-from runtime.constraints.repartitioning import poorly_chosen
+from runtime.constraints.repartitioning import is_poorly_chosen
 from runtime.core.array_types import Integers
 from runtime.core.array_views import (
     view,
@@ -60,7 +60,7 @@ class TrialStep(IntEnum):
 
 SAME = 0  # no result of `correct`: no coordinates are better
 
-_MANY_ITERATIONS = 4
+_MANY_ITERATIONS = 4  # measured: Newton iterations of a return from which on a repartition is tried
 
 
 @inner
@@ -147,7 +147,7 @@ def returned(context: Integers, t: float) -> int:
             return TrialStep.NEWTON_FAILED
         r.corrections += result % WEAK
         return TrialStep.DONE
-    if poorly_chosen(context, t) != 0:
+    if is_poorly_chosen(context, t) != 0:
         repartition_of(context)(context, t, Y1)
     result = correct(context, t, Y1, PARTITION)
     r.newton += 1

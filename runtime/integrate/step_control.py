@@ -25,12 +25,12 @@ from runtime.core.workspace import (
     velocities,
 )
 
+# measured: least ratio of an error to its expectation from the step before that is believed
 _FALL = 0.1
-_COMPARABLE = (
-    2.0  # ratio of two steps' lengths up to which the one's error says something of the other's
-)
-_ROUNDING = 1e-12  # of the typical size: start values that assembling left of zero
-_START = 1e-3  # of the typical size: a start value counts as no smaller
+# measured: ratio of two steps' lengths up to which the error of one tells that of the other
+_COMPARABLE = 2.0
+_ROUNDING = 1e-12  # accuracy: of the typical size; start values that assembly left of zero
+_START = 1e-3  # measured: of the typical size; a start value counts as no smaller
 
 
 @inner

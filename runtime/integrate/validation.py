@@ -12,7 +12,7 @@ from runtime.integrate.method import EXPLICIT, IMPLICIT, METHODS, alternatives
 from runtime.integrate.problem import Options, Problem
 
 CORRECTIONS = ("step", "stage", "projection", "baumgarte", "hybrid")
-_MOST = 2**62  # what a count may be
+_MOST = 2**62  # safety: largest count that is accepted, half the range of an int64
 
 
 def check(system: System, problem: Problem, options: Options) -> None:

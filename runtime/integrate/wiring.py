@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from runtime.constraints import repartitioning as repartition
-from runtime.constraints.newton_return import correct
+from runtime.constraints.newton_return import return_to_constraints
 from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
@@ -48,7 +48,7 @@ from runtime.integrate import step as attempt
 from runtime.integrate import step_control as control
 from runtime.integrate.method import find_method
 from runtime.linalg.elimination_plan import plan_capacity
-from runtime.singularity.detection import PIVOT_ROWS, vanishing
+from runtime.singularity.detection import PIVOT_ROWS, predict_vanishing_pivot
 
 METHOD_SLOTS = slice(TABLE.slots["stages"], TABLE.slots["correct"])
 """Slots of the method's functions."""
@@ -68,7 +68,7 @@ def _loop() -> Integers:
     """Addresses of the parts of the loop, in the order of the function table from `correct` on."""
     return addresses(
         (
-            correct,
+            return_to_constraints,
             attempt.attempt,
             repartition.repartition,
             events.locate,
@@ -85,7 +85,7 @@ def _loop() -> Integers:
             transition.transition,
             mixing.limited,
             surfaces.margins,
-            vanishing,
+            predict_vanishing_pivot,
             dead_centres.passed,
         )
     )

@@ -10,7 +10,7 @@ from runtime.linalg.rank_policy import NO_PIVOT
 FloatArray = npt.NDArray[np.float64]
 
 _ROUNDING = 4e-16  # accuracy: a residual that no step makes smaller, of equations of size 1
-_ITERATIONS = 60  # safety
+_ITERATIONS = 60  # safety: Newton iterations
 
 
 def solve_by_newton(

@@ -78,9 +78,12 @@ def solve_least_norm(
                 right[c, i] *= unit
     normal = np.zeros((m, m))
     for i in range(m):
-        for j in range(i + 1):
-            for k in range(n):
-                normal[i, j] += dense[i, k] * w[k] * dense[j, k]
+        for k in range(n):
+            if dense[i, k] != 0.0:
+                part = dense[i, k] * w[k]
+                for j in range(i + 1):
+                    normal[i, j] += part * dense[j, k]
+        for j in range(i):
             normal[j, i] = normal[i, j]
     row_order, column_order, mu = np.zeros(m, np.int64), np.zeros(m, np.int64), np.zeros(m)
     rank = factor_fully(normal, row_order, column_order, NO_PIVOT)

@@ -14,7 +14,7 @@ from runtime.mechanism.description import (
 )
 from runtime.mechanism.mechanism import Mechanism
 
-_SHOWN = 8  # parameters that the text names
+_SHOWN = 8  # layout: parameters that the text names
 
 
 class MechanismTables:

@@ -1,4 +1,4 @@
-"""How accurate a simulation is found to be, and by what means."""
+"""The estimated global error of a simulation, and how it was determined."""
 
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -30,7 +30,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Trial:
-    """One of the runs that were made.
+    """One of the runs behind an estimate.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class ReachedAccuracy:
-    """What was asked of a simulation, and what it reached.
+    """The accuracy target of a simulation, and the accuracy reached.
 
     Attributes
     ----------
@@ -71,9 +71,9 @@ class ReachedAccuracy:
     method, formulation, rtol
         Of the run that is the result.
     runs
-        All runs, in the order in which they were made.
+        All runs, in their order.
     horizon
-        Last output instant up to which the accuracy asked is had, s; None where it is had at all.
+        Last output instant up to which the target is met, s; None where it is met at all of them.
     tenfold
         Time in which errors grow tenfold, s, where they grow exponentially; else None.
     means
@@ -96,7 +96,7 @@ class ReachedAccuracy:
 
     @property
     def reached(self) -> bool:
-        """Whether the accuracy asked is had over all the time asked."""
+        """Whether the target is met over the whole run."""
         return self.horizon is None
 
     @property
@@ -106,11 +106,11 @@ class ReachedAccuracy:
 
     @property
     def _taken(self) -> Trial:
-        made = self.method, self.formulation, self.rtol
-        return next(one for one in self.runs if (one.method, one.formulation, one.rtol) == made)
+        final = self.method, self.formulation, self.rtol
+        return next(one for one in self.runs if (one.method, one.formulation, one.rtol) == final)
 
     def sentences(self) -> list[str]:
-        """What a person is told."""
+        """Sentences for a person."""
         worst = self.quantities[0]
         error = (
             f"Global error estimated as about {self.estimated:.1e}, {self.asked:.1e} asked; the "

@@ -26,7 +26,7 @@ def plot(result: "TimeSeries", names: Sequence[str] = ()) -> "Figure":
             "A plot needs matplotlib, which is not installed. Install linkwright[plot]."
         ) from error
     told = result.description
-    chosen = list(names) or [row.name for row in told.coordinates if row.unit == "rad"]
+    chosen = list(names) or [row.name for row in told.coordinates if row.is_angle]
     panels: dict[str, list[str]] = {}
     for name in chosen or told.coordinates.names:
         panels.setdefault(result.series(name)[1], []).append(name)

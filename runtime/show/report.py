@@ -124,7 +124,7 @@ def _figures(result: "TimeSeries") -> Iterator["Figure"]:
     groups: dict[str, list[str]] = {}
     for row in told.coordinates:
         groups.setdefault(f"position, {row.unit}", []).append(row.name)
-        groups.setdefault(f"velocity, {row.unit}/s", []).append(row.velocity)
+        groups.setdefault(f"velocity, {row.velocity_unit}", []).append(row.velocity)
     for reaction in told.reactions:
         what = "driver" if reaction.element in told.drivers else "reaction"
         groups.setdefault(f"{what}, {reaction.unit}", []).append(reaction.name)

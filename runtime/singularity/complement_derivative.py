@@ -7,23 +7,21 @@ In a direction d it is uᵀ J'(d) z between the left vectors u and the null vect
 import numpy as np
 
 from runtime.core.array_types import Integers, Matrix, Vector, f8, i8, integers, matrix, vector
-from runtime.core.array_views import floats_at, integers_at, view
+from runtime.core.array_views import view
 from runtime.core.jit import compiled, inner
 from runtime.linalg.cholesky import factor_cholesky, multiply_gram, solve_cholesky
 from runtime.singularity.search_table import (
-    AHEAD,
-    ALL_ROWS,
-    ASIDE,
-    BEHIND,
-    COORDINATES,
-    ENTRY_COLUMNS,
-    ENTRY_ROWS,
-    GAPS,
-    LENGTHS,
-    NONZEROS,
     ROWS,
-    STEP,
+    UNKNOWNS,
+    ahead_of,
+    behind_of,
+    displaced_of,
+    entry_columns_of,
+    entry_rows_of,
     jacobian_entries,
+    lengths_of,
+    residuals_of,
+    step_of,
 )
 
 _ITERATIONS = 40  # safety: Newton iterations
@@ -37,26 +35,24 @@ def differentiate_left(
     table: Integers, speed: float, z: Vector, direction: Vector, left: Matrix, sums: Matrix
 ) -> None:
     """Fill `sums`, (n + 1, weak), with uᵀ J'(direction) at z for all left vectors."""
-    rows, wide, weak = table[ROWS], table[COORDINATES] + 1, left.shape[1]
-    size = table[NONZEROS] + table[ALL_ROWS]
-    ahead, behind = floats_at(table, AHEAD, size), floats_at(table, BEHIND, size)
-    at_row = integers_at(table, ENTRY_ROWS, size)
-    at_column = integers_at(table, ENTRY_COLUMNS, size)
-    lengths, aside = floats_at(table, LENGTHS, rows), floats_at(table, ASIDE, wide)
+    rows, wide, weak = table[ROWS], table[UNKNOWNS], left.shape[1]
+    ahead, behind = ahead_of(table), behind_of(table)
+    at_row, at_column = entry_rows_of(table), entry_columns_of(table)
+    lengths, displaced = lengths_of(table), displaced_of(table)
     total = 0.0
     for j in range(wide):
         total += direction[j] ** 2
     delta = _DIFFERENCE / max(np.sqrt(total), 1e-300)
     for j in range(wide):
-        aside[j] = z[j] + delta * direction[j]
-    jacobian_entries(table, speed, aside, ahead)
+        displaced[j] = z[j] + delta * direction[j]
+    jacobian_entries(table, speed, displaced, ahead)
     for j in range(wide):
-        aside[j] = z[j] - delta * direction[j]
-    jacobian_entries(table, speed, aside, behind)
+        displaced[j] = z[j] - delta * direction[j]
+    jacobian_entries(table, speed, displaced, behind)
     for j in range(wide):
         for w in range(weak):
             sums[j, w] = 0.0
-    for e in range(size):
+    for e in range(ahead.size):
         i, j = at_row[e], at_column[e]
         if i < rows and ahead[e] != behind[e]:
             slope = (ahead[e] - behind[e]) / (2.0 * delta * lengths[i])
@@ -189,8 +185,8 @@ def find_branch(
     """
     wide, free = null.shape
     weak = left.shape[1]
-    direction = floats_at(table, STEP, table[COORDINATES] + 1)
-    missed = view(floats_at(table, GAPS, table[ROWS]), 0, weak)
+    direction = step_of(table)
+    missed = view(residuals_of(table), 0, weak)
     for f in range(free):
         x[f] = 0.0
         for j in range(wide):

@@ -8,7 +8,6 @@ for Nonlinear Problems, section 4.3.)
 import numpy as np
 
 from runtime.core.array_types import Integers, Matrix, Vector, f8, integers, matrix, vector
-from runtime.core.array_views import floats_at, integers_at
 from runtime.core.jit import compiled
 from runtime.linalg.cholesky import orthonormalise, solve_cholesky
 from runtime.linalg.leading_block import complete_solution
@@ -19,7 +18,14 @@ from runtime.singularity.schur_complement import (
     largest_lost_gap,
     normalise_complement,
 )
-from runtime.singularity.search_table import COLUMN_ORDER, COORDINATES, GAPS, ORIGIN, ROWS, STEP
+from runtime.singularity.search_table import (
+    ROWS,
+    UNKNOWNS,
+    column_order_of,
+    origin_of,
+    residuals_of,
+    step_of,
+)
 
 _ITERATIONS = 40  # safety: Newton iterations
 _KEEP = 5  # measured: iterations with the same second derivatives, but for the first one's
@@ -59,12 +65,11 @@ def find_root(
     float
         The largest |uᵀ Φ|, or -1 where there is no such position.
     """
-    rows, wide = table[ROWS], table[COORDINATES] + 1
+    rows, wide = table[ROWS], table[UNKNOWNS]
     weak, free = left.shape[1], null.shape[1]
     strong = rows - weak
-    order = integers_at(table, COLUMN_ORDER, wide)
-    step, gaps = floats_at(table, STEP, wide), floats_at(table, GAPS, rows)
-    origin = floats_at(table, ORIGIN, wide)
+    order, origin = column_order_of(table), origin_of(table)
+    step, gaps = step_of(table), residuals_of(table)
     for j in range(wide):
         origin[j] = z[j]
     for iteration in range(_ITERATIONS):

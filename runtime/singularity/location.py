@@ -16,10 +16,6 @@ from runtime.singularity.local_motion import Motion, evaluate, nearest_time
 from runtime.singularity.pivot_orders import PivotOrder, PivotOrders
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.search_table import (
-    COLUMN_ORDER,
-    COLUMN_PLACE,
-    ROW_ORDER,
-    ROW_PLACE,
     measure_rows,
     unit_jacobian_entries,
 )
@@ -97,9 +93,9 @@ class Search:
 
         arrays = self.arrays
         rows, wide = order.row_order.size, order.column_order.size
-        arrays[ROW_ORDER][:], arrays[COLUMN_ORDER][:] = order.row_order, order.column_order
-        arrays[ROW_PLACE][order.row_order] = np.arange(rows)
-        arrays[COLUMN_PLACE][order.column_order] = np.arange(wide)
+        arrays["row_order"][:], arrays["column_order"][:] = order.row_order, order.column_order
+        arrays["row_place"][order.row_order] = np.arange(rows)
+        arrays["column_place"][order.column_order] = np.arange(wide)
         free = wide - rows + weak
         left, null = np.empty((rows, weak)), np.empty((wide, free))
         gap = find_root(

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from runtime.linalg.full_pivoting import factor_entries
 from runtime.singularity.scaled_constraints import ScaledConstraints
-from runtime.singularity.search_table import COLUMN_ORDER, ROW_ORDER
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -52,7 +51,7 @@ class PivotOrders:
         table, arrays = constraints.layout
         rows, wide = constraints.independent.size, constraints.scale.size + 1
         a, places = np.zeros((rows, wide)), constraints.places
-        orders = arrays[ROW_ORDER], arrays[COLUMN_ORDER]
+        orders = arrays["row_order"], arrays["column_order"]
         strong = factor_entries(entries, *places, _STRONG, a, *orders)
         values = np.ones(rows)
         if strong < rows:

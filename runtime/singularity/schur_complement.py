@@ -8,26 +8,23 @@ VII.)
 """
 
 from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, matrix
-from runtime.core.array_views import floats_at, integers_at
 from runtime.core.jit import compiled, inner
 from runtime.linalg.cholesky import factor_cholesky, multiply_gram
 from runtime.linalg.leading_block import eliminate_leading, left_vectors, null_vectors
 from runtime.linalg.rank_policy import NO_DIVISOR
 from runtime.singularity.search_table import (
-    ALL_ROWS,
-    COLUMN_ORDER,
-    COLUMN_PLACE,
-    COORDINATES,
-    ENTRY_COLUMNS,
-    ENTRY_ROWS,
-    LENGTHS,
-    NONZEROS,
-    ROW_ORDER,
-    ROW_PLACE,
     ROWS,
-    VALUES,
+    UNKNOWNS,
+    column_order_of,
+    column_place_of,
+    entry_columns_of,
+    entry_rows_of,
     jacobian_entries,
+    lengths_of,
+    row_order_of,
+    row_place_of,
     unit_residuals,
+    values_of,
 )
 
 
@@ -50,19 +47,16 @@ def eliminate_strong_rows(
     bool
         False where a pivot vanishes.
     """
-    rows, wide = table[ROWS], table[COORDINATES] + 1
-    size = table[NONZEROS] + table[ALL_ROWS]
-    values, lengths = floats_at(table, VALUES, size), floats_at(table, LENGTHS, rows)
-    at_row = integers_at(table, ENTRY_ROWS, size)
-    at_column = integers_at(table, ENTRY_COLUMNS, size)
-    row_place = integers_at(table, ROW_PLACE, rows)
-    column_place = integers_at(table, COLUMN_PLACE, wide)
+    rows, wide = table[ROWS], table[UNKNOWNS]
+    values, lengths = values_of(table), lengths_of(table)
+    at_row, at_column = entry_rows_of(table), entry_columns_of(table)
+    row_place, column_place = row_place_of(table), column_place_of(table)
     unit_residuals(table, speed, z, gaps)
     jacobian_entries(table, speed, z, values)
     for i in range(rows):
         for j in range(wide):
             a[i, j] = 0.0
-    for e in range(size):
+    for e in range(values.size):
         i = at_row[e]
         if i < rows:
             a[row_place[i], column_place[at_column[e]]] += values[e] / lengths[i]
@@ -72,8 +66,8 @@ def eliminate_strong_rows(
 @inner
 def find_vectors(table: Integers, a: Matrix, strong: int, left: Matrix, null: Matrix) -> None:
     """Left vectors and null vectors after the elimination of the strong rows."""
-    left_vectors(a, strong, integers_at(table, ROW_ORDER, table[ROWS]), left)
-    null_vectors(a, strong, integers_at(table, COLUMN_ORDER, table[COORDINATES] + 1), null)
+    left_vectors(a, strong, row_order_of(table), left)
+    null_vectors(a, strong, column_order_of(table), null)
 
 
 @inner

@@ -1,4 +1,4 @@
-"""Stability of a rest position: what becomes of the machine after a small push."""
+"""Stability of a rest position."""
 
 from enum import StrEnum
 from typing import NamedTuple
@@ -6,14 +6,14 @@ from typing import NamedTuple
 import numpy as np
 
 from runtime.mechanism.dense_equations import FloatArray
-from runtime.statics.energy_minimisation import Found
-from runtime.statics.reduced_gradient import Rest
+from runtime.statics.energy_minimisation import RestPosition
+from runtime.statics.reduced_gradient import StaticEquations
 
 _FLAT = 1e-8  # accuracy: part of the largest stiffness; a smaller one is indifferent
 
 
 class Stability(StrEnum):
-    """What becomes of the machine after a small push."""
+    """Behaviour of the machine after a small push."""
 
     STABLE = "stable"
     UNSTABLE = "unstable"
@@ -30,7 +30,7 @@ class Judgement(NamedTuple):
     flutter: bool
 
 
-def judge(rest: Rest, found: Found) -> Judgement:
+def judge(rest: StaticEquations, found: RestPosition) -> Judgement:
     """Eigenvalues of M^-1 K over the independent coordinates; all positive means stable.
 
     Pairs of complex eigenvalues are oscillations that grow: no natural frequencies. Where a

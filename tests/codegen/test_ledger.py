@@ -13,15 +13,20 @@ from typer.testing import CliRunner
 from codegen import Model
 from codegen.cli import app
 from codegen.derive.equations import derive
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from codegen.errors import InputError
-from codegen.explain import evaluation_time as timing
 from codegen.explain import kernel_timer as clock
-from codegen.explain.evaluation_time import measured
-from codegen.explain.incremental_cost import counted, grown, operations_of, stages
+from codegen.explain import part_times as timing
+from codegen.explain.incremental_cost import (
+    cumulative_programs,
+    operations_by_part,
+    operations_of,
+    timing_stages,
+)
 from codegen.explain.ledger import explain
 from codegen.explain.ledger_data import Ledger, Part
 from codegen.explain.marginal_cost import own_operations
+from codegen.explain.part_times import measure
 from codegen.explain.picture import figure, page
 from codegen.explain.sample_states import about_the_start
 from codegen.explain.scene_comparison import compare
@@ -124,11 +129,11 @@ def test_parts_add_up_to_every_kernel(machine: str) -> None:
 
 def test_stages_end_in_the_scene_s_own_kernel(root: Path) -> None:
     model = read_model(root / "models" / "hard" / "guide_friction.py").model
-    (scene,) = sound_scenes(model, "rocking")
+    (scene,) = valid_scenes(model, "rocking")
     equations = derive(model, scene)
-    programs = grown(equations)
-    chain = stages(equations, programs)
-    counts = counted(equations, programs)
+    programs = cumulative_programs(equations)
+    chain = timing_stages(equations, programs)
+    counts = operations_by_part(equations, programs)
     sizes = [operations(s.program, s.program.kernels[-1]) for s in chain]
     assert sizes[-1] == operations_of(programs[-1])["accelerations"]
     steps = [after - before for before, after in zip([0, *sizes], sizes, strict=False)]
@@ -147,10 +152,10 @@ def test_stages_end_in_the_scene_s_own_kernel(root: Path) -> None:
 def test_measured_parts_telescope(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever the times are, their increments add up to the last; and the kernels run."""
     model = read_model(root / "models" / "slider_crank.py").model
-    (scene,) = sound_scenes(model, "inverse_dynamics")
+    (scene,) = valid_scenes(model, "inverse_dynamics")
     equations = derive(model, scene)
-    programs = grown(equations)
-    chain = stages(equations, programs)
+    programs = cumulative_programs(equations)
+    chain = timing_stages(equations, programs)
     states = about_the_start(equations, programs[-1])
     seen: list[clock.Timed] = []
     real = clock.times
@@ -162,7 +167,7 @@ def test_measured_parts_telescope(root: Path, monkeypatch: pytest.MonkeyPatch) -
         return [float(4**k) for k in range(len(kernels))]
 
     monkeypatch.setattr(timing, "times", counting)
-    told = measured(equations, chain, states, rounds=1)
+    told = measure(equations, chain, states, rounds=1)
     assert list(told.parts) == [stage.part for stage in chain]
     assert sum(told.parts.values()) == 4 ** (len(chain) - 1)
     a, lam = np.zeros(len(equations.coordinates)), np.zeros(seen[-1].slots)
@@ -173,9 +178,9 @@ def test_measured_parts_telescope(root: Path, monkeypatch: pytest.MonkeyPatch) -
 
 def test_states_are_put_together_and_have_their_modes(root: Path) -> None:
     model = read_model(root / "models" / "slider_crank.py").model
-    (scene,) = sound_scenes(model, "compressor")
+    (scene,) = valid_scenes(model, "compressor")
     equations = derive(model, scene)
-    lowered = grown(equations)[-1]
+    lowered = cumulative_programs(equations)[-1]
     states = about_the_start(equations, lowered)
     names = [c.name for c in equations.coordinates]
     at = dict(zip(names, states.q.mean(axis=0), strict=True))

@@ -7,7 +7,6 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
-ROOMS = [ROOT / "docs" / "architecture.md", *sorted((ROOT / "docs" / "rooms").glob("*.md"))]
 LINK = re.compile(r"\]\((?!https?:)([^)#]+)(#[^)]*)?\)")
 
 
@@ -18,11 +17,10 @@ def test_links_lead_somewhere(page: Path) -> None:
     assert not broken
 
 
-@pytest.mark.parametrize("page", ROOMS, ids=lambda page: page.relative_to(ROOT).as_posix())
-def test_modules_that_are_named_exist(page: Path) -> None:
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_files_that_are_named_exist(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
-    named = re.findall(r"`((?:codegen|runtime|models)/[\w/.]+)`", text)
-    assert named
+    named = re.findall(r"`((?:benchmarks|codegen|docs|models|runtime|tests)/[\w/.]+)`", text)
     assert not [path for path in named if not (ROOT / path).exists()]
 
 

@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from codegen.errors import InputError
-from codegen.generated_files.atomic_write import write_if_changed
+from codegen.generated_files.generated_file import write_if_changed
 from runtime import load
 from runtime.cli.app import app
 from runtime.core.outcomes import Outcome

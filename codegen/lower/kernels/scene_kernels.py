@@ -26,14 +26,19 @@ class Lowered:
         The tables that go with them.
     strategy
         The order of elimination that was cheapest; None where nothing is eliminated.
-    rubbing
-        Whether friction follows from reactions, which `applied_forces` leaves out.
+    scene
+        The equations as values of the graph that the program was made from.
     """
 
     program: Program
     description: Description
     strategy: Strategy | None
-    rubbing: bool = False
+    scene: SceneGraph
+
+    @property
+    def kernels(self) -> dict[str, Kernel]:
+        """The kernels by name."""
+        return {kernel.name: kernel for kernel in self.program.kernels}
 
 
 def lower(equations: Equations) -> Lowered:
@@ -80,31 +85,26 @@ def lower(equations: Equations) -> Lowered:
     if equations.switches:
         kernels += _switching_kernels(scene, resting)
         kernels += hold_kernels(scene, wanted)
+    _note_weights(scene)
     program = with_constants(scene.graph, tuple(kernels), len(equations.parameters))
-    program = _with_weights(program, equations)
     told = describe(equations, scene, powers, _reported(scene, wanted), rows)
-    return Lowered(program, told, strategy, bool(scene.frictions))
+    return Lowered(program, told, strategy, scene)
 
 
-def _with_weights(program: Program, equations: Equations) -> Program:
-    """The program, its numbers m g with their origin, which SymPy multiplied out."""
+def _note_weights(scene: SceneGraph) -> None:
+    """Give the numbers m g, which SymPy multiplied out, their origin."""
     found: dict[float, Folded] = {}
-    for effect in equations.effects:
+    for effect in scene.equations.effects:
         for body, mass, g in effect.terms.weights:
             if mass.is_number and g.is_number:
                 factors = float(mass), float(g)
                 weight = abs(factors[0] * factors[1])
                 if weight not in (*factors, 0.0):
                     found.setdefault(weight, Folded("*", factors, f"{body}: m g"))
-    values = tuple(
-        replace(value, origin=found[abs(number)])
-        if value.origin is None
-        and isinstance(number := value.literal, float)
-        and abs(number) in found
-        else value
-        for value in program.values
-    )
-    return replace(program, values=values)
+    for k, value in enumerate(scene.graph.values):
+        number = value.literal
+        if value.origin is None and isinstance(number, float) and abs(number) in found:
+            scene.graph.values[k] = replace(value, origin=found[abs(number)])
 
 
 def _reported(scene: SceneGraph, wanted: Wanted) -> tuple[int, ...]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from codegen.errors import InputError
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import Coordinates
-from runtime.dynamics.prepared_simulation import Prepared
+from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.mechanism import Mechanism
@@ -38,7 +38,10 @@ class Choice:
 
 
 def choose(
-    ready: Prepared, method: str | None, formulation: Formulation | None, correction: Correction
+    ready: PreparedSimulation,
+    method: str | None,
+    formulation: Formulation | None,
+    correction: Correction,
 ) -> Choice:
     """Method and coordinates of the first run.
 
@@ -67,7 +70,9 @@ def choose(
     return Choice(chosen, formulation or "cartesian", taken, may, (why,) if why else ())
 
 
-def after(choice: Choice, ready: Prepared, run: Trajectory, correction: Correction) -> Choice:
+def after(
+    choice: Choice, ready: PreparedSimulation, run: Trajectory, correction: Correction
+) -> Choice:
     """What the next run takes, once a run has shown what the motion is like."""
     if choice.formulation == "reduced" and run.outcome is not Outcome.OK:
         if "formulation" not in choice.free:
@@ -82,7 +87,7 @@ def after(choice: Choice, ready: Prepared, run: Trajectory, correction: Correcti
     return choice
 
 
-def _method(mechanism: Mechanism, formulation: Formulation, ready: Prepared) -> str:
+def _method(mechanism: Mechanism, formulation: Formulation, ready: PreparedSimulation) -> str:
     """The one that finds stiffness, where it has its derivatives; else the explicit one."""
     if formulation == "reduced":
         return "auto"

@@ -25,8 +25,8 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.prepared_simulation import Prepared
-from runtime.dynamics.simulation import finished
+from runtime.dynamics.prepared_simulation import PreparedSimulation
+from runtime.dynamics.simulation import finish_simulation
 from runtime.integrate.method import IMPLICIT, METHODS
 from runtime.integrate.problem import Options
 from runtime.integrate.wiring import function_table
@@ -116,7 +116,7 @@ def simulate_to(
         If a quantity is no series, or has no value at any instant.
     """
     began = clock.perf_counter()
-    ready = Prepared(
+    ready = PreparedSimulation(
         mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start
     )
     first, last = ready.begin.t, float(t_end)
@@ -140,7 +140,7 @@ class _Search:
 
     def __init__(
         self,
-        ready: Prepared,
+        ready: PreparedSimulation,
         asked: float,
         of: Columns,
         options: Options,
@@ -159,7 +159,7 @@ class _Search:
         while not self._over(pair):
             pair = self._beside(choice, self._tighter(pair), pair.tight)
         kept, other = (pair.loose, pair.tight) if pair.unable else (pair.tight, pair.loose)
-        made = finished(self.ready, choice.taken, kept.options, began, silent, kept.path)
+        made = finish_simulation(self.ready, choice.taken, kept.options, began, silent, kept.path)
         told_of = Pair(self.trials[other.number], self.trials[kept.number], pair.found, pair.share)
         return told(made, self.asked, self.of, self.trials, told_of, choice.reasons)
 
@@ -225,7 +225,9 @@ class _Search:
         if self.of.of_state:
             values = self.of.of_run(path.q, path.v)
             return Run(number, options, path, values, np.zeros(values.shape[1]), seconds)
-        made = finished(self.ready, choice.taken, options, clock.perf_counter(), silent, path)
+        made = finish_simulation(
+            self.ready, choice.taken, options, clock.perf_counter(), silent, path
+        )
         values = self.of.of_result(made)[: len(path.t)]
         if path.outcome is Outcome.OK:  # else another one may go further
             require_numbers(made.description, self.of.names, values)

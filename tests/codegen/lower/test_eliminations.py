@@ -9,8 +9,8 @@ from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
 from codegen.lower.program import Kernel, Op, Program, store
 from codegen.lower.substitution import rebuilt, turned
-from codegen.reduce.closed_form_loops import Loops
-from codegen.reduce.explicit_coordinates import Outright
+from codegen.reduce.closed_form_loops import find_loops
+from codegen.reduce.explicit_coordinates import ExplicitCoordinates
 
 
 def value_of(graph: Graph, number: int, **arguments: object) -> float:
@@ -78,7 +78,7 @@ def test_angle_but_for_a_constant_is_turned(graph: Graph, op: Op, form: str) -> 
     assert all(v.args == (x,) for v in moving)
 
 
-# Outright
+# Explicit coordinates
 
 
 def test_chain_of_givens_and_their_rates(graph: Graph) -> None:
@@ -90,7 +90,7 @@ def test_chain_of_givens_and_their_rates(graph: Graph) -> None:
     s, c = graph.function(Op.SIN, q[0]), graph.function(Op.COS, q[0])
     first = graph.sub(graph.add(graph.mul(two, s), t), q[1])
     second = graph.sub(q[2], graph.add(graph.mul(three, q[1]), graph.mul(q[0], q[0])))
-    found = Outright(
+    found = ExplicitCoordinates(
         graph,
         q,
         [first, second],
@@ -135,7 +135,7 @@ def test_what_must_be_left_is_left(graph: Graph) -> None:
     row = graph.sub(q[0], q[1])
     entries = {(0, 0): graph.one, (0, 1): graph.neg(graph.one)}
     for left in (0, 1):
-        found = Outright(
+        found = ExplicitCoordinates(
             graph,
             q,
             [row],
@@ -160,7 +160,7 @@ def test_one_equation_for_one_angle_on_both_branches(graph: Graph) -> None:
             graph.mul(graph.constant(3.5), graph.function(Op.SIN, q[1])), graph.constant(0.4)
         ),
     )
-    (loop,) = Loops(graph, q, {7: row}, [1], 0).found
+    (loop,) = find_loops(graph, q, {7: row}, [1], 0)
     assert (loop.rows, loop.columns) == ((7,), (1,))
     (angle,) = loop.angles
     assert angle.row == 7
@@ -172,7 +172,7 @@ def test_one_equation_for_one_angle_on_both_branches(graph: Graph) -> None:
         assert value_of(graph, row, q=closed) == pytest.approx(0.0, abs=1e-15)
         slope = value_of(graph, angle.slope, q=closed, p=[side])
         assert math.copysign(1.0, slope) == side
-        assert slope**2 == pytest.approx(value_of(graph, angle.room, **inputs), rel=1e-13)
+        assert slope**2 == pytest.approx(value_of(graph, angle.discriminant, **inputs), rel=1e-13)
 
 
 def test_two_equations_for_two_angles_on_both_branches(graph: Graph) -> None:
@@ -189,7 +189,7 @@ def test_two_equations_for_two_angles_on_both_branches(graph: Graph) -> None:
                 graph.constant(-base),
             ]
         )
-    (loop,) = Loops(graph, q, dict(rows), [1, 2], 0).found
+    (loop,) = find_loops(graph, q, dict(rows), [1, 2], 0)
     assert set(loop.columns) == {1, 2}
     assert sum(angle.branch is not None for angle in loop.angles) == 1
     seen = set()
@@ -209,5 +209,5 @@ def test_two_equations_for_two_angles_on_both_branches(graph: Graph) -> None:
 def test_what_is_not_of_the_form_is_left_alone(graph: Graph) -> None:
     q = coordinates(graph, 2)
     sine = graph.function(Op.SIN, q[1])
-    assert Loops(graph, q, {0: graph.add(graph.mul(sine, sine), q[0])}, [1], 0).found == []
-    assert Loops(graph, q, {0: graph.add(graph.add(sine, q[1]), q[0])}, [1], 0).found == []
+    assert find_loops(graph, q, {0: graph.add(graph.mul(sine, sine), q[0])}, [1], 0) == []
+    assert find_loops(graph, q, {0: graph.add(graph.add(sine, q[1]), q[0])}, [1], 0) == []

@@ -10,7 +10,7 @@ import pytest
 from codegen import Model
 from codegen.errors import LinkwrightError
 from runtime import accuracy, load
-from runtime.mechanism import companion_modules as companions
+from runtime.mechanism import mechanism as mechanisms
 from runtime.studies.work_precision import Setting, study
 from runtime.studies.work_precision.build_costs import build_costs
 from runtime.studies.work_precision.reference_solution import find_truth
@@ -35,13 +35,13 @@ def test_nothing_is_built_that_no_setting_takes(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     asked: list[str] = []
-    real = companions.load_companion
+    real = mechanisms.load_companion
 
     def load_companion(origin: Any, kind: Any, *rest: Any) -> Any:
         asked.append(kind)
         return real(origin, kind, *rest)
 
-    monkeypatch.setattr(companions, "load_companion", load_companion)
+    monkeypatch.setattr(mechanisms, "load_companion", load_companion)
     wanted: list[Collection[str]] = []
     monkeypatch.setattr(study, "build_costs", lambda *given: wanted.append(given[2]) or {})
     told = accuracy(

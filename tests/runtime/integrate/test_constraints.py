@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.special import ellipj, ellipk
 
-from runtime.constraints.partitioning import eliminate
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.outcomes import Outcome
 from runtime.core.system import System
@@ -96,22 +95,6 @@ def test_a_corrected_step_moves_little():
     r = integrate(PENDULUM, pendulum_problem(np.pi, 0.0, 10.0), options("dop853"))
     assert 0.0 < r.statistics.largest_dq < 1e-8
     assert r.statistics.corrections < 3.5 * r.statistics.newton
-
-
-def test_elimination_finds_rank_and_redundant_row():
-    rng = np.random.default_rng(1)
-    full = rng.normal(size=(4, 7))
-    full = np.vstack([full, full[1] - 2.0 * full[3]])
-    rows, columns = np.zeros(5, np.int64), np.zeros(7, np.int64)
-    assert eliminate(full.copy(), np.ones(7), rows, columns) == 4
-    assert rows[4] in (1, 3, 4)
-    dependent = full[rows[:4]][:, columns[:4]]
-    assert np.linalg.cond(dependent) < 1e3
-    # Units do not matter: coordinate 2 in millimetres.
-    units = np.array([1.0, 1.0, 1e3, 1.0, 1.0, 1.0, 1.0])
-    other_rows, other = np.zeros(5, np.int64), np.zeros(7, np.int64)
-    assert eliminate(full / units, units, other_rows, other) == 4
-    assert np.array_equal(other, columns)
 
 
 @kernel(SIGNATURES["accelerations"])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from runtime.singularity.gauss_newton import find_root
-from runtime.singularity.search_table import LENGTHS, measure_rows
+from runtime.singularity.search_table import measure_rows
 from tests.runtime.singularity.crossing import closed, mechanism, noted
 from tests.runtime.singularity.test_schur_complement import u_first
 
@@ -27,7 +27,7 @@ def test_the_root_is_the_saddle_whatever_it_is_missed_by(gap):
     scaled = mechanism(c=0.5, gap=gap, d=0.7)
     z, missed, left, null = searched(scaled, np.append(closed(0.1, -0.15), 0.05))
     np.testing.assert_allclose(z, 0.0, atol=1e-10)
-    lengths = scaled.layout.arrays[LENGTHS]
+    lengths = scaled.layout.arrays["lengths"]
     lost = np.array([-0.5 * lengths[0], lengths[1]])
     expected = abs(gap) / np.linalg.norm(lost)
     assert missed == pytest.approx(expected, rel=1e-9, abs=1e-15)

@@ -6,8 +6,6 @@ import pytest
 from runtime.linalg.full_pivoting import factor_entries
 from runtime.singularity.schur_complement import reduce_to_weak_part
 from runtime.singularity.search_table import (
-    COLUMN_ORDER,
-    COLUMN_PLACE,
     measure_rows,
     unit_jacobian_entries,
 )
@@ -17,8 +15,8 @@ from tests.runtime.singularity.drivers import lost_gap
 
 def u_first(arrays):
     """Eliminate the first row with u."""
-    arrays[COLUMN_ORDER][:] = [2, 0, 1, 3]
-    arrays[COLUMN_PLACE][:] = [1, 2, 0, 3]
+    arrays["column_order"][:] = [2, 0, 1, 3]
+    arrays["column_place"][:] = [1, 2, 0, 3]
 
 
 @pytest.mark.parametrize("distance", [0.1, 0.01])
@@ -51,7 +49,7 @@ def test_a_factored_matrix_gives_its_weak_part():
     measure_rows(table, 1.0, z)
     values = np.empty(8)
     unit_jacobian_entries(table, 1.0, z, values)
-    a, orders = np.zeros((2, 4)), (np.zeros(2, np.int64), arrays[COLUMN_ORDER])
+    a, orders = np.zeros((2, 4)), (np.zeros(2, np.int64), arrays["column_order"])
     assert factor_entries(values, *scaled.places, 0.5, a, *orders) == 1
     left, null = np.empty((2, 1)), np.empty((4, 3))
     assert reduce_to_weak_part(table, a, left, null, np.empty((1, 1)), np.empty((3, 3))) == 1

@@ -3,9 +3,6 @@
 import numpy as np
 
 from runtime.singularity.search_table import (
-    GAPS,
-    LENGTHS,
-    ROW_PLACE,
     measure_rows,
     unit_jacobian_entries,
 )
@@ -35,7 +32,7 @@ def test_entries_are_those_of_unit_rows():
     measure_rows(table, SPEED, Z)
     expected = scaled_jacobian(scaled)
     lengths = np.linalg.norm(expected[:, :3], axis=1)
-    np.testing.assert_allclose(arrays[LENGTHS], lengths, rtol=1e-8)
+    np.testing.assert_allclose(arrays["lengths"], lengths, rtol=1e-8)
     values = np.empty(8)
     unit_jacobian_entries(table, SPEED, Z, values)
     np.testing.assert_allclose(scaled.dense(values), expected / lengths[:, None], atol=1e-8)
@@ -45,10 +42,10 @@ def test_values_are_divided_by_the_lengths_and_stand_in_the_order_of_rows():
     scaled = mechanism(gap=0.1, scale=tuple(SCALE))
     table, arrays = scaled.layout
     measure_rows(table, SPEED, Z)
-    arrays[ROW_PLACE][:] = [1, 0]
-    gaps_by_place(table, SPEED, Z, arrays[GAPS])
-    expected = scaled.gaps(T, Q) / arrays[LENGTHS]
-    np.testing.assert_allclose(arrays[GAPS], expected[::-1], rtol=1e-14)
+    arrays["row_place"][:] = [1, 0]
+    gaps_by_place(table, SPEED, Z, arrays["residuals"])
+    expected = scaled.gaps(T, Q) / arrays["lengths"]
+    np.testing.assert_allclose(arrays["residuals"], expected[::-1], rtol=1e-14)
 
 
 def test_rows_set_aside_have_no_entries():
@@ -60,11 +57,11 @@ def test_rows_set_aside_have_no_entries():
     unit_jacobian_entries(table, SPEED, Z, values)
     assert scaled.dense(values).shape == (1, 4)
     assert not values[[0, 1, 2, 6]].any()
-    assert arrays[LENGTHS].shape == (1,)
+    assert arrays["lengths"].shape == (1,)
 
 
 def test_an_empty_row_keeps_its_length():
     scaled = mechanism(c=0.0)
     table, arrays = scaled.layout
     measure_rows(table, 1.0, np.zeros(4))
-    np.testing.assert_array_equal(arrays[LENGTHS], [1.0, 1.0])
+    np.testing.assert_array_equal(arrays["lengths"], [1.0, 1.0])

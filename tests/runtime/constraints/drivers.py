@@ -1,0 +1,64 @@
+"""Ways in from Python to the return and the partition, which only compiled code calls."""
+
+import numpy as np
+
+from runtime.constraints import newton_return, partitioning, repartitioning
+from runtime.core.array_types import Vector, f8, i8, integers, none, vector
+from runtime.core.jit import compiled
+from runtime.core.kernel_abi import SIGNATURES, TYPES
+from runtime.core.system import System
+from runtime.core.workspace import PARTITION, PROJECTION, ROWS, SIZE
+from runtime.integrate.wiring import Wiring, wire
+from tests.runtime.integrate.systems import PENDULUM, PENDULUM_P
+
+
+@compiled(i8(integers, f8, i8, i8))
+def return_to_constraints(context, t, row, weighing):
+    return newton_return.return_to_constraints(context, t, row, weighing)
+
+
+@compiled(i8(integers, f8, i8))
+def repartition(context, t, state):
+    return repartitioning.repartition(context, t, state)
+
+
+@compiled(i8(integers, f8))
+def is_poorly_chosen(context, t):
+    return int(repartitioning.is_poorly_chosen(context, t))
+
+
+@compiled(none(TYPES["correction"], f8, vector, vector, vector, vector, vector, vector))
+def driven_velocities(correction, t, q, p, weights, probe, dq, dv):
+    partitioning.driven_velocities(correction, t, q, p, weights, probe, dq, dv)
+
+
+@compiled(
+    f8(TYPES["correction"], f8, i8, vector, vector, vector, vector, vector, vector, vector, vector)
+)
+def column_norm(correction, t, independent, q, p, weights, scale, probe, dq, dv, driven):
+    return partitioning.column_norm(
+        correction, t, independent, q, p, weights, scale, probe, dq, dv, driven
+    )
+
+
+@compiled(SIGNATURES["correction"])
+def lever(t, q, v, p, w, dq, dv):
+    """Coordinates a, b, c with b = 2 a - 0.5 c + 3 t, of which b is dependent."""
+    dq[0], dq[1], dq[2] = 0.0, 2.0 * q[0] - 0.5 * q[2] + 3.0 * t - q[1], 0.0
+    dv[0], dv[1], dv[2] = 0.0, 2.0 * v[0] - 0.5 * v[2] + 3.0 - v[1], 0.0
+    return 0
+
+
+SCALE = np.array([1.0, 1.0, 10.0])
+
+
+def wired(
+    system: System = PENDULUM, p: Vector = PENDULUM_P, scale: Vector = SCALE
+) -> tuple[Wiring, Vector]:
+    """The table of a run, and its workspace as (rows, 2, n), with sizes and scales written."""
+    wiring = wire(system, "dopri5", p, 8)
+    rows = wiring.arrays["workspace"].reshape(ROWS, 2, -1)
+    rows[SIZE] = 1.0
+    rows[PARTITION, 1] = scale
+    rows[PROJECTION, 0] = scale**2
+    return wiring, rows
