@@ -146,9 +146,18 @@ def carts_rates(t, q, v, a, p, rate):
 def run_carts(p, t_end, **options):
     none = np.zeros(0, np.int64)
     system = System(
-        carts_accelerations, free_correction, free_jacobian, none, none, 2, 0, 3,
-        carts_switching, carts_rates, sticking=(0, 1),
-    )  # fmt: skip
+        accelerations=carts_accelerations,
+        correction=free_correction,
+        jacobian=free_jacobian,
+        jacobian_rows=none,
+        jacobian_columns=none,
+        coordinates=2,
+        constraint_count=0,
+        switches=3,
+        switching=carts_switching,
+        switching_rates=carts_rates,
+        sticking=(0, 1),
+    )
     problem = Problem(0.0, t_end, np.zeros(2), np.zeros(2), np.array(p), np.ones(2))
     return integrate(system, problem, Options(**options))
 

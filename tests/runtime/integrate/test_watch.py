@@ -62,9 +62,17 @@ def watched(functions, *switches, **terms):
     _, p = relay(*switches, **terms)
     none = np.zeros(0, np.int64)
     system = System(
-        relay_accelerations, free_correction, free_jacobian, none, none, 1, 0,
-        len(switches), *functions,
-    )  # fmt: skip
+        accelerations=relay_accelerations,
+        correction=free_correction,
+        jacobian=free_jacobian,
+        jacobian_rows=none,
+        jacobian_columns=none,
+        coordinates=1,
+        constraint_count=0,
+        switches=len(switches),
+        switching=functions[0],
+        switching_rates=functions[1],
+    )
     return system, p
 
 
