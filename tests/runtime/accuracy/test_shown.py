@@ -20,7 +20,7 @@ from runtime.studies.work_precision.json_records import records
 
 def test_a_row_is_written_for_every_run(swing: WorkPrecision, tmp_path: Path) -> None:
     rows = [json.loads(json.dumps(row, allow_nan=False)) for row in records(swing)]
-    assert len(rows) == 36
+    assert len(rows) == 42
     first = rows[0]
     assert (first["model"], first["scene"], first["method"]) == ("rig", "swing", "dop853")
     assert first["outcome"] == "OK"
@@ -31,7 +31,7 @@ def test_a_row_is_written_for_every_run(swing: WorkPrecision, tmp_path: Path) ->
     assert_allclose(first["atol"]["body.x"], 1e-3 * min(1.0, first["scales"]["body.x"]))
     assert set(first["errors"]) == {"worst", "rms", "end", "relative", "groups", "each"}
     written, drawn = accuracy_picture.save(swing, tmp_path / "out")
-    assert len(written.read_text(encoding="utf-8").splitlines()) == 36
+    assert len(written.read_text(encoding="utf-8").splitlines()) == 42
     assert drawn.stat().st_size > 20_000
     facts = json.loads(json.dumps(swing.facts(), allow_nan=False))
     assert facts["lines"][1]["setting"]["formulation"] == "reduced"
