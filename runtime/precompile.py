@@ -19,7 +19,7 @@ SOMETIMES = ("runtime.statics.kinetic_damping",)
 
 
 def warm(*methods: str) -> None:
-    """Compile what every run needs, and the methods named; without names, everything."""
+    """Compile the modules of every run, and the methods named; without names, all modules."""
     for name in ALWAYS if methods else (*ALWAYS, *SOMETIMES):
         import_module(name)
     for method in methods or METHODS:

@@ -50,21 +50,21 @@ class RestPosition(NamedTuple):
         return self.unbalanced <= BALANCED
 
 
-def evaluate_position(rest: StaticEquations, q: FloatArray, iterations: int = 0) -> RestPosition:
+def evaluate_position(statics: StaticEquations, q: FloatArray, iterations: int = 0) -> RestPosition:
     """Reduced force, stiffness and effort at a position."""
-    part = rest.partition(q)
-    stiffness = rest.stiffness(q, part)
-    effort = np.maximum(max(rest.effort(q), _TINY), rest.floor(q, stiffness))
-    return RestPosition(q, part, rest.gradient(q, part), stiffness, effort, iterations)
+    part = statics.partition(q)
+    stiffness = statics.stiffness(q, part)
+    effort = np.maximum(max(statics.effort(q), _TINY), statics.floor(q, stiffness))
+    return RestPosition(q, part, statics.gradient(q, part), stiffness, effort, iterations)
 
 
-def minimise(rest: StaticEquations, q: FloatArray, progress: Progress) -> RestPosition:
+def minimise(statics: StaticEquations, q: FloatArray, progress: Progress) -> RestPosition:
     """Descend from an assembled q until the forces balance, then polish."""
     start, done = q, 0
     reach = _REACH
     for _ in range(_ITERATIONS):
         done += 1
-        at = evaluate_position(rest, q)
+        at = evaluate_position(statics, q)
         slope, share = at.gradient, at.unbalanced
         if share <= 1e-9:
             break
@@ -72,55 +72,55 @@ def minimise(rest: StaticEquations, q: FloatArray, progress: Progress) -> RestPo
         values, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T))
         least = max(1e-12 * float(np.abs(values).max()), 1e-9 * float(at.effort.min()))
         step = -vectors @ ((vectors.T @ slope) / np.maximum(np.abs(values), least))
-        angles = rest.equations.description.is_angle[at.part.independent]
+        angles = ~statics.equations.description.is_length[at.part.independent]
         turn = float(np.abs(step[angles]).max(initial=0.0))
         far = float(np.abs(step).max())
         step *= min(1.0, reach / far, _REACH / max(turn, _TINY))
-        moved = _downhill(rest, at, step)
+        moved = _downhill(statics, at, step)
         if moved is None:
             reach *= 0.25
             if reach < 1e-8:
                 break
             continue
-        went = ((moved - q) / rest.scale)[at.part.independent]
-        missed = rest.gradient(moved, at.part) - slope - matrix @ went
+        went = ((moved - q) / statics.scale)[at.part.independent]
+        missed = statics.gradient(moved, at.part) - slope - matrix @ went
         predicted = np.abs(missed).max() <= _PREDICTED * np.abs(slope).max()
         reach = 4.0 * reach if predicted else min(_REACH, 2.0 * reach)
         q = moved
-        if not float(np.abs((q - start) / rest.scale).max()) < AWAY:
-            return evaluate_position(rest, q, done)
+        if not float(np.abs((q - start) / statics.scale).max()) < AWAY:
+            return evaluate_position(statics, q, done)
         progress(1.0 - min(1.0, max(0.0, 1.0 + np.log10(share) / 10.0)))
-    return polish(rest, q, done)
+    return polish(statics, q, done)
 
 
-def _downhill(rest: StaticEquations, at: RestPosition, step: FloatArray) -> FloatArray | None:
+def _downhill(statics: StaticEquations, at: RestPosition, step: FloatArray) -> FloatArray | None:
     """The longest halved step that lowers the energy, or does not overshoot the force."""
     q, part, slope = at.q, at.part, at.gradient
-    conservative = not rest.without_potential(q, float(at.effort.max()))
-    energy = rest.energy(q)
+    conservative = not statics.without_potential(q, float(at.effort.max()))
+    energy = statics.energy(q)
     fall = float(slope @ step)
     size = float(np.abs(slope).max())
     for halving in range(25):
         part_of_step = 0.5**halving
         trial = q.copy()
-        trial[part.independent] += part_of_step * step * rest.scale[part.independent]
-        closed = rest.close(trial, part)
+        trial[part.independent] += part_of_step * step * statics.scale[part.independent]
+        closed = statics.close(trial, part)
         if closed is None:
             continue
-        after = rest.gradient(closed, part)
+        after = statics.gradient(closed, part)
         if float(np.abs(after).max()) <= 0.5 * size and fall < 0.0:
             return closed
         if conservative:
-            if rest.energy(closed) <= energy + 1e-4 * part_of_step * fall:
+            if statics.energy(closed) <= energy + 1e-4 * part_of_step * fall:
                 return closed
         elif float(after @ step) <= 0.0:
             return closed
     return None
 
 
-def polish(rest: StaticEquations, q: FloatArray, iterations: int = 0) -> RestPosition:
+def polish(statics: StaticEquations, q: FloatArray, iterations: int = 0) -> RestPosition:
     """Newton's method on the gradient for as long as it shrinks."""
-    at = evaluate_position(rest, q, iterations)
+    at = evaluate_position(statics, q, iterations)
     for _ in range(12):
         size = float(np.abs(at.gradient).max(initial=0.0))
         if size == 0.0:
@@ -129,11 +129,11 @@ def polish(rest: StaticEquations, q: FloatArray, iterations: int = 0) -> RestPos
         if float(np.abs(step).max()) > 0.1:
             break
         trial = at.q.copy()
-        trial[at.part.independent] += step * rest.scale[at.part.independent]
-        closed = rest.close(trial, at.part)
+        trial[at.part.independent] += step * statics.scale[at.part.independent]
+        closed = statics.close(trial, at.part)
         if closed is None:
             break
-        if not float(np.abs(rest.gradient(closed, at.part)).max()) < size:
+        if not float(np.abs(statics.gradient(closed, at.part)).max()) < size:
             break
-        at = evaluate_position(rest, closed, at.iterations + 1)
+        at = evaluate_position(statics, closed, at.iterations + 1)
     return at

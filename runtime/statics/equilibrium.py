@@ -123,22 +123,22 @@ def equilibrium(
     mechanism = with_redundancy(mechanism, start)
     equations = Equations(mechanism, p)
     _require_finite(equations, float(t), start.q)
-    rest = StaticEquations(equations, float(t), equations.scale(equations.size(t, start.q)))
+    statics = StaticEquations(equations, float(t), equations.scale(equations.size(t, start.q)))
     search = _settle if method == "settling" else _minimise
-    found, end, stats = search(rest, start.q, progress)
-    ran = [] if found.balanced else _runaways(mechanism, rest, start.q, end)
+    position, end, stats = search(statics, start.q, progress)
+    ran = [] if position.balanced else _runaways(mechanism, statics, start.q, end)
     if ran:
-        found = evaluate_position(rest, start.q, found.iterations)
-    stats |= {"gradient_evaluations": rest.evaluations}
-    judged = judge(rest, found)
-    q = np.ascontiguousarray(found.q[None, :])
+        position = evaluate_position(statics, start.q, position.iterations)
+    stats |= {"gradient_evaluations": statics.evaluations}
+    judged = judge(statics, position)
+    q = np.ascontiguousarray(position.q[None, :])
     samples = evaluate(
         mechanism,
         p,
         np.array([float(t)]),
         q,
         np.zeros_like(q),
-        equations.rest_modes(t, found.q)[None, :],
+        equations.rest_modes(t, position.q)[None, :],
     )
     stats["wall_seconds"] = clock.perf_counter() - began
     return Equilibrium(
@@ -146,84 +146,87 @@ def equilibrium(
         samples,
         p,
         judged=judged,
-        gradient=found.unbalanced,
-        outcome=Outcome.OK if found.balanced else Outcome.UNBALANCED,
-        message=_message(mechanism, found, judged, ran) + redundancy_note(start),
+        gradient=position.unbalanced,
+        outcome=Outcome.OK if position.balanced else Outcome.UNBALANCED,
+        message=_message(mechanism, position, judged, ran) + redundancy_note(start),
         stats=stats,
         not_unique=start.not_unique,
     )
 
 
 def _minimise(
-    rest: StaticEquations, start: FloatArray, progress: Progress
+    statics: StaticEquations, start: FloatArray, progress: Progress
 ) -> tuple[RestPosition, FloatArray, dict[str, Any]]:
     """Minimise the potential energy: the position, the end of the search, and counts."""
-    found = minimise(rest, start, progress)
-    return found, found.q, {"iterations": found.iterations}
+    position = minimise(statics, start, progress)
+    return position, position.q, {"iterations": position.iterations}
 
 
 def _settle(
-    rest: StaticEquations, start: FloatArray, progress: Progress
+    statics: StaticEquations, start: FloatArray, progress: Progress
 ) -> tuple[RestPosition, FloatArray, dict[str, Any]]:
     """Let a damped motion come to rest: the position, the end of the motion, and counts."""
-    equations = rest.equations
+    equations = statics.equations
     description = equations.description
-    if np.abs(equations.velocity_rhs(rest.t, start)).max(initial=0.0) > 0.0:
+    if np.abs(equations.velocity_rhs(statics.t, start)).max(initial=0.0) > 0.0:
         raise AnalysisError(
             f"{description.title}: settling needs drivers at rest, and "
-            f"{', '.join(description.drivers)} moves at t = {rest.t:g} s. "
+            f"{', '.join(description.drivers)} moves at t = {statics.t:g} s. "
             'Use method="energy".'
         )
     from runtime.statics.kinetic_damping import settle_down  # compiles where it is used
 
-    settled = settle_down(rest, start, progress)
+    settled = settle_down(statics, start, progress)
     finite = np.isfinite(settled.q).all()
-    found = polish(rest, settled.q) if finite else evaluate_position(rest, start)
-    return found, settled.q, {"steps": settled.steps, "kinetic_energy_peaks": settled.peaks}
+    position = polish(statics, settled.q) if finite else evaluate_position(statics, start)
+    return position, settled.q, {"steps": settled.steps, "kinetic_energy_peaks": settled.peaks}
 
 
 def _runaways(
-    mechanism: Mechanism, rest: StaticEquations, start: FloatArray, end: FloatArray
+    mechanism: Mechanism, statics: StaticEquations, start: FloatArray, end: FloatArray
 ) -> list[str]:
     """Coordinates so far from the start that no force can be restoring them."""
-    moved = np.abs((end - start) / rest.scale)
+    moved = np.abs((end - start) / statics.scale)
     moved[~np.isfinite(moved)] = np.inf
     turned = mechanism.description.is_angle & (moved > _TURNED)
     far = (turned | (moved > _FAR)) & (moved >= 1e-3 * moved.max())
     return [mechanism.description.coordinates[int(index)].name for index in np.flatnonzero(far)]
 
 
-def _edges(mechanism: Mechanism, found: RestPosition) -> str:
+def _edges(mechanism: Mechanism, position: RestPosition) -> str:
     """The conditions on whose switching surface a position lies."""
     switches = mechanism.description.switches
     return ", ".join(
-        f"{switches[k].condition} of {switches[k].name}" for k in found.stiffness.edges
+        f"{switches[k].condition} of {switches[k].name}" for k in position.stiffness.edges
     )
 
 
-def _message(mechanism: Mechanism, found: RestPosition, judged: Judgement, ran: list[str]) -> str:
+def _message(
+    mechanism: Mechanism, position: RestPosition, judged: Judgement, ran: list[str]
+) -> str:
     """The outcome of the search, in a sentence."""
-    edges = _edges(mechanism, found)
+    edges = _edges(mechanism, position)
     if ran:
         return (
             f"No equilibrium found: nothing holds the machine in {', '.join(ran)}, which ran away "
             f"without end; the position given is the start. Hold it by a joint, a driver or a "
             f"spring, or start from a guess nearer to rest."
         )
-    if not found.balanced:
-        shares = np.abs(found.gradient) / found.effort
-        worst = int(found.part.independent[int(np.argmax(shares))])
+    if not position.balanced:
+        shares = np.abs(position.gradient) / position.effort
+        worst = int(position.part.independent[int(np.argmax(shares))])
         name = mechanism.description.coordinates[worst].name
         if edges:
             return (
-                f"No equilibrium found: the search ended at {name} = {found.q[worst]:.6g} on the "
-                f"boundary of {edges}, where the forces jump; on neither side of it they balance. "
-                f"If the machine is meant to stand there, hold it by a constraint, or let the "
-                f"force rise over a short distance."
+                f"No equilibrium found: the search ended at {name} = {position.q[worst]:.6g} on "
+                f"the boundary of {edges}, where the forces jump; on neither side of it they "
+                "balance. If the machine is meant to stand there, hold it by a constraint, or let "
+                f"the force rise over a short distance."
             )
         return (
-            f"No equilibrium found: after {found.iterations} iterations {found.unbalanced:.1e} of "
-            f"the forces is unbalanced, most along {name} = {found.q[worst]:.6g}. Start from a "
+            f"No equilibrium found: after {position.iterations} iterations "
+            f"{position.unbalanced:.1e} of the forces is unbalanced, most along {name} = "
+            f"{position.q[worst]:.6g}. Start from a "
             f'guess nearer to rest, try method="settling", or check that something holds the '
             f"machine."
         )
@@ -240,7 +243,7 @@ def _message(mechanism: Mechanism, found: RestPosition, judged: Judgement, ran: 
             f"is that of one side only."
         ),
     }
-    return f"{notes[judged.stability]} Unbalanced share of the forces {found.unbalanced:.1e}."
+    return f"{notes[judged.stability]} Unbalanced share of the forces {position.unbalanced:.1e}."
 
 
 def _require_finite(equations: Equations, t: float, q: FloatArray) -> None:

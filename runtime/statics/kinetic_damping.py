@@ -165,13 +165,13 @@ class Settled(NamedTuple):
     steps: int
 
 
-def settle_down(rest: StaticEquations, q: FloatArray, progress: Progress) -> Settled:
+def settle_down(statics: StaticEquations, q: FloatArray, progress: Progress) -> Settled:
     """Let the machine fall from q, with a slight push to leave an unstable position, and settle."""
-    equations, scale = rest.equations, rest.scale
-    n, t = equations.n, rest.t
-    part = rest.partition(q)
+    equations, scale = statics.equations, statics.scale
+    n, t = equations.n, statics.t
+    part = statics.partition(q)
     push = np.random.default_rng(4).normal(size=len(part.independent))
-    v = np.ascontiguousarray(1e-3 * rest.motions(q, part) @ push)
+    v = np.ascontiguousarray(1e-3 * statics.motions(q, part) @ push)
     start, q = q, q.copy()
     modes = equations.rest_modes(t, q)
     w = scale * scale

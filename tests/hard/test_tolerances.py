@@ -4,26 +4,26 @@ import numpy as np
 import pytest
 
 from models.hard.cases import find
-from models.hard.suite.cell import Cell, Verdict, Way, judge
+from models.hard.suite.cell import Cell, Setting, Verdict, evaluate
 from runtime import Outcome, Result
 from tests.runtime.integrate.systems import relay, run_relay
 
 
-def simulated(name: str, way: Way, rtol: float, most: int) -> tuple[Result, Cell]:
+def simulated(name: str, setting: Setting, rtol: float, most: int) -> tuple[Result, Cell]:
     """The run of a case in at most so many steps, and what is to be thought of it."""
     case = find(name)
     result = case.machine().simulate(
         case.t_end,
         case.instants(),
-        method=way.method,
-        correction=way.correction,
+        method=setting.method,
+        correction=setting.correction,
         rtol=rtol,
         parameters=dict(case.parameters),
         guess=dict(case.guess),
         max_steps=most,
         progress=False,
     )
-    cell = judge(case, way, rtol, result, 0.0)
+    cell = evaluate(case, setting, rtol, result, 0.0)
     assert cell.verdict is Verdict.CORRECT, f"{cell.verdict}: {cell.note}"
     return result, cell
 
@@ -34,9 +34,9 @@ def test_bdf_follows_what_is_held_on_a_moving_surface(name: str) -> None:
 
     From one tolerance to the next the steps grow by 10^(3/6) = 3.2; twice that is allowed.
     """
-    way = Way("bdf", "step")
-    coarse, _ = simulated(name, way, 1e-9, 10_000)
-    _, cell = simulated(name, way, 1e-12, 30_000)
+    setting = Setting("bdf", "step")
+    coarse, _ = simulated(name, setting, 1e-9, 10_000)
+    _, cell = simulated(name, setting, 1e-12, 30_000)
     assert cell.steps < 6.4 * coarse.stats["steps"]
     assert cell.rejected < 0.1 * cell.steps
 
@@ -47,14 +47,14 @@ def test_what_baumgarte_leaves_alone_is_the_same_whatever_the_masses(
     name: str, rtol: float
 ) -> None:
     """A drift of 1e4 roundings of a length of 3 m is pulled at, beside 1e8 kg as beside 1e-8 kg."""
-    _, cell = simulated(name, Way("dop853", "baumgarte"), rtol, 20_000)
+    _, cell = simulated(name, Setting("dop853", "baumgarte"), rtol, 20_000)
     assert cell.residual < 1e-11
     assert cell.rejected < 0.01 * cell.steps
 
 
 def test_a_stiff_spring_stays_asleep_at_a_loose_tolerance() -> None:
     """Its 5000 Hz are beyond what the error sees, but within what the method damps."""
-    result, cell = simulated("stiff_soft", Way("dopri5", "step"), 1e-3, 500_000)
+    result, cell = simulated("stiff_soft", Setting("dopri5", "step"), 1e-3, 500_000)
     assert cell.error < 1e-10
     assert np.abs(result.q("first.x") - 1.0).max() < 1e-6
     assert cell.drift < 1e-3
