@@ -15,15 +15,15 @@ from typing import Annotated
 import typer
 
 from benchmarks import (
-    asked_table,
+    accuracy_targets_report,
     compressor,
     contest,
     contest_report,
     elements,
     growth,
     kernels,
+    linkwright_runs,
     machines,
-    ours,
     picture,
     scenes,
     twins,
@@ -52,7 +52,7 @@ def cells(row: twins.Row) -> tuple[str, ...]:
 
 
 def of_elements(quick: bool) -> list[Report]:
-    """Every joint, driver and force beside its twin."""
+    """Every joint, driver and force, against its hand-written twin."""
     with tempfile.TemporaryDirectory() as folder:
         pairs = elements.twins(elements.SAMPLES, Path(folder) / "generated")
         rows = twins.measure(pairs, *((5_000, 2) if quick else (4_000, 500)))
@@ -76,7 +76,7 @@ def of_elements(quick: bool) -> list[Report]:
 
 
 def of_kernels(quick: bool) -> list[Report]:
-    """The slider-crank's kernels beside their twins."""
+    """The slider-crank's kernels, against hand-written twins."""
     rows = kernels.measure(*((20_000, 3) if quick else (1_000_000, 15)))
     table = [
         (
@@ -92,15 +92,15 @@ def of_kernels(quick: bool) -> list[Report]:
         for row in rows
     ]
     times = "All 9 accelerations and 8 multipliers, in times of the hand-derived equation of one"
-    told = verdict(f"{times} degree of freedom:", rows[-1].ratio, kernels.BAR)
+    sentence = verdict(f"{times} degree of freedom:", rows[-1].ratio, kernels.BAR)
     headings = ("generated", "by hand", "operations", "hand", "ns", "hand", "ratio", "difference")
     title = "slider-crank: generated kernels and hand-written twins"
     found = [{**asdict(row), "ratio": row.ratio} for row in rows]
-    return [Report("kernels", title, headings, table, (told,), found, 2)]
+    return [Report("kernels", title, headings, table, (sentence,), found, 2)]
 
 
 def of_machines(quick: bool) -> list[Report]:
-    """All machines: beside equations of one degree of freedom, and by the operation."""
+    """All machines: against equations of one degree of freedom, and per operation."""
     size = (5_000, 2) if quick else (100_000, 150)
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / "generated"
@@ -160,7 +160,7 @@ def of_compressor(quick: bool) -> list[Report]:
 
 
 def of_scenes(quick: bool) -> list[Report]:
-    """What a scene that asks for less saves."""
+    """Savings of a scene with fewer outputs or effects."""
     size = (5_000, 2) if quick else (200_000, 15)
     with tempfile.TemporaryDirectory() as folder:
         rows = scenes.kernels(Path(folder), *size)
@@ -170,14 +170,14 @@ def of_scenes(quick: bool) -> list[Report]:
         (r.question, r.scene, str(r.operations), f"{r.microseconds:.3f}", str(r.events))
         for r in (*rows, *runs)
     ]
-    told = verdict(
+    sentence = verdict(
         f"The spring alone ({alone.events} events), in times of that with its striker:",
         alone.microseconds / struck.microseconds,
         1 / scenes.FASTER,
     )
     headings = ("question", "scene", "operations", "µs", "events")
-    title = "scenes: what leaving out is worth"
-    return [Report("scenes", title, headings, table, (told,), records((*rows, *runs)), 2)]
+    title = "scenes: savings by leaving things out"
+    return [Report("scenes", title, headings, table, (sentence,), records((*rows, *runs)), 2)]
 
 
 MEASUREMENTS = {
@@ -186,21 +186,21 @@ MEASUREMENTS = {
     "machines": of_machines,
     "compressor": of_compressor,
     "scenes": of_scenes,
-    "accuracy": asked_table.report,
+    "accuracy": accuracy_targets_report.report,
 }
 LONG = ("peers", "growth")
 """Minutes each, and only by name."""
 
 
 def chosen(names: Sequence[str] | None) -> tuple[list[str], list[str]]:
-    """The measurements asked for, and the problems of the contest; short ones without names."""
-    asked = list(names or MEASUREMENTS)
+    """The requested measurements, and the problems of the contest; short ones without names."""
+    requested = list(names or MEASUREMENTS)
     known = (*MEASUREMENTS, *LONG)
-    problems = [name for name in asked if name in PROBLEMS and "peers" in asked]
-    for name in asked:
+    problems = [name for name in requested if name in PROBLEMS and "peers" in requested]
+    for name in requested:
         if name not in known and name not in problems:
             raise typer.BadParameter(f"{name!r} is none of {', '.join(known)}")
-    return [name for name in asked if name not in problems], problems or list(PROBLEMS)
+    return [name for name in requested if name not in problems], problems or list(PROBLEMS)
 
 
 def of_peers(problems: Sequence[str], quick: bool, python: str, kept: bool, out: Path) -> None:
@@ -209,11 +209,11 @@ def of_peers(problems: Sequence[str], quick: bool, python: str, kept: bool, out:
         for name in problems:
             path = out / f"peers_{name}.points.json"
             before = contest.read(path) if kept and path.is_file() else None
-            rounds = 2 if quick else ours.ROUNDS
-            held = contest.hold(PROBLEMS[name], Path(folder), python, before, rounds)
-            held.write(path)
-            finish(contest_report.report(held), out)
-            picture.draw(held, out / f"peers_{name}.png")
+            rounds = 2 if quick else linkwright_runs.ROUNDS
+            measured = contest.run_contest(PROBLEMS[name], Path(folder), python, before, rounds)
+            measured.write(path)
+            finish(contest_report.report(measured), out)
+            picture.draw(measured, out / f"peers_{name}.png")
 
 
 def main(

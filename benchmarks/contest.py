@@ -1,8 +1,8 @@
 """Machines against other tools at equal error: every tool in its own process, one after the other.
 
-The machine is not always as fast, and a contest takes a while: before and after each process the
+The speed of the machine varies, and a contest takes a while: before and after each process the
 floor of the slider-crank is timed, and factors between contestants are corrected by it. Times are
-told as they were measured.
+reported as measured.
 """
 
 import json
@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from benchmarks import ours
+from benchmarks import linkwright_runs
 from benchmarks.precision import Point, best_time, time_to
 from benchmarks.problems import PROBLEMS, Problem
 
@@ -49,22 +49,22 @@ PEERS = {
 
 @dataclass
 class Contest:
-    """All that was measured of a problem.
+    """The measurements of a problem.
 
     Attributes
     ----------
     problem
         Its name.
     points
-        Of everybody.
+        Of all contestants.
     paces
-        Contestant → ms of the slider-crank's floor about the time that it ran.
+        Contestant → ms of the slider-crank's floor at the time of its runs.
     versions
         Of the tools.
     missing
-        Contestant → why it has no points, or not all.
+        Contestant → reason why points are missing.
     checks
-        What else was looked at, by name.
+        Further checks, by name.
     """
 
     problem: str
@@ -94,17 +94,17 @@ class Contest:
     def write(self, path: Path) -> None:
         """As JSON, a point a line."""
         path.parent.mkdir(parents=True, exist_ok=True)
-        told = {name: value for name, value in asdict(self).items() if name != "points"}
+        about = {name: value for name, value in asdict(self).items() if name != "points"}
         rows = []
         for point in self.points:
             error = point.error if math.isfinite(point.error) else None
             rows.append("  " + json.dumps({**asdict(point), "error": error}, ensure_ascii=False))
-        head = json.dumps(told, indent=1, ensure_ascii=False)[:-2]
+        head = json.dumps(about, indent=1, ensure_ascii=False)[:-2]
         path.write_text(f'{head},\n "points": [\n' + ",\n".join(rows) + "\n ]\n}\n", "utf-8")
 
 
 def read(path: Path) -> Contest:
-    """What `Contest.write` wrote."""
+    """A contest that `Contest.write` wrote."""
     found = json.loads(path.read_text(encoding="utf-8"))
     rows = found.pop("points")
     for row in rows:
@@ -112,19 +112,19 @@ def read(path: Path) -> Contest:
     return Contest(**found, points=[Point(**row) for row in rows])
 
 
-def hold(
+def run_contest(
     problem: Problem, folder: Path, python: str, before: Contest | None, rounds: int
 ) -> Contest:
-    """Ours and the floors, and the tools, unless their part is taken from an earlier contest."""
+    """Run this program, the floors and the tools, or take the tools from an earlier contest."""
     contest = Contest(problem.name)
-    entry = ours.ENTRIES[problem.name]
-    pace = ours.pace()
-    contest.points = ours.measure(entry, folder, rounds)
-    after = ours.pace()
+    entry = linkwright_runs.ENTRIES[problem.name]
+    pace = linkwright_runs.pace()
+    contest.points = linkwright_runs.measure(entry, folder, rounds)
+    after = linkwright_runs.pace()
     contest.paces = dict.fromkeys((OURS, FLOOR), (pace + after) / 2)
     if problem.name in LOOPS:
         for tolerance in (1e-6, 1e-9):
-            apart, energy = ours.checked_branch(entry, folder, tolerance)
+            apart, energy = linkwright_runs.checked_branch(entry, folder, tolerance)
             contest.checks[f"cranks apart at {tolerance:.0e}"] = apart
             contest.checks[f"energy at {tolerance:.0e}"] = energy
     for name, peer in PEERS.items():
@@ -133,55 +133,52 @@ def hold(
         if before is not None:
             _carry_over(name, before, contest)
             continue
-        pace = ours.pace()
-        ask(name, problem, python, contest)
-        contest.paces[name] = (pace + ours.pace()) / 2
+        pace = linkwright_runs.pace()
+        run_peer(name, problem, python, contest)
+        contest.paces[name] = (pace + linkwright_runs.pace()) / 2
     return contest
 
 
 def _carry_over(name: str, before: Contest, contest: Contest) -> None:
     contest.points += before.of(name)
-    for told, kept in (
-        (before.paces, contest.paces),
-        (before.missing, contest.missing),
-    ):
-        if name in told:
-            kept[name] = told[name]  # type: ignore[assignment]  # each from its own table
+    for old, new in ((before.paces, contest.paces), (before.missing, contest.missing)):
+        if name in old:
+            new[name] = old[name]  # type: ignore[assignment]  # each from its own table
     contest.versions |= before.versions
 
 
-def ask(name: str, problem: Problem, python: str, contest: Contest) -> None:
-    """A tool's process."""
+def run_peer(name: str, problem: Problem, python: str, contest: Contest) -> None:
+    """Run the process of a tool and collect its points."""
     settings = {**os.environ, **dict.fromkeys(THREADS, "1"), "PYTHONPATH": str(ROOT)}
     command = [python, "-m", f"benchmarks.peers.{name}", problem.name]
     try:
         done = subprocess.run(
             command, cwd=ROOT, env=settings, capture_output=True, timeout=LIMIT, check=False
         )
-        said, told = done.stdout, done.stderr.decode(errors="replace").strip()
+        output, errors = done.stdout, done.stderr.decode(errors="replace").strip()
         failed, late = done.returncode != 0, False
-    except subprocess.TimeoutExpired as reason:
-        said, told, failed, late = reason.stdout or b"", "", False, True
-    hear(said.decode(errors="replace").splitlines(), contest)
-    if failed and ("ModuleNotFoundError" in told or "No module named" in told):
+    except subprocess.TimeoutExpired as timeout:
+        output, errors, failed, late = timeout.stdout or b"", "", False, True
+    collect(output.decode(errors="replace").splitlines(), contest)
+    if failed and ("ModuleNotFoundError" in errors or "No module named" in errors):
         contest.missing[name] = f"not installed: pip install {PEERS[name].package}"
     elif failed:
-        contest.missing[name] = told.splitlines()[-1] if told else "its process failed"
+        contest.missing[name] = errors.splitlines()[-1] if errors else "its process failed"
     elif late:
-        what = "tighter settings were not run" if contest.of(name) else "no answer"
-        contest.missing[name] = f"{what} in {LIMIT:g} s"
+        reason = "tighter settings were not run" if contest.of(name) else "no answer"
+        contest.missing[name] = f"{reason} in {LIMIT:g} s"
     elif not contest.of(name):
         contest.missing[name] = "its process ended without an answer"
 
 
-def hear(lines: Sequence[str], contest: Contest) -> None:
-    """What a process said; lines that are not its own, and one cut short, are left out."""
+def collect(lines: Sequence[str], contest: Contest) -> None:
+    """Points and versions from the output of a process; other and incomplete lines are ignored."""
     for line in lines:
         try:
-            said = json.loads(line)
+            entry = json.loads(line)
         except json.JSONDecodeError:
             continue
-        if isinstance(said, dict) and "point" in said:
-            contest.points.append(Point(**said["point"]))
-        elif isinstance(said, dict):
-            contest.versions |= said.get("versions", {})
+        if isinstance(entry, dict) and "point" in entry:
+            contest.points.append(Point(**entry["point"]))
+        elif isinstance(entry, dict):
+            contest.versions |= entry.get("versions", {})

@@ -1,4 +1,4 @@
-"""What a contest says: a table, and sentences on its bars."""
+"""A contest as a table, and sentences on its bars."""
 
 import math
 
@@ -8,7 +8,7 @@ from benchmarks.problems import PROBLEMS
 from benchmarks.report import Report, verdict
 
 CLOSE = 1e-3
-"""rad that a crank may leave the first before it is on another branch."""
+"""Largest angle between a crank and the first on the same branch, rad."""
 OVER_FLOOR = {
     "slider_crank": {"reduced": 1.5, "cartesian": 3.0},
     "andrews": {"reduced": 2.0},
@@ -21,7 +21,7 @@ HEADINGS = (
     "ms to 1e-9",
     "least error",
     "over the floor",
-    "over ours",
+    "over linkwright",
 )
 
 
@@ -81,7 +81,7 @@ def finite(times: list[float]) -> dict[str, float | None]:
 
 
 def fastest(contest: Contest, name: str, target: float) -> float:
-    """The best time of ours or of the floors, at the contest's pace."""
+    """The best time of a contestant, ms."""
     return contest.least(name, target)[0]
 
 
@@ -96,40 +96,42 @@ def factors(contest: Contest, times: list[float], name: str, other: str) -> str:
 
 
 def bars(contest: Contest) -> list[str]:
-    """The sentences on ours over the floor, and on the tools over ours."""
-    told = []
+    """Sentences on this program over the floor, and on the tools over this program."""
+    sentences: list[str] = []
     for method, bar in OVER_FLOOR.get(contest.problem, {}).items():
         for target in TARGETS:
             ratio = time_to(target, contest.of(OURS, method)) / time_to(
                 target, contest.of(FLOOR, "floor")
             )
-            told.append(verdict(f"{method} to {target:.0e}, in times of the floor:", ratio, bar))
+            sentences.append(
+                verdict(f"{method} to {target:.0e}, in times of the floor:", ratio, bar)
+            )
     for name, method, target, bar in over_tools(contest.problem):
         if contest.of(name):
             factor = contest.factor(name, OURS, method, target)
             if math.isinf(factor):
-                told.append(not_reached(contest, name, method, target))
+                sentences.append(not_reached(contest, name, method, target))
             else:
                 holds = "holds" if factor >= bar else "is missed"
-                told.append(
+                sentences.append(
                     f"{name} to {target:.0e}, in times of {method}: {factor:.0f}; the bar of "
                     f"{bar:g} {holds}."
                 )
-    return told
+    return sentences
 
 
 def not_reached(contest: Contest, name: str, method: str, target: float) -> str:
-    """That a tool stays short of an error, and what the least that it reaches costs it."""
+    """Sentence on a tool that does not reach an error, with its time to its least error."""
     why = f" ({contest.missing[name]})" if name in contest.missing else ""
-    told = f"{name} does not reach {target:.0e}{why}; {method} does."
+    sentence = f"{name} does not reach {target:.0e}{why}; {method} does."
     least = min(
         (error for line in series(contest.of(name)).values() for error, _ in reliable(line)),
         default=math.inf,
     )
     factor = contest.factor(name, OURS, method, least) if math.isfinite(least) else math.inf
     if math.isfinite(factor):
-        told += f" To {least:.0e}, its least error, it takes {factor:.0f} times as long."
-    return told
+        sentence += f" To {least:.0e}, its least error, it takes {factor:.0f} times as long."
+    return sentence
 
 
 def over_tools(problem: str) -> list[tuple[str, str, float, float]]:
@@ -149,22 +151,22 @@ def over_tools(problem: str) -> list[tuple[str, str, float, float]]:
 
 
 def conditions(contest: Contest) -> list[str]:
-    """What else was checked, and how fast the machine was."""
-    told = []
+    """Further checks, and the pace of the machine."""
+    sentences: list[str] = []
     for what, value in contest.checks.items():
         if what.startswith("cranks"):
             side = "the right branch throughout" if value < CLOSE else "another branch"
-            told.append(f"{what}: {value:.1e} rad, {side}.")
+            sentences.append(f"{what}: {value:.1e} rad, {side}.")
         else:
-            told.append(f"error of the {what}: {value:.1e} of its range.")
-    told += [
+            sentences.append(f"error of the {what}: {value:.1e} of its range.")
+    sentences += [
         f"{name} has not all its points: {reason}."
         for name, reason in contest.missing.items()
         if contest.of(name)
     ]
     paces = ", ".join(f"{name} {pace:.2f}" for name, pace in contest.paces.items())
-    told.append(f"Pace, ms of the slider-crank's floor at 1e-9 about each run: {paces}.")
+    sentences.append(f"Pace, ms of the slider-crank's floor at 1e-9 about each run: {paces}.")
     tools = ", ".join(f"{name} {version}" for name, version in contest.versions.items())
     if tools:
-        told.append(f"Tools: {tools}.")
-    return told
+        sentences.append(f"Tools: {tools}.")
+    return sentences

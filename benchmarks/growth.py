@@ -1,4 +1,4 @@
-"""Growth with size: what another bar costs, in operations, nanoseconds, and seconds of building."""
+"""Growth with size: operations, nanoseconds, and seconds of building by number of bars."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -10,13 +10,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import solve_ivp
 
-from benchmarks import ours
+from benchmarks import linkwright_runs
 from benchmarks.chain import SCENE, chain
-from benchmarks.ours import Entry
+from benchmarks.kernel_timing import interleaved, many_solutions, no_solution
+from benchmarks.linkwright_runs import Entry
 from benchmarks.precision import time_to
 from benchmarks.problems import GRAVITY, Problem, n_four_bar
 from benchmarks.report import Report, records
-from benchmarks.timing import interleaved, many_solutions, no_solution
 from codegen.artefact import companion_path, import_generated
 from models.hard.n_four_bar import n_four_bar as loops_of
 from runtime import Machine, load
@@ -35,7 +35,7 @@ class Row:
     Attributes
     ----------
     family, size, formulation
-        Which.
+        Of the machine, and of its equations.
     operations
         Of a call of `accelerations`.
     nanoseconds
@@ -46,7 +46,7 @@ class Row:
     milliseconds
         To an error of `TARGET`; infinite where it is not reached.
     note
-        Why a run ended before its end, if it did.
+        Why a run failed, if it did.
     """
 
     family: str
@@ -111,13 +111,13 @@ def kernel(machine: Machine, formulation: str, count: int, repeats: int) -> tupl
     random = np.random.default_rng(1)
     places = q + 1e-3 * random.normal(size=(STATES, len(q)))
     rates = v + 1e-3 * random.normal(size=places.shape)
-    held = np.zeros((STATES, 0), dtype=np.int64)
+    modes = np.zeros((STATES, 0), dtype=np.int64)
     # The empty loop writes and reads the third entry, which one angle alone has not.
     a, lam = np.zeros(max(3, len(q))), np.zeros(rows)
     if len(q) < len(a):
         places, rates = (np.pad(x, ((0, 0), (0, len(a) - len(q)))) for x in (places, rates))
     runs = {
-        name: lambda n, call=call: many_solutions(call, n, places, rates, p, held, a, lam)
+        name: lambda n, call=call: many_solutions(call, n, places, rates, p, modes, a, lam)
         for name, call in (("kernel", kernels.accelerations), ("loop", no_solution))
     }
     best = interleaved(runs, count, repeats)
@@ -128,7 +128,7 @@ def kernel(machine: Machine, formulation: str, count: int, repeats: int) -> tupl
 def built(entry: Entry, formulation: str, folder: Path) -> tuple[Machine, float]:
     """The machine with the kernels of a formulation, and how long they took to build."""
     began = time.perf_counter()
-    machine = ours.machine_of(entry, folder)
+    machine = linkwright_runs.machine_of(entry, folder)
     if formulation == "reduced":
         began = time.perf_counter()
         _ = machine.mechanism.reduced.kernels
@@ -140,12 +140,12 @@ def measure(family: str, sizes: Sequence[int], folder: Path, quick: bool) -> lis
     rows = []
     for size in sizes:
         entry = FAMILIES[family](size)
-        for formulation in reversed(ours.FORMULATIONS):
+        for formulation in reversed(linkwright_runs.FORMULATIONS):
             machine, seconds = built(entry, formulation, folder)
             counted, cost = kernel(machine, formulation, *((2_000, 2) if quick else (50_000, 7)))
             rounds = 1 if quick else 4
             alone = replace(entry, formulations=(formulation,))
-            points = ours.measure(alone, folder, rounds, TOLERANCES, machine)
+            points = linkwright_runs.measure(alone, folder, rounds, TOLERANCES, machine)
             note = next((point.note for point in points if point.note), "")
             took = time_to(TARGET, points)
             rows.append(Row(family, size, formulation, counted, cost, seconds, took, note))
@@ -178,9 +178,11 @@ def reports(quick: bool, out: Path) -> list[Report]:
     ]
     headings = ("machine", "formulation", "size", "operations", "ns", "build, s", "ms to 1e-6")
     title = "growth with size: a chain of bars, and parallel four-bars in a row"
-    told = ["build, s: that of reduced coordinates comes on top of that of cartesian ones."]
-    told += [exponent(rows, family, way) for family in FAMILIES for way in ours.FORMULATIONS]
-    return [Report("growth", title, headings, cells, told, records(rows), 2)]
+    sentences = ["build, s: that of reduced coordinates comes on top of that of cartesian ones."]
+    sentences += [
+        exponent(rows, family, way) for family in FAMILIES for way in linkwright_runs.FORMULATIONS
+    ]
+    return [Report("growth", title, headings, cells, sentences, records(rows), 2)]
 
 
 def exponent(rows: Sequence[Row], family: str, formulation: str) -> str:

@@ -9,10 +9,8 @@ from types import ModuleType
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.counting import operations
 from benchmarks.hand import slider_crank as hand
-from benchmarks.states import turn_of_the_crank
-from benchmarks.timing import (
+from benchmarks.kernel_timing import (
     interleaved,
     many_positions,
     many_solutions,
@@ -21,6 +19,8 @@ from benchmarks.timing import (
     no_solution,
     no_velocity,
 )
+from benchmarks.operation_counts import operations
+from benchmarks.states import turn_of_the_crank
 from codegen import build
 from codegen.artefact import import_generated
 

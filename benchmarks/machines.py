@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import timing
+from benchmarks import kernel_timing
 from benchmarks.hand import linkages, quick_return, slider_crank
 from benchmarks.twins import Array, Generated, States, Twin, generate, run_of
 from runtime import load
@@ -126,8 +126,8 @@ def measure(machines: Sequence[Machine], folder: Path, count: int, repeats: int)
     for machine, one in made.items():
         where = states(machine, one)
         runs[machine.name] = run_of(KERNEL, one.module.accelerations, where, one.p)
-        runs[f"{machine.name} loop"] = run_of(KERNEL, timing.no_solution, where, one.p)
-    best = timing.interleaved(runs, count, repeats)
+        runs[f"{machine.name} loop"] = run_of(KERNEL, kernel_timing.no_solution, where, one.p)
+    best = kernel_timing.interleaved(runs, count, repeats)
     rows = []
     for machine, one in made.items():
         number, weighted = one.counts[KERNEL]

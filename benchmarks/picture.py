@@ -1,4 +1,4 @@
-"""Work and precision of a contest, and growth with size, as pictures."""
+"""The work-precision diagram of a contest."""
 
 import math
 from collections.abc import Sequence
@@ -45,8 +45,8 @@ def draw(contest: Contest, path: Path) -> Path:
     axes.axvspan(problem.trusted, 1e-18, color="#f1f1f1", zorder=-1)
     axes.grid(True, which="major", color="#eeeeee")
     axes.set_axisbelow(True)
-    axes.set_title(f"{problem.title}: what an error costs", loc="left")
-    beside(axes, labels)
+    axes.set_title(f"{problem.title}: time to an error", loc="left")
+    label_ends(axes, labels)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -80,14 +80,14 @@ def look(name: str, method: str) -> dict[str, object]:
     }
 
 
-def beside(axes: object, labels: Sequence[tuple[float, float, str, object]]) -> None:
+def label_ends(axes: object, labels: Sequence[tuple[float, float, str, object]]) -> None:
     """Names at the right edge at the heights of the lines' ends, kept apart from one another."""
     low, high = axes.get_ylim()  # type: ignore[attr-defined]
     span = math.log(high / low)
     gap, heights = 0.045, []
     for time, *_ in sorted(labels):
-        wanted = math.log(time / low) / span
-        heights.append(max(wanted, heights[-1] + gap) if heights else wanted)
+        height = math.log(time / low) / span
+        heights.append(max(height, heights[-1] + gap) if heights else height)
     over = max(heights[-1] - 1.0, 0.0) if heights else 0.0
     for (_, _, text, colour), height in zip(sorted(labels), heights, strict=True):
         axes.text(  # type: ignore[attr-defined]

@@ -1,37 +1,39 @@
-"""Work and precision: what a contestant needs for an error, and time taken so that it can be told.
+"""Work-precision of the contestants: their points, and their times to an error.
 
-Every contestant runs a grid of settings. Errors fall by luck where two errors cancel, so a point
-counts with the largest error that any tighter setting of its series has; the time to an error is
-read off the line through such points, logarithm over logarithm, and not beyond its ends.
+Every contestant runs a grid of settings. Errors are small by luck where two errors cancel, so a
+point counts with the largest error of any tighter setting of its series; the time to an error is
+interpolated between such points, logarithm over logarithm, and not extrapolated.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from time import process_time
-from typing import Any
+from typing import TypeVar
+
+from runtime.studies.timing import processor_time, time_to_error
+
+Answer = TypeVar("Answer")
 
 ENOUGH = 0.5
-"""Seconds of repeats of one point, after which no more are made."""
+"""Seconds of runs of one point, after which it is not repeated."""
 
 
 @dataclass(frozen=True)
 class Point:
-    """A setting, and what it gave.
+    """A setting, its error and its time.
 
     Attributes
     ----------
     contestant, method, setting
-        Whose, by which method, and its tolerance or step.
+        Tool, method, and tolerance or step.
     error
         Largest difference from the reference, rad.
     milliseconds
         Of the integration alone, the least of several.
     evaluations
-        Of the right-hand side, or steps where a method has none; 0 where it was not told.
+        Of the right-hand side, or steps where a method has none; 0 where unknown.
     note
-        What went wrong, if anything; such a point is no answer.
+        The failure, if any; such a point is no answer.
     """
 
     contestant: str
@@ -57,7 +59,7 @@ def series(points: Sequence[Point]) -> dict[tuple[str, str], list[Point]]:
 
 
 def reliable(points: Sequence[Point]) -> list[tuple[float, float]]:
-    """(error, milliseconds), errors without luck, from the largest error to the least."""
+    """(error, milliseconds) without lucky errors, from the largest error to the least."""
     worst, kept = 0.0, []
     for point in sorted((p for p in points if p.right), key=lambda point: point.setting):
         if point.error >= worst:
@@ -67,24 +69,16 @@ def reliable(points: Sequence[Point]) -> list[tuple[float, float]]:
 
 
 def time_to(error: float, points: Sequence[Point]) -> float:
-    """Milliseconds in which one series reaches an error; infinite where it does not.
+    """Milliseconds in which one series reaches an error; infinite if it does not.
 
-    Where its loosest setting is better than was asked, that setting's time.
+    If its loosest setting is better than the error, the time of that setting.
     """
-    line = reliable(points)
-    if not line or line[-1][0] > error:
-        return math.inf
-    if line[0][0] <= error:
-        return line[0][1]
-    for (larger, quick), (less, slow) in pairwise(line):
-        if less <= error <= larger:
-            share = math.log(larger / error) / math.log(larger / less)
-            return math.exp((1.0 - share) * math.log(quick) + share * math.log(slow))
-    return math.inf
+    milliseconds = time_to_error(reliable(points), error)
+    return math.inf if milliseconds is None else milliseconds
 
 
 def best_time(error: float, points: Sequence[Point]) -> tuple[float, str]:
-    """The least time of all methods of a contestant, and which method it was."""
+    """The least time of all methods of a contestant, and its method."""
     times = {method: time_to(error, line) for (_, method), line in series(points).items()}
     if not times:
         return math.inf, ""
@@ -92,26 +86,14 @@ def best_time(error: float, points: Sequence[Point]) -> tuple[float, str]:
     return times[method], method
 
 
-def interleaved(runs: Mapping[Any, Callable[[], float]], repeats: int) -> dict[Any, float]:
-    """Least seconds of each, taken in turns; a run answers its own seconds."""
-    best = dict.fromkeys(runs, math.inf)
-    for _ in range(repeats + 1):
-        for name, run in runs.items():
-            best[name] = min(best[name], run())
-    return best
-
-
-def least(run: Callable[[], Any], repeats: int = 5) -> tuple[float, Any]:
+def least(run: Callable[[], Answer], repeats: int = 5) -> tuple[float, Answer]:
     """Least milliseconds of processor time of a run, and its answer.
 
-    At most `repeats` times, or as is enough.
+    It is repeated until it took `ENOUGH`, and `repeats` times at most.
     """
-    best, spent, answer = math.inf, 0.0, None
-    for _ in range(repeats):
-        started = process_time()
-        answer = run()
-        seconds = process_time() - started
-        best, spent = min(best, seconds), spent + seconds
-        if spent > ENOUGH:
-            break
-    return best * 1e3, answer
+    times: list[float] = []
+    while True:
+        answer, seconds = processor_time(run)
+        times.append(seconds)
+        if sum(times) > ENOUGH or len(times) >= repeats:
+            return min(times) * 1e3, answer

@@ -1,4 +1,4 @@
-"""What was measured, as a table on the terminal and as JSON and Markdown files."""
+"""Measurements as a table on the terminal and as JSON and Markdown files."""
 
 import json
 import platform
@@ -10,6 +10,8 @@ from typing import Any
 
 from rich.console import Console
 from rich.table import Table
+
+from runtime.studies.work_precision.json_records import processor
 
 LIBRARIES = ("linkwright", "numba", "numpy", "scipy", "sympy")
 console = Console(width=110, highlight=False)
@@ -26,9 +28,9 @@ class Report:
     title, headings, cells
         The table; the first `words` columns are words, the others numbers.
     verdicts
-        What follows from it, in sentences.
+        Conclusions, in sentences.
     records
-        All that was found, for the JSON file.
+        All rows, for the JSON file.
     """
 
     name: str
@@ -72,8 +74,8 @@ def markdown(report: Report) -> str:
     rows = [report.headings, signs, *report.cells]
     table = "\n".join(f"| {' | '.join(row)} |" for row in rows)
     made_with = ", ".join(f"{name} {value}" for name, value in versions().items())
-    told = "".join(f"- {sentence}\n" for sentence in report.verdicts)
-    parts = (f"# {report.title}\n", f"{table}\n", told, f"Measured with {made_with}.\n")
+    sentences = "".join(f"- {sentence}\n" for sentence in report.verdicts)
+    parts = (f"# {report.title}\n", f"{table}\n", sentences, f"Measured with {made_with}.\n")
     return "\n".join(part for part in parts if part)
 
 
@@ -94,20 +96,11 @@ def finish(report: Report, folder: Path) -> None:
 
 
 def versions() -> dict[str, str]:
-    """What the numbers were measured with."""
-    found = {"python": platform.python_version(), "processor": _processor()}
+    """Versions of Python and libraries, and the processor: name → text."""
+    found = {"python": platform.python_version(), "processor": processor()}
     for name in LIBRARIES:
         try:
             found[name] = version(name)
         except PackageNotFoundError:
             found[name] = "source tree"
     return found
-
-
-def _processor() -> str:
-    information = Path("/proc/cpuinfo")
-    if information.is_file():
-        for line in information.read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.processor() or platform.machine()

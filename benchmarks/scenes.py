@@ -1,11 +1,11 @@
-"""What leaving out is worth: two scenes of one machine, by operations and by time."""
+"""Savings by leaving out outputs and effects: scenes of one machine, operations and times."""
 
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from benchmarks.timing import interleaved, many_solutions, no_solution
+from benchmarks.kernel_timing import interleaved, many_solutions, no_solution
 from codegen.model_file import read_model
 from models.coil_spring import machine as spring
 from runtime import Machine, load
@@ -18,7 +18,7 @@ FASTER = 1.3
 
 @dataclass(frozen=True)
 class Row:
-    """A question, and a scene in which it was asked."""
+    """A question, a scene that answers it, and its cost."""
 
     question: str
     scene: str
@@ -28,7 +28,7 @@ class Row:
 
 
 def kernels(folder: Path, count: int, repeats: int) -> tuple[Row, ...]:
-    """Accelerations of the quick return and of the compressor, in scenes that ask for less."""
+    """Accelerations of quick return and compressor, in scenes with fewer outputs or effects."""
     crank = read_model("slider_crank").model
     compressor = crank.scene("compressor")
     machines = [
@@ -58,10 +58,10 @@ def _solutions(machine: Machine, kernel):  # type: ignore[no-untyped-def]  # num
     start, random = machine.assemble(), np.random.default_rng(1)
     states = start.q + 1e-3 * random.normal(size=(STATES, len(start.q)))
     rates = start.v + 1e-3 * random.normal(size=states.shape)
-    held = np.zeros((STATES, len(machine.description.switches)), dtype=np.int64)
+    modes = np.zeros((STATES, len(machine.description.switches)), dtype=np.int64)
     p, lam = machine.parameter_values(), np.zeros(len(machine.constraints))
     a = np.zeros(len(start.q))
-    return lambda count: many_solutions(kernel, count, states, rates, p, held, a, lam)
+    return lambda count: many_solutions(kernel, count, states, rates, p, modes, a, lam)
 
 
 def springs(folder: Path, repeats: int, masses: int = MASSES) -> tuple[Row, ...]:

@@ -23,8 +23,8 @@ def consistent(phi: Array, omega: Array, length: float) -> tuple[Array, Array]:
 def modes_at(q: Array, v: Array) -> npt.NDArray[np.int64]:
     """The gas force's modes in the order of the generated module, (states × 4)."""
     x, vx = q[:, 6], v[:, 6]
-    held = np.stack([x < 1.5, x <= 5, x <= 5.5, vx > 0], axis=1)
-    return np.ascontiguousarray(held.astype(np.int64))
+    modes = np.stack([x < 1.5, x <= 5, x <= 5.5, vx > 0], axis=1)
+    return np.ascontiguousarray(modes.astype(np.int64))
 
 
 def turn_of_the_crank(count: int, length: float) -> tuple[Array, Array, npt.NDArray[np.int64]]:

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks import timing
-from benchmarks.counting import cost, operations
+from benchmarks import kernel_timing
+from benchmarks.operation_counts import cost, operations
 from codegen import Model
 from codegen.artefact import import_generated
-from codegen.driver import Clock, origin, read_model, sound_scenes, translate
+from codegen.driver import Clock, origin, read_model, translate, valid_scenes
 from codegen.emit.module import module_text
-from codegen.generated_files.atomic_write import write_if_changed
+from codegen.generated_files.generated_file import write_if_changed
 from codegen.lower import operation_count as ledger
 
 Array = npt.NDArray[np.float64]
@@ -25,10 +25,10 @@ RESOLUTION = 1.0
 OUTPUTS = 64
 """Room for what any kernel here writes."""
 LOOPS: dict[str, tuple[Any, Any]] = {
-    "jacobian": (timing.many_positions, timing.no_position),
-    "acceleration_rhs": (timing.many_velocities, timing.no_velocity),
-    "applied_forces": (timing.many_forces, timing.no_force),
-    "accelerations": (timing.many_solutions, timing.no_solution),
+    "jacobian": (kernel_timing.many_positions, kernel_timing.no_position),
+    "acceleration_rhs": (kernel_timing.many_velocities, kernel_timing.no_velocity),
+    "applied_forces": (kernel_timing.many_forces, kernel_timing.no_force),
+    "accelerations": (kernel_timing.many_solutions, kernel_timing.no_solution),
 }
 
 
@@ -106,7 +106,7 @@ class Row:
 def generate(model: Model | str, scene: str, kernels: Sequence[str], folder: Path) -> Generated:
     """The kernels asked for, and no others, so that nothing is compiled that is not measured."""
     file = read_model(model)
-    chosen = sound_scenes(file.model, scene)[0]
+    chosen = valid_scenes(file.model, scene)[0]
     equations, lowered, _ = translate(file.model, chosen, Clock({}, lambda message: None, ""))
     program = lowered.program
     wanted = tuple(k for k in program.kernels if k.name in ("constants", *kernels))
@@ -125,12 +125,12 @@ def call(name: str, kernel: Any, states: States, k: int, p: Array) -> Array:
     out, lam = np.zeros(OUTPUTS), np.zeros(OUTPUTS)
     q, v, modes = states.q[k], states.v[k], states.modes[k]
     if name == "jacobian":
-        kernel(timing.TIME, q, p, out)
+        kernel(kernel_timing.TIME, q, p, out)
     elif name == "acceleration_rhs":
-        kernel(timing.TIME, q, v, p, out)
+        kernel(kernel_timing.TIME, q, v, p, out)
     elif name == "applied_forces":
-        kernel(timing.TIME, q, v, p, modes, out)
-    elif weak := kernel(timing.TIME, q, v, p, modes, out, lam):
+        kernel(kernel_timing.TIME, q, v, p, modes, out)
+    elif weak := kernel(kernel_timing.TIME, q, v, p, modes, out, lam):
         raise ArithmeticError(f"{name}: pivot {weak} is weak at q = {q}")
     return out
 
@@ -155,7 +155,7 @@ def measure(twins: Sequence[Twin], count: int, repeats: int) -> tuple[Row, ...]:
         sides = (("generated", ours, twin.p), ("hand", twin.hand, twin.hand_p))
         sides += (("loop", LOOPS[twin.kernel][1], twin.p),)
         runs = {side: run_of(twin.kernel, kernel, twin.states, p) for side, kernel, p in sides}
-        best = timing.interleaved(runs, count, repeats)
+        best = kernel_timing.interleaved(runs, count, repeats)
         net = {name: best[name] - best["loop"] for name in ("generated", "hand")}
         number, weighted = twin.generated.counts[twin.kernel]
         rows.append(

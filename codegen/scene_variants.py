@@ -5,7 +5,7 @@ from pathlib import Path
 
 from codegen.declare.path_points import TRACKED
 from codegen.declare.scene import Scene
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from codegen.model import Model
 from codegen.model.couplers import FORMS
 from codegen.model.fidelities import NONE
@@ -51,7 +51,7 @@ def declared(model: str | Path | Model, scene: str | Scene | None) -> tuple[Mode
         As `build` does.
     """
     read = read_model(model).model
-    return read, sound_scenes(read, scene)[0]
+    return read, valid_scenes(read, scene)[0]
 
 
 def variants(model: Model, scene: Scene, *, fidelities: bool = True) -> tuple[Variant, ...]:

@@ -1,6 +1,6 @@
-"""The one door to a machine: find its generated module, check it, rebuild it if need be, load it.
+"""Loading of a machine: locate its generated module, check it, and rebuild it if stale or missing.
 
-The code generator (and with it SymPy) is imported only where a module is missing or stale.
+The code generator (and with it SymPy) is imported only for a build.
 """
 
 import ast
@@ -65,8 +65,8 @@ def load(
     from runtime.mechanism.mechanism import Mechanism
 
     description = describe(module)
-    made = None if scene is None or isinstance(scene, str) else scene
-    origin = Origin(source, made or description.scene, path, digest)
+    declared = None if scene is None or isinstance(scene, str) else scene
+    origin = Origin(source, declared or description.scene, path, digest)
     return Machine(Mechanism(description, gather(module), path, origin))
 
 
@@ -84,8 +84,8 @@ class _Place(NamedTuple):
 
 def _library(package: str) -> Path | None:
     """Folder of one of the library's own packages, without importing it."""
-    beside = Path(__file__).resolve().parent.parent / package
-    return beside if beside.is_dir() else None
+    folder = Path(__file__).resolve().parent.parent / package
+    return folder if folder.is_dir() else None
 
 
 def _locate(model: str, folder: Path) -> _Place:
@@ -102,9 +102,9 @@ def _locate(model: str, folder: Path) -> _Place:
             f"There is no model {model!r}: looked for {' and '.join(map(str, tried))}."
             + _models_nearby(model, [path.parent for path in tried])
         )
-    own = _library("generated")
-    if library is not None and own is not None and found.is_relative_to(library.resolve()):
-        return _Place(found, own)
+    generated = _library("generated")
+    if library is not None and generated is not None and found.is_relative_to(library.resolve()):
+        return _Place(found, generated)
     return _Place(found, folder / "generated")
 
 
@@ -127,12 +127,12 @@ def _models_nearby(model: str, folders: list[Path]) -> str:
 
 def _fresh_module(place: _Place, scene: "str | Scene | None") -> tuple[Path, str]:
     """A generated module that agrees with the model file, and its hash; built if there is none."""
-    wanted = scene if scene is not None else _first_scene(place.model)
-    if isinstance(wanted, str):
-        path = place.generated / f"{place.model.stem}__{wanted}.py"
+    name = scene if scene is not None else _first_scene(place.model)
+    if isinstance(name, str):
+        path = place.generated / f"{place.model.stem}__{name}.py"
         if path.is_file():
             text = path.read_text(encoding="utf-8")
-            check_signature(path, text, place.rebuild(wanted))
+            check_signature(path, text, place.rebuild(name))
             if _sources_match(path, text, place.model):
                 return path, hashlib.sha256(text.encode()).hexdigest()
     return _build(place.model, scene, place.generated)

@@ -183,11 +183,11 @@ class Machine(MechanismTables):
         t_start
             First instant in s; that of `start` where one is given.
         method
-            "dop853" (default) or "dopri5", explicit. "radau5" or "bdf", implicit, for stiff
-            equations: contacts and springs much stiffer than the motion is fast; "radau5" also
-            where these vibrate. "auto" starts with "dop853" and changes to an implicit method where
-            the equations are stiff, and back. All but the first two take exact derivatives, built
-            when they are first needed.
+            "dop853" (default), of order 8, "dopri5" or "tsit5", of order 5, explicit. "radau5" or
+            "bdf", implicit, for stiff equations: contacts and springs much stiffer than the motion
+            is fast; "radau5" also where these vibrate. "auto" starts with "dop853" and changes to
+            an implicit method where the equations are stiff, and back. The last three take exact
+            derivatives, built when they are first needed.
         rtol, atol
             Tolerances of a step: `atol` + `rtol` (1e-8 by default) times the value, for each
             coordinate and velocity; `atol` in m, rad, m/s, rad/s. By default `atol` is `rtol` times

@@ -1,7 +1,6 @@
-"""Compile the runtime into numba's cache, where it is not there yet.
+"""Compilation of the runtime into numba's cache ahead of the first run.
 
-It takes half a minute, once an installation; whoever runs a machine for the first time would wait
-for it then.
+It takes half a minute once an installation, which the first run would otherwise wait for.
 """
 
 from importlib import import_module
@@ -20,7 +19,7 @@ SOMETIMES = ("runtime.statics.kinetic_damping",)
 
 
 def warm(*methods: str) -> None:
-    """Compile what every run needs, and the methods named; without names, everything."""
+    """Compile the modules of every run, and the methods named; without names, all modules."""
     for name in ALWAYS if methods else (*ALWAYS, *SOMETIMES):
         import_module(name)
     for method in methods or METHODS:

@@ -1,4 +1,4 @@
-"""Telling a person how far a long analysis has come."""
+"""A progress bar for a long analysis."""
 
 import sys
 import time
@@ -7,11 +7,11 @@ from contextlib import contextmanager
 
 Progress = Callable[[float], None]
 
-_PATIENCE = 1.0  # s that pass before a bar is shown
+PATIENCE = 1.0  # measured: seconds until a bar is shown
 
 
 def silent(fraction: float) -> None:
-    """Report to nobody."""
+    """Show nothing."""
 
 
 @contextmanager
@@ -30,7 +30,7 @@ def bar(title: str, wanted: bool = True) -> Iterator[Progress]:
 
     def report(fraction: float) -> None:
         nonlocal started
-        if not started and time.monotonic() - began > _PATIENCE:
+        if not started and time.monotonic() - began > PATIENCE:
             shown.start()
             started = True
         if started:

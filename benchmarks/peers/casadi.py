@@ -8,7 +8,7 @@ import casadi
 
 from benchmarks.equations import solvers
 from benchmarks.floor.arithmetic import in_terms_of
-from benchmarks.peers.telling import TOLERANCES, main, point
+from benchmarks.peers.protocol import TOLERANCES, main, point
 from benchmarks.problems import Problem
 
 MATHEMATICS = SimpleNamespace(sin=casadi.sin, cos=casadi.cos, sqrt=casadi.sqrt)

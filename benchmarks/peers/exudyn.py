@@ -28,7 +28,7 @@ from exudyn.itemInterface import (
 )
 
 from benchmarks.floor import andrews, slider_crank
-from benchmarks.peers.telling import TOLERANCES, main, sweep
+from benchmarks.peers.protocol import TOLERANCES, main, sweep
 from benchmarks.problems import GRAVITY, Problem
 
 Vector = tuple[float, float]

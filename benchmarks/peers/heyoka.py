@@ -8,7 +8,7 @@ import heyoka
 
 from benchmarks.equations import solvers
 from benchmarks.floor.arithmetic import in_terms_of
-from benchmarks.peers.telling import TOLERANCES, main, point
+from benchmarks.peers.protocol import TOLERANCES, main, point
 from benchmarks.problems import Problem
 
 MATHEMATICS = SimpleNamespace(sin=heyoka.sin, cos=heyoka.cos, sqrt=heyoka.sqrt)

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from benchmarks.floor import slider_crank
-from benchmarks.peers.telling import main, point
+from benchmarks.peers.protocol import main, point
 from benchmarks.problems import GRAVITY, Problem
 
 LONGEST = 3_000.0

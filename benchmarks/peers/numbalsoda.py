@@ -7,7 +7,7 @@ from numba import cfunc
 from numbalsoda import dop853, lsoda, lsoda_sig
 
 from benchmarks.floor import andrews, slider_crank
-from benchmarks.peers.telling import TOLERANCES, main, sweep
+from benchmarks.peers.protocol import TOLERANCES, main, sweep
 from benchmarks.problems import Problem
 
 METHODS = {"LSODA": lsoda, "DOP853": dop853}

@@ -12,7 +12,7 @@ import pinocchio as pin
 from scipy.integrate import solve_ivp
 
 from benchmarks.floor import slider_crank
-from benchmarks.peers.telling import TIGHT, TOLERANCES, main, sweep
+from benchmarks.peers.protocol import TIGHT, TOLERANCES, main, sweep
 from benchmarks.problems import GRAVITY, Problem
 
 

@@ -21,7 +21,7 @@ from sympy.physics.mechanics import (
 )
 
 from benchmarks.floor import slider_crank
-from benchmarks.peers.telling import TIGHT, main, sweep
+from benchmarks.peers.protocol import TIGHT, main, sweep
 from benchmarks.problems import GRAVITY, Problem
 
 TORQUE = sympy.Symbol("torque")

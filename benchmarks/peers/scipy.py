@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.equations import solvers
 from benchmarks.floor.arithmetic import in_terms_of
-from benchmarks.peers.telling import TOLERANCES, main, point
+from benchmarks.peers.protocol import TOLERANCES, main, point
 from benchmarks.problems import Problem
 
 MATHEMATICS = SimpleNamespace(sin=sympy.sin, cos=sympy.cos, sqrt=sympy.sqrt)

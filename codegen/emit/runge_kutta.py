@@ -44,17 +44,20 @@ def module_text(name: str, tableau: Tableau) -> str:
 
 def _imports(tableau: Tableau) -> Iterator[str]:
     limited = tableau.stability_edge is not None
-    names = ["COORDINATES", "DENSE", "ERROR", *(["PROPOSE"] if limited else []), "STAGES"]
+    names = f"COORDINATES, DENSE, ERROR, {'PROPOSE, ' if limited else ''}STAGES"
     yield from ("import numpy as np", "")
     yield "from runtime.core.dense_output import hermite_rows"
-    yield f"from runtime.core.function_table import {', '.join(names)}"
+    yield f"from runtime.core.function_table import {names}"
     yield "from runtime.core.jit import addressed"
     yield "from runtime.core.rhs import slope"
     yield "from runtime.core.signatures import Integers"
-    yield "from runtime.core.workspace import ATOL, STAGE, Y0, Y1, F, K, row_of"
+    dense = "F, " if tableau.dense else ""
+    yield f"from runtime.core.workspace import ATOL, STAGE, Y0, Y1, {dense}K, row_of"
     if limited:
-        limit = "memory, observe, restart, stable_ratio"
-        yield f"from runtime.integrate.explicit.stability_limit import {limit}"
+        yield "from runtime.integrate.explicit.stability_limit import ("
+        for name in ("memory", "observe", "permits_growth", "restart", "stable_ratio"):
+            yield f"    {name},"
+        yield ")"
     hooks = "accepted" if limited else "accepted, restart"
     yield f"from runtime.integrate.explicit.stateless import {hooks}"
     yield "from runtime.integrate.method import Method"
@@ -67,9 +70,8 @@ def _imports(tableau: Tableau) -> Iterator[str]:
 
 
 def _stages(tableau: Tableau) -> Iterator[str]:
-    used = tableau.last
     yield from _head("stages", "Take the step from Y0 with derivative K to Y1, not yet corrected.")
-    yield from _views(("y0", "y1", "z"), range(1, used + 1))
+    yield from _views(("y0", "y1", "z"), range(1, tableau.last + 1))
     yield "    taken = 0"
     for number, stage in enumerate(tableau.stages, 2):
         yield from _stage(number, stage)
@@ -98,7 +100,8 @@ def _error(tableau: Tableau) -> Iterator[str]:
         yield f"        ratio = estimate / ({scale})"
         yield "        total += ratio * ratio"
         if tableau.stability_edge is not None:
-            yield f"    observe(context, rtol, EDGE, {_row(tableau.last + 1)})"
+            yield "    if permits_growth(rtol, length, EDGE):"
+            yield f"        observe(context, {_row(tableau.last + 1)})"
         yield "    return float(np.sqrt(total / length))"
         return
     second = [*_terms(tableau.b), *_terms(tuple(-x for x in tableau.lower), first=False)]
@@ -153,10 +156,10 @@ def _record(tableau: Tableau) -> Iterator[str]:
     yield from filled("    nodes=(", items(nodes), "),")
     for name in ("beta", "safety", "shrink", "grow"):
         yield f"    {name}={getattr(tableau, name)!r},"
-    names = ["stages", "error", "dense", "propose", "accepted", "restart"]
+    for name in ("stages", "error", "dense", "propose", "accepted", "restart"):
+        yield f"    {name}={name},"
     if tableau.stability_edge is not None:
-        names.append("memory")
-    yield from (f"    {name}={name}," for name in names)
+        yield "    memory=memory,"
     yield ")"
 
 

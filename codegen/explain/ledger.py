@@ -5,7 +5,7 @@ from pathlib import Path
 
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from codegen.errors import InputError
 from codegen.explain.incremental_cost import (
     SOLUTION,
@@ -51,7 +51,7 @@ def explain(
     file = read_model(model)
     path = file.path
     found = []
-    for chosen in sound_scenes(file.model, scene):
+    for chosen in valid_scenes(file.model, scene):
         progress(f"{file.model.name}, scene {chosen.name}: deriving")
         equations = derive(file.model, chosen)
         if t_end is not None and (path is None or chosen.root is not None):

@@ -1,24 +1,24 @@
-"""What a build answers: scene by scene, the file and what a person wants to know about it."""
+"""The report of a build: for each scene the file, its counts and its times."""
 
 from dataclasses import dataclass
 from pathlib import Path
 
 from codegen.check.redundancy import Findings
 from codegen.derive.equations import Equations
-from codegen.generated_files.build_clock import File
 from codegen.generated_files.companions import COMPANIONS
+from codegen.generated_files.generated_file import File
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.operation_count import operations
 
 
 @dataclass(frozen=True)
 class CompanionReport:
-    """A file that goes with a scene's own; attributes as in `SceneReport`.
+    """A companion module; attributes as in `SceneReport`.
 
     Attributes
     ----------
     title
-        What it holds, for people.
+        Its content, for people.
     """
 
     title: str
@@ -32,7 +32,7 @@ class CompanionReport:
 
 @dataclass(frozen=True)
 class SceneReport:
-    """What was built for one scene.
+    """The files of one scene.
 
     Attributes
     ----------
@@ -43,10 +43,9 @@ class SceneReport:
     seconds
         Stage → wall time.
     tangents, reduced
-        The files of its exact derivatives and of its equations in reduced coordinates, if it has
-        them.
+        Its companion modules, if it has them: exact derivatives, reduced coordinates.
     notes
-        What a modeller should know: constraints that are redundant near the start values.
+        Remarks for the modeller: constraints that are redundant near the start values.
     """
 
     model: str
@@ -69,13 +68,13 @@ class SceneReport:
 
     @property
     def companions(self) -> tuple[CompanionReport, ...]:
-        """The files that go with its own."""
+        """Its companion modules."""
         return tuple(made for made in (self.tangents, self.reduced) if made)
 
 
 @dataclass(frozen=True)
 class BuildReport:
-    """What `build` did, scene by scene; `stale` lists the files that a check found out of date."""
+    """The result of `build`; `stale` lists the files that a check found out of date."""
 
     scenes: tuple[SceneReport, ...]
     stale: tuple[Path, ...] = ()
@@ -87,7 +86,7 @@ class BuildReport:
 
 
 def report(equations: Equations, lowered: Lowered, findings: Findings, file: File) -> SceneReport:
-    """Gather what a person wants to know about a build."""
+    """The report of one scene."""
     n = len(equations.coordinates)
     m = sum(len(c.statement.rows) for c in equations.constraints)
     program = lowered.program

@@ -1,7 +1,6 @@
-"""The files that go with a scene's own: which scenes get one, and what it holds.
+"""Companion modules of a scene: exact derivatives, and the equations in reduced coordinates.
 
-There are two kinds, the exact derivatives that implicit methods take and the equations in reduced
-coordinates. Each is written when it is asked for, and brought up to date wherever it exists.
+Each kind is written on request, and updated wherever it exists.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -14,30 +13,30 @@ from codegen.emit.module import Origin
 from codegen.emit.reduced_module import reduced_text
 from codegen.emit.tangent_module import tangents_text
 from codegen.errors import SceneError
-from codegen.generated_files.build_clock import Clock, File
+from codegen.generated_files.generated_file import Clock, File
 from codegen.lower.differentiation.tangent import tangent_program
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.operation_count import operations
 from codegen.lower.program import Program
 from codegen.reduce.reduced_kernels import reduce
 
-Made = Callable[[Lowered, Origin, str], tuple[Program, str]]
+Emit = Callable[[Lowered, Origin, str], tuple[Program, str]]
 """(scene, provenance, SHA-256 of its own module) → kernels and text."""
 
 
 @dataclass(frozen=True)
 class Companion:
-    """A kind of file.
+    """A kind of companion module.
 
     Attributes
     ----------
     name, stage
-        The word in the file's name and in ``build(..., NAME=True)``, and what making it is called.
+        The word in the file's name and in ``build(..., NAME=True)``, and the name of its stage.
     title
-        What it holds, for people.
+        Its content, for people.
     missing
-        Why a scene has none: the rest of a sentence that begins with its name; empty where it may.
-    made
+        Why a scene can have none: the rest of a sentence that begins with its name; else empty.
+    emit
         Its kernels and its text.
     """
 
@@ -45,29 +44,29 @@ class Companion:
     stage: str
     title: str
     missing: Callable[[Equations], str]
-    made: Made
+    emit: Emit
 
-    def wanted(self, equations: Equations, path: Path, asked: bool) -> bool:
-        """Whether a scene gets one: asked for now, or there from before.
+    def is_due(self, equations: Equations, path: Path, requested: bool) -> bool:
+        """Whether a scene gets one: requested now, or existing from before.
 
         Parameters
         ----------
         path
             The scene's own generated file.
         """
-        there = asked or companion_path(path, self.name).is_file()
-        return there and not self.missing(equations)
+        due = requested or companion_path(path, self.name).is_file()
+        return due and not self.missing(equations)
 
     def file(self, lowered: Lowered, provenance: Origin, main: File) -> File:
-        """Make the module that goes with a scene's own file, `main`."""
-        clock = Clock({}, main.clock.progress, main.clock.what)
+        """The companion of a scene's own file, `main`."""
+        clock = Clock({}, main.clock.progress, main.clock.title)
         with clock(self.stage):
-            program, text = self.made(lowered, provenance, main.digest)
+            program, text = self.emit(lowered, provenance, main.digest)
         counts = {kernel.name: operations(program, kernel) for kernel in program.kernels}
         return File(companion_path(main.path, self.name), text, clock, operations=counts)
 
     def refuse(self, model: str, scenes: Sequence[Equations], named: bool) -> None:
-        """Complain where it is asked for and there is none.
+        """Refuse a request for scenes that can have none.
 
         Parameters
         ----------

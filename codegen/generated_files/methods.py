@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from codegen.emit.runge_kutta import module_text
-from codegen.generated_files.atomic_write import is_current, write_if_changed
+from codegen.generated_files.generated_file import is_current, write_if_changed
 from codegen.model_file import library_folder
 from codegen.tableaus import tableaus
 

@@ -1,4 +1,4 @@
-"""Other defaults for one build: ``--set NAME=VALUE``."""
+"""Parameter overrides: other defaults for one build, ``--set NAME=VALUE``."""
 
 from collections.abc import Mapping
 from copy import copy
@@ -11,7 +11,7 @@ from codegen.model import Model
 
 
 def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
-    """A copy of the model with other defaults; every scene takes them over."""
+    """A copy of the model with other defaults, which hold in every scene."""
     problems = []
     changed = copy(model)
     changed.parameters = dict(model.parameters)
@@ -26,11 +26,13 @@ def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
             changed.parameters[name] = replace(model.parameters[name], value=value)
     if problems:
         raise ParameterError(problems)
-    changed.scenes = {name: settled(scene, settings) for name, scene in model.scenes.items()}
+    changed.scenes = {
+        name: without_overridden(scene, settings) for name, scene in model.scenes.items()
+    }
     return changed
 
 
-def settled(scene: Scene, settings: Mapping[str, float]) -> Scene:
-    """The scene without values of its own for the parameters that a build sets."""
+def without_overridden(scene: Scene, settings: Mapping[str, float]) -> Scene:
+    """The scene without its own values of the overridden parameters."""
     kept = tuple(pair for pair in scene.parameters if pair[0] not in settings)
     return replace(scene, parameters=kept)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from codegen.declare.element import Constraint
 from codegen.derive.equations import Equations, derive
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from codegen.elements.registry import Kind, kinds_of_elements
 from codegen.errors import ModelError
 from codegen.lower.kernels.scene_kernels import lower
@@ -103,7 +103,7 @@ def _compiled(example: Example) -> Iterator[str]:
 def _equations(example: Example) -> Equations:
     """Those of the first scene that the element takes part in."""
     model, element = example.model, example.element
-    for scene in sound_scenes(model, None):
+    for scene in valid_scenes(model, None):
         equations = derive(model, scene)
         names = [*(c.name for c in equations.constraints), *(e.name for e in equations.effects)]
         if element.name in names:

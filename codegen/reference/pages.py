@@ -7,7 +7,7 @@ from pathlib import Path
 from codegen.declare.names import nearest
 from codegen.elements.registry import Kind, kinds_of_elements
 from codegen.errors import GeneratedFileError, ModelError
-from codegen.generated_files.atomic_write import is_current
+from codegen.generated_files.generated_file import is_current
 from codegen.model import Model
 from codegen.reference.page import page
 

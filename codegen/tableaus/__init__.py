@@ -1,4 +1,8 @@
-"""Explicit Runge-Kutta methods as data, one file each: a method's file sets `TABLEAU`."""
+"""Explicit Runge-Kutta methods as data, one file each.
+
+A new method is a file here that sets `TABLEAU`, and one line in `runtime.integrate.method`; then
+``python -m codegen methods`` writes its code. The order conditions are tested from the data.
+"""
 
 from importlib import import_module
 from pkgutil import iter_modules

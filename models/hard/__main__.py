@@ -15,7 +15,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from models.hard.cases import CASES, GROUPS, find
 from models.hard.suite.case import Case
-from models.hard.suite.cell import WAYS, Cell, Verdict, Way, suits
+from models.hard.suite.cell import SETTINGS, Cell, Setting, Verdict, suits
 from models.hard.suite.page import markdown
 from models.hard.suite.worker import LIMIT, Worker
 
@@ -44,22 +44,22 @@ def main(
         LIMIT
     ),
 ) -> None:
-    """Run the hard cases and judge every cell."""
+    """Run the hard cases and evaluate every cell."""
     names = [case.name for case in CASES]
     for name in only or ():
         if name not in names:
             raise typer.BadParameter(f"{name!r} is none of {', '.join(names)}", param_hint="--only")
     for name in method or ():
-        if name not in {way.method for way in WAYS}:
-            known = ", ".join(dict.fromkeys(way.method for way in WAYS))
+        if name not in {setting.method for setting in SETTINGS}:
+            known = ", ".join(dict.fromkeys(setting.method for setting in SETTINGS))
             raise typer.BadParameter(f"{name!r} is none of {known}", param_hint="--method")
     cases = [case for case in CASES if case.name in (only or names)]
-    ways = [way for way in WAYS if not method or way.method in method]
+    settings = [setting for setting in SETTINGS if not method or setting.method in method]
     cells = []
     results.parent.mkdir(parents=True, exist_ok=True)
     # Written as they come: a run that is broken off leaves what it has found.
     with results.open("w", encoding="utf-8") as lines:
-        for cell in run_all(cases, ways, quick, limit):
+        for cell in run_all(cases, settings, quick, limit):
             cells.append(cell)
             lines.write(json.dumps(cell.record(), ensure_ascii=False) + "\n")
             lines.flush()
@@ -79,22 +79,24 @@ def tolerances(case: Case, quick: bool) -> tuple[float, ...]:
     return (case.tolerances[len(case.tolerances) // 2],) if quick else case.tolerances
 
 
-def run_all(cases: list[Case], ways: list[Way], quick: bool, limit: float) -> Iterator[Cell]:
+def run_all(
+    cases: list[Case], settings: list[Setting], quick: bool, limit: float
+) -> Iterator[Cell]:
     """Every cell, in the order of the page, with a bar."""
-    asked = [
-        (c, way, rtol)
+    cells = [
+        (c, setting, rtol)
         for c in cases
-        for way in ways
-        if suits(c, way)
+        for setting in settings
+        if suits(c, setting)
         for rtol in tolerances(c, quick)
     ]
     worker = Worker(find, limit)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
     with Progress(*columns, TimeElapsedColumn(), console=console, transient=True) as bar:
-        task = bar.add_task("starting", total=len(asked))
-        for case, way, rtol in asked:
-            bar.update(task, description=f"{case.name}, {way.method}, rtol {rtol:.0e}")
-            yield worker.run(case, way, rtol)
+        task = bar.add_task("starting", total=len(cells))
+        for case, setting, rtol in cells:
+            bar.update(task, description=f"{case.name}, {setting.method}, rtol {rtol:.0e}")
+            yield worker.run(case, setting, rtol)
             bar.advance(task)
     worker.close()
 
@@ -107,8 +109,8 @@ def summary(cells: list[Cell]) -> None:
             console.print(f"[bold]{count}[/] {kind}")
     for cell in cells:
         if cell.note:
-            way = f"{cell.method}, {cell.correction}, rtol {cell.rtol:.0e}"
-            console.print(f"  {cell.verdict}: {cell.case}, {way}: {cell.note}", soft_wrap=True)
+            setting = f"{cell.method}, {cell.correction}, rtol {cell.rtol:.0e}"
+            console.print(f"  {cell.verdict}: {cell.case}, {setting}: {cell.note}", soft_wrap=True)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Assembly: positions and velocities that satisfy joints, drivers and the fixed start values.
 
-Start values with the role "fixed" are held. The others are guesses: positions move as little as
+Start values with the role "fixed" are kept. The others are guesses: positions move as little as
 closing the joints allows, velocities as little as Phi_q v = nu allows.
 """
 
@@ -11,14 +11,14 @@ import numpy.typing as npt
 
 from codegen.errors import AssemblyError, RedundancyError
 from runtime.assembly.closure import CLOSED, Closing, Task, close
-from runtime.assembly.near_singular_start import beside
+from runtime.assembly.near_singular_start import start_on_branch
 from runtime.assembly.redundancy import (
     Dependency,
     Findings,
-    inspect,
-    overdetermined,
-    structural,
-    undetermined,
+    find_redundancy,
+    overdetermined_rows,
+    structural_redundancy,
+    undetermined_rows,
 )
 from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -37,13 +37,13 @@ _LARGEST = 1e100  # safety: lengths and angles above this overflow when they are
 
 
 class Start(NamedTuple):
-    """Start values as arrays: value, whether it must hold, whether anyone named it; each (n,)."""
+    """Start values as arrays, whether they are fixed, and whether they are given; each (n,)."""
 
     q: FloatArray
     v: FloatArray
     fixed_q: BoolArray
     fixed_v: BoolArray
-    named_q: BoolArray
+    given_q: BoolArray
 
 
 def start_values(mechanism: Mechanism, guess: Values | None) -> Start:
@@ -53,28 +53,28 @@ def start_values(mechanism: Mechanism, guess: Values | None) -> Start:
     v_places = {row.velocity: index for index, row in enumerate(table)}
     q, v = np.zeros(len(table)), np.zeros(len(table))
     fixed_q, fixed_v = np.zeros(len(table), np.bool_), np.zeros(len(table), np.bool_)
-    named_q = np.zeros(len(table), np.bool_)
+    given_q = np.zeros(len(table), np.bool_)
     for row in mechanism.description.start:
         if row.name in q_places:
             place = q_places[row.name]
-            q[place], fixed_q[place], named_q[place] = row.value, row.role == "fixed", True
+            q[place], fixed_q[place], given_q[place] = row.value, row.role == "fixed", True
         else:
             place = v_places[row.name]
             v[place], fixed_v[place] = row.value, row.role == "fixed"
     problems = []
     for name, value in (guess or {}).items():
-        found = number(value)
-        if found is None or not np.isfinite(found):
+        finite = number(value)
+        if finite is None or not np.isfinite(finite):
             problems.append(f"Start value {name} is {value!r}; it must be a finite number.")
         elif name in q_places:
-            q[q_places[name]], named_q[q_places[name]] = found, True
+            q[q_places[name]], given_q[q_places[name]] = finite, True
         elif name in v_places:
-            v[v_places[name]] = found
+            v[v_places[name]] = finite
         else:
             problems.append(unknown("coordinate or velocity", name, [*q_places, *v_places]))
     if problems:
         raise AssemblyError(problems)
-    return Start(q, v, fixed_q, fixed_v, named_q)
+    return Start(q, v, fixed_q, fixed_v, given_q)
 
 
 def assemble(
@@ -99,11 +99,11 @@ def assemble(
     equations = Equations(mechanism, parameter_values(mechanism, parameters))
     start = start_values(mechanism, guess)
     if release:
-        nowhere = np.zeros_like(start.fixed_q)
-        start = start._replace(fixed_q=nowhere, fixed_v=nowhere, v=np.zeros_like(start.v))
+        none = np.zeros_like(start.fixed_q)
+        start = start._replace(fixed_q=none, fixed_v=none, v=np.zeros_like(start.v))
     t = float(t)
     drivers = mechanism.description.driver_rows
-    _require_scale(equations, t, start.q, {**(guess or {}), **(parameters or {})})
+    _require_magnitude(equations, t, start.q, {**(guess or {}), **(parameters or {})})
     size = equations.size(t, start.q)
     matrix = equations.jacobian(t, start.q)
     units = equations.row_units(matrix)
@@ -114,16 +114,16 @@ def assemble(
         row_scale=np.array([1.0 if unit == "rad" else size for unit in units]),
         rows=np.ones(equations.m, dtype=np.bool_),
         free=~start.fixed_q,
-        weight=np.where(start.named_q, 1.0, _UNNAMED_WEIGHT),
+        weight=np.where(start.given_q, 1.0, _UNNAMED_WEIGHT),
     )
     closing = close(task, start.q)
     if not closing.closed:
         raise _why_open(mechanism, task, start, closing, units)
-    findings = inspect(task, closing.q, drivers, start.v)
+    findings = find_redundancy(task, closing.q, drivers, start.v)
     if any(drivers[row] for row, _ in findings.lasting):
         raise _redundancy(mechanism, findings.lasting, drivers, findings.rank, "consistent")
     v, velocity_gaps = _velocities(mechanism, task, start, closing.q)
-    near = None if findings.lasting else beside(task, closing.q, v, start.fixed_v)
+    near = None if findings.lasting else start_on_branch(task, closing.q, v, start.fixed_v)
     if near is not None:
         phi, v = equations.constraints(t, near.q), near.v
         closing = Closing(near.q, phi, closing.gap)
@@ -131,8 +131,8 @@ def assemble(
     return _report(mechanism, task, start, closing, v, velocity_gaps, findings, units)
 
 
-def _require_scale(equations: Equations, t: float, q: FloatArray, given: Values) -> None:
-    """Refuse values with which the equations leave the range of numbers."""
+def _require_magnitude(equations: Equations, t: float, q: FloatArray, given: Values) -> None:
+    """Refuse values so large that the equations lose all digits."""
     phi, matrix = equations.constraints(t, q), equations.jacobian(t, q)
     largest = max(
         float(np.abs(phi).max(initial=0.0)),
@@ -152,7 +152,7 @@ def _require_scale(equations: Equations, t: float, q: FloatArray, given: Values)
 def _velocities(
     mechanism: Mechanism, task: Task, start: Start, q: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Velocities nearest to the start values that satisfy Phi_q v = nu, and what is left of it."""
+    """Velocities nearest to the start values that satisfy Phi_q v = nu, and the residual."""
     equations, t = task.equations, task.t
     matrix, nu = equations.jacobian(t, q), equations.velocity_rhs(t, q)
     free = ~start.fixed_v
@@ -166,11 +166,11 @@ def _velocities(
     speed = max(1.0, float(np.abs(v / task.scale).max(initial=0.0)))
     if np.abs(gaps / task.row_scale).max(initial=0.0) > _VELOCITY_CLOSED * speed:
         fixed = ", ".join(
-            f"{row.velocity} = {start.v[index]:g} {row.unit}/s"
+            f"{row.velocity} = {start.v[index]:g} {row.velocity_unit}"
             for index, row in enumerate(mechanism.description.coordinates)
             if start.fixed_v[index]
         )
-        misses = _told(equations, gaps, equations.row_units(matrix), 1e-9 * speed, "/s")
+        misses = _misses(equations, gaps, equations.row_units(matrix), 1e-9 * speed, "/s")
         if not fixed:
             raise AssemblyError(
                 f"{mechanism.title}: no velocities satisfy joints and drivers at "
@@ -187,13 +187,15 @@ def _velocities(
 def _why_open(
     mechanism: Mechanism, task: Task, start: Start, closing: Closing, units: list[str]
 ) -> AssemblyError:
-    """The error that tells why the joints do not close."""
-    told = mechanism.description
-    drivers = told.driver_rows
-    doubled = structural(task, closing.q, drivers) or overdetermined(task, closing.q, drivers)
+    """The error of joints that do not close."""
+    description = mechanism.description
+    drivers = description.driver_rows
+    doubled = structural_redundancy(task, closing.q, drivers) or overdetermined_rows(
+        task, closing.q, drivers
+    )
     if doubled:
-        found = len(task.rows) - int(drivers.sum()) - len(doubled)
-        return _redundancy(mechanism, doubled, drivers, found, "contradictory", closing.phi)
+        rank = len(task.rows) - int(drivers.sum()) - len(doubled)
+        return _redundancy(mechanism, doubled, drivers, rank, "contradictory", closing.phi)
     phi, equations = closing.phi, task.equations
     if start.fixed_q.any():
         loose = close(task._replace(free=np.ones_like(task.free)), start.q)
@@ -204,8 +206,9 @@ def _why_open(
                 if start.fixed_q[index]
             )
             return AssemblyError(
-                f"{told.title}: the fixed start values contradict the joints at t = {task.t:g} s. "
-                f"Start says {fixed}; with these {_told(equations, phi, units, CLOSED)}. "
+                f"{description.title}: the fixed start values contradict the joints at t = "
+                f"{task.t:g} s. Start says {fixed}; with these "
+                f"{_misses(equations, phi, units, CLOSED)}. "
                 f'Give one of them the role "guess", or correct its value.'
             )
     if drivers.any():
@@ -213,21 +216,22 @@ def _why_open(
         joints = close(task._replace(rows=~drivers, free=free), start.q)
         if joints.closed:
             driven = close(task._replace(free=free), joints.q)
-            gaps = _told(equations, driven.phi, units, CLOSED)
-            names = ", ".join(told.drivers)
+            gaps = _misses(equations, driven.phi, units, CLOSED)
+            names = ", ".join(description.drivers)
             return AssemblyError(
-                f"{told.title}: the joints close, but not with what the drivers ({names}) demand "
-                f"at t = {task.t:g} s: {gaps}. The driver asks for a position out of reach, or "
-                f"fights the joints; change its value at this time or the dimensions."
+                f"{description.title}: the joints close, but not with what the drivers ({names}) "
+                f"demand at t = {task.t:g} s: {gaps}. The driver asks for a position out of reach, "
+                f"or fights the joints; change its value at this time or the dimensions."
             )
     return AssemblyError(
-        f"{told.title}: the machine cannot be assembled at t = {task.t:g} s; the nearest that it "
-        f"comes leaves gaps: {_told(equations, phi, units, CLOSED)}. Check the dimensions and "
-        f"attachment points of these joints, or start nearer to an assembled position."
+        f"{description.title}: the machine cannot be assembled at t = {task.t:g} s; the nearest "
+        f"that it comes leaves gaps: {_misses(equations, phi, units, CLOSED)}. Check the "
+        "dimensions and attachment points of these joints, or start nearer to an assembled "
+        "position."
     )
 
 
-def _told(
+def _misses(
     equations: Equations, values: FloatArray, units: list[str], least: float, per: str = ""
 ) -> str:
     """`joint C misses by 0.31 m, ...`, the worst first."""
@@ -242,31 +246,32 @@ def _told(
 
 def _redundancy(
     mechanism: Mechanism,
-    found: list[Dependency],
+    dependencies: list[Dependency],
     drivers: BoolArray,
     independent: int,
     kind: str,
     phi: FloatArray | None = None,
 ) -> RedundancyError:
     """The error that names dependent constraints and what to remove."""
-    told = mechanism.description
-    names = told.constraints.names
+    description = mechanism.description
+    names = description.constraints.names
     problems = []
-    for row, sources in found:
-        element = told.constraints[row].element
-        from_elements = sorted({told.constraints[source].element for source in sources})
+    for row, sources in dependencies:
+        element = description.constraints[row].element
+        from_elements = sorted({description.constraints[source].element for source in sources})
         origin = f"follows from {', '.join(from_elements)}" if from_elements else "moves nothing"
         if drivers[row]:
             problems.append(
-                f"{told.title}: driver {element} fights the joints: what it drives is already "
-                f"determined ({names[row]} {origin}). Remove {element}, or free that motion."
+                f"{description.title}: driver {element} fights the joints: what it drives is "
+                f"already determined ({names[row]} {origin}). Remove {element}, or free that "
+                "motion."
             )
             continue
         gap = "" if phi is None else f", and contradicts them (gap {abs(phi[row]):.4g})"
         problems.append(
-            f"{told.title}: constraint {names[row]} is redundant and {kind}: it {origin}{gap}. "
-            f"Remove {element}, or use a joint with fewer constraints in its place "
-            f"({len(told.coordinates)} coordinates, {len(names)} constraints, "
+            f"{description.title}: constraint {names[row]} is redundant and {kind}: it "
+            f"{origin}{gap}. Remove {element}, or use a joint with fewer constraints in its place "
+            f"({len(description.coordinates)} coordinates, {len(names)} constraints, "
             f"{independent} independent)."
         )
     return RedundancyError(problems)
@@ -287,12 +292,12 @@ def _report(
         small = 1e-9 * task.scale[index]
         pairs = (
             (row.name, start.q[index], closing.q[index], row.unit),
-            (row.velocity, start.v[index], v[index], f"{row.unit}/s"),
+            (row.velocity, start.v[index], v[index], row.velocity_unit),
         )
         moved += [
-            Moved(name, float(asked), float(reached), unit)
-            for name, asked, reached, unit in pairs
-            if abs(reached - asked) > small * max(1.0, abs(reached))
+            Moved(name, float(start_value), float(reached), unit)
+            for name, start_value, reached, unit in pairs
+            if abs(reached - start_value) > small * max(1.0, abs(reached))
         ]
     table = mechanism.description.constraints
     names = table.names
@@ -302,8 +307,8 @@ def _report(
         )
         for row, sources in findings.lasting
     )
-    lost = {found.row for found in findings.lasting}
-    shares = undetermined(task, closing.q) if redundant else ()
+    lost = {dependency.row for dependency in findings.lasting}
+    shares = undetermined_rows(task, closing.q) if redundant else ()
 
     def by_element(values: FloatArray) -> dict[str, float]:
         largest: dict[str, float] = {}
@@ -319,7 +324,7 @@ def _report(
         velocity_residual=by_element(velocity_gaps),
         moved=tuple(moved),
         degrees_of_freedom=len(mechanism.description.coordinates) - findings.rank,
-        singular=tuple(names[found.row] for found in findings.here_only),
+        singular=tuple(names[dependency.row] for dependency in findings.here_only),
         redundant=redundant,
         not_unique=tuple(dict.fromkeys(table[row].element for row in shares)),
         independent=tuple(row for row in range(len(names)) if row not in lost),

@@ -19,7 +19,7 @@ _RESTARTS = 6  # safety: random starts after the given one has failed
 
 
 class Closing(NamedTuple):
-    """Where the closing ended: q, Phi there, and the largest scaled gap."""
+    """Result of closing the joints: q, Phi there, and the largest scaled gap."""
 
     q: FloatArray
     phi: FloatArray
@@ -27,12 +27,12 @@ class Closing(NamedTuple):
 
     @property
     def closed(self) -> bool:
-        """Whether all joints hold."""
+        """Whether all joints close."""
         return self.gap <= CLOSED
 
 
 class Task(NamedTuple):
-    """What to close: which rows, which coordinates may move, and how changes are weighed."""
+    """A closure problem: active rows, free coordinates, and the weights of their changes."""
 
     equations: Equations
     t: float
@@ -54,10 +54,9 @@ class Task(NamedTuple):
 
 
 def close(task: Task, start: FloatArray) -> Closing:
-    """Close the joints from `start`, trying nearby starts where that one leads nowhere.
+    """Close the joints from `start`, with retries from nearby starts.
 
-    Only coordinates of little weight (those about whose start the user said nothing) are moved
-    in the retries.
+    The retries move only coordinates of little weight, those without a given start value.
     """
     best = _attempt(task, start)
     unknown = task.free & (task.weight < 1.0)
@@ -67,9 +66,9 @@ def close(task: Task, start: FloatArray) -> Closing:
     for _ in range(_RESTARTS):
         moved = start.copy()
         moved[unknown] += random.normal(size=int(unknown.sum())) * task.scale[unknown]
-        found = _attempt(task, moved)
-        if found.gap < best.gap:
-            best = found
+        closing = _attempt(task, moved)
+        if closing.gap < best.gap:
+            best = closing
         if best.closed:
             break
     return best
@@ -96,14 +95,14 @@ def refine(task: Task, q: FloatArray) -> FloatArray:
         moved[task.free] += x * scale
         return moved
 
-    found, _ = solve_by_newton(
+    x, _ = solve_by_newton(
         lambda x: task.gaps(at(x)), lambda x: task.slopes(at(x)), np.zeros(len(scale))
     )
-    return at(found)
+    return at(x)
 
 
 def nearest(task: Task, q: FloatArray) -> FloatArray:
-    """About the nearest position to q in which the joints close, all weighing the same."""
+    """About the nearest closed position to q, with equal weights."""
     even = task._replace(weight=np.ones_like(q))
     return _minimise(even, q, q, float(_PENALTIES[-1]))
 

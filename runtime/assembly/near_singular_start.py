@@ -1,8 +1,8 @@
-"""Starts at a singular position or beside it, where Newton's method leaves them too coarse.
+"""Starts at or near a singular configuration, where Newton's method is too inaccurate.
 
 At the distance d from a position in which motions cross, the smallest singular value of Phi_q is of
 the order of d, and Newton's method leaves a position with the error eps / d and so velocities with
-the relative error eps / d². The singular position itself is found to rounding (see
+the relative error eps / d². The singular configuration itself is located to rounding (see
 `runtime.singularity.location`), and so is the direction of the branch there: a start on the tangent
 has the relative error d.
 """
@@ -26,20 +26,20 @@ _ASTRAY = 1e-6
 _AGREED = 1e-9
 
 
-class Beside(NamedTuple):
+class BranchStart(NamedTuple):
     """Position and velocity on a branch; each (n,)."""
 
     q: FloatArray
     v: FloatArray
 
 
-def beside(
+def start_on_branch(
     task: Task, q: FloatArray, v: FloatArray, fixed_v: np.ndarray[tuple[int], np.dtype[np.bool_]]
-) -> Beside | None:
-    """A start on the branch on which (q, v) is, where it is as near as that to a singular position.
+) -> BranchStart | None:
+    """A start on the branch of (q, v), where that is so near to a singular configuration.
 
-    The coordinates that `task` holds keep their values, and the velocities in `fixed_v` theirs.
-    None where the start is not near one, or where no branch has these values.
+    The coordinates that are not free in `task` keep their values, and the velocities in `fixed_v`
+    theirs. None where the start is not so near, or where no branch has these values.
     """
     equations = task.equations
     matrix = equations.jacobian(task.t, q) * task.scale
@@ -51,22 +51,22 @@ def beside(
         return None
     positions = SingularPositions(equations.scaled(task.scale, np.arange(equations.m)))
     rest = np.zeros_like(v)
-    found = positions.find(taylor(task.t, q, v, rest), 0.0)
-    if found is None or found.gap > _ROUNDING:
+    position = positions.find(taylor(task.t, q, v, rest), 0.0)
+    if position is None or position.gap > _ROUNDING:
         return None
-    away = q - found.q
+    away = q - position.q
     if np.linalg.norm(away / task.scale) > _TOLD:
         part = float(away[fixed_v] @ v[fixed_v]) if fixed_v.any() else float(away @ v)
         along = away * np.sign(part or 1.0)
         along *= np.linalg.norm(v / task.scale) / np.linalg.norm(along / task.scale)
-        found = positions.find(taylor(task.t, q, along, rest), 0.0)
-        if found is None or found.gap > _ROUNDING:
+        position = positions.find(taylor(task.t, q, along, rest), 0.0)
+        if position is None or position.gap > _ROUNDING:
             return None
-    elif found.astray > _ASTRAY:
+    elif position.astray > _ASTRAY:
         return None  # neither position nor velocities say which branch is meant
     else:
         along = v
-    branch = along + found.veer
+    branch = along + position.veer
     speed = float(np.abs(branch / task.scale).max())
     if fixed_v.any():
         square = float(branch[fixed_v] @ branch[fixed_v])
@@ -76,35 +76,37 @@ def beside(
         if np.abs((branch - v)[fixed_v]).max() > _AGREED * speed:
             return None
         branch[fixed_v] = v[fixed_v]
-    held = ~task.free
+    fixed = ~task.free
     tau = 0.0
-    if held.any():
-        square = float(branch[held] @ branch[held])
-        away = (q - found.q)[held]
-        tau = float(away @ branch[held]) / square if square > 0.0 else 0.0
-    place = found.q + tau * branch
-    if np.abs(((place - q) / task.scale)[held]).max(initial=0.0) > _ROUNDING:
+    if fixed.any():
+        square = float(branch[fixed] @ branch[fixed])
+        away = (q - position.q)[fixed]
+        tau = float(away @ branch[fixed]) / square if square > 0.0 else 0.0
+    place = position.q + tau * branch
+    if np.abs(((place - q) / task.scale)[fixed]).max(initial=0.0) > _ROUNDING:
         return None
-    place[held] = q[held]
-    place = _closed(task, place, found.lost)
+    place[fixed] = q[fixed]
+    place = _closed(task, place, position.lost)
     if np.abs(task.gaps(place)).max() > CLOSED:
         return None
     slopes = equations.jacobian(task.t, place) * task.scale / task.row_scale[:, None]
     gaps = slopes @ (branch / task.scale) - equations.velocity_rhs(task.t, place) / task.row_scale
-    branch[~fixed_v] -= _firm(slopes[:, ~fixed_v], gaps, found.lost) * task.scale[~fixed_v]
-    return Beside(place, branch)
+    branch[~fixed_v] -= (
+        _least_squares(slopes[:, ~fixed_v], gaps, position.lost) * task.scale[~fixed_v]
+    )
+    return BranchStart(place, branch)
 
 
 def _closed(task: Task, q: FloatArray, weak: int) -> FloatArray:
-    """Newton's method on what the constraints hold firmly; `weak` directions stay."""
+    """Newton's method on the well-conditioned directions; the `weak` ones stay."""
     q = q.copy()
     for _ in range(2):
-        q[task.free] -= _firm(task.slopes(q), task.gaps(q), weak) * task.scale[task.free]
+        q[task.free] -= _least_squares(task.slopes(q), task.gaps(q), weak) * task.scale[task.free]
     return q
 
 
-def _firm(matrix: FloatArray, right: FloatArray, weak: int) -> FloatArray:
-    """The least x with matrix x = right but for the `weak` combinations that it hardly has."""
+def _least_squares(matrix: FloatArray, right: FloatArray, weak: int) -> FloatArray:
+    """The least x with matrix x = right, without the `weak` smallest singular values."""
     left, values, basis = np.linalg.svd(matrix, full_matrices=False)
     firm = len(values) - weak
     x: FloatArray = basis[:firm].T @ (left[:, :firm].T @ right / values[:firm])

@@ -1,7 +1,7 @@
-"""Constraints that say the same thing twice: found, named, and told from singular positions.
+"""Redundant constraints: detection, and distinction from singular configurations.
 
-The rows of the joints are eliminated first and the drivers appended, so that a driver that has
-nothing left to drive is named as such.
+The rows of the joints are eliminated first and the drivers appended, so that a driver without a
+motion left to drive is named as such.
 """
 
 from typing import NamedTuple
@@ -13,6 +13,7 @@ from runtime.assembly.closure import CLOSED, Task, nearest, refine
 from runtime.linalg.rank_policy import LOST
 from runtime.mechanism.dense_equations import FloatArray
 
+BoolArray = npt.NDArray[np.bool_]
 # measured: scaled lengths of the displacements at whose ends the rank is taken again
 _SIZES = (0.02, -0.05, 0.1, 0.02, -0.05, 0.1, -0.2)
 _APART = 1e-3  # measured: scaled distance at which a rank deficiency of a single position has ended
@@ -41,7 +42,7 @@ def dependent_rows(matrix: FloatArray, order: list[int]) -> list[Dependency]:
             return []
     basis: list[FloatArray] = []
     accepted: list[int] = []
-    found = []
+    dependent = []
     for row in order:
         rest = unit[row].copy()
         for _ in range(2):
@@ -59,24 +60,24 @@ def dependent_rows(matrix: FloatArray, order: list[int]) -> list[Dependency]:
             )
         else:
             sources = ()
-        found.append(Dependency(row, sources))
-    return found
+        dependent.append(Dependency(row, sources))
+    return dependent
 
 
 class Findings(NamedTuple):
-    """Dependencies that hold wherever the machine stands, those of this position, and the rank."""
+    """Dependencies at every position, those at this position only, and the rank."""
 
     lasting: list[Dependency]
     here_only: list[Dependency]
     rank: int
 
 
-def inspect(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_], v: FloatArray) -> Findings:
-    """Look for dependent constraints at an assembled position.
+def find_redundancy(task: Task, q: FloatArray, drivers: BoolArray, v: FloatArray) -> Findings:
+    """Find dependent constraints at an assembled position.
 
-    A dependency that disappears when the machine is moved a little along its own motion belongs
-    to the position (a dead centre); one that stays is a redundancy. The velocities `v` asked for
-    are one motion, if the joints allow them; others are tried too.
+    A dependency that disappears a little further along the machine's motion belongs to the position
+    (a dead centre); one that stays is a redundancy. The start velocities `v` give one such motion,
+    if the joints allow them; others are tried too.
     """
     order = [int(row) for row in np.argsort(drivers, kind="stable")]
     here = dependent_rows(_scaled(task, q), order)
@@ -89,14 +90,14 @@ def inspect(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_], v: FloatA
             lasting = there
     if len(lasting) == len(here):
         return Findings(here, [], len(order) - len(here))
-    # Which row of a dependency comes last may differ here: those that follow elsewhere go first.
-    lost = {found.row for found in lasting}
+    # The last row of a dependency may differ between positions: the lasting ones go first.
+    lost = {dependency.row for dependency in lasting}
     rows = [row for row in order if row not in lost]
     return Findings(lasting, dependent_rows(_scaled(task, q), rows), len(rows))
 
 
-def structural(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]) -> list[Dependency]:
-    """Dependencies among the joints that hold at every position, assembled or not."""
+def structural_redundancy(task: Task, q: FloatArray, drivers: BoolArray) -> list[Dependency]:
+    """Dependencies among the joints at every position, assembled or not."""
     order = [int(row) for row in np.flatnonzero(~drivers)]
     random = np.random.default_rng(2)
     lasting = dependent_rows(_scaled(task, q), order)
@@ -115,10 +116,10 @@ def _scaled(task: Task, q: FloatArray) -> FloatArray:
     return matrix
 
 
-def overdetermined(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]) -> list[Dependency]:
+def overdetermined_rows(task: Task, q: FloatArray, drivers: BoolArray) -> list[Dependency]:
     """Dependencies among more joints than coordinates, where they come nearest to closing.
 
-    What is left of constraints that contradict each other is a combination that no motion changes.
+    The residual of contradictory constraints is a combination that no motion changes.
     """
     if int((~drivers).sum()) <= len(q):
         return []
@@ -126,7 +127,7 @@ def overdetermined(task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_]) ->
     return dependent_rows(_scaled(task, q), order)
 
 
-def undetermined(task: Task, q: FloatArray) -> list[int]:
+def undetermined_rows(task: Task, q: FloatArray) -> list[int]:
     """Constraints whose multipliers the equations of motion leave open: rows in dependencies."""
     matrix = _scaled(task, q)
     matrix = matrix / np.maximum(np.linalg.norm(matrix, axis=1), 1e-300)[:, None]
@@ -136,9 +137,7 @@ def undetermined(task: Task, q: FloatArray) -> list[int]:
     return [int(row) for row in np.flatnonzero(shares > LOST)]
 
 
-def _neighbours(
-    task: Task, q: FloatArray, drivers: npt.NDArray[np.bool_], v: FloatArray
-) -> list[FloatArray]:
+def _neighbours(task: Task, q: FloatArray, drivers: BoolArray, v: FloatArray) -> list[FloatArray]:
     """Assembled positions a little way off, along the motion that the joints leave."""
     joints = task._replace(rows=~drivers, free=np.ones(len(q), dtype=np.bool_))
     matrix = joints.slopes(q)
@@ -148,10 +147,10 @@ def _neighbours(
         motions = right[count:]
     else:
         motions = np.eye(len(q))
-    found = []
+    neighbours = []
     random = np.random.default_rng(3)
-    asked = motions.T @ (motions @ (v / task.scale))
-    tried = [asked, asked] if np.linalg.norm(asked) > 0.0 else []
+    along = motions.T @ (motions @ (v / task.scale))
+    tried = [along, along] if np.linalg.norm(along) > 0.0 else []
     tried += [random.normal(size=len(motions)) @ motions for _ in _SIZES[2:]]
     for direction, size in zip(tried, _SIZES, strict=False):
         if not len(motions):
@@ -161,6 +160,6 @@ def _neighbours(
         for moved in (refine(joints, begin), refine(joints, nearest(joints, begin))):
             apart = float(np.abs((moved - q) / task.scale).max())
             if np.abs(joints.gaps(moved)).max(initial=0.0) <= CLOSED and apart > _APART:
-                found.append(moved)
+                neighbours.append(moved)
                 break
-    return found
+    return neighbours

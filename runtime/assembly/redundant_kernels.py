@@ -1,4 +1,4 @@
-"""A machine whose constraints are more than its motion needs: kernels that bear with it."""
+"""Redundant constraints: kernels with pivoting by size and multipliers of least norm."""
 
 from dataclasses import replace
 from typing import Any
@@ -22,15 +22,15 @@ _VARIANTS: WeakKeyDictionary[Mechanism, dict[tuple[int, ...], Mechanism]] = Weak
 _OPTIONS = {name: value for name, value in OPTIONS.items() if name != "cache"}
 
 
-def sound(mechanism: Mechanism, start: "Assembly") -> Mechanism:
-    """The machine itself, or, where constraints are redundant at its start, one that bears it.
+def with_redundancy(mechanism: Mechanism, start: "Assembly") -> Mechanism:
+    """The mechanism, or, if constraints are redundant at its start, one with kernels for that.
 
-    Accelerations and corrections are then solved for with pivots chosen by size, for as many
-    independent constraints as there are at the start; of the multipliers those of least norm.
+    These choose pivots by size, for as many independent constraints as there are at the start, and
+    give the multipliers of least norm.
     """
     if not start.redundant:
         return mechanism
-    # A dry friction has a normal force of its own, which needs no reaction.
+    # A dry friction with a given normal force needs no reaction.
     friction = [row.name for row in mechanism.description.effects if row.kind == "friction"]
     if friction:
         raise AnalysisError(
@@ -48,13 +48,13 @@ def sound(mechanism: Mechanism, start: "Assembly") -> Mechanism:
     return variants[start.independent]
 
 
-def projecting(
+def projection_only(
     mechanism: Mechanism, begin: "Assembly", method: str, correction: Correction
 ) -> Correction:
-    """The way back onto redundant constraints; refuses methods that need independent ones.
+    """The return onto redundant constraints; refuses methods that need independent ones.
 
-    Off the constraints a redundant row seems to be independent, and a choice of independent
-    coordinates would go by it.
+    Off the constraints a redundant row appears independent, which would mislead a partition of the
+    coordinates.
 
     Raises
     ------
@@ -75,8 +75,8 @@ def projecting(
     return "projection"
 
 
-def spared(start: "Assembly") -> str:
-    """What a result says about redundant constraints; empty where there are none."""
+def redundancy_note(start: "Assembly") -> str:
+    """Sentence of a result about redundant constraints; empty without any."""
     if not start.redundant:
         return ""
     return (
@@ -85,20 +85,20 @@ def spared(start: "Assembly") -> str:
     )
 
 
-def minimum_norm_kernels(kernels: Kernels, told: Description, count: int) -> Kernels:
+def minimum_norm_kernels(kernels: Kernels, description: Description, count: int) -> Kernels:
     """Kernels for which `count` independent constraints suffice."""
-    n, m = len(told.coordinates), len(told.constraints)
-    accelerations = _accelerations(kernels, told, n, m, m - count)
-    correction = _correction(kernels, told, n, m, count)
+    n, m = len(description.coordinates), len(description.constraints)
+    accelerations = _accelerations(kernels, description, n, m, m - count)
+    correction = _correction(kernels, description, n, m, count)
     return kernels._replace(accelerations=accelerations, correction=correction)
 
 
-def _accelerations(kernels: Kernels, told: Description, n: int, m: int, spare: int) -> Any:
+def _accelerations(kernels: Kernels, description: Description, n: int, m: int, spare: int) -> Any:
     jacobian, gamma_of = kernels.jacobian, kernels.acceleration_rhs
     mass_of, forces = kernels.mass, kernels.applied_forces
-    resting = told.analysis == "equilibrium"  # such a scene has no γ: nothing moves, and it is zero
-    rows, columns = _arrays(told.jacobian_rows, told.jacobian_columns)
-    mass_rows, mass_columns = _arrays(told.mass_rows, told.mass_columns)
+    resting = description.analysis == "equilibrium"  # such a scene has no γ, which is zero at rest
+    rows, columns = _arrays(description.jacobian_rows, description.jacobian_columns)
+    mass_rows, mass_columns = _arrays(description.mass_rows, description.mass_columns)
 
     def dynamic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
         values, masses = np.empty(rows.size), np.empty(mass_rows.size)
@@ -122,13 +122,13 @@ def _accelerations(kernels: Kernels, told: Description, n: int, m: int, spare: i
         lam[:] = 0.0
         return 0 if rank >= m - spare else m
 
-    chosen = dynamic if told.has_masses else kinematic
+    chosen = dynamic if description.has_masses else kinematic
     return njit(SIGNATURES["accelerations"], **_OPTIONS)(chosen)
 
 
-def _correction(kernels: Kernels, told: Description, n: int, m: int, count: int) -> Any:
+def _correction(kernels: Kernels, description: Description, n: int, m: int, count: int) -> Any:
     jacobian, constraints, rates = kernels.jacobian, kernels.constraints, kernels.velocity_rhs
-    rows, columns = _arrays(told.jacobian_rows, told.jacobian_columns)
+    rows, columns = _arrays(description.jacobian_rows, description.jacobian_columns)
 
     def correction(t: Any, q: Any, v: Any, p: Any, w: Any, dq: Any, dv: Any) -> int:
         values, right, d = np.empty(rows.size), np.empty((2, m)), np.empty((2, n))

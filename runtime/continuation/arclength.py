@@ -174,7 +174,7 @@ class Curve:
 
 
 def _root(f: Callable[[float], float], f0: float, end: float) -> float:
-    """Where f, which is `f0` at 0 and of the other sign at `end`, changes sign.
+    """Root of f, which is `f0` at 0 and of the other sign at `end`.
 
     Regula falsi with the Illinois rule, a bisection every fourth time: it ends with neighbours.
     """

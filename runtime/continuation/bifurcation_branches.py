@@ -1,8 +1,8 @@
-"""The motions that meet in a singular position of a driven machine.
+"""Branches of motion at a branch point of a driven machine.
 
-There Phi_q has lost k rows and k directions N beyond. The velocity is v_p + N c, and the missing
-equations are those that the accelerations must obey to exist: l gamma(v) = 0 with l Phi_q = 0. They
-are k quadratic equations in c: with k = 1 two branches, one, or none.
+There the rank of Phi_q falls by k, with the null directions N. The velocity is v_p + N c, and the
+missing equations are the solvability conditions of the accelerations: l gamma(v) = 0 with
+l Phi_q = 0. They are k quadratic equations in c: with k = 1 two branches, one, or none.
 """
 
 from itertools import product
@@ -24,7 +24,7 @@ _ITERATIONS = 60  # safety: Newton iterations from each start of that search
 
 
 class Branch(NamedTuple):
-    """One motion: its velocity, acceleration but for its share in N, and distance from the wish.
+    """One motion: velocity, acceleration without its part in N, distance from the preferred one.
 
     `v` and `a` have shape (n,); `far` is in scaled coordinates, 1/s.
     """
@@ -34,7 +34,7 @@ class Branch(NamedTuple):
     far: float
 
 
-class Lost(NamedTuple):
+class RankDeficiency(NamedTuple):
     """Phi_q with unit rows, scaled columns, and its singular vectors; `k` values are lost.
 
     Rows that follow from others everywhere are left out; m is the number of the others, whose
@@ -51,12 +51,14 @@ class Lost(NamedTuple):
 
     @property
     def k(self) -> int:
-        """How many rows are lost."""
+        """Rank deficiency."""
         return int(self.left.shape[1])
 
 
-def lost(equations: Equations, t: float, q: FloatArray, scale: FloatArray, least: int = 0) -> Lost:
-    """What Phi_q has lost at q; at least so many of the smallest singular values count as lost."""
+def rank_deficiency(
+    equations: Equations, t: float, q: FloatArray, scale: FloatArray, least: int = 0
+) -> RankDeficiency:
+    """Singular vectors of Phi_q at q; at least `least` of the smallest values count as lost."""
     rows = equations.independent
     matrix = equations.jacobian(t, q)[rows] * scale
     lengths = np.linalg.norm(matrix, axis=1)
@@ -66,18 +68,18 @@ def lost(equations: Equations, t: float, q: FloatArray, scale: FloatArray, least
     k = max(int((values < LOST).sum()), least)
     kept = len(values) - k
     inverse = right[:kept].T @ (left[:, :kept].T / values[:kept, None])
-    return Lost(rows, matrix, lengths, values, left[:, kept:], right[kept:].T, inverse)
+    return RankDeficiency(rows, matrix, lengths, values, left[:, kept:], right[kept:].T, inverse)
 
 
 def branches(
-    equations: Equations, t: float, q: FloatArray, wished: FloatArray, scale: FloatArray
+    equations: Equations, t: float, q: FloatArray, preferred: FloatArray, scale: FloatArray
 ) -> list[Branch]:
-    """The branches at q, nearest to the wished velocities first; none where no motion exists."""
-    at = lost(equations, t, q, scale)
+    """The branches at q, nearest to the preferred velocities first; none where no motion exists."""
+    at = rank_deficiency(equations, t, q, scale)
     if at.k == 0 or at.left.shape[0] != at.null.shape[0]:
         return []
     nu = equations.velocity_rhs(t, q)[at.rows] / at.lengths
-    base = wished / scale
+    base = preferred / scale
     base = base - at.inverse @ (at.matrix @ base - nu)
     speed = max(float(np.abs(base).max()), 1e-300)
     if float(np.abs(at.left.T @ nu).max()) > SOLVED * speed:
@@ -102,7 +104,7 @@ def branches(
 
 
 def ambiguous(found: list[Branch], scale: FloatArray) -> bool:
-    """Whether nothing says which of the nearest two is meant."""
+    """Whether the nearest two are equally near."""
     if len(found) < 2:
         return False
     speed = max(float(np.abs(branch.v / scale).max()) for branch in found[:2])

@@ -1,8 +1,8 @@
-"""How a driven motion passes a position in which motions cross.
+"""Interpolation of a branch of a driven motion across a branch point.
 
 Close to it velocities and accelerations are quotients 0/0. So states are computed on the branch at
-some distance before and behind, where little is lost to rounding, and what lies between is the
-polynomial through them. The position itself, which is known less well, is not one of them.
+some distance before and behind, where little is lost to rounding, and the motion in between is the
+polynomial through them. The branch point itself, which is less accurate, is not one of them.
 """
 
 from typing import NamedTuple

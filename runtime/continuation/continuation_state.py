@@ -1,4 +1,4 @@
-"""Where a walk through the instants of a driven machine stands, and what it has reached."""
+"""State of the continuation of a driven motion: position, record and samples so far."""
 
 from typing import NamedTuple
 
@@ -21,7 +21,7 @@ from runtime.continuation.pivot_monitor import (
     TRAVEL,
     T,
 )
-from runtime.continuation.predictor_corrector import walk
+from runtime.continuation.predictor_corrector import advance
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.results.assembled_state import Assembly
@@ -34,8 +34,8 @@ _KNOWN = 1e-9
 _SAME = 1e-8
 
 
-class Walk(NamedTuple):
-    """A driven motion: states at the instants reached, how it ended, what it met."""
+class DrivenMotion(NamedTuple):
+    """A driven motion: states at the instants reached, outcome, and singular configurations."""
 
     t: FloatArray
     q: FloatArray
@@ -46,17 +46,17 @@ class Walk(NamedTuple):
     singular: tuple[SingularPosition, ...]
 
 
-class Course:
-    """State, record and samples of one walk through `times` from an assembled start.
+class ContinuationState:
+    """State, record and samples of one continuation through `times` from an assembled start.
 
     Attributes
     ----------
     q, v, a, lam
-        The state now; `weak` is 1 + the constraint that has no hold at the start, or 0.
+        The present state; `weak` is 1 + the constraint with a weak pivot at the start, or 0.
     q_out, v_out
         Samples, shape (instants, n).
     record
-        See `walking`.
+        See `runtime.continuation.pivot_monitor`.
     scale
         Typical size of a change of each coordinate, (n,).
     span
@@ -64,11 +64,11 @@ class Course:
     """
 
     def __init__(self, equations: Equations, times: FloatArray, start: Assembly) -> None:
-        told, n, m = equations.description, equations.n, equations.m
+        description, n, m = equations.description, equations.n, equations.m
         self.equations, self.times = equations, times
         self.scale = equations.scale(equations.size(start.t, start.q))
         self.q, self.v = start.q.copy(), start.v.copy()
-        self.modes = np.zeros(len(told.switches), dtype=np.int64)
+        self.modes = np.zeros(len(description.switches), dtype=np.int64)
         self.a, self.lam, self.weak = equations.motion(start.t, self.q, self.v, self.modes)
         self.q_out, self.v_out = np.zeros((len(times), n)), np.zeros((len(times), n))
         self.began, self.span = start.t, max(abs(float(times[-1]) - start.t), 1e-300)
@@ -77,8 +77,10 @@ class Course:
         self.record[LEAST], self.record[BARRIER] = -1.0, np.nan
         self._work = (
             np.zeros((ROWS, n)),
-            np.ascontiguousarray([told.jacobian_rows, told.jacobian_columns], dtype=np.int64),
-            np.zeros(len(told.jacobian_rows)),
+            np.ascontiguousarray(
+                [description.jacobian_rows, description.jacobian_columns], dtype=np.int64
+            ),
+            np.zeros(len(description.jacobian_rows)),
             np.zeros((m, n)),
             np.zeros((3, m)),
             np.zeros((2, m), dtype=np.int64),
@@ -86,12 +88,12 @@ class Course:
 
     @property
     def t(self) -> float:
-        """The instant reached."""
+        """Present instant, s."""
         return float(self.record[T])
 
     @property
     def mark(self) -> int:
-        """Instants done."""
+        """Number of instants done."""
         return int(self.record[MARK])
 
     @property
@@ -106,49 +108,49 @@ class Course:
 
     @property
     def speed(self) -> float:
-        """Largest scaled velocity, 1/s, and not nothing."""
+        """Largest scaled velocity, 1/s, at least 1e-3."""
         return max(float(np.abs(self.v / self.scale).max()), 1e-3)
 
-    def walk(self) -> int:
-        """Go on through some of the instants; answers as `walking.walk`."""
+    def advance(self) -> int:
+        """Continue through some of the instants; the code of `predictor_corrector.advance`."""
         chunk = min(self.mark + _CHUNK, len(self.times))
         return int(
-            walk(
+            advance(
                 self.equations.table, self.times[:chunk], self.equations.p, self.scale**2,
                 self.scale, self.q, self.v, self.a, self.modes, self.lam, self.q_out, self.v_out,
                 self.record, *self._work,
             )
         )  # fmt: skip
 
-    def through(self, made: Zone, coming: float) -> bool:
+    def cross(self, zone: Zone, coming: float) -> bool:
         """Sample within the zone and leave it towards the next instant; whether it was crossed.
 
-        Instants within it that were done before anything was known of it are sampled again: walked
-        to, their velocities are not as good.
+        Instants within it that were sampled before it was known are sampled again: the
+        predictor-corrector's velocities are less accurate there.
         """
         done, times = self.mark, self.times
         reached = self.t
         earlier = done - 1
-        while earlier >= 0 and made.holds(float(times[earlier])):
-            q, v = made.at(float(times[earlier]))
+        while earlier >= 0 and zone.holds(float(times[earlier])):
+            q, v = zone.at(float(times[earlier]))
             if np.abs((q - self.q_out[earlier]) / self.scale).max() > _SAME:
                 break
             self.q_out[earlier], self.v_out[earlier] = q, v
             earlier -= 1
-        while done < len(times) and made.holds(float(times[done])):
+        while done < len(times) and zone.holds(float(times[done])):
             reached = float(times[done])
-            self.q_out[done], self.v_out[done] = made.at(reached)
+            self.q_out[done], self.v_out[done] = zone.at(reached)
             done += 1
         self.record[MARK] = done
         if done < len(times):
-            side = 1.0 if times[done] > made.t else -1.0
-            reached = made.t + side * made.reach
-        self.q[:], self.v[:] = made.at(reached)
-        self.resume(reached, 0.5 * made.reach)
-        return bool((reached - made.t) * coming > _KNOWN * made.reach)
+            side = 1.0 if times[done] > zone.t else -1.0
+            reached = zone.t + side * zone.reach
+        self.q[:], self.v[:] = zone.at(reached)
+        self.resume(reached, 0.5 * zone.reach)
+        return bool((reached - zone.t) * coming > _KNOWN * zone.reach)
 
     def resume(self, t: float, step: float) -> None:
-        """Let the walk go on from the state as it is now."""
+        """Restart the predictor-corrector at the present state."""
         r = self.record
         r[T], r[STEP], r[LEAST], r[BARRIER], r[TRAVEL] = t, step, -1.0, np.nan, 0.0
         r[BEST] = 0.0
@@ -156,14 +158,14 @@ class Course:
         self.a[:], self.lam[:] = motion.a, motion.lam
 
     def sample(self) -> None:
-        """Store the state if the next instant is now, which says nothing of where time goes."""
+        """Store the state if the next instant is the present one, so that `ahead` has a sign."""
         done = self.mark
         if not self.finished and self.times[done] == self.t:
             self.q_out[done], self.v_out[done] = self.q, self.v
             self.record[MARK] = done + 1
 
     def return_to_good(self) -> None:
-        """Go back to where the pivots were last good, if that is not here."""
+        """Return to the state at which the pivots were last good."""
         r, rows = self.record, self._work[0]
         if r[GOOD_T] != self.t:
             self.q[:], self.v[:] = rows[GOOD_Q], rows[GOOD_V]
@@ -171,7 +173,7 @@ class Course:
             self.resume(float(r[GOOD_T]), float(r[STEP]))
             self.sample()
 
-    def along(self, curve: Curve, piece: Piece, ahead: float) -> None:
+    def sample_piece(self, curve: Curve, piece: Piece, ahead: float) -> None:
         """Store the instants that lie on a piece of the curve."""
         start, end = (curve.position(point.z)[0] for point in (piece.start, piece.end))
         done, times = self.mark, self.times

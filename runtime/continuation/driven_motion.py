@@ -1,9 +1,9 @@
-"""Follow a driven machine through its instants: the compiled walk, and what stands in its way.
+"""Continuation of a driven motion through its instants, folds and branch points included.
 
-Where the walk gets stuck, or lands where another assembly of the machine is, the singular position
-that is the cause is looked for. Where motions cross (`runtime.singularity.singular_position` finds
-where), the branch on which the velocity is continuous is taken (`passing`). Where they only
-come close, or where time turns back, the curve of positions is followed by its length (`tracing`).
+Where the predictor-corrector gets stuck, or lands on another assembly of the machine, the singular
+configuration behind it is located (`runtime.singularity.singular_position`). At a branch point the
+branch of continuous velocity is interpolated (`branch_interpolation`). Where branches only come
+close, or at a fold, the curve of positions is followed by its arc length (`arclength`).
 """
 
 from functools import cached_property
@@ -11,11 +11,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from runtime.continuation import singularity_classification as meeting
+from runtime.continuation import singularity_classification as classification
 from runtime.continuation.arclength import Curve, Point
 from runtime.continuation.bifurcation_branches import Branch, ambiguous, branches
 from runtime.continuation.branch_interpolation import DISTANCE, Zone, zone
-from runtime.continuation.continuation_state import Course, Walk
+from runtime.continuation.continuation_state import ContinuationState, DrivenMotion
 from runtime.continuation.pivot_monitor import (
     BARRIER,
     END,
@@ -54,12 +54,12 @@ _WIDE = 1e-2  # measured: or this singular value, with which it has
 _FARTHEST = 1.0  # safety: scaled length of a trace
 
 
-class Follower:
-    """One walk through `times` from an assembled start; call `run` once."""
+class Continuation:
+    """One continuation through `times` from an assembled start; call `run` once."""
 
     def __init__(self, equations: Equations, times: FloatArray, start: Assembly) -> None:
-        self.equations, self.course = equations, Course(equations, times, start)
-        self.scale = self.course.scale
+        self.equations, self.state = equations, ContinuationState(equations, times, start)
+        self.scale = self.state.scale
         independent = np.asarray(start.independent, dtype=np.int64)
         self.constraints = equations.scaled(self.scale, independent)
         self.positions = SingularPositions(self.constraints)
@@ -69,23 +69,23 @@ class Follower:
 
     @cached_property
     def pace(self) -> float:
-        """How fast the drivers go at their fastest, 1/s, and not nothing."""
-        course = self.course
-        ends = course.began, float(course.times[0]), float(course.times[-1])
+        """Fastest pace of the drivers, 1/s, at least 1e-3."""
+        state = self.state
+        ends = state.began, float(state.times[0]), float(state.times[-1])
         seen = np.concatenate([np.linspace(*pair, _SEEN) for pair in pairwise(ends)])
-        return max(meeting.pace(self.equations, seen, course.q, self.scale), 1e-3)
+        return max(classification.pace(self.equations, seen, state.q, self.scale), 1e-3)
 
     def run(self, progress: Progress) -> tuple[Outcome, str]:
-        """Walk to the last instant, or to where the motion ends."""
-        course, furthest, idle = self.course, (-1, 0.0), 0
-        while not course.finished:
-            status = course.walk()
-            progress(abs(course.t - course.began) / course.span)
+        """Continue to the last instant, or to the end of the motion."""
+        state, farthest, idle = self.state, (-1, 0.0), 0
+        while not state.finished:
+            status = state.advance()
+            progress(abs(state.t - state.began) / state.span)
             if status == DONE:
                 continue
-            course.sample()
-            place = course.mark, course.ahead * course.t
-            furthest, idle = (place, 0) if place > furthest else (furthest, idle + 1)
+            state.sample()
+            place = state.mark, state.ahead * state.t
+            farthest, idle = (place, 0) if place > farthest else (farthest, idle + 1)
             if idle > _PATIENCE:
                 return Outcome.SINGULAR, self._unclear()
             if status == ARRIVED:
@@ -98,12 +98,12 @@ class Follower:
         return Outcome.OK, ""
 
     def _judge(self, suspect: bool) -> tuple[Outcome, str] | None:
-        """Find out why the walk did not go on, and go on; or how it ends."""
-        course, r = self.course, self.course.record
-        t, ahead, speed = course.t, course.ahead, course.speed
+        """Find why the predictor-corrector stopped, and continue; or return the end of the run."""
+        state, r = self.state, self.state.record
+        t, ahead, speed = state.t, state.ahead, state.speed
         stretch = abs(float(r[END]) - t) if suspect else _ABOUT / speed
         guess = ahead * stretch * float(r[ZERO]) if suspect else 0.0
-        found = self.positions.find(taylor(t, course.q, course.v, course.a), guess)
+        found = self.positions.find(taylor(t, state.q, state.v, state.a), guess)
         if found is not None and not self._on_the_way(found, ahead, stretch):
             found = None
         if found is not None and found.gap <= self._rounding():
@@ -112,9 +112,9 @@ class Follower:
                 r[STEP] = 0.25 * stretch  # it strayed on the way there
                 return None
             self.awaited = found
-            course.return_to_good()
+            state.return_to_good()
             r[STEP] = max(r[STEP], _ABOUT / speed)
-            t, ahead = course.t, course.ahead
+            t, ahead = state.t, state.ahead
             barrier = found.t - ahead * 2.0 * DISTANCE / max(found.rate, found.speed)
             if (barrier - t) * ahead > 0.0:
                 r[BARRIER] = barrier
@@ -131,67 +131,67 @@ class Follower:
         Near a fold the motion is so fast that time hardly tells: it must not take part in what is
         lost.
         """
-        way = ahead * (found.t - self.course.t)
+        way = ahead * (found.t - self.state.t)
         room = 1e-3 / found.speed
         if not (found.rate > 0.0 and -room < way < 1.5 * stretch + room):
             return False
-        drift = meeting.drift(self.equations, found.t, found.q, self.scale, self.pace)
+        drift = classification.drift(self.equations, found.t, found.q, self.scale, self.pace)
         return drift < _DRIFT
 
-    # -- where motions cross ------------------------------------------------------------------
+    # -- branch points ------------------------------------------------------------------------
 
     def _cross(self, found: Singularity) -> tuple[Outcome, str] | None:
-        """Go across on the branch of continuous velocity; an end where nothing says which it is."""
-        course, equations = self.course, self.equations
-        coming = course.v + (found.t - course.t) * course.a
+        """Cross a branch point with continuous velocity; end where the branch is undecided."""
+        state, equations = self.state, self.equations
+        coming = state.v + (found.t - state.t) * state.a
         t, q, choices = found.t, found.q, branches(equations, found.t, found.q, coming, self.scale)
         if choices:
-            # Once more from there: what was found by one look from afar is as good as its step.
+            # Once more from there: located from afar, it is as accurate as one Newton step.
             motion = taylor(t, q, choices[0].v, choices[0].a)
             q = (self.positions.find(motion, 0.0) or found).q
-            t = meeting.instant(equations, t, q)
+            t = classification.driven_instant(equations, t, q)
             choices = branches(equations, t, q, coming, self.scale)
-        made = None
+        branch_zone = None
         if choices and (len(choices) == 1 or choices[0].far < _NEARER * choices[1].far):
-            made = self._zone(t, q, choices, found.rate)
-        if made is not None and made.holds(course.t):
-            off = np.linalg.norm((made.at(course.t)[0] - course.q) / self.scale)
-            if off > _NEARER * self._apart(choices) * abs(t - course.t) + 1e-9:
-                made = None
-        if made is None:
+            branch_zone = self._zone(t, q, choices, found.rate)
+        if branch_zone is not None and branch_zone.holds(state.t):
+            off = np.linalg.norm((branch_zone.at(state.t)[0] - state.q) / self.scale)
+            if off > _NEARER * self._apart(choices) * abs(t - state.t) + 1e-9:
+                branch_zone = None
+        if branch_zone is None:
             return Outcome.SINGULAR, self._unclear()
-        entry = made.t - course.ahead * _WITHIN * made.reach
-        if not made.holds(course.t) and (entry - course.t) * course.ahead > 0.0:
-            course.record[BARRIER] = entry  # nearer than most: first walk there
+        entry = branch_zone.t - state.ahead * _WITHIN * branch_zone.reach
+        if not branch_zone.holds(state.t) and (entry - state.t) * state.ahead > 0.0:
+            state.record[BARRIER] = entry  # nearer than most: go there first
             return None
         self.awaited = None
-        if course.through(made, np.sign(t - course.t) or course.ahead):
+        if state.cross(branch_zone, np.sign(t - state.t) or state.ahead):
             row = self._met("crossing", t, q, choices[0].v)
             self.singular.append(row)
         return None
 
-    def begin(self, wished: FloatArray) -> None:
-        """Start in a singular position, on the branch nearest to the velocities wished for."""
-        course, equations, scale = self.course, self.equations, self.scale
-        t, q = course.t, course.q.copy()
-        choices = branches(equations, t, q, wished, scale)
-        told = self._met("start", t, q, course.v)
+    def begin(self, preferred: FloatArray) -> None:
+        """Start in a singular configuration, on the branch nearest to `preferred` velocities."""
+        state, equations, scale = self.state, self.equations, self.scale
+        t, q = state.t, state.q.copy()
+        choices = branches(equations, t, q, preferred, scale)
+        position = self._met("start", t, q, state.v)
         if not choices or ambiguous(choices, scale):
-            raise meeting.no_start(equations, told, choices)
-        course.v[:], course.a[:] = choices[0].v, choices[0].a
-        if (course.times == t).all():
-            course.q_out[:], course.v_out[:] = q, course.v
-            course.record[MARK] = len(course.times)
+            raise classification.no_start(equations, position, choices)
+        state.v[:], state.a[:] = choices[0].v, choices[0].a
+        if (state.times == t).all():
+            state.q_out[:], state.v_out[:] = q, state.v
+            state.record[MARK] = len(state.times)
         else:
-            found = self.positions.find(taylor(t, q, course.v, course.a), 0.0)
-            made = self._zone(t, q, choices, course.speed if found is None else found.rate)
-            if made is None:
-                raise meeting.no_start(equations, told, [])
-            course.through(made, course.ahead)
-        self.singular.append(told._replace(v=choices[0].v))
+            found = self.positions.find(taylor(t, q, state.v, state.a), 0.0)
+            branch_zone = self._zone(t, q, choices, state.speed if found is None else found.rate)
+            if branch_zone is None:
+                raise classification.no_start(equations, position, [])
+            state.cross(branch_zone, state.ahead)
+        self.singular.append(position._replace(v=choices[0].v))
         self.notes += (
             f" Started in a singular position at t = {t:.6g} s, on the branch nearest to "
-            f"the start velocities; without them the machine is free to move by {told.free}."
+            f"the start velocities; without them the machine is free to move by {position.free}."
         )
 
     def _zone(self, t: float, q: FloatArray, choices: list[Branch], rate: float) -> Zone | None:
@@ -200,24 +200,24 @@ class Follower:
         return zone(self.equations, t, q, choices[0], self._apart(choices), self.scale, rate)
 
     def _apart(self, choices: list[Branch]) -> float:
-        """How far the next branch's velocity is from that of the first, scaled, 1/s."""
+        """Distance of the next branch's velocity from that of the first, scaled, 1/s."""
         first = choices[0].v
         return min(
             (float(np.linalg.norm((other.v - first) / self.scale)) for other in choices[1:]),
             default=np.inf,
         )
 
-    # -- where they do not --------------------------------------------------------------------
+    # -- folds and near misses of branch points ------------------------------------------------
 
     def _trace(self, missed: Singularity | None, end: float) -> tuple[Outcome, str] | None:
-        """Follow the curve of positions by its length, until beyond `end` all is well again."""
-        course, equations, ahead = self.course, self.equations, self.course.ahead
+        """Follow the curve of positions by its arc length until Phi_q is regular beyond `end`."""
+        state, equations, ahead = self.state, self.equations, self.state.ahead
         rate = self.pace
-        curve = Curve(self.constraints, course.t, course.q, rate)
-        along = ahead * np.append(course.v / self.scale, rate)
-        begin = curve.point(curve.z(course.t, course.q), along)
+        curve = Curve(self.constraints, state.t, state.q, rate)
+        along = ahead * np.append(state.v / self.scale, rate)
+        begin = curve.point(curve.z(state.t, state.q), along)
         if begin is None:
-            return self._stopped(course.t, course.q)
+            return self._stopped(state.t, state.q)
         wide = min(max(_REGAINED * curve.narrowness(begin), 1e-3), _WIDE)
 
         def free(point: Point) -> bool:
@@ -228,71 +228,75 @@ class Follower:
         avoid = None if missed is None else curve.z(missed.t, missed.q)
         trace = curve.trace(begin, ahead, free, avoid)
         for piece in trace.pieces:
-            course.along(curve, piece, ahead)
-        course.record[STEPS] += len(trace.pieces)
-        if course.finished:
+            state.sample_piece(curve, piece, ahead)
+        state.record[STEPS] += len(trace.pieces)
+        if state.finished:
             return None
         point = trace.pieces[-1].end if trace.pieces else begin
         t, q = curve.position(point.z)
-        course.q[:], course.record[T] = q, t
+        state.q[:], state.record[T] = q, t
         if trace.lost:
             return self._stopped(t, q)
         if trace.folded:
-            course.v[:] = np.nan
-            found = self._met("lock-up", t, q, course.v)
+            state.v[:] = np.nan
+            found = self._met("lock-up", t, q, state.v)
             self.singular.append(found)
-            return Outcome.LOCKED, meeting.lock_up(equations, found)
-        course.v[:] = curve.velocity(point)
-        course.resume(t, trace.pieces[-1].h / rate)
+            return Outcome.LOCKED, classification.lock_up(equations, found)
+        state.v[:] = curve.velocity(point)
+        state.resume(t, trace.pieces[-1].h / rate)
         self.awaited = None
         return None
 
     def _stopped(self, t: float, q: FloatArray) -> tuple[Outcome, str]:
-        """The end where no fold was found: an element without a value, or no smooth motion."""
-        told = meeting.undefined(self.equations, t, self.course.ahead, q)
-        return Outcome.LOCKED, told or self._unclear()
+        """The end where there is no fold: an element has no value, or no smooth motion leads on."""
+        message = classification.undefined(self.equations, t, self.state.ahead, q)
+        return Outcome.LOCKED, message or self._unclear()
 
     def _unclear(self) -> str:
-        """Record where the course stands as singular, and why nothing leads on."""
-        course = self.course
-        row = self._met("unclear", course.t, course.q, course.v)
+        """Record the present position as singular, and say why no motion leads on."""
+        state = self.state
+        row = self._met("unclear", state.t, state.q, state.v)
         self.singular.append(row)
-        return meeting.unclear(row)
+        return classification.unclear(row)
 
     def _met(self, kind: Kind, t: float, q: FloatArray, v: FloatArray) -> SingularPosition:
-        return meeting.met(self.equations, kind, t, q, v, self.scale, self.pace)
+        return classification.describe(self.equations, kind, t, q, v, self.scale, self.pace)
 
     def _rounding(self) -> float:
-        return _ROUNDING * float(np.abs(self.course.q / self.scale).max(initial=1.0))
+        return _ROUNDING * float(np.abs(self.state.q / self.scale).max(initial=1.0))
 
 
 def follow(
     mechanism: Mechanism,
     times: FloatArray,
     start: Assembly,
-    wished: FloatArray,
+    preferred: FloatArray,
     p: FloatArray,
     progress: Progress,
-) -> Walk:
-    """Walk from the assembled start through `times`; `wished`: the start velocities asked for."""
-    follower = Follower(Equations(mechanism, p), times, start)
-    course = follower.course
-    if course.weak or start.singular:
-        # Here Phi_q says neither which branch it is nor how it curves.
-        follower.begin(wished)
-    outcome, message = follower.run(progress)
-    done, r = course.mark, course.record
-    crossed = [row for row in follower.singular if row.kind == "crossing"]
+) -> DrivenMotion:
+    """Continue from the assembled start through `times`.
+
+    `preferred` are the start velocities that the user gave; they choose the branch at a singular
+    start.
+    """
+    continuation = Continuation(Equations(mechanism, p), times, start)
+    state = continuation.state
+    if state.weak or start.singular:
+        # Here Phi_q determines neither the branch nor its curvature.
+        continuation.begin(preferred)
+    outcome, message = continuation.run(progress)
+    done, r = state.mark, state.record
+    crossed = [row for row in continuation.singular if row.kind == "crossing"]
     stats: dict[str, float] = {
         "steps": int(r[STEPS]),
         "rejected": int(r[REJECTED]),
         "newton_iterations": int(r[NEWTON]),
         "singular_crossings": len(crossed),
     }
-    t, q, v = times[:done], course.q_out[:done], course.v_out[:done]
+    t, q, v = times[:done], state.q_out[:done], state.v_out[:done]
     if outcome is Outcome.OK:
         message = f"{len(times)} instants from t = {times[0]:g} to {times[-1]:g} s."
-    elif done == 0 or course.t > times[done - 1]:
-        t, q, v = np.append(t, course.t), np.vstack([q, course.q]), np.vstack([v, course.v])
-    message += follower.notes + meeting.crossings(crossed)
-    return Walk(t, q, v, outcome, message, stats, tuple(follower.singular))
+    elif done == 0 or state.t > times[done - 1]:
+        t, q, v = np.append(t, state.t), np.vstack([q, state.q]), np.vstack([v, state.v])
+    message += continuation.notes + classification.crossings(crossed)
+    return DrivenMotion(t, q, v, outcome, message, stats, tuple(continuation.singular))

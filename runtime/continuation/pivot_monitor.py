@@ -1,4 +1,4 @@
-"""Looks at the pivots of a driven machine along its walk: compiled.
+"""Compiled monitor of the pivots of Phi_q along the continuation of a driven motion.
 
 A step can be so long that it lands on another assembly of the machine, close to a position in which
 two of them meet or almost meet. So the pivots of Phi_q are compared now and then, in one order: on
@@ -13,7 +13,7 @@ from runtime.core.jit import inner
 from runtime.linalg.rank_policy import REDUNDANT
 from runtime.linalg.row_elimination import eliminate_rows, fill_unit_rows, smallest_pivot
 
-# Places in the record that a walk leaves behind. BARRIER: an instant to stop at, or not a number.
+# Entries of the record that a continuation keeps. BARRIER: an instant to stop at, or not a number.
 # TRAVEL: scaled motion since pivots were looked at; LEAST: the smallest then, negative where they
 # are to be looked at first. At a suspicion, END: until when the pivots were followed, and ZERO:
 # where between there and now one of them vanishes.
@@ -55,6 +55,17 @@ def look(
         for i in range(n):
             work[GOOD_Q, i] = q[i]
             work[GOOD_V, i] = v[i]
+
+
+@inner
+def restore_look(record: Any, work: Any, q: Any, v: Any) -> None:
+    """Take the state of the last look back, and let the next look come at once."""
+    for i in range(len(q)):
+        q[i] = work[LOOK_Q, i]
+        v[i] = work[LOOK_V, i]
+    record[T] = record[LOOK_T]
+    record[MARK] = record[LOOK_MARK]
+    record[TRAVEL] = np.inf
 
 
 @inner

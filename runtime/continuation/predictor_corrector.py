@@ -1,13 +1,13 @@
-"""Follow a driven motion from instant to instant: a compiled loop.
+"""Compiled predictor-corrector that follows a driven motion from instant to instant.
 
 Each step predicts q from position, velocity and acceleration and corrects it by Newton's method.
 A step is halved where the prediction is poor, so that the machine stays on its branch however far
 apart the instants lie, and where Newton's method fails, so that a lock-up is approached to the
 last position at which the machine still assembles.
 
-Now and then the pivots of Phi_q are looked at (`looking`): a step can be so long that it lands on
-another assembly of the machine. That takes the walk back to where it was last known to be right,
-and is reported.
+A step can be so long that it lands on another assembly of the machine. So the pivots of Phi_q are
+compared from time to time (`pivot_monitor`); at a suspicion the state goes back to the last good
+comparison, and the code is SUSPECT.
 """
 
 from typing import Any
@@ -18,10 +18,6 @@ from numba import types
 from runtime.continuation.pivot_monitor import (
     BARRIER,
     LEAST,
-    LOOK_MARK,
-    LOOK_Q,
-    LOOK_T,
-    LOOK_V,
     MARGIN,
     MARK,
     NEWTON,
@@ -31,9 +27,10 @@ from runtime.continuation.pivot_monitor import (
     TRAVEL,
     T,
     look,
+    restore_look,
     suspicious,
 )
-from runtime.core.jit import ADDRESSES, compiled
+from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernels import FETCH, MATRIX, MODE_ROWS, MODES, SCALAR, TYPES, VECTOR
 
 DONE, STUCK, SUSPECT, ARRIVED = 0, 1, 2, 3
@@ -101,64 +98,54 @@ def settle(
     return 0
 
 
-@compiled(
-    types.int64(
-        ADDRESSES,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        MODES,
-        VECTOR,
-        MATRIX,
-        MATRIX,
-        VECTOR,
-        MATRIX,
-        MODE_ROWS,
-        VECTOR,
-        MATRIX,
-        MATRIX,
-        MODE_ROWS,
-    ),
-)
-def walk(
-    kernels: Any,
-    times: Any,
-    p: Any,
-    w: Any,
-    scale: Any,
-    q: Any,
-    v: Any,
-    a: Any,
-    modes: Any,
-    lam: Any,
-    q_out: Any,
-    v_out: Any,
-    record: Any,
-    work: Any,
-    sparse: Any,
-    values: Any,
-    dense: Any,
-    pivots: Any,
-    orders: Any,
-) -> int:
+@inner
+def attempt(
+    correction: Any, accelerations: Any, new: Any, q: Any, v: Any, a: Any, p: Any, w: Any,
+    scale: Any, modes: Any, lam: Any, record: Any, work: Any,
+) -> bool:  # fmt: skip
+    """Predict q and v at the instant `new` in two rows of `work`, and correct them there.
+
+    Accelerations become those at `new`; where the prediction is too poor to tell the branch, they
+    stay, and the answer is False.
+    """
+    t, n = record[T], len(q)
+    h = new - t
+    q_new, v_new, info = work[0], work[1], work[4]
+    for i in range(n):
+        q_new[i] = q[i] + h * (v[i] + 0.5 * h * a[i])
+        v_new[i] = v[i] + h * a[i]
+    reason = settle(correction, new, q_new, v_new, p, w, scale, work[2], work[3], info)
+    record[NEWTON] += info[2]
+    good = reason == 0 and info[0] <= _PREDICTED and abs(h) * info[1] <= 4.0 * _PREDICTED
+    if good and accelerations(new, q_new, v_new, p, modes, a, lam) != 0:
+        accelerations(t, q, v, p, modes, a, lam)
+        good = False
+    return good
+
+
+@compiled(types.int64(
+    ADDRESSES, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, MODES, VECTOR, MATRIX,
+    MATRIX, VECTOR, MATRIX, MODE_ROWS, VECTOR, MATRIX, MATRIX, MODE_ROWS,
+))  # fmt: skip
+def advance(
+    kernels: Any, times: Any, p: Any, w: Any, scale: Any, q: Any, v: Any, a: Any, modes: Any,
+    lam: Any, q_out: Any, v_out: Any, record: Any, work: Any, sparse: Any, values: Any,
+    dense: Any, pivots: Any, orders: Any,
+) -> int:  # fmt: skip
     """Advance the state (q, v, a, at record[T]) through `times` and store it at each.
 
-    record[MARK] counts the instants done. `sparse` (2, nnz) holds rows and columns of Phi_q;
+    record[MARK] counts the instants done. `sparse` (2, nnz) contains rows and columns of Phi_q;
     `values` (nnz,), `dense` (m, n), `pivots` (3, m) and `orders` (2, m) are work arrays that, like
-    the record, stay as they are between calls.
+    the record, persist between calls.
 
-    Returns DONE; STUCK with the state at the last position reached; SUSPECT with the state where
-    the pivots were last good, where they were not at record[END]; ARRIVED at the barrier.
+    Returns DONE; STUCK with the state at the last position reached; SUSPECT, where the pivots at
+    record[END] are suspicious, with the state of the last good ones; ARRIVED at the barrier.
     """
     correction = correction_of(kernels)
     accelerations = accelerations_of(kernels)
     jacobian = jacobian_of(kernels)
     n = len(q)
-    q_new, v_new, dq, dv, info = work[0], work[1], work[2], work[3], work[4]
+    q_new, v_new, info = work[0], work[1], work[4]
     order, spare = orders[0], orders[1]
     done = int(record[MARK])
     if record[LEAST] < 0.0:
@@ -190,18 +177,9 @@ def walk(
         h = new - t
         if abs(h) <= 8e-16 * max(abs(t), 1e-3 * abs(target)) and not last:
             return STUCK
-        for i in range(n):
-            q_new[i] = q[i] + h * (v[i] + 0.5 * h * a[i])
-            v_new[i] = v[i] + h * a[i]
-        reason = settle(correction, new, q_new, v_new, p, w, scale, dq, dv, info)
-        record[NEWTON] += info[2]
-        good = reason == 0 and info[0] <= _PREDICTED and abs(h) * info[1] <= 4.0 * _PREDICTED
-        if good:
-            reason = accelerations(new, q_new, v_new, p, modes, a, lam)
-            if reason != 0:
-                accelerations(t, q, v, p, modes, a, lam)
-                good = False
-        if not good:
+        if not attempt(
+            correction, accelerations, new, q, v, a, p, w, scale, modes, lam, record, work
+        ):
             record[REJECTED] += 1.0
             record[STEP] = 0.5 * abs(h)
             if abs(h) <= 1e-15 * max(abs(t), abs(target)):
@@ -223,13 +201,8 @@ def walk(
         if suspicious(
             jacobian, new, q, p, scale, sparse, values, dense, pivots, order, spare, record, work
         ):
-            for i in range(n):
-                q[i] = work[LOOK_Q, i]
-                v[i] = work[LOOK_V, i]
-            record[T] = record[LOOK_T]
-            record[MARK] = record[LOOK_MARK]
+            restore_look(record, work, q, v)
             accelerations(record[T], q, v, p, modes, a, lam)
-            record[TRAVEL] = np.inf
             return SUSPECT
         look(jacobian, new, q, v, p, scale, sparse, values, dense, pivots, order, record, work)
     return DONE

@@ -1,9 +1,9 @@
-"""What a driven machine meets where its constraints cease to be independent: judged and told.
+"""Classification of the singular configurations of a driven machine, and the messages about them.
 
-u and x are the left and the right null vector of Phi_q there. Where uᵀ Phi_t does not vanish, the
-driver asks for what no motion gives: time turns back along the curve of positions, a fold, and the
-machine locks up. Where it vanishes, curves of positions cross, and the quadratic form uᵀ gamma of
-the velocities v_p + c x says in which directions (see `branches`).
+u and x are the left and the right null vector of Phi_q there. Where uᵀ Phi_t does not vanish, no
+velocities satisfy the drivers: time turns back along the curve of positions, a fold, and the
+machine locks up. Where it vanishes, curves of positions cross, a branch point, and the quadratic
+form uᵀ gamma of the velocities v_p + c x gives their directions (see `bifurcation_branches`).
 """
 
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from codegen.errors import AnalysisError
-from runtime.continuation.bifurcation_branches import SOLVED, Branch, lost
+from runtime.continuation.bifurcation_branches import SOLVED, Branch, rank_deficiency
 from runtime.integrate.trajectory import Crossing
 from runtime.linalg.rank_policy import LOST
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -22,7 +22,7 @@ _TAKING = 0.05
 _FEW = 4  # layout: branches that a message lists
 
 
-def met(
+def describe(
     equations: Equations,
     kind: Kind,
     t: float,
@@ -32,14 +32,14 @@ def met(
     rate: float,
 ) -> SingularPosition:
     """Describe the singular position (t, q); `rate` is the drivers' pace, 1/s."""
-    told = equations.description
-    at = lost(equations, t, q, scale, least=1)
+    description = equations.description
+    at = rank_deficiency(equations, t, q, scale, least=1)
     count, null = at.k, at.null
     if len(at.rows) < equations.m:
         count, null = _of_all(equations, t, q, scale, count)
     part = np.abs(at.left).max(axis=1)
     taking = [
-        told.constraints[int(at.rows[row])].element
+        description.constraints[int(at.rows[row])].element
         for row in np.argsort(-part, kind="stable")
         if part[row] > _TAKING * part.max()
     ]
@@ -47,8 +47,8 @@ def met(
     return SingularPosition(
         kind=kind,
         time=t,
-        drivers=tuple(name for name in named if name in told.drivers),
-        joints=tuple(name for name in named if name not in told.drivers),
+        drivers=tuple(name for name in named if name in description.drivers),
+        joints=tuple(name for name in named if name not in description.drivers),
         lost=count,
         null_directions=tuple(_named(equations, x) for x in _simple(null)),
         singular_value=float(at.values[-1]),
@@ -58,19 +58,19 @@ def met(
     )
 
 
-def passed(
+def describe_crossings(
     equations: Equations, t: float, q: FloatArray, mobility: FloatArray, run: Sequence[Crossing]
 ) -> list[SingularPosition]:
     """Describe the crossings of a simulation that began at (t, q), its columns scaled by masses.
 
-    Of each it keeps one constraint and one direction, and no state.
+    A simulation keeps one constraint and one direction of each, and no state.
     """
-    told = equations.description
+    description = equations.description
     units = mobility / equations.scale(equations.size(t, q))
     found = []
     for row in run:
-        element = told.constraints[row.row].element
-        driver = element in told.drivers
+        element = description.constraints[row.row].element
+        driver = element in description.drivers
         found.append(
             SingularPosition(
                 kind="crossing",
@@ -88,15 +88,15 @@ def passed(
 
 def drift(equations: Equations, t: float, q: FloatArray, scale: FloatArray, rate: float) -> float:
     """|uᵀ nu| / rate, the second-order test: rounding where motions cross, else a lock-up."""
-    at = lost(equations, t, q, scale, least=1)
+    at = rank_deficiency(equations, t, q, scale, least=1)
     nu = equations.velocity_rhs(t, q)[at.rows] / at.lengths
     return float(np.linalg.norm(at.left.T @ nu)) / rate
 
 
 def pace(equations: Equations, times: FloatArray, q: FloatArray, scale: FloatArray) -> float:
-    """How fast the drivers move the constraints, rows of unit length, at their fastest, 1/s.
+    """Fastest rate at which the drivers move the constraints, rows of unit length, 1/s.
 
-    At the instants of a run, and at one position, as laws of time mostly know no other.
+    At the instants of a run and one position, since most laws of time do not depend on q.
     """
     lengths = np.linalg.norm(equations.jacobian(float(times[0]), q) * scale, axis=1)
     lengths[lengths == 0.0] = 1.0
@@ -104,8 +104,8 @@ def pace(equations: Equations, times: FloatArray, q: FloatArray, scale: FloatArr
     return max((float(rate) for rate in rates if np.isfinite(rate)), default=0.0)
 
 
-def instant(equations: Equations, t: float, q: FloatArray) -> float:
-    """The instant near t to which the drivers assign the position q."""
+def driven_instant(equations: Equations, t: float, q: FloatArray) -> float:
+    """The instant near t at which the drivers demand the position q."""
     for _ in range(3):
         nu = equations.velocity_rhs(t, q)
         square = float(nu @ nu)
@@ -140,16 +140,16 @@ def undefined(equations: Equations, t: float, ahead: float, q: FloatArray) -> st
         return ""
     return (
         f"Stopped at t = {t:.9g} s: {', '.join(dict.fromkeys(without))} has no value just "
-        f"after. Look for a table asked beyond its ends, a division by zero or a root of a "
+        f"after. Look for a table evaluated beyond its ends, a division by zero or a root of a "
         f"negative number."
     )
 
 
 def unclear(found: SingularPosition) -> str:
-    """The message where no smooth motion was found, and no fold either."""
+    """The message where neither a smooth motion nor a fold was found."""
     return (
         f"Stopped at t = {found.time:.9g} s, at a position that is singular or too near to one to "
-        f"be told from it (smallest singular value of Phi_q {found.singular_value:.1e}, "
+        f"be distinguished from it (smallest singular value of Phi_q {found.singular_value:.1e}, "
         f"{', '.join((*found.drivers, *found.joints))}): no smooth motion leads on. With the "
         f"drivers at rest the machine could move by {found.free}. Change a dimension by a little, "
         f"or drive one of these coordinates."
@@ -157,7 +157,7 @@ def unclear(found: SingularPosition) -> str:
 
 
 def crossings(found: list[SingularPosition]) -> str:
-    """What a message says of the positions that were crossed."""
+    """Sentence about the positions that were crossed; empty without any."""
     if not found:
         return ""
     where = ", ".join(f"{row.time:.6g}" for row in found[:5])
@@ -170,18 +170,18 @@ def crossings(found: list[SingularPosition]) -> str:
 
 
 def no_start(equations: Equations, found: SingularPosition, choices: list[Branch]) -> AnalysisError:
-    """The error where nothing says how the motion begins."""
-    told = equations.description
+    """The error of a singular start whose branch is undecided."""
+    description = equations.description
     names = (*found.drivers, *found.joints)
     head = (
-        f"{told.title}: the machine starts in a singular position at t = {found.time:g} s "
+        f"{description.title}: the machine starts in a singular position at t = {found.time:g} s "
         f"({', '.join(names)} {'has' if len(names) == 1 else 'have'} no hold here; free to move: "
         f"{found.free})"
     )
     if not choices:
         locked = "" if found.drift <= SOLVED else " (a lock-up: no velocities satisfy the drivers)"
         return AnalysisError(
-            f"{head}, and no smooth motion leads out of it{locked}. Begin a little beside it: "
+            f"{head}, and no smooth motion leads out of it{locked}. Start a little off it: "
             f"another t_start, or other start values."
         )
     listed = "; ".join(
@@ -201,7 +201,7 @@ def _apart(equations: Equations, branch: Branch, choices: list[Branch]) -> str:
     spread = np.ptp(all_v, axis=0)
     differs = spread > 1e-6 * max(float(np.abs(all_v).max()), 1e-300)
     return ", ".join(
-        f"{row.velocity} = {branch.v[k]:.6g} {row.unit}/s"
+        f"{row.velocity} = {branch.v[k]:.6g} {row.velocity_unit}"
         for k, row in enumerate(equations.description.coordinates)
         if differs[k]
     )
@@ -219,9 +219,10 @@ def _named(equations: Equations, x: FloatArray) -> dict[str, float]:
 def _of_all(
     equations: Equations, t: float, q: FloatArray, scale: FloatArray, most: int
 ) -> tuple[int, FloatArray]:
-    """How much all rows together have lost, at most `most`, and their null directions, (n, k).
+    """Rank deficiency of all rows together, at most `most`, and their null directions, (n, k).
 
-    Rows that follow from others elsewhere may hold where those do not, and less is free to move.
+    Rows that follow from others elsewhere may be independent where those are not, which leaves
+    fewer directions free.
     """
     matrix = equations.jacobian(t, q) * scale
     lengths = np.linalg.norm(matrix, axis=1)

@@ -74,7 +74,7 @@ _INTEGERS = [
     "repartitions",
     "max_steps",
     "max_events",
-    "every_step",  # 1: a sample at the end of every step
+    "every_step",  # kind of sampling: 0 at given instants, 1 at the end of every step, 2 quadrature
     "samples",  # rows of the output written
     "next_sample",  # of the instants asked for
     "logged_events",  # rows of the event buffer written

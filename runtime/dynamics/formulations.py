@@ -1,4 +1,4 @@
-"""In which coordinates a motion is integrated, and the way back to all of them."""
+"""Formulations: the coordinates in which a motion is integrated, and the return to all of them."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Protocol
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from codegen.errors import InputError
-from runtime.assembly.redundant_kernels import projecting, sound
+from runtime.assembly.redundant_kernels import projection_only, with_redundancy
 from runtime.core.system import System
 from runtime.integrate.method import IMPLICIT
 from runtime.integrate.problem import Correction, Formulation
@@ -25,12 +25,12 @@ _CORRECTIONS = ("step", "stage")
 
 
 class Coordinates(Protocol):
-    """What is integrated.
+    """The coordinates that are integrated, and their equations.
 
     Attributes
     ----------
     machine
-        The machine, or one with kernels that bear redundant constraints.
+        Its kernels; of redundant constraints, those of least norm.
     system
         Its equations.
     p
@@ -56,11 +56,11 @@ class Coordinates(Protocol):
     spreads: FloatArray
     correction: Correction
 
-    def whole(self, run: Trajectory) -> Trajectory:
-        """A run in all coordinates, its outcome told of the machine's constraints."""
+    def all_coordinates(self, run: Trajectory) -> Trajectory:
+        """A run in all coordinates, its outcome in terms of all constraints."""
 
 
-class AllCoordinates:
+class CartesianCoordinates:
     """The machine's own coordinates; see `Coordinates`."""
 
     def __init__(
@@ -74,8 +74,8 @@ class AllCoordinates:
     ) -> None:
         self.mechanism, self.p, self.sizes, self.correction = mechanism, p, sizes, correction
         if begin.redundant:
-            self.mechanism = sound(mechanism, begin)
-            self.correction = projecting(mechanism, begin, method, correction)
+            self.mechanism = with_redundancy(mechanism, begin)
+            self.correction = projection_only(mechanism, begin, method, correction)
         self.system, self.spreads = (
             self.mechanism.system,
             np.zeros(len(mechanism.description.switches)),
@@ -85,18 +85,18 @@ class AllCoordinates:
         self.q, self.v = np.ascontiguousarray(begin.q), np.ascontiguousarray(begin.v)
         self.scale = self.mobility = _mobility(Equations(mechanism, p).mass(begin.q))
 
-    def whole(self, run: Trajectory) -> Trajectory:
+    def all_coordinates(self, run: Trajectory) -> Trajectory:
         """The run itself."""
         return run
 
 
-class KeptCoordinates:
-    """Those that no constraint gives; see `Coordinates`.
+class ReducedCoordinates:
+    """Coordinates that no constraint gives explicitly; see `Coordinates`.
 
     Raises
     ------
     InputError
-        With all that reduced coordinates do not do for this machine.
+        With all reasons why this machine has no reduced coordinates.
     """
 
     def __init__(
@@ -124,7 +124,7 @@ class KeptCoordinates:
         self.mobility = np.ones(len(begin.q))
         self.mobility[kept] = self.scale
 
-    def whole(self, run: Trajectory) -> Trajectory:
+    def all_coordinates(self, run: Trajectory) -> Trajectory:
         """All coordinates at the samples, the events and the end."""
         reduced, events = self.reduced, run.events
         count, n = len(run.t), len(self.mechanism.description.coordinates)
@@ -150,15 +150,15 @@ class KeptCoordinates:
             partitions=replace(run.partitions, independent=free),
             index=run.index if switched else reduced.row(run.index),
             crossings=tuple(
-                replace(one, row=reduced.row(one.row), direction=self._all(one.direction))
+                replace(one, row=reduced.row(one.row), direction=self._embedded(one.direction))
                 for one in run.crossings
             ),
         )
 
-    def _all(self, direction: FloatArray) -> FloatArray:
-        found = np.zeros(len(self.mechanism.description.coordinates))
-        found[self.reduced.kept] = direction
-        return found
+    def _embedded(self, direction: FloatArray) -> FloatArray:
+        full = np.zeros(len(self.mechanism.description.coordinates))
+        full[self.reduced.kept] = direction
+        return full
 
 
 def coordinates(
@@ -180,8 +180,8 @@ def coordinates(
     if formulation not in FORMULATIONS:
         raise InputError(f"formulation = {formulation!r} must be one of {', '.join(FORMULATIONS)}.")
     if formulation == "reduced":
-        return KeptCoordinates(mechanism, p, begin, sizes, correction)
-    return AllCoordinates(mechanism, p, begin, sizes, method, correction)
+        return ReducedCoordinates(mechanism, p, begin, sizes, correction)
+    return CartesianCoordinates(mechanism, p, begin, sizes, method, correction)
 
 
 def _mobility(mass: FloatArray) -> FloatArray:
@@ -196,9 +196,9 @@ def _mobility(mass: FloatArray) -> FloatArray:
 
 
 def _spreads(mechanism: Mechanism, p: FloatArray, begin: Assembly, sizes: FloatArray) -> FloatArray:
-    """Σ |∂g/∂(q, q̇)| times the sizes: the rounding of g is that of what it is made of.
+    """Σ |∂g/∂(q, q̇)| times the typical sizes, to which the rounding of g is proportional.
 
-    At a dead point of what is watched, nothing of that is seen from the kept coordinates.
+    At a dead centre of a switching function the reduced coordinates alone would not show it.
     """
     n, s = len(sizes), len(mechanism.description.switches)
     rates = mechanism.kernels.switching_rates
@@ -215,45 +215,47 @@ def _spreads(mechanism: Mechanism, p: FloatArray, begin: Assembly, sizes: FloatA
 
 
 def _refuse(mechanism: Mechanism, begin: Assembly, correction: Correction) -> None:
-    told = mechanism.description
+    description = mechanism.description
     problems = []
     if correction not in _CORRECTIONS:
         problems.append(
-            f"correction={correction!r} keeps to constraints that reduced coordinates have not; "
-            f"take one of {', '.join(_CORRECTIONS)}"
+            f"correction={correction!r} returns onto constraints that reduced coordinates "
+            f"eliminate; take one of {', '.join(_CORRECTIONS)}"
         )
     if begin.redundant:
         problems.append(
             f"{', '.join(row.name for row in begin.redundant)} follow from other constraints, and "
-            "reduced coordinates ask for independent ones; remove them"
+            "reduced coordinates need independent ones; remove them"
         )
-    sticking = [told.switches[k].name for k in told.sought]
-    sticking += [told.switches[k].name for k, *_ in told.friction_limits]
+    sticking = [description.switches[k].name for k in description.sought]
+    sticking += [description.switches[k].name for k, *_ in description.friction_limits]
     if sticking:
         problems.append(
-            f"{', '.join(dict.fromkeys(sticking))} stick by the force of a reaction, which reduced "
-            "coordinates leave out; give them creep="
+            f"{', '.join(dict.fromkeys(sticking))} stick by a force that follows from a reaction, "
+            "which reduced coordinates leave out; give them creep="
         )
     if begin.degrees_of_freedom == 0:
         problems.append(
-            "nothing is left to integrate, as constraints and drivers give all coordinates; ask "
-            "for inverse_dynamics"
+            "nothing is left to integrate, as constraints and drivers determine all coordinates; "
+            "ask for inverse_dynamics"
         )
     if problems:
         raise InputError(
-            f'{told.title}: {problem}, or take formulation="cartesian".' for problem in problems
+            f'{description.title}: {problem}, or take formulation="cartesian".'
+            for problem in problems
         )
 
 
 def _refuse_dead_centre(
     mechanism: Mechanism, reduced: "Reduced", begin: Assembly, p: FloatArray, sizes: FloatArray
 ) -> None:
-    told = mechanism.description
+    description = mechanism.description
     steep = reduced.steepness(begin.t, begin.q[reduced.kept], p, sizes)
     problems = [
-        f"{told.title}: the run starts with {told.constraints[row].name} at a dead centre of its "
-        f"loop, where both ways to close it meet ({told.coordinates[column].name} moves "
-        f"{ratio:.1e} times as fast as what is left), and reduced coordinates follow one of them; "
+        f"{description.title}: the run starts with {description.constraints[row].name} at a dead "
+        "centre of its loop, where both ways to close it meet "
+        f"({description.coordinates[column].name} moves {ratio:.1e} times as fast as what is "
+        "left), and reduced coordinates follow one of them; "
         f'start further away, or take formulation="cartesian".'
         for (column, row), ratio in zip(reduced.branches, steep, strict=True)
         if not ratio < _STEEP

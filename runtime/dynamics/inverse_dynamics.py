@@ -1,9 +1,9 @@
 """Inverse dynamics: the forces and torques that a prescribed motion takes.
 
-The motion is kinematic; the multipliers of the drivers are the drives that produce it. A driver's
-reaction is what it exerts on the body that it moves. Which rigid contacts would be closed is not
-decided here, and friction that does not slip has no force that the motion determines: both are
-refused.
+The motion is that of kinematics; the multipliers of the drivers are the forces and torques that
+produce it. A driver's reaction is what it exerts on the body that it moves. Rigid contacts, whose
+state is not decided here, and friction that does not slip, whose force the motion does not
+determine, are refused.
 """
 
 import numpy.typing as npt
@@ -28,15 +28,15 @@ def inverse_dynamics(
     progress: Progress = silent,
 ) -> Result:
     """Motion, reactions, drives and powers at the instants `t_eval`; see `kinematics`."""
-    told = mechanism.description
-    if not told.has_masses:
+    description = mechanism.description
+    if not description.has_masses:
         raise AnalysisError(
-            f"{told.title}: inverse dynamics needs masses, and this scene has a body without. "
-            f"Give every body a mass and an inertia, or ask for kinematics."
+            f"{description.title}: inverse dynamics needs masses, and this scene has a body "
+            f"without. Give every body a mass and an inertia, or ask for kinematics."
         )
     p = parameter_values(mechanism, parameters)
     require_masses(mechanism, p)
-    found = kinematics(
+    result = kinematics(
         mechanism,
         t_eval,
         parameters=parameters,
@@ -45,5 +45,5 @@ def inverse_dynamics(
         progress=progress,
         analysis="inverse dynamics",
     )
-    require_slip(mechanism, p, found.samples)
-    return found
+    require_slip(mechanism, p, result.samples)
+    return result

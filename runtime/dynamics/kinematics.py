@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from codegen.errors import AnalysisError
 from runtime.assembly.assemble import assemble, start_values
-from runtime.assembly.redundant_kernels import sound, spared
+from runtime.assembly.redundant_kernels import redundancy_note, with_redundancy
 from runtime.continuation.driven_motion import follow
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
@@ -34,56 +34,38 @@ def kinematics(
     progress: Progress = silent,
     analysis: str = "kinematics",
 ) -> Result:
-    """Positions, velocities and accelerations at the instants `t_eval`.
-
-    Drivers would push bodies through rigid contacts, so that scenes with these are refused.
-
-    Where the machine locks up, the result reaches to the last instant before, followed by the
-    position in which it locks, where velocities are not a number; the outcome says so. Positions in
-    which motions cross are passed on the branch on which the velocity is continuous. Both are
-    events, and described in `Result.singular`.
-
-    Parameters
-    ----------
-    t_eval
-        Instants in s, increasing.
-    guess
-        Start values by name, over those of the scene.
-    t_start
-        Instant in s to which the start values belong. The machine is assembled there and followed
-        to the first of `t_eval`, so that it stays on the branch on which it starts.
-    """
+    """Kinematics of `Machine.kinematics`; `analysis` names the analysis in messages."""
     began = clock.perf_counter()
     require_no_rigid(mechanism, analysis)
     times = instants(t_eval)
     start = assemble(mechanism, guess, parameters, t_start)
     require_driven(mechanism, start, analysis)
-    mechanism = sound(mechanism, start)
-    wished = start_values(mechanism, guess).v
+    mechanism = with_redundancy(mechanism, start)
+    preferred = start_values(mechanism, guess).v
     p = parameter_values(mechanism, parameters)
-    found = follow(mechanism, times, start, wished, p, progress)
-    samples = evaluate(mechanism, p, found.t, found.q, found.v)
-    instants_lost = np.flatnonzero(np.isnan(samples.a).any(axis=1))
-    found.stats["singular_instants"] = len(instants_lost)
-    message = found.message
-    if len(instants_lost) and found.outcome is Outcome.OK:
-        where = ", ".join(f"{samples.t[index]:.6g}" for index in instants_lost[:5])
+    motion = follow(mechanism, times, start, preferred, p, progress)
+    samples = evaluate(mechanism, p, motion.t, motion.q, motion.v)
+    singular = np.flatnonzero(np.isnan(samples.a).any(axis=1))
+    motion.stats["singular_instants"] = len(singular)
+    message = motion.message
+    if len(singular) and motion.outcome is Outcome.OK:
+        where = ", ".join(f"{samples.t[index]:.6g}" for index in singular[:5])
         message += (
-            f" At {len(instants_lost)} of the instants (t = {where} s) the position is singular: "
+            f" At {len(singular)} of the instants (t = {where} s) the position is singular: "
             f"accelerations and reactions are not a number there."
         )
-    found.stats["wall_seconds"] = clock.perf_counter() - began
+    motion.stats["wall_seconds"] = clock.perf_counter() - began
     return Result(
         mechanism.description,
         samples,
         p,
         analysis=analysis,
-        outcome=found.outcome,
-        message=message + spared(start),
-        stats=found.stats,
-        events=[_event(row) for row in found.singular if row.kind in _DIRECTIONS],
+        outcome=motion.outcome,
+        message=message + redundancy_note(start),
+        stats=motion.stats,
+        events=[_event(row) for row in motion.singular if row.kind in _DIRECTIONS],
         not_unique=start.not_unique,
-        singular=found.singular,
+        singular=motion.singular,
     )
 
 
@@ -98,14 +80,14 @@ def require_driven(mechanism: Mechanism, start: Assembly, analysis: str) -> None
     free = start.degrees_of_freedom
     if free == 0:
         return
-    told = mechanism.description
-    drivers = ", ".join(told.drivers) or "none"
-    left_out = [row.name for row in told.left_out if "driver" in row.kind]
+    description = mechanism.description
+    drivers = ", ".join(description.drivers) or "none"
+    left_out = [row.name for row in description.left_out if "driver" in row.kind]
     hint = f" Declared but left out of this scene: {', '.join(left_out)}." if left_out else ""
     raise AnalysisError(
-        f"{told.title}: {analysis.replace('_', ' ')} needs a machine without freedom, and "
+        f"{description.title}: {analysis.replace('_', ' ')} needs a machine without freedom, and "
         f"{free} degree{'s' if free > 1 else ''} of freedom "
-        f"{'are' if free > 1 else 'is'} left ({len(told.coordinates)} coordinates, drivers: "
+        f"{'are' if free > 1 else 'is'} left ({len(description.coordinates)} coordinates, drivers: "
         f"{drivers}). Add {free} driver{'s' if free > 1 else ''} to the scene, "
         f"or ask for simulate.{hint}"
     )

@@ -27,46 +27,15 @@ switching_of = FETCH["switching"]
 switching_rates_of = FETCH["switching_rates"]
 
 
-@compiled(
-    types.none(
-        ADDRESSES,
-        VECTOR,
-        VECTOR,
-        MATRIX,
-        MATRIX,
-        MODE_ROWS,
-        MODES,
-        MODES,
-        MATRIX,
-        MATRIX,
-        MATRIX,
-        MATRIX,
-        MATRIX,
-        MATRIX,
-        MODES,
-        VECTOR,
-        VECTOR,
-    ),
-)
+@compiled(types.none(
+    ADDRESSES, VECTOR, VECTOR, MATRIX, MATRIX, MODE_ROWS, MODES, MODES, MATRIX, MATRIX, MATRIX,
+    MATRIX, MATRIX, MATRIX, MODES, VECTOR, VECTOR,
+))  # fmt: skip
 def _evaluate(
-    kernels: Any,
-    times: Any,
-    p: Any,
-    q: Any,
-    v: Any,
-    modes: Any,
-    rows: Any,
-    columns: Any,
-    a: Any,
-    lam: Any,
-    reaction: Any,
-    power: Any,
-    energy: Any,
-    residual: Any,
-    weak: Any,
-    slopes: Any,
+    kernels: Any, times: Any, p: Any, q: Any, v: Any, modes: Any, rows: Any, columns: Any, a: Any,
+    lam: Any, reaction: Any, power: Any, energy: Any, residual: Any, weak: Any, slopes: Any,
     phi: Any,
-) -> None:
+) -> None:  # fmt: skip
     accelerations = accelerations_of(kernels)
     constraints = constraints_of(kernels)
     jacobian = jacobian_of(kernels)
@@ -103,32 +72,13 @@ def _evaluate(
         energy[k, 1] = potential(t, q[k], p, modes[k])
 
 
-@compiled(
-    types.none(
-        ADDRESSES,
-        VECTOR,
-        VECTOR,
-        MATRIX,
-        MATRIX,
-        MODE_ROWS,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-    ),
-)
+@compiled(types.none(
+    ADDRESSES, VECTOR, VECTOR, MATRIX, MATRIX, MODE_ROWS, VECTOR, VECTOR, VECTOR, VECTOR,
+))  # fmt: skip
 def _find_modes(
-    kernels: Any,
-    times: Any,
-    p: Any,
-    q: Any,
-    v: Any,
-    modes: Any,
-    a: Any,
-    lam: Any,
-    g: Any,
+    kernels: Any, times: Any, p: Any, q: Any, v: Any, modes: Any, a: Any, lam: Any, g: Any,
     rate: Any,
-) -> None:
+) -> None:  # fmt: skip
     switching = switching_of(kernels)
     switching_rates = switching_rates_of(kernels)
     accelerations = accelerations_of(kernels)
@@ -154,49 +104,51 @@ def evaluate(
     v: FloatArray,
     modes: IntArray | None = None,
 ) -> Samples:
-    """Everything that follows from the states at the instants `t`.
+    """Accelerations, reactions, powers, energies and residuals at the instants `t`.
 
     Parameters
     ----------
     q, v
         Shape (instants, n).
     modes
-        Shape (instants, s); found from the states where not given.
+        Shape (instants, s); determined from the states by default.
     """
-    told = mechanism.description
-    count, n, m = len(t), len(told.coordinates), len(told.constraints)
+    description = mechanism.description
+    count, n, m = len(t), len(description.coordinates), len(description.constraints)
     t, q, v = (np.ascontiguousarray(array, dtype=np.float64) for array in (t, q, v))
     if modes is None:
-        modes = np.zeros((count, len(told.switches)), dtype=np.int64)
-        if told.switches:
-            s = len(told.switches)
+        modes = np.zeros((count, len(description.switches)), dtype=np.int64)
+        if description.switches:
+            s = len(description.switches)
             _find_modes(
                 mechanism.kernel_table, t, p, q, v, modes,
                 np.zeros(n), np.zeros(m), np.zeros(s), np.zeros(s),
             )  # fmt: skip
     modes = np.ascontiguousarray(modes, dtype=np.int64)
     a, lam = np.zeros((count, n)), np.zeros((count, m))
-    reaction = np.zeros((count, len(told.reactions)))
-    power = np.zeros((count, len(told.powers)))
+    reaction = np.zeros((count, len(description.reactions)))
+    power = np.zeros((count, len(description.powers)))
     energy, residual = np.zeros((count, 2)), np.zeros((count, 2))
     weak = np.zeros(count, dtype=np.int64)
     plain = np.where(modes == 2, 0, modes)
-    for contact in told.rigid:
+    for contact in description.rigid:
         plain[:, contact.switch] = 1
     _evaluate(
         mechanism.kernel_table, t, p, q, v, plain,
-        told.jacobian_rows.astype(np.int64), told.jacobian_columns.astype(np.int64),
-        a, lam, reaction, power, energy, residual, weak, np.zeros(len(told.jacobian_rows)),
+        description.jacobian_rows.astype(np.int64), description.jacobian_columns.astype(np.int64),
+        a, lam, reaction, power, energy, residual, weak, np.zeros(len(description.jacobian_rows)),
         np.zeros(m),
     )  # fmt: skip
-    if told.recovered is not None:
-        lam[:, np.setdiff1d(np.arange(m), told.recovered)] = np.nan
-    if told.has_masses:
-        energy[:, [k for k, name in enumerate(ENERGIES) if name not in told.kernels]] = np.nan
+    if description.recovered is not None:
+        lam[:, np.setdiff1d(np.arange(m), description.recovered)] = np.nan
+    if description.has_masses:
+        energy[:, [k for k, name in enumerate(ENERGIES) if name not in description.kernels]] = (
+            np.nan
+        )
     if (modes == 2).any():
-        from runtime.dynamics.sliding_outputs import mix_held
+        from runtime.dynamics.sliding_outputs import overwrite_sliding
 
-        share = mix_held(mechanism, p, t, q, v, modes, a, lam, reaction, power)
+        share = overwrite_sliding(mechanism, p, t, q, v, modes, a, lam, reaction, power)
     else:
         share = np.full(modes.shape, np.nan)
     return Samples(t, q, v, a, lam, reaction, power, energy, residual, modes, share)

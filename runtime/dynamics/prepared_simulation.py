@@ -1,4 +1,4 @@
-"""A machine put together at its start, from which it may be integrated more than once."""
+"""The assembled start of a simulation, from which several runs may be made."""
 
 from runtime.assembly.assemble import assemble
 from runtime.dynamics.formulations import Coordinates, coordinates
@@ -15,8 +15,8 @@ from runtime.validation.parameters import parameter_values
 from runtime.validation.scene_support import refuse_massless, refuse_structure
 
 
-class Prepared:
-    """The start of a simulation, and what all runs from it have in common.
+class PreparedSimulation:
+    """The start of a simulation: state, parameters and typical sizes, the same for all its runs.
 
     Attributes
     ----------
@@ -59,19 +59,26 @@ class Prepared:
     def coordinates(
         self, formulation: Formulation, method: str, correction: Correction
     ) -> Coordinates:
-        """What is integrated: see `runtime.dynamics.formulations`."""
+        """The coordinates of a formulation; see `runtime.dynamics.formulations`."""
         return coordinates(
             formulation, self.mechanism, self.p, self.begin, self.sizes, method, correction
         )
 
-    def run(self, taken: Coordinates, options: Options, progress: Progress) -> Trajectory:
+    def run(self, coordinates: Coordinates, options: Options, progress: Progress) -> Trajectory:
         """One integration, in all coordinates."""
         first = self.begin.t
         span = max(self.t_end - first, 1e-300)
         problem = Problem(
-            first, self.t_end, taken.q, taken.v, taken.p, taken.scale, taken.sizes, taken.spreads
+            first,
+            self.t_end,
+            coordinates.q,
+            coordinates.v,
+            coordinates.p,
+            coordinates.scale,
+            coordinates.sizes,
+            coordinates.spreads,
         )
         run = integrate(
-            taken.system, problem, options, lambda t, steps: progress((t - first) / span)
+            coordinates.system, problem, options, lambda t, steps: progress((t - first) / span)
         )
-        return taken.whole(run)
+        return coordinates.all_coordinates(run)

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from runtime.assembly.redundant_kernels import spared
-from runtime.continuation.singularity_classification import passed
+from runtime.assembly.redundant_kernels import redundancy_note
+from runtime.continuation.singularity_classification import describe_crossings
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import Coordinates
 from runtime.dynamics.output_quantities import evaluate
-from runtime.dynamics.prepared_simulation import Prepared
-from runtime.dynamics.work import laid, with_works
+from runtime.dynamics.prepared_simulation import PreparedSimulation
+from runtime.dynamics.work import integrate_works
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -23,7 +23,7 @@ from runtime.results.event_records import Event
 from runtime.results.result import Result
 from runtime.results.samples import Partition
 from runtime.validation.arguments import instants
-from runtime.validation.scene_support import carried
+from runtime.validation.scene_support import driven_note
 
 
 def simulate(
@@ -46,48 +46,12 @@ def simulate(
     max_steps: int = 100_000_000,
     progress: Progress = silent,
 ) -> Result:
-    """Integrate the equations of motion from the assembled start.
-
-    Parameters
-    ----------
-    t_end
-        Last instant in s.
-    t_eval
-        Output instants in s, increasing; without them, the end of every step.
-    t_start
-        First instant in s; that of `start` where one is given.
-    method
-        "dop853", of order 8, "dopri5" or "tsit5", of order 5, explicit. "radau5" or "bdf",
-        implicit, for stiff equations: contacts and springs much stiffer than the motion is fast;
-        "radau5" also where these vibrate. "auto" starts with "dop853" and changes to an implicit
-        method where it finds the equations stiff, and back. The last three take exact derivatives,
-        built when they are first needed.
-    rtol, atol
-        Tolerances of a step: `atol` + `rtol` times the value, for each coordinate and velocity;
-        `atol` in m, rad, m/s, rad/s. Unless it is given, it is `rtol` times a typical size: 1 rad
-        for angles; for lengths that of the machine at its start (its longest arm; without arms its
-        largest distance from the origin, or a fixed length), but not more than 1 m; the same a
-        second for velocities.
-    guess
-        Start values by name, over those of the scene.
-    start
-        An assembled state to start from, in place of the scene's start.
-    correction
-        Return onto the constraints: once a "step" (dependent coordinates from independent ones), at
-        every "stage", by "projection", by "baumgarte" or "hybrid"; see `Options.correction`.
-    formulation
-        "cartesian" integrates all coordinates; "reduced" those that no constraint gives, with the
-        same results: `runtime.dynamics.formulations`.
-    time_scale
-        τ of Baumgarte's accelerations, s; a thousandth of the run unless given.
-    first_step, max_step
-        Lengths in s; chosen unless given.
-    """
+    """Integrate the equations of motion from the assembled start; see `Machine.simulate`."""
     began = clock.perf_counter()
-    ready = Prepared(
+    ready = PreparedSimulation(
         mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start
     )
-    taken = ready.coordinates(formulation, method, correction)
+    coordinates = ready.coordinates(formulation, method, correction)
     # An unknown method is refused by the integrator, together with all else that is wrong.
     options = Options(
         method=method,
@@ -95,18 +59,18 @@ def simulate(
         atol_q=atol,
         atol_v=atol,
         t_eval=None if t_eval is None else instants(t_eval),
-        correction=taken.correction,
+        correction=coordinates.correction,
         time_scale=time_scale,
         first_step=first_step,
         h_max=max_step,
         max_steps=max_steps,
     )
-    return finished(ready, taken, options, began, progress)
+    return finish_simulation(ready, coordinates, options, began, progress)
 
 
-def finished(
-    ready: Prepared,
-    taken: Coordinates,
+def finish_simulation(
+    ready: PreparedSimulation,
+    coordinates: Coordinates,
     options: Options,
     began: float,
     progress: Progress,
@@ -119,23 +83,21 @@ def finished(
     began
         When the analysis did, s of `time.perf_counter`.
     run
-        The run, where it has been made; works are integrated in others.
+        The run, if it exists already; a scene with works needs another one.
     """
     times = None if options.t_eval is None else np.asarray(options.t_eval, dtype=np.float64)
-    begin, plan = ready.begin, None
-    if ready.mechanism.description.working:
-        ends = ready.run(taken, replace(options, t_eval=None), progress).t
-        plan = laid(begin.t, ends, times)
-        run = ready.run(taken, replace(options, t_eval=plan.instants), progress)
-    elif run is None:
-        run = ready.run(taken, options, progress)
-    mechanism, equations = taken.mechanism, Equations(taken.mechanism, ready.p)
-    found = _result(mechanism, run, ready.p, began, begin)
-    if plan:
-        found = with_works(found, plan)
-    found.singular = tuple(passed(equations, begin.t, begin.q, taken.mobility, run.crossings))
-    found.message += carried(mechanism, begin.degrees_of_freedom)
-    return found
+    begin, works = ready.begin, bool(ready.mechanism.description.working)
+    if works or run is None:
+        run = ready.run(coordinates, replace(options, quadrature=works), progress)
+    mechanism, equations = coordinates.mechanism, Equations(coordinates.mechanism, ready.p)
+    result = _result(mechanism, run, ready.p, began, begin)
+    if works:
+        integrate_works(result, len(run.t), times)
+    result.singular = tuple(
+        describe_crossings(equations, begin.t, begin.q, coordinates.mobility, run.crossings)
+    )
+    result.message += driven_note(mechanism, begin.degrees_of_freedom)
+    return result
 
 
 def _result(
@@ -194,7 +156,7 @@ def _result(
         p,
         analysis="simulation",
         outcome=run.outcome,
-        message=_message(mechanism, run) + spared(begin),
+        message=_message(mechanism, run) + redundancy_note(begin),
         stats=stats,
         events=events,
         partitions=partitions,
@@ -202,8 +164,8 @@ def _result(
     )
 
 
-def _changes(run: Trajectory) -> str:
-    """Which methods were used, where it was more than one."""
+def _methods_note(run: Trajectory) -> str:
+    """Sentence naming the methods where there were several."""
     if len(run.methods) == 1:
         return ""
     shown = [f"{name} from t = {t:.6g} s" for t, name in run.methods[:6]]
@@ -211,49 +173,49 @@ def _changes(run: Trajectory) -> str:
     return f" Methods: {', '.join(shown)}{f', and {rest} more changes' if rest else ''}."
 
 
-def _crossed(mechanism: Mechanism, run: Trajectory) -> str:
-    """Which singular positions were passed, and what it cost, where there were any."""
+def _crossings_note(mechanism: Mechanism, run: Trajectory) -> str:
+    """Sentence about the singular positions that were passed; empty without any."""
     if not run.crossings:
         return ""
     first = run.crossings[0]
     worst = max(run.crossings, key=lambda crossing: crossing.error)
     count = len(run.crossings)
-    told = (
+    text = (
         f" Passed {count} singular position{'s' if count > 1 else ''} on the branch on which the "
         f"velocity is continuous, the first at t = {first.t:.6g} s, where "
         f"{mechanism.description.constraints.names[first.row]} lost its hold."
     )
     if worst.error > 1.0:
-        told += (
+        text += (
             f" Rounding there exceeds rtol: the step at t = {worst.t:.6g} s may err by "
             f"{worst.error:.1g} times the tolerance."
         )
-    return told
+    return text
 
 
 def _message(mechanism: Mechanism, run: Trajectory) -> str:
-    """How the run ended, with its time and the element concerned."""
+    """How the run ended, with time and element."""
     if run.outcome is Outcome.OK:
         return (
             f"Reached t = {run.final_t:g} s in {run.statistics.steps} steps."
-            f"{_changes(run)}{_crossed(mechanism, run)}"
+            f"{_methods_note(run)}{_crossings_note(mechanism, run)}"
         )
-    told = mechanism.description
+    description = mechanism.description
     where = ""
     if run.index >= 0:
         if run.outcome.of_switch:
-            switch = told.switches[run.index]
+            switch = description.switches[run.index]
             where = f", condition {switch.condition} of {switch.name}"
         else:
-            row = told.constraints[run.index]
-            where = f", {'driver' if row.element in told.drivers else 'joint'} {row.name}"
+            row = description.constraints[run.index]
+            where = f", {'driver' if row.element in description.drivers else 'joint'} {row.name}"
     note = f" {run.note}" if run.note else ""
     if run.outcome in {Outcome.SINGULAR, Outcome.NEWTON_FAILED} and run.statistics.steps == 0:
-        held = ", ".join(row.name for row in told.start if row.role == "fixed")
+        fixed = ", ".join(row.name for row in description.start if row.role == "fixed")
         return (
             f"Stopped at t = {run.final_t:.9g} s{where}. The run starts in a singular position or "
             f"too near to one, and no motion leads out that fits its velocities.{note} Start "
-            f"further away{f' (held: {held})' if held else ''}, or on the motion that is meant."
+            f"further away{f' (fixed: {fixed})' if fixed else ''}, or on the motion that is meant."
         )
     return (
         f"Stopped at t = {run.final_t:.9g} s{where}. {run.outcome.meaning}{note} "

@@ -1,4 +1,4 @@
-"""Outputs where something is held: where the motion slides, sticks, or a contact is closed."""
+"""Outputs in sliding modes: where the motion slides, friction sticks, or a contact is closed."""
 
 from typing import Any
 
@@ -34,84 +34,56 @@ IntArray = npt.NDArray[np.int64]
 powers_of = FETCH["powers"]
 
 
-@allocating(
-    types.none(
-        ADDRESSES,
-        ADDRESSES,
-        MODES,
-        VECTOR,
-        VECTOR,
-        MATRIX,
-        MATRIX,
-        MODE_ROWS,
-        MATRIX,
-        MATRIX,
-        MATRIX,
-        MATRIX,
-        MATRIX,
-        VECTOR,
-        VECTOR,
-    )
-)
+@allocating(types.none(
+    ADDRESSES, ADDRESSES, MODES, VECTOR, VECTOR, MATRIX, MATRIX, MODE_ROWS, MATRIX, MATRIX, MATRIX,
+    MATRIX, MATRIX, VECTOR, VECTOR,
+))  # fmt: skip
 def _mix_rows(
-    context: Any,
-    kernels: Any,
-    rows: Any,
-    times: Any,
-    p: Any,
-    q: Any,
-    v: Any,
-    modes: Any,
-    a: Any,
-    lam: Any,
-    reaction: Any,
-    power: Any,
-    shares: Any,
-    base: Any,
-    other: Any,
-) -> None:
-    bent = bent_of(context)
+    context: Any, kernels: Any, rows: Any, times: Any, p: Any, q: Any, v: Any, modes: Any, a: Any,
+    lam: Any, reaction: Any, power: Any, shares: Any, base: Any, other: Any,
+) -> None:  # fmt: skip
+    field = bent_of(context)
     powers = powers_of(kernels)
     m = context[CONSTRAINT_COUNT]
     plain = kernel_modes_of(context)
-    held = sliding_functions_of(context)
+    sliding = sliding_functions_of(context)
     share, high = share_of(context), share_high_of(context)
-    sought, limits = stiction_place_of(context), limits_of(context)
+    stiction_place, limits = stiction_place_of(context), limits_of(context)
     base_multipliers = base_multipliers_of(context)
     unit_multipliers = unit_multipliers_of(context)
-    mixed = reaction_of(context)
-    own = np.zeros(m)
+    mixed_reaction = reaction_of(context)
+    multipliers = np.zeros(m)
     for row in rows:
         t = times[row]
         hold(context, modes[row])
-        bent(context, t, q[row], v[row], modes[row], a[row], lam[row])
+        field(context, t, q[row], v[row], modes[row], a[row], lam[row])
         mix(context, t, q[row], v[row], lam[row])
-        for i in range(len(mixed)):
-            reaction[row, i] = mixed[i]
+        for i in range(len(mixed_reaction)):
+            reaction[row, i] = mixed_reaction[i]
         for c in range(context[SLIDING_COUNT]):
-            release(context, held[c])
+            release(context, sliding[c])
         for i in range(m):
-            own[i] = base_multipliers[i]
-        powers(t, q[row], v[row], p, plain, own, base)
+            multipliers[i] = base_multipliers[i]
+        powers(t, q[row], v[row], p, plain, multipliers, base)
         for i in range(len(base)):
             power[row, i] = base[i]
         for c in range(context[SLIDING_COUNT]):
-            k = held[c]
+            k = sliding[c]
             shares[row, k] = share[k]
-            if sought[k] >= 0:
-                # Between the forces that the friction would have, sliding with what presses now.
-                force, limit = mixed[limits[2 * k]], mixed[limits[2 * k + 1]]
+            if stiction_place[k] >= 0:
+                # Between the friction forces of both directions, at the present normal force.
+                force, limit = mixed_reaction[limits[2 * k]], mixed_reaction[limits[2 * k + 1]]
                 shares[row, k] = 0.5 - 0.5 * high[k] * force / limit if limit > 0.0 else np.nan
             for i in range(m):
-                own[i] = base_multipliers[i] + unit_multipliers[c * m + i]
+                multipliers[i] = base_multipliers[i] + unit_multipliers[c * m + i]
             engage(context, k)
-            powers(t, q[row], v[row], p, plain, own, other)
+            powers(t, q[row], v[row], p, plain, multipliers, other)
             release(context, k)
             for i in range(len(base)):
                 power[row, i] += share[k] * (other[i] - base[i])
 
 
-def mix_held(
+def overwrite_sliding(
     machine: Mechanism,
     p: FloatArray,
     t: FloatArray,
@@ -123,13 +95,13 @@ def mix_held(
     reaction: FloatArray,
     power: FloatArray,
 ) -> FloatArray:
-    """Overwrite accelerations and what follows from them at the instants at which something holds.
+    """Overwrite accelerations, reactions and powers at the instants with a function in mode 2.
 
     Returns
     -------
     (k, s)
-        The share of each function that is held (0: the force of its mode 0, 1: that of mode 1),
-        NaN where it is not.
+        Filippov's share α of each function in mode 2 (0: the force of its mode 0, 1: that of
+        mode 1), NaN elsewhere.
     """
     shares = np.full(modes.shape, np.nan)
     rows = np.flatnonzero((modes == HELD_MODE).any(axis=1))

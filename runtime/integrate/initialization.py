@@ -184,7 +184,8 @@ def start(context: Integers) -> int:
     if r.every_step != 0:
         record(context, t, Y0)
     while r.next_sample < context[SAMPLE_TIMES] and t_eval[r.next_sample] <= t:
-        record(context, t_eval[r.next_sample], Y0)
+        if r.every_step == 0:
+            record(context, t_eval[r.next_sample], Y0)
         r.next_sample += 1
     for i in range(r.samples):
         for k in range(s):

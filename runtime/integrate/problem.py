@@ -60,6 +60,9 @@ class Options:
         at most 1 m or 1 rad.
     t_eval
         Instants of the samples, ascending; None: the end of every step.
+    quadrature
+        Samples for integrals along the run: the start, then for each interval between steps' ends
+        and `t_eval` its Gauss nodes and its end; see `runtime.integrate.sampling`.
     correction
         Return onto the constraints: at the end of every "step", the dependent coordinates from the
         independent ones, or at every "stage" too; by "projection", at the end of every step, of
@@ -86,6 +89,7 @@ class Options:
     atol_q: ArrayLike | None = None
     atol_v: ArrayLike | None = None
     t_eval: ArrayLike | None = None
+    quadrature: bool = False
     correction: Correction = "step"
     time_scale: float | None = None
     first_step: float | None = None

@@ -45,12 +45,17 @@ class Gathered:
         Coordinates and switching functions.
     t_eval
         Instants of the samples that are asked for; None: the end of every step.
+    interval
+        Samples for each interval between steps' ends and `t_eval`; None: no quadrature.
     """
 
-    def __init__(self, wiring: Wiring, n: int, s: int, t_eval: Vector | None) -> None:
+    def __init__(
+        self, wiring: Wiring, n: int, s: int, t_eval: Vector | None, interval: int | None = None
+    ) -> None:
         self.n, self.s = n, s
         self.wiring = wiring
-        self.fixed_size = t_eval is not None
+        self.fixed_size = t_eval is not None and interval is None
+        self.interval = interval or 1
         self.log = wiring.arrays["log_times"], wiring.arrays["log_sets"]
         rows = _EVENT_ROWS + 2 * s
         self.events_out = np.zeros(rows), np.zeros((rows, 2), np.int64), np.zeros((rows, 2 * n))
@@ -58,7 +63,8 @@ class Gathered:
         instants = np.zeros(0) if t_eval is None else t_eval
         self._place(SAMPLE_TIMES, instants.size, ("sample_times",), (instants,))
         self.taken, self.happened, self.sets = _Rows(), _Rows(), _Rows()
-        self._allot(1 if t_eval is None else instants.size)
+        self.instants = 0 if t_eval is None else instants.size
+        self._allot(self.instants if self.fixed_size else 1)
 
     def _place(self, count: int, rows: int, names: Iterable[str], arrays: Iterable[Any]) -> None:
         table = self.wiring.table
@@ -66,8 +72,9 @@ class Gathered:
         for name, array in zip(names, arrays, strict=True):
             place(table, self.wiring.arrays, name, array)
 
-    def make_room(self, size: int) -> None:
-        """Make room for `size` samples, unless it is known how many there will be."""
+    def make_room(self, steps: int) -> None:
+        """Make room for the samples of so many steps, unless their number is given."""
+        size = steps if self.interval == 1 else self.interval * (steps + self.instants)
         if not self.fixed_size and self.out[0].size != size:
             self._allot(size)
 

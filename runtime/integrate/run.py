@@ -34,6 +34,7 @@ from runtime.integrate.method import Method, find_method
 from runtime.integrate.method_change import change_method, fill_method
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.recording import Gathered
+from runtime.integrate.sampling import INTERVAL, QUADRATURE, STEP_ENDS
 from runtime.integrate.singular_crossing.crossing import Crossings
 from runtime.integrate.trajectory import Statistics, Trajectory
 from runtime.integrate.validation import check
@@ -145,7 +146,8 @@ class _Run:
         table[EACH_STAGE] = 1 if options.correction == "stage" and m > 0 else 0
         arrays["weights"][:n], arrays["weights"][3 * n :] = problem.scale**2, problem.sizes
         arrays["spreads"][:] = problem.spreads
-        self.gathered = Gathered(self.wiring, n, s, t_eval)
+        interval = INTERVAL if options.quadrature else None
+        self.gathered = Gathered(self.wiring, n, s, t_eval, interval)
         self.crossings = Crossings(system, problem, self, method)
 
     def _fill_record(self, problem: Problem, options: Options, method: Method) -> None:
@@ -163,7 +165,9 @@ class _Run:
         fill_method(r, method)
         r["automatic"], r["patience"] = int(options.method == "auto"), 1
         r["error_old"] = 1e-4
-        r["every_step"] = 1 if options.t_eval is None else 0
+        r["every_step"] = STEP_ENDS if options.t_eval is None else 0
+        if options.quadrature:
+            r["every_step"] = QUADRATURE
         r["growth_limit"] = r["ratio_limit"] = GROWTH_LIMIT
         r["event_span"] = np.inf
         r["index"] = -1

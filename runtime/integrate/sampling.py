@@ -1,4 +1,6 @@
-"""Samples of a run: at the instants asked for, or at the end of every step."""
+"""Samples of a run: at given instants, at the end of every step, or for a quadrature along it."""
+
+import numpy as np
 
 from runtime.constraints.newton_return import FAILED, WEAK
 from runtime.core.dense_output import interpolate
@@ -24,6 +26,13 @@ from runtime.core.run_record import run_record
 from runtime.core.signatures import Integers
 from runtime.core.workspace import PROJECTION, SAMPLE, Y1, row_of
 
+STEP_ENDS, QUADRATURE = 1, 2
+"""Kinds of sampling besides given instants, 0."""
+_POINTS, WEIGHTS = np.polynomial.legendre.leggauss(5)
+NODES: tuple[float, ...] = tuple(float(x) for x in _POINTS)
+INTERVAL = len(NODES) + 1
+"""Samples of an interval in a quadrature: its Gauss nodes and its end."""
+
 
 @inner
 def record(context: Integers, t: float, state: int) -> None:
@@ -44,38 +53,81 @@ def record(context: Integers, t: float, state: int) -> None:
     r.samples += 1
 
 
+@inner
+def sample(context: Integers, t: float, h: float, at: float) -> int:
+    """Append the state at the instant `at` within a step, from its dense output.
+
+    It is returned onto the constraints and the switching surfaces of closed contacts and sliding
+    modes. Returns FAILED, or 0.
+    """
+    r = run_record(context)
+    interpolate(context, r.dense_rows, (at - t) / h, SAMPLE)
+    # Near a singular position a return onto the constraints would move the sample further
+    # than it errs.
+    corrected = context[CONSTRAINT_COUNT] > 0 and context[CORRECTING] != 0
+    if corrected and not r.blind_from < at < r.blind_to:
+        result = correct_of(context)(context, at, SAMPLE, PROJECTION)
+        if result == FAILED:
+            return FAILED
+        r.corrections += result % WEAK
+    if context[SLIDING_COUNT] != 0:
+        return_held_of(context)(context, at, SAMPLE)
+    record(context, at, SAMPLE)
+    return 0
+
+
+@inner
+def sample_nodes(context: Integers, t: float, t1: float, h: float) -> int:
+    """Append INTERVAL samples for each interval between the step's ends and the instants in it.
+
+    These are Gauss' nodes and the interval's end. Returns FAILED, without samples, or 0.
+    """
+    t_eval = sample_times_of(context)
+    r = run_record(context)
+    samples, next_sample = r.samples, r.next_sample
+    low, code = t, 0
+    while low < t1 and code == 0:
+        while r.next_sample < context[SAMPLE_TIMES] and t_eval[r.next_sample] <= low:
+            r.next_sample += 1
+        high = t1
+        if r.next_sample < context[SAMPLE_TIMES]:
+            high = min(high, t_eval[r.next_sample])
+        for node in NODES:
+            if code == 0:
+                code = sample(context, t, h, 0.5 * (low + high) + 0.5 * (high - low) * node)
+        if high == t1:
+            record(context, t1, Y1)
+        elif code == 0:
+            code = sample(context, t, h, high)
+        low = high
+    if code != 0:
+        r.samples, r.next_sample = samples, next_sample
+    return code
+
+
 @addressed(EMIT)
 def emit(context: Integers, t: float, t1: float, h: float, dense_ready: int) -> int:
-    """Write the samples after `t` up to `t1`, corrected onto the constraints and what is held.
+    """Write the samples after `t` up to `t1`.
 
     Returns a negative number where a sample could not be corrected, else 0.
     """
     t_eval = sample_times_of(context)
     r = run_record(context)
-    if r.every_step != 0:
+    if r.every_step == STEP_ENDS:
         record(context, t1, Y1)
         return 0
+    within = r.next_sample < context[SAMPLE_TIMES] and t_eval[r.next_sample] < t1
+    if dense_ready == 0 and (within or r.every_step == QUADRATURE):
+        dense_of(context)(context, t, h)
+        r.dense_outputs += 1
+        r.rhs += r.dense_calls
+    if r.every_step == QUADRATURE:
+        return sample_nodes(context, t, t1, h)
     while r.next_sample < context[SAMPLE_TIMES] and t_eval[r.next_sample] <= t1:
         at = t_eval[r.next_sample]
         if at == t1:
             record(context, t1, Y1)
-        else:
-            if dense_ready == 0:
-                dense_of(context)(context, t, h)
-                dense_ready = 1
-                r.dense_outputs += 1
-                r.rhs += r.dense_calls
-            interpolate(context, r.dense_rows, (at - t) / h, SAMPLE)
-            # Near a singular position a return onto the constraints would move the sample further
-            # than it errs.
-            corrected = context[CONSTRAINT_COUNT] > 0 and context[CORRECTING] != 0
-            if corrected and not r.blind_from < at < r.blind_to:
-                result = correct_of(context)(context, at, SAMPLE, PROJECTION)
-                if result == FAILED:
-                    return FAILED
-                r.corrections += result % WEAK
-            if context[SLIDING_COUNT] != 0:
-                return_held_of(context)(context, at, SAMPLE)
-            record(context, at, SAMPLE)
+        elif sample(context, t, h, at) == FAILED:
+            return FAILED
         r.next_sample += 1
     return 0

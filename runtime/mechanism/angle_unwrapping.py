@@ -1,4 +1,4 @@
-"""Angles that kernels know by their sine and cosine alone, followed through whole turns."""
+"""Unwrapping of angles that kernels give by sine and cosine: followed through whole turns."""
 
 import numpy as np
 import numpy.typing as npt
@@ -19,26 +19,14 @@ _FINEST = 1e-4  # safety: part of a stride; no shorter ones are tried
 _TURN = 2.0 * np.pi
 
 
-@allocating(
-    types.none(
-        ADDRESSES,
-        types.int64[::1],
-        SCALAR,
-        VECTOR,
-        VECTOR,
-        VECTOR,
-        MATRIX,
-        MATRIX,
-        VECTOR,
-        VECTOR,
-        MATRIX,
-        MATRIX,
-    )
-)
+@allocating(types.none(
+    ADDRESSES, types.int64[::1], SCALAR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, VECTOR, VECTOR,
+    MATRIX, MATRIX,
+))  # fmt: skip
 def follow(
     table: IntArray,
     angles: IntArray,
-    begun: float,
+    t_first: float,
     first: FloatArray,
     here: FloatArray,
     t: FloatArray,
@@ -64,7 +52,7 @@ def follow(
     followed, moved = np.zeros(count), np.zeros(count)
     for i in range(count):
         followed[i] = first[angles[i]]
-    now = begun
+    now = t_first
     for sample in range(t.size):
         way = 0.0
         for j in range(n):

@@ -1,8 +1,8 @@
-"""Modules that go with a scene's own: found, checked, built if need be.
+"""Companion modules of a scene: located, checked, and built if missing or stale.
 
-Exact derivatives and reduced equations stand in generated files of their own beside the scene's. A
+Exact derivatives and reduced equations are generated into files of their own next to the scene's. A
 companion belongs to one text of that file, whose SHA-256 it names: with any other the slots of
-``p`` might differ, and it is built anew.
+``p`` might differ, and it is built again.
 """
 
 import hashlib
@@ -24,7 +24,7 @@ _HOLDS = {"tangents": "derivatives", "reduced": "reduced equations"}
 
 
 class Origin(NamedTuple):
-    """What a loaded machine was made from.
+    """The source of a loaded machine.
 
     Attributes
     ----------
@@ -69,19 +69,19 @@ def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) ->
         return import_generated(place, hashlib.sha256(text.encode()).hexdigest())
     from codegen import build
 
-    asked = {kind: True}
-    built = build(origin.model, origin.scene, origin.path.parent, compile=False, **asked)  # type: ignore[arg-type]
+    options = {kind: True}
+    built = build(origin.model, origin.scene, origin.path.parent, compile=False, **options)  # type: ignore[arg-type]
     (report,) = built.scenes
-    made = report.tangents if kind == "tangents" else report.reduced
+    companion = report.tangents if kind == "tangents" else report.reduced
     name = origin.scene if isinstance(origin.scene, str) else origin.scene.name
-    if report.digest != origin.digest or made is None:
+    if report.digest != origin.digest or companion is None:
         raise SupersededError(
             f"{origin.path} is {origin.digest[:12]}... in this machine and {report.digest[:12]}... "
             f"now: the model, or the generator, has changed since the machine of scene '{name}' "
             f"was loaded, and its {_HOLDS[kind]} would be those of another one. Load the machine "
             "again."
         )
-    return import_generated(made.path, made.digest)
+    return import_generated(companion.path, companion.digest)
 
 
 def has_companion(origin: Origin | None, kind: Kind) -> bool:

@@ -38,13 +38,13 @@ class Equations:
 
     def scaled(self, scale: FloatArray, independent: IntArray) -> ScaledConstraints:
         """The constraints in units of `scale`, of which `independent` follow from no others."""
-        told, kernels = self.description, self.kernels
+        description, kernels = self.description, self.kernels
         return ScaledConstraints(
             kernels.constraints,
             kernels.jacobian,
             kernels.velocity_rhs,
-            np.asarray(told.jacobian_rows, dtype=np.int64),
-            np.asarray(told.jacobian_columns, dtype=np.int64),
+            np.asarray(description.jacobian_rows, dtype=np.int64),
+            np.asarray(description.jacobian_columns, dtype=np.int64),
             self.p,
             scale,
             independent,
@@ -59,11 +59,11 @@ class Equations:
 
     def jacobian(self, t: float, q: FloatArray) -> FloatArray:
         """Phi_q, shape (m, n)."""
-        told = self.description
-        values = np.zeros(len(told.jacobian_rows))
+        description = self.description
+        values = np.zeros(len(description.jacobian_rows))
         self.kernels.jacobian(t, q, self.p, values)
         matrix = np.zeros((self.m, self.n))
-        matrix[told.jacobian_rows, told.jacobian_columns] = values
+        matrix[description.jacobian_rows, description.jacobian_columns] = values
         return matrix
 
     def velocity_rhs(self, t: float, q: FloatArray) -> FloatArray:
@@ -80,11 +80,11 @@ class Equations:
 
     def mass(self, q: FloatArray) -> FloatArray:
         """M, shape (n, n)."""
-        told = self.description
-        values = np.zeros(len(told.mass_rows))
+        description = self.description
+        values = np.zeros(len(description.mass_rows))
         self.kernels.mass(q, self.p, values)
         matrix = np.zeros((self.n, self.n))
-        matrix[told.mass_rows, told.mass_columns] = values
+        matrix[description.mass_rows, description.mass_columns] = values
         return matrix
 
     def forces(self, t: float, q: FloatArray, v: FloatArray, modes: IntArray) -> FloatArray:
@@ -110,7 +110,7 @@ class Equations:
         return Motion(a, lam, weak)
 
     def rest_modes(self, t: float, q: FloatArray) -> IntArray:
-        """Which conditions hold at rest; one at its boundary does not."""
+        """Modes at rest, shape (s,); a condition at its boundary does not hold."""
         g = np.zeros(len(self.description.switches))
         if len(g) == 0:
             return np.zeros(0, dtype=np.int64)

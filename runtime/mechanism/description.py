@@ -1,4 +1,4 @@
-"""What a generated module says about itself, typed: the only place that knows its layout."""
+"""The tables of a generated module, typed: the only place that knows its layout."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -61,6 +61,21 @@ class Coordinate(NamedTuple):
     name: str
     velocity: str
     unit: str
+
+    @property
+    def is_angle(self) -> bool:
+        """Whether it is measured in rad."""
+        return self.unit == "rad"
+
+    @property
+    def velocity_unit(self) -> str:
+        """Unit of its velocity."""
+        return f"{self.unit}/s"
+
+    @property
+    def acceleration_unit(self) -> str:
+        """Unit of its acceleration."""
+        return f"{self.unit}/s^2"
 
 
 class Constraint(NamedTuple):
@@ -140,7 +155,7 @@ class PowerSource(NamedTuple):
 
 
 class StartValue(NamedTuple):
-    """Where a coordinate or velocity starts: "fixed" must hold, "guess" is a first try."""
+    """A start value of a coordinate or velocity; its role is "fixed" or "guess"."""
 
     name: str
     value: float
@@ -155,7 +170,7 @@ class Description(NamedTuple):
     unused
         Parameters on which nothing that takes part in the scene depends.
     outputs
-        What the scene asks for beside the motion; None: all that there is.
+        Outputs that the scene names in addition to the motion; None: all.
     recovered
         Constraints whose multipliers are answered; None: all.
     kernels
@@ -201,10 +216,10 @@ class Description(NamedTuple):
     def offer(self, output: str) -> str:
         """Sentence on an output that the scene does not ask for, and how to have it."""
         before = ("reactions", "energy", "powers") if self.outputs is None else self.outputs
-        asked = ", ".join(map(repr, (*before, output)))
+        outputs = ", ".join(map(repr, (*before, output)))
         return (
             f"{self.title} does not compute {output}, which its outputs do not name; declare the "
-            f"scene with outputs=[{asked}], or load scene.with_(outputs=[{asked}])."
+            f"scene with outputs=[{outputs}], or load scene.with_(outputs=[{outputs}])."
         )
 
     def unasked(self, output: str, *elements: str) -> bool:
@@ -226,7 +241,7 @@ class Description(NamedTuple):
 
     @property
     def driver_rows(self) -> npt.NDArray[np.bool_]:
-        """Which constraints belong to drivers, shape (m,)."""
+        """True for constraints of drivers, shape (m,)."""
         return np.array([row.element in self.drivers for row in self.constraints], dtype=np.bool_)
 
     @property
@@ -242,8 +257,8 @@ class Description(NamedTuple):
 
     @property
     def is_angle(self) -> npt.NDArray[np.bool_]:
-        """Which coordinates are angles, shape (n,)."""
-        return np.array([row.unit == "rad" for row in self.coordinates], dtype=np.bool_)
+        """True for coordinates that are angles, shape (n,)."""
+        return np.array([row.is_angle for row in self.coordinates], dtype=np.bool_)
 
 
 def describe(module: ModuleType) -> Description:

@@ -1,4 +1,4 @@
-"""The equations of a scene in reduced coordinates: those that no constraint gives."""
+"""The equations of a scene in reduced coordinates: those that no constraint gives explicitly."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -36,7 +36,7 @@ class Reduced:
         Length of ``p``: parameters, branches, constants.
     """
 
-    told: Description
+    description: Description
     kernels: kernels.Kernels
     tangents: Tangents
     expand: Kernel
@@ -52,10 +52,10 @@ class Reduced:
 
     @cached_property
     def system(self) -> System:
-        """What the integrator asks for."""
+        """The reduced equations, as the integrator takes them."""
         m = len(self.closures)
         return replace(
-            common_system(self.told, self.kernels, self.jacobian, len(self.kept), m),
+            common_system(self.description, self.kernels, self.jacobian, len(self.kept), m),
             dead_centres=self.dead_centres,
             loop_rows=tuple(m + row for _, row in self.branches),
             **self.tangents._asdict(),
@@ -80,16 +80,16 @@ class Reduced:
         q : (n,)
             All coordinates.
         """
-        declared, count = len(self.told.parameters), len(self.branches)
-        made = np.zeros(self.slots)
-        made[:declared] = p[:declared]
-        made[declared : declared + count] = 1.0
-        self.kernels.constants(made)
+        declared, count = len(self.description.parameters), len(self.branches)
+        values = np.zeros(self.slots)
+        values[:declared] = p[:declared]
+        values[declared : declared + count] = 1.0
+        self.kernels.constants(values)
         sides = np.zeros(count)
-        self.sides(t, np.ascontiguousarray(q), made, sides)
-        made[declared : declared + count] = np.where(sides < 0.0, -1.0, 1.0)
-        self.kernels.constants(made)
-        return made
+        self.sides(t, np.ascontiguousarray(q), values, sides)
+        values[declared : declared + count] = np.where(sides < 0.0, -1.0, 1.0)
+        self.kernels.constants(values)
+        return values
 
     def steepness(self, t: float, q: FloatArray, p: FloatArray, sizes: FloatArray) -> FloatArray:
         """Largest rate of each of `branches` by those of the kept coordinates, in their sizes.
@@ -101,7 +101,7 @@ class Reduced:
         q, sizes : (f,)
             Kept coordinates, and their typical sizes.
         """
-        n = len(self.told.coordinates)
+        n = len(self.description.coordinates)
         columns = [column for column, _ in self.branches]
         turns, place = np.zeros(len(self.angles)), np.zeros(n)
         found, rest, rate = np.zeros(len(columns)), np.zeros(n), np.zeros(n)
@@ -139,13 +139,13 @@ class Reduced:
         """
         from runtime.mechanism.angle_unwrapping import follow  # compiles where it is used
 
-        n, count = len(self.told.coordinates), len(t)
+        n, count = len(self.description.coordinates), len(t)
         all_q, all_v = np.zeros((count, n)), np.zeros((count, n))
-        begun, first = start
+        t_first, first = start
         follow(
             self._expanding,
             self.angles,
-            begun,
+            t_first,
             np.ascontiguousarray(first),
             np.ascontiguousarray(first[self.kept]),
             t,
@@ -159,14 +159,14 @@ class Reduced:
         return all_q, all_v
 
 
-def gather_reduced(module: ModuleType, told: Description) -> Reduced:
+def gather_reduced(module: ModuleType, description: Description) -> Reduced:
     """Take the equations out of a loaded module."""
 
     def indices(name: str) -> IntArray:
         return np.array(getattr(module, name), dtype=np.int64)
 
     return Reduced(
-        told=told,
+        description=description,
         kernels=kernels.gather(module),
         tangents=gather_tangents(module),
         expand=module.expand,
@@ -178,5 +178,5 @@ def gather_reduced(module: ModuleType, told: Description) -> Reduced:
         branches=tuple(module.BRANCHES),
         jacobian=(indices("JACOBIAN_ROWS"), indices("JACOBIAN_COLUMNS")),
         mass=(indices("MASS_ROWS"), indices("MASS_COLUMNS")),
-        slots=len(told.parameters) + len(module.BRANCHES) + len(module.CONSTANTS),
+        slots=len(description.parameters) + len(module.BRANCHES) + len(module.CONSTANTS),
     )

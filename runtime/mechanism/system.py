@@ -18,7 +18,7 @@ class Tangents(NamedTuple):
     ----------
     accelerations_tangent
         (t, q, v, p, modes, dq, dv, da): da = (∂a/∂q) dq + (∂a/∂v) dv of what `accelerations`
-        answers, the modes held. All of q, v, dq, dv, da have shape (n,), SI units.
+        returns, the modes fixed. All of q, v, dq, dv, da have shape (n,), SI units.
     correction_tangent
         (t, q, v, p, w, dq_in, dv_in, dq, dv): the same for both answers of `correction`. At a
         state on the constraints, with w = 0 on the independent coordinates: e_k plus dq along

@@ -1,1 +1,1 @@
-"""What an analysis returns, and how it is kept in files."""
+"""Results of analyses, and their files."""

@@ -1,4 +1,4 @@
-"""What assembling a machine gives: a state on its constraints, and what is to be said of it."""
+"""An assembled state of a machine, and the findings about it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class Moved(NamedTuple):
-    """How far assembly took a coordinate or velocity from where it was asked to start."""
+    """A coordinate or velocity that assembly moved from its start value."""
 
     name: str
     asked: float
@@ -48,7 +48,7 @@ class Assembly:
     q, v
         Coordinates and velocities, shape (n,).
     residual, velocity_residual
-        What is left of Phi and of Phi_q v - nu, largest row of each joint or driver.
+        Phi and Phi_q v - nu, the largest row of each joint or driver.
     moved
         Coordinates and velocities that had to leave their start values.
     singular

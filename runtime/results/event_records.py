@@ -1,4 +1,4 @@
-"""What happens between the instants of a result."""
+"""Events of a result: changes of modes, impacts, singular configurations."""
 
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ _WORDS = {1: "began", -1: "ceased", 0: "holds", 2: "impact", CROSSED: "crossed",
 
 
 class Event(NamedTuple):
-    """A switching condition changed, a contact was struck, or a singular position was met.
+    """A change of a mode, an impact, or a singular configuration.
 
     Attributes
     ----------

@@ -68,22 +68,22 @@ def save(result: TimeSeries, path: Path) -> Path:
 
 def columns(result: TimeSeries) -> dict[str, FloatArray]:
     """The result as columns over time, named `series [unit]`."""
-    told, samples = result.description, result.samples
+    description, samples = result.description, result.samples
     table = {"time [s]": samples.t}
-    for index, row in enumerate(told.coordinates):
+    for index, row in enumerate(description.coordinates):
         table[f"{row.name} [{row.unit}]"] = samples.q[:, index]
-    for index, row in enumerate(told.coordinates):
-        table[f"{row.velocity} [{row.unit}/s]"] = samples.v[:, index]
-    for index, row in enumerate(told.coordinates):
-        table[f"a({row.name}) [{row.unit}/s^2]"] = samples.a[:, index]
-    for index, reaction in enumerate(told.reactions):
+    for index, row in enumerate(description.coordinates):
+        table[f"{row.velocity} [{row.velocity_unit}]"] = samples.v[:, index]
+    for index, row in enumerate(description.coordinates):
+        table[f"a({row.name}) [{row.acceleration_unit}]"] = samples.a[:, index]
+    for index, reaction in enumerate(description.reactions):
         table[f"{reaction.name} [{reaction.unit}]"] = samples.reaction[:, index]
-    for index, source in enumerate(told.powers):
+    for index, source in enumerate(description.powers):
         if source.kind != "work":
             table[f"power({source.name}) [W]"] = samples.power[:, index]
     for name in result.works:
         table[f"work({name}) [J]"] = result.work(name)
-    if told.has_masses:
+    if description.has_masses:
         table["kinetic energy [J]"] = samples.energy[:, 0]
         table["potential energy [J]"] = samples.energy[:, 1]
     table["constraint residual"] = samples.residual[:, 0]

@@ -1,4 +1,4 @@
-"""Answers as JSON knows them."""
+"""Values as JSON represents them."""
 
 import math
 from typing import Any
@@ -7,7 +7,7 @@ import numpy as np
 
 
 def plain(value: Any) -> Any:
-    """Mappings, sequences and numbers, also NumPy's; what is no finite number is None."""
+    """Mappings, sequences and numbers, also NumPy's; numbers that are not finite are None."""
     if isinstance(value, dict):
         return {key: plain(entry) for key, entry in value.items()}
     if isinstance(value, tuple | list):

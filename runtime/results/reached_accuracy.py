@@ -1,4 +1,4 @@
-"""How accurate a simulation is found to be, and by what means."""
+"""The accuracy that a simulation with an accuracy target reached, and the evidence for it."""
 
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -15,11 +15,11 @@ class Estimate:
     name
         Of the series.
     scale
-        s of the error |y - r| / (s + |r|), in its unit.
+        s in the error |y - r| / (s + |r|), in its unit.
     error
-        The largest at the output instants, estimated.
+        The largest at the output instants, as estimated.
     time
-        Where that is, s.
+        Instant of the largest error, s.
     """
 
     name: str
@@ -30,7 +30,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Trial:
-    """One of the runs that were made.
+    """One of the runs.
 
     Attributes
     ----------
@@ -39,9 +39,9 @@ class Trial:
     evaluations, steps, events
         Calls of `accelerations`, accepted steps, changes of modes.
     outcome
-        How it ended.
+        Name of its `Outcome`.
     difference
-        Largest scaled difference from the run that it was compared with; None of the first.
+        Largest scaled difference from the run with which it was compared; None for the first.
     """
 
     method: str
@@ -57,27 +57,27 @@ class Trial:
 
 @dataclass(frozen=True)
 class ReachedAccuracy:
-    """What was asked of a simulation, and what it reached.
+    """The accuracy target of a simulation, and the accuracy reached.
 
     Attributes
     ----------
     asked
-        The relative global error that was asked for.
+        The target: the largest permitted relative global error.
     estimated
-        The largest error of the quantities, to a factor of ten or so; of all the time that was
-        asked for, also where the result ends at the horizon.
+        The largest error of the quantities, to a factor of ten or so; over the whole simulated
+        time, also where the result ends at the horizon.
     quantities
         The estimate of each, the worst first.
     method, formulation, rtol
         Of the run that is the result.
     runs
-        All runs, in the order in which they were made.
+        All runs, in their order.
     horizon
-        Last output instant up to which the accuracy asked is had, s; None where it is had at all.
+        Last output instant up to which the target is met, s; None where it is met at all.
     tenfold
-        Time in which errors grow tenfold, s, where they grow exponentially; else None.
+        Time in which errors grow tenfold, s, if they grow exponentially; else None.
     means
-        By what means it was found, in a sentence.
+        The evidence for the estimate, in a sentence.
     seconds
         Processor time of all integrations.
     """
@@ -96,7 +96,7 @@ class ReachedAccuracy:
 
     @property
     def reached(self) -> bool:
-        """Whether the accuracy asked is had over all the time asked."""
+        """Whether the target is met at all output instants."""
         return self.horizon is None
 
     @property
@@ -104,21 +104,19 @@ class ReachedAccuracy:
         """Whether errors grow exponentially."""
         return self.tenfold is not None
 
-    @property
-    def _taken(self) -> Trial:
-        made = self.method, self.formulation, self.rtol
-        return next(one for one in self.runs if (one.method, one.formulation, one.rtol) == made)
-
     def sentences(self) -> list[str]:
-        """What a person is told."""
-        worst = self.quantities[0]
+        """Error, evidence and cost."""
+        worst, settings = self.quantities[0], (self.method, self.formulation, self.rtol)
+        delivered = next(
+            run for run in self.runs if (run.method, run.formulation, run.rtol) == settings
+        )
         error = (
-            f"Global error estimated as about {self.estimated:.1e}, {self.asked:.1e} asked; the "
+            f"Global error estimated as about {self.estimated:.1e}, target {self.asked:.1e}; the "
             f"largest is that of {worst.name} at t = {worst.time:.6g} s."
         )
         cost = (
             f"Cost: {self.seconds * 1e3:.3g} ms of integration in {len(self.runs)} runs, this one "
-            f"{self._taken.seconds * 1e3:.3g} ms. Taken: {self.method}, {self.formulation}, "
+            f"{delivered.seconds * 1e3:.3g} ms. Settings: {self.method}, {self.formulation}, "
             f"rtol = {self.rtol:.1e}."
         )
         lines = [error, self.means, cost]
@@ -127,6 +125,6 @@ class ReachedAccuracy:
         return lines
 
     def facts(self) -> dict[str, Any]:
-        """All of it as JSON knows it; what is no finite number becomes null."""
-        found: dict[str, Any] = plain(asdict(self))
-        return {**found, "reached": self.reached, "chaotic": self.chaotic}
+        """All fields, as JSON; a number that is not finite is null."""
+        facts: dict[str, Any] = plain(asdict(self))
+        return {**facts, "reached": self.reached, "chaotic": self.chaotic}

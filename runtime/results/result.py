@@ -35,7 +35,7 @@ class Result(TimeSeries):
     singular
         The singular configurations that the run met, in order.
     accuracy
-        Of a simulation that was asked for one, what it reached and how that is known.
+        Of a simulation with an accuracy target: the accuracy reached, and how it was estimated.
     parameters
         Parameter values by name.
     """

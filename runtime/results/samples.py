@@ -28,9 +28,9 @@ class Samples(NamedTuple):
     residual
         Largest |Phi| and |Phi_q v - nu|, (k, 2).
     modes
-        Which conditions held: 1, 0, or 2 where the function stays at zero, (k, s).
+        Modes of the switching functions: 1, 0, or 2 where the function stays at zero, (k, s).
     share
-        Of what is held, the share of the force of mode 1 that holds it, (k, s); else NaN.
+        Filippov's share α where the mode is 2, (k, s); else NaN.
     """
 
     t: FloatArray

@@ -1,4 +1,4 @@
-"""Singular positions that a run met: what they are, who is in them, what could move."""
+"""Singular configurations that a run met: kind, joints and drivers involved, null directions."""
 
 from collections.abc import Mapping
 from typing import Literal, NamedTuple
@@ -26,7 +26,7 @@ class SingularPosition(NamedTuple):
         "crossing": motions cross, and the run went on along the one on which the velocity is
         continuous; "lock-up": the drivers cannot go on; "start": a crossing in which it began;
         "unclear": the run ended where two motions are too much alike, in a corner, or too near to
-        several of these to be told from them.
+        several of these to be distinguished from them.
     time
         In s.
     drivers, joints
@@ -34,8 +34,8 @@ class SingularPosition(NamedTuple):
     lost
         How many constraints ceased to be independent.
     null_directions
-        What could move with the drivers at rest, one direction a constraint lost: coordinates with
-        their shares, lengths in units of the machine's size, the largest share 1.
+        Directions free with the drivers at rest, one a constraint lost: coordinates with their
+        shares, lengths in units of the machine's size, the largest share 1.
     singular_value
         The smallest of Φ_q, lengths in units of the machine's size, rows of unit length.
     drift
@@ -64,7 +64,7 @@ class SingularPosition(NamedTuple):
         return f"singular: {', '.join((*self.drivers, *self.joints))}"
 
     def facts(self) -> dict[str, object]:
-        """What a file or a JSON text says of it, but for the state; not a number becomes None."""
+        """All but the state as JSON; not a number becomes None."""
         numbers = {"singular_value": self.singular_value, "drift": self.drift}
         return {
             "kind": self.kind,
@@ -86,6 +86,6 @@ def shares(direction: Mapping[str, float]) -> str:
     """The larger shares of a direction as text, the largest first."""
     largest = max(map(abs, direction.values()), default=0.0)
     shown = sorted(direction.items(), key=lambda item: -abs(item[1]))
-    told = [f"{name} {part:+.3g}" for name, part in shown if abs(part) > _SMALL * largest]
-    rest = len(told) - _MOST
-    return ", ".join(told[:_MOST]) + (f" and {rest} more" if rest > 0 else "")
+    texts = [f"{name} {part:+.3g}" for name, part in shown if abs(part) > _SMALL * largest]
+    rest = len(texts) - _MOST
+    return ", ".join(texts[:_MOST]) + (f" and {rest} more" if rest > 0 else "")

@@ -11,14 +11,14 @@ _SHOWN = 12  # events, before it says how many more there are
 
 def summary(result: TimeSeries, saved: Path | None) -> dict[str, Any]:
     """The JSON object of a run."""
-    told = result.description
+    description = result.description
     last = result.samples
-    names = told.coordinates
+    names = description.coordinates
     some = len(result.t) > 0
     summary: dict[str, Any] = {
         "ok": not result.failed,
-        "model": told.model,
-        "scene": told.scene,
+        "model": description.model,
+        "scene": description.scene,
         "analysis": result.analysis,
         "outcome": result.outcome.name,
         "message": result.message,
@@ -51,12 +51,12 @@ def last_values(result: TimeSeries) -> list[str]:
 
 
 def accuracy(result: TimeSeries) -> list[str]:
-    """How accurate a run is that was asked for an accuracy; else nothing."""
+    """The accuracy of a run with an accuracy target; else nothing."""
     return [] if result.accuracy is None else [f"  {x}" for x in result.accuracy.sentences()[1:]]
 
 
 def events(result: TimeSeries) -> list[str]:
-    """What happened between the instants, a line an event; of many, the first and the last ones."""
+    """The events, a line each; of many, the first and the last ones."""
     happened = result.events
     width = max((len(event.what) for event in happened), default=0)
     lines = [f"  t = {e.time:<14.9g} {e.what:<{width}}  {e.name}" for e in happened]

@@ -338,9 +338,9 @@ class TimeSeries:
             if name == row.name:
                 return self.q(name), row.unit
             if name == row.velocity:
-                return self.v(name), f"{row.unit}/s"
+                return self.v(name), row.velocity_unit
             if name == f"a({row.name})":
-                return self.a(row.name), f"{row.unit}/s^2"
+                return self.a(row.name), row.acceleration_unit
         if name in description.reactions.names:
             reaction = description.reactions[name]
             return self.reaction(reaction.element, reaction.component), reaction.unit

@@ -1,1 +1,1 @@
-"""Pictures of results; matplotlib is loaded only where one is drawn."""
+"""Pictures, tables and pages of results; matplotlib is loaded only where a picture is drawn."""

@@ -1,7 +1,8 @@
-"""Series of a result over time."""
+"""Figures, and series of a result drawn over time."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from codegen.errors import InputError
 
@@ -9,6 +10,40 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from runtime.results.time_series import TimeSeries
+
+
+def new_figure(purpose: str, width: float, height: float, **options: Any) -> "Figure":
+    """An empty figure, sizes in inches.
+
+    Parameters
+    ----------
+    purpose
+        What needs matplotlib, for the message where it is missing: "plot".
+
+    Raises
+    ------
+    InputError
+        If matplotlib is not installed.
+    """
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise InputError(
+            f"A {purpose} needs matplotlib, which is not installed. Install linkwright[plot]."
+        ) from error
+    return Figure(figsize=(width, height), layout="constrained", **options)
+
+
+def check_parent(path: Path) -> None:
+    """Refuse a place for a picture whose folder does not exist.
+
+    Raises
+    ------
+    InputError
+        With the folder.
+    """
+    if not path.resolve().parent.is_dir():
+        raise InputError(f"--out {path}: the folder {path.resolve().parent} does not exist.")
 
 
 def plot(result: "TimeSeries", names: Sequence[str] = ()) -> "Figure":
@@ -19,18 +54,12 @@ def plot(result: "TimeSeries", names: Sequence[str] = ()) -> "Figure":
     names
         As in `Result.series`; without any, every angle.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise InputError(
-            "A plot needs matplotlib, which is not installed. Install linkwright[plot]."
-        ) from error
-    told = result.description
-    chosen = list(names) or [row.name for row in told.coordinates if row.unit == "rad"]
+    coordinates = result.description.coordinates
+    chosen = list(names) or [row.name for row in coordinates if row.is_angle]
     panels: dict[str, list[str]] = {}
-    for name in chosen or told.coordinates.names:
+    for name in chosen or coordinates.names:
         panels.setdefault(result.series(name)[1], []).append(name)
-    figure = Figure(figsize=(7.0, 2.4 * len(panels)), layout="constrained")
+    figure = new_figure("plot", 7.0, 2.4 * len(panels))
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for axis, (unit, members) in zip(axes, panels.items(), strict=True):
         for name in members:
@@ -39,5 +68,5 @@ def plot(result: "TimeSeries", names: Sequence[str] = ()) -> "Figure":
         axis.legend(frameon=False)
         axis.grid(visible=True, alpha=0.3)
     axes[-1].set_xlabel("time (s)")
-    axes[0].set_title(told.title, loc="left")
+    axes[0].set_title(result.description.title, loc="left")
     return figure

@@ -1,4 +1,4 @@
-"""A result as one HTML page that needs nothing else: what was run, how it went, pictures."""
+"""A result as one self-contained HTML page: machine, parameters, checks, statistics, pictures."""
 
 import io
 from collections.abc import Iterator
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from codegen.errors import InputError
+from runtime.show.plot import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,11 +29,11 @@ svg { width: 100%; height: auto; }
 
 def page(result: "TimeSeries") -> str:
     """The page as text."""
-    told = result.description
+    description = result.description
     state = "outcome failed" if result.failed else "outcome"
     parts = [
-        f"<h1>{escape(told.title)}</h1>",
-        f"<p>{escape(result.analysis)}, linkwright {escape(told.generator.split()[-1])}</p>",
+        f"<h1>{escape(description.title)}</h1>",
+        f"<p>{escape(result.analysis)}, linkwright {escape(description.generator.split()[-1])}</p>",
         f'<p class="{state}"><b>{result.outcome.name}</b>: {escape(result.message)}</p>',
         "<h2>Machine</h2>",
         _table(_machine(result)),
@@ -42,7 +42,7 @@ def page(result: "TimeSeries") -> str:
         "<h2>Checks</h2>",
         _table(_checks(result)),
         *_accuracy(result),
-        "<h2>What it took</h2>",
+        "<h2>Statistics</h2>",
         _table((name.replace("_", " "), value) for name, value in result.stats.items()),
         "<h2>At the end</h2>",
         _table(_last(result)),
@@ -55,7 +55,7 @@ def page(result: "TimeSeries") -> str:
     body = "\n".join(parts)
     return (
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
-        f"<title>{escape(told.title)}</title><style>{STYLE}</style></head>\n"
+        f"<title>{escape(description.title)}</title><style>{STYLE}</style></head>\n"
         f"<body>\n{body}\n</body></html>\n"
     )
 
@@ -71,12 +71,15 @@ def _table(rows: Iterator[tuple[str, object]]) -> str:
 
 
 def _machine(result: "TimeSeries") -> Iterator[tuple[str, object]]:
-    told = result.description
-    yield "bodies", ", ".join(told.bodies)
-    yield "coordinates", len(told.coordinates)
-    yield "constraints", len(told.constraints)
-    yield "joints and drivers", ", ".join(dict.fromkeys(row.element for row in told.constraints))
-    yield "effects", ", ".join(told.effects.names) or "none"
+    description = result.description
+    yield "bodies", ", ".join(description.bodies)
+    yield "coordinates", len(description.coordinates)
+    yield "constraints", len(description.constraints)
+    yield (
+        "joints and drivers",
+        ", ".join(dict.fromkeys(row.element for row in description.constraints)),
+    )
+    yield "effects", ", ".join(description.effects.names) or "none"
 
 
 def _parameters(result: "TimeSeries") -> Iterator[tuple[str, object]]:
@@ -97,16 +100,16 @@ def _checks(result: "TimeSeries") -> Iterator[tuple[str, object]]:
 
 
 def _accuracy(result: "TimeSeries") -> Iterator[str]:
-    """What was asked, what was reached, and in which runs."""
-    told = result.accuracy
-    if told is None:
+    """The accuracy target, the accuracy reached, and the runs."""
+    accuracy = result.accuracy
+    if accuracy is None:
         return
     yield "<h2>Accuracy</h2>"
-    yield f"<p>{escape(' '.join(told.sentences()))}</p>"
-    yield _table((row.name, row.error) for row in told.quantities[:MOST_LINES])
+    yield f"<p>{escape(' '.join(accuracy.sentences()))}</p>"
+    yield _table((row.name, row.error) for row in accuracy.quantities[:MOST_LINES])
     yield _table(
         (f"{run.method}, {run.formulation}, rtol = {run.rtol:.1e}", f"{run.seconds * 1e3:.3g} ms")
-        for run in told.runs
+        for run in accuracy.runs
     )
 
 
@@ -118,16 +121,16 @@ def _last(result: "TimeSeries") -> Iterator[tuple[str, object]]:
 
 def _figures(result: "TimeSeries") -> Iterator["Figure"]:
     """Coordinates and velocities by unit, then reactions by unit, a picture each."""
-    told = result.description
+    description = result.description
     if len(result.t) < 2:
         return
     groups: dict[str, list[str]] = {}
-    for row in told.coordinates:
+    for row in description.coordinates:
         groups.setdefault(f"position, {row.unit}", []).append(row.name)
-        groups.setdefault(f"velocity, {row.unit}/s", []).append(row.velocity)
-    for reaction in told.reactions:
-        what = "driver" if reaction.element in told.drivers else "reaction"
-        groups.setdefault(f"{what}, {reaction.unit}", []).append(reaction.name)
+        groups.setdefault(f"velocity, {row.velocity_unit}", []).append(row.velocity)
+    for reaction in description.reactions:
+        kind = "driver" if reaction.element in description.drivers else "reaction"
+        groups.setdefault(f"{kind}, {reaction.unit}", []).append(reaction.name)
     for title, names in groups.items():
         moving = [name for name in names if np.ptp(result.series(name)[0]) > 0.0]
         for first in range(0, len(moving), MOST_LINES):
@@ -135,13 +138,7 @@ def _figures(result: "TimeSeries") -> Iterator["Figure"]:
 
 
 def _figure(result: "TimeSeries", title: str, names: list[str]) -> "Figure":
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise InputError(
-            "A report needs matplotlib, which is not installed. Install linkwright[plot]."
-        ) from error
-    figure = Figure(figsize=(9, 3), layout="constrained")
+    figure = new_figure("report", 9, 3)
     axes = figure.subplots()
     for name in names:
         axes.plot(result.t, result.series(name)[0], label=name, linewidth=1.2)

@@ -2,7 +2,7 @@
 
 Newton's method with the exact reduced gradient; directions in which the energy falls off are
 followed downhill. Forces without a potential enter through their reduced generalized force: then a
-root is sought, downhill first, and judged afterwards.
+root is searched for, downhill first, and classified afterwards.
 """
 
 from typing import NamedTuple
@@ -11,25 +11,25 @@ import numpy as np
 
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import Progress
-from runtime.statics.reduced_gradient import BALANCED, Partition, Rest, Stiffness
+from runtime.statics.reduced_gradient import BALANCED, Partition, StaticEquations, Stiffness
 
 # measured: largest scaled change in one iteration; lengths may go on where K predicts it
 _REACH = 0.3
-_FORETOLD = 0.1  # measured: part of the force by which K may err in predicting the next one
+_PREDICTED = 0.1  # measured: part of the force by which K may err in predicting the next one
 _ITERATIONS = 300  # safety: Newton iterations of one search
 AWAY = 1e9  # safety: scaled distance from the start from which no machine comes back
 _TINY = 1e-300  # safety: keeps quotients from 0 / 0
 
 
-class Found(NamedTuple):
-    """Where a search ended.
+class RestPosition(NamedTuple):
+    """A position, and the reduced forces and stiffness there.
 
     Attributes
     ----------
     q, part, gradient, stiffness
-        The position, its independent coordinates, and the reduced force and stiffness there.
+        The position, its partition, and the reduced force and stiffness there.
     effort
-        Size of the forces that act against each independent coordinate, (f,), in J.
+        Size of the forces along each independent coordinate, (f,), in J.
     """
 
     q: FloatArray
@@ -50,21 +50,21 @@ class Found(NamedTuple):
         return self.unbalanced <= BALANCED
 
 
-def here(rest: Rest, q: FloatArray, iterations: int = 0) -> Found:
-    """What there is to say about a position."""
-    part = rest.partition(q)
-    stiffness = rest.stiffness(q, part)
-    effort = np.maximum(max(rest.effort(q), _TINY), rest.floor(q, stiffness))
-    return Found(q, part, rest.gradient(q, part), stiffness, effort, iterations)
+def evaluate_position(statics: StaticEquations, q: FloatArray, iterations: int = 0) -> RestPosition:
+    """Reduced force, stiffness and effort at a position."""
+    part = statics.partition(q)
+    stiffness = statics.stiffness(q, part)
+    effort = np.maximum(max(statics.effort(q), _TINY), statics.floor(q, stiffness))
+    return RestPosition(q, part, statics.gradient(q, part), stiffness, effort, iterations)
 
 
-def minimise(rest: Rest, q: FloatArray, progress: Progress) -> Found:
-    """Walk downhill from an assembled q until the forces balance, then polish."""
+def minimise(statics: StaticEquations, q: FloatArray, progress: Progress) -> RestPosition:
+    """Descend from an assembled q until the forces balance, then polish."""
     start, done = q, 0
     reach = _REACH
     for _ in range(_ITERATIONS):
         done += 1
-        at = here(rest, q)
+        at = evaluate_position(statics, q)
         slope, share = at.gradient, at.unbalanced
         if share <= 1e-9:
             break
@@ -72,55 +72,55 @@ def minimise(rest: Rest, q: FloatArray, progress: Progress) -> Found:
         values, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T))
         least = max(1e-12 * float(np.abs(values).max()), 1e-9 * float(at.effort.min()))
         step = -vectors @ ((vectors.T @ slope) / np.maximum(np.abs(values), least))
-        angles = rest.equations.description.is_angle[at.part.independent]
+        angles = statics.equations.description.is_angle[at.part.independent]
         turn = float(np.abs(step[angles]).max(initial=0.0))
         far = float(np.abs(step).max())
         step *= min(1.0, reach / far, _REACH / max(turn, _TINY))
-        moved = _downhill(rest, at, step)
+        moved = _downhill(statics, at, step)
         if moved is None:
             reach *= 0.25
             if reach < 1e-8:
                 break
             continue
-        went = ((moved - q) / rest.scale)[at.part.independent]
-        missed = rest.gradient(moved, at.part) - slope - matrix @ went
-        foretold = np.abs(missed).max() <= _FORETOLD * np.abs(slope).max()
-        reach = 4.0 * reach if foretold else min(_REACH, 2.0 * reach)
+        went = ((moved - q) / statics.scale)[at.part.independent]
+        missed = statics.gradient(moved, at.part) - slope - matrix @ went
+        predicted = np.abs(missed).max() <= _PREDICTED * np.abs(slope).max()
+        reach = 4.0 * reach if predicted else min(_REACH, 2.0 * reach)
         q = moved
-        if not float(np.abs((q - start) / rest.scale).max()) < AWAY:
-            return here(rest, q, done)
+        if not float(np.abs((q - start) / statics.scale).max()) < AWAY:
+            return evaluate_position(statics, q, done)
         progress(1.0 - min(1.0, max(0.0, 1.0 + np.log10(share) / 10.0)))
-    return polish(rest, q, done)
+    return polish(statics, q, done)
 
 
-def _downhill(rest: Rest, at: Found, step: FloatArray) -> FloatArray | None:
-    """The longest of the halved steps that lowers the energy, or does not overshoot the force."""
+def _downhill(statics: StaticEquations, at: RestPosition, step: FloatArray) -> FloatArray | None:
+    """The longest halved step that lowers the energy, or does not overshoot the force."""
     q, part, slope = at.q, at.part, at.gradient
-    conservative = not rest.without_potential(q, float(at.effort.max()))
-    energy = rest.energy(q)
+    conservative = not statics.without_potential(q, float(at.effort.max()))
+    energy = statics.energy(q)
     fall = float(slope @ step)
     size = float(np.abs(slope).max())
     for halving in range(25):
         part_of_step = 0.5**halving
         trial = q.copy()
-        trial[part.independent] += part_of_step * step * rest.scale[part.independent]
-        closed = rest.close(trial, part)
+        trial[part.independent] += part_of_step * step * statics.scale[part.independent]
+        closed = statics.close(trial, part)
         if closed is None:
             continue
-        after = rest.gradient(closed, part)
+        after = statics.gradient(closed, part)
         if float(np.abs(after).max()) <= 0.5 * size and fall < 0.0:
             return closed
         if conservative:
-            if rest.energy(closed) <= energy + 1e-4 * part_of_step * fall:
+            if statics.energy(closed) <= energy + 1e-4 * part_of_step * fall:
                 return closed
         elif float(after @ step) <= 0.0:
             return closed
     return None
 
 
-def polish(rest: Rest, q: FloatArray, iterations: int = 0) -> Found:
+def polish(statics: StaticEquations, q: FloatArray, iterations: int = 0) -> RestPosition:
     """Newton's method on the gradient for as long as it shrinks."""
-    at = here(rest, q, iterations)
+    at = evaluate_position(statics, q, iterations)
     for _ in range(12):
         size = float(np.abs(at.gradient).max(initial=0.0))
         if size == 0.0:
@@ -129,11 +129,11 @@ def polish(rest: Rest, q: FloatArray, iterations: int = 0) -> Found:
         if float(np.abs(step).max()) > 0.1:
             break
         trial = at.q.copy()
-        trial[at.part.independent] += step * rest.scale[at.part.independent]
-        closed = rest.close(trial, at.part)
+        trial[at.part.independent] += step * statics.scale[at.part.independent]
+        closed = statics.close(trial, at.part)
         if closed is None:
             break
-        if not float(np.abs(rest.gradient(closed, at.part)).max()) < size:
+        if not float(np.abs(statics.gradient(closed, at.part)).max()) < size:
             break
-        at = here(rest, closed, at.iterations + 1)
+        at = evaluate_position(statics, closed, at.iterations + 1)
     return at

@@ -1,4 +1,4 @@
-"""Equilibrium: where the machine rests, whether it would stay there, and what its joints carry."""
+"""Equilibrium: a rest position, its stability, and the reactions there."""
 
 import time as clock
 from collections.abc import Mapping, Sequence
@@ -8,7 +8,7 @@ import numpy as np
 
 from codegen.errors import AnalysisError
 from runtime.assembly.assemble import assemble
-from runtime.assembly.redundant_kernels import sound, spared
+from runtime.assembly.redundant_kernels import redundancy_note, with_redundancy
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -17,8 +17,8 @@ from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
 from runtime.results.samples import Samples
-from runtime.statics.energy_minimisation import Found, here, minimise, polish
-from runtime.statics.reduced_gradient import Rest
+from runtime.statics.energy_minimisation import RestPosition, evaluate_position, minimise, polish
+from runtime.statics.reduced_gradient import StaticEquations
 from runtime.statics.stability import Judgement, Stability, judge
 from runtime.validation.contacts import require_no_rigid, require_no_sticking
 from runtime.validation.masses import require_masses
@@ -35,7 +35,7 @@ class Equilibrium(Result):
     Attributes
     ----------
     stability
-        What becomes of the machine after a small push.
+        Whether the machine returns after a small push.
     frequencies
         Natural frequencies about the rest position in Hz, of the stable directions, ascending;
         none where the stiffness is known on one side only.
@@ -97,18 +97,7 @@ def equilibrium(
     t: float = 0.0,
     progress: Progress = silent,
 ) -> Equilibrium:
-    """Find a rest position near the start.
-
-    Parameters
-    ----------
-    method
-        "energy": minimum of the total potential energy. "settling": a damped motion until rest,
-        which also finds the way from a start far off.
-    guess
-        Start values by name over those of the scene; positions that the scene fixes are free here.
-    t
-        Time in s at which drivers and forces are held.
-    """
+    """Find a rest position near the start; see `Machine.equilibrium`."""
     began = clock.perf_counter()
     description = mechanism.description
     if method not in METHODS:
@@ -131,43 +120,25 @@ def equilibrium(
             f"{description.title}: 0 degrees of freedom are left{drivers}, so there is nothing to "
             f"balance. Leave the drivers out of the scene, or ask for inverse dynamics."
         )
-    mechanism = sound(mechanism, start)
+    mechanism = with_redundancy(mechanism, start)
     equations = Equations(mechanism, p)
     _require_finite(equations, float(t), start.q)
-    rest = Rest(equations, float(t), equations.scale(equations.size(t, start.q)))
-    stats: dict[str, Any]
-    if method == "settling":
-        if np.abs(equations.velocity_rhs(t, start.q)).max(initial=0.0) > 0.0:
-            raise AnalysisError(
-                f"{mechanism.title}: settling needs drivers at rest, and "
-                f"{', '.join(description.drivers)} "
-                f'moves at t = {t:g} s. Use method="energy".'
-            )
-        from runtime.statics.kinetic_damping import settle_down  # compiles where it is used
-
-        settled = settle_down(rest, start.q, progress)
-        stats = {"steps": settled.steps, "kinetic_energy_peaks": settled.peaks}
-        known = np.isfinite(settled.q).all()
-        found = polish(rest, settled.q) if known else here(rest, start.q)
-        ran = _ran(mechanism, rest, start.q, settled.q)
-    else:
-        found = minimise(rest, start.q, progress)
-        stats = {"iterations": found.iterations}
-        ran = _ran(mechanism, rest, start.q, found.q)
-    if found.balanced:
-        ran = []
+    statics = StaticEquations(equations, float(t), equations.scale(equations.size(t, start.q)))
+    search = _settle if method == "settling" else _minimise
+    position, end, stats = search(statics, start.q, progress)
+    ran = [] if position.balanced else _runaways(mechanism, statics, start.q, end)
     if ran:
-        found = here(rest, start.q, found.iterations)
-    stats |= {"gradient_evaluations": rest.evaluations}
-    judged = judge(rest, found)
-    q = np.ascontiguousarray(found.q[None, :])
+        position = evaluate_position(statics, start.q, position.iterations)
+    stats |= {"gradient_evaluations": statics.evaluations}
+    judged = judge(statics, position)
+    q = np.ascontiguousarray(position.q[None, :])
     samples = evaluate(
         mechanism,
         p,
         np.array([float(t)]),
         q,
         np.zeros_like(q),
-        equations.rest_modes(t, found.q)[None, :],
+        equations.rest_modes(t, position.q)[None, :],
     )
     stats["wall_seconds"] = clock.perf_counter() - began
     return Equilibrium(
@@ -175,54 +146,87 @@ def equilibrium(
         samples,
         p,
         judged=judged,
-        gradient=found.unbalanced,
-        outcome=Outcome.OK if found.balanced else Outcome.UNBALANCED,
-        message=_message(mechanism, found, judged, ran) + spared(start),
+        gradient=position.unbalanced,
+        outcome=Outcome.OK if position.balanced else Outcome.UNBALANCED,
+        message=_message(mechanism, position, judged, ran) + redundancy_note(start),
         stats=stats,
         not_unique=start.not_unique,
     )
 
 
-def _ran(mechanism: Mechanism, rest: Rest, start: FloatArray, end: FloatArray) -> list[str]:
-    """Coordinates that went so far from the start that nothing can be holding them."""
-    moved = np.abs((end - start) / rest.scale)
+def _minimise(
+    statics: StaticEquations, start: FloatArray, progress: Progress
+) -> tuple[RestPosition, FloatArray, dict[str, Any]]:
+    """Minimise the potential energy: the position, the end of the search, and counts."""
+    position = minimise(statics, start, progress)
+    return position, position.q, {"iterations": position.iterations}
+
+
+def _settle(
+    statics: StaticEquations, start: FloatArray, progress: Progress
+) -> tuple[RestPosition, FloatArray, dict[str, Any]]:
+    """Let a damped motion come to rest: the position, the end of the motion, and counts."""
+    equations = statics.equations
+    description = equations.description
+    if np.abs(equations.velocity_rhs(statics.t, start)).max(initial=0.0) > 0.0:
+        raise AnalysisError(
+            f"{description.title}: settling needs drivers at rest, and "
+            f"{', '.join(description.drivers)} moves at t = {statics.t:g} s. "
+            'Use method="energy".'
+        )
+    from runtime.statics.kinetic_damping import settle_down  # compiles where it is used
+
+    settled = settle_down(statics, start, progress)
+    finite = np.isfinite(settled.q).all()
+    position = polish(statics, settled.q) if finite else evaluate_position(statics, start)
+    return position, settled.q, {"steps": settled.steps, "kinetic_energy_peaks": settled.peaks}
+
+
+def _runaways(
+    mechanism: Mechanism, statics: StaticEquations, start: FloatArray, end: FloatArray
+) -> list[str]:
+    """Coordinates so far from the start that no force can be restoring them."""
+    moved = np.abs((end - start) / statics.scale)
     moved[~np.isfinite(moved)] = np.inf
     turned = mechanism.description.is_angle & (moved > _TURNED)
     far = (turned | (moved > _FAR)) & (moved >= 1e-3 * moved.max())
     return [mechanism.description.coordinates[int(index)].name for index in np.flatnonzero(far)]
 
 
-def _edges(mechanism: Mechanism, found: Found) -> str:
-    """The conditions at whose boundary a position lies."""
+def _edges(mechanism: Mechanism, position: RestPosition) -> str:
+    """The conditions on whose switching surface a position lies."""
     switches = mechanism.description.switches
     return ", ".join(
-        f"{switches[k].condition} of {switches[k].name}" for k in found.stiffness.edges
+        f"{switches[k].condition} of {switches[k].name}" for k in position.stiffness.edges
     )
 
 
-def _message(mechanism: Mechanism, found: Found, judged: Judgement, ran: list[str]) -> str:
-    """What the search found, in a sentence."""
-    edges = _edges(mechanism, found)
+def _message(
+    mechanism: Mechanism, position: RestPosition, judged: Judgement, ran: list[str]
+) -> str:
+    """The outcome of the search, in a sentence."""
+    edges = _edges(mechanism, position)
     if ran:
         return (
             f"No equilibrium found: nothing holds the machine in {', '.join(ran)}, which ran away "
             f"without end; the position given is the start. Hold it by a joint, a driver or a "
             f"spring, or start from a guess nearer to rest."
         )
-    if not found.balanced:
-        shares = np.abs(found.gradient) / found.effort
-        worst = int(found.part.independent[int(np.argmax(shares))])
+    if not position.balanced:
+        shares = np.abs(position.gradient) / position.effort
+        worst = int(position.part.independent[int(np.argmax(shares))])
         name = mechanism.description.coordinates[worst].name
         if edges:
             return (
-                f"No equilibrium found: the search ended at {name} = {found.q[worst]:.6g} on the "
-                f"boundary of {edges}, where the forces jump; on neither side of it they balance. "
-                f"If the machine is meant to stand there, hold it by a constraint, or let the "
-                f"force rise over a short distance."
+                f"No equilibrium found: the search ended at {name} = {position.q[worst]:.6g} on "
+                f"the boundary of {edges}, where the forces jump; on neither side of it they "
+                "balance. If the machine is meant to stand there, hold it by a constraint, or let "
+                f"the force rise over a short distance."
             )
         return (
-            f"No equilibrium found: after {found.iterations} iterations {found.unbalanced:.1e} of "
-            f"the forces is unbalanced, most along {name} = {found.q[worst]:.6g}. Start from a "
+            f"No equilibrium found: after {position.iterations} iterations "
+            f"{position.unbalanced:.1e} of the forces is unbalanced, most along {name} = "
+            f"{position.q[worst]:.6g}. Start from a "
             f'guess nearer to rest, try method="settling", or check that something holds the '
             f"machine."
         )
@@ -239,7 +243,7 @@ def _message(mechanism: Mechanism, found: Found, judged: Judgement, ran: list[st
             f"is that of one side only."
         ),
     }
-    return f"{notes[judged.stability]} Unbalanced share of the forces {found.unbalanced:.1e}."
+    return f"{notes[judged.stability]} Unbalanced share of the forces {position.unbalanced:.1e}."
 
 
 def _require_finite(equations: Equations, t: float, q: FloatArray) -> None:
@@ -258,6 +262,6 @@ def _require_finite(equations: Equations, t: float, q: FloatArray) -> None:
     raise AnalysisError(
         f"{description.title}: at the start position the forces along {', '.join(lost)} are not "
         f"finite (effects: {effects}). Look for a spring whose ends coincide, a division by zero "
-        "or a table asked beyond its ends, and start elsewhere: give guess= or a guess in the "
+        "or a table evaluated beyond its ends, and start elsewhere: give guess= or a guess in the "
         "scene."
     )

@@ -1,4 +1,4 @@
-"""Rest of a constrained machine in its independent coordinates.
+"""Forces and stiffness of a constrained machine at rest, in its independent coordinates.
 
 With dependent coordinates u, independent v and H = -Phi_u^-1 Phi_v, the generalized force on the
 independent coordinates at rest is Q_v + H^T Q_u; for forces with a potential it is
@@ -46,8 +46,8 @@ class Stiffness(NamedTuple):
     edges: tuple[int, ...]
 
 
-class Rest:
-    """A machine at rest at time t."""
+class StaticEquations:
+    """The equations of statics at time t, reduced to independent coordinates."""
 
     def __init__(self, equations: Equations, t: float, scale: FloatArray) -> None:
         self.equations = equations
@@ -58,7 +58,7 @@ class Rest:
     def partition(self, q: FloatArray) -> Partition:
         """Choose independent coordinates at q by full pivoting.
 
-        Redundant constraints have no say: off the others they seem to be independent of them.
+        Redundant constraints take no part: off the others they would appear independent.
         """
         equations = self.equations
         suffice = equations.independent
@@ -80,33 +80,33 @@ class Rest:
         sizes = np.abs((equations.jacobian(self.t, q) * self.scale)[part.rows]).max(axis=1)
         sizes = np.where(sizes > 0.0, sizes, 1.0)
 
-        def at(x: FloatArray) -> FloatArray:
+        def position(x: FloatArray) -> FloatArray:
             moved = q.copy()
             moved[dependent] += x * scale
             return moved
 
         def gaps(x: FloatArray) -> FloatArray:
-            found: FloatArray = equations.constraints(self.t, at(x))[part.rows] / sizes
-            return found
+            phi: FloatArray = equations.constraints(self.t, position(x))[part.rows]
+            return phi / sizes
 
         def slopes(x: FloatArray) -> FloatArray:
-            found: FloatArray = equations.jacobian(self.t, at(x))[chosen] * scale
-            return found / sizes[:, None]
+            matrix: FloatArray = equations.jacobian(self.t, position(x))[chosen] * scale
+            return matrix / sizes[:, None]
 
         x, gap = solve_by_newton(gaps, slopes, np.zeros(len(dependent)))
-        return at(x) if gap <= CLOSED and float(np.abs(x).max()) < _REACH else None
+        return position(x) if gap <= CLOSED and float(np.abs(x).max()) < _REACH else None
 
     def motions(self, q: FloatArray, part: Partition) -> FloatArray:
         """dq for a unit (scaled) change of each independent coordinate, shape (n, f)."""
         matrix = self.equations.jacobian(self.t, q) * self.scale
-        found = np.zeros((self.equations.n, len(part.independent)))
-        found[part.independent, np.arange(len(part.independent))] = 1.0
+        motions = np.zeros((self.equations.n, len(part.independent)))
+        motions[part.independent, np.arange(len(part.independent))] = 1.0
         if len(part.dependent):
             slopes = matrix[part.rows]
-            found[part.dependent] = -np.linalg.solve(
+            motions[part.dependent] = -np.linalg.solve(
                 slopes[:, part.dependent], slopes[:, part.independent]
             )
-        return found * self.scale[:, None]
+        return motions * self.scale[:, None]
 
     def gradient(self, q: FloatArray, part: Partition) -> FloatArray:
         """-(Q_v + H^T Q_u), scaled, in J; shape (f,)."""
@@ -128,10 +128,10 @@ class Rest:
         return float(np.abs(np.concatenate([force, slope]) * np.tile(self.scale, 2)).max())
 
     def floor(self, q: FloatArray, stiffness: Stiffness) -> FloatArray:
-        """Size of the forces in each direction that the rounding of q lets one see, (f,), in J.
+        """Least size of the forces in each direction that the rounding of q resolves, (f,), in J.
 
-        Where a spring carries a weight the forces cancel in `effort`; what is left of them at rest
-        is the stiffness times the rounding of the coordinates.
+        Where a spring carries a weight the forces cancel in `effort`; their residual at rest is the
+        stiffness times the rounding of the coordinates.
         """
         reach = max(1.0, float(np.abs(q / self.scale).max()))
         floor: FloatArray = np.abs(stiffness.matrix).sum(axis=1) * (reach * _ROUNDING / BALANCED)

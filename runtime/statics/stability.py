@@ -1,4 +1,4 @@
-"""Stability of a rest position: what becomes of the machine after a small push."""
+"""Stability of a rest position."""
 
 from enum import StrEnum
 from typing import NamedTuple
@@ -6,14 +6,14 @@ from typing import NamedTuple
 import numpy as np
 
 from runtime.mechanism.dense_equations import FloatArray
-from runtime.statics.energy_minimisation import Found
-from runtime.statics.reduced_gradient import Rest
+from runtime.statics.energy_minimisation import RestPosition
+from runtime.statics.reduced_gradient import StaticEquations
 
 _FLAT = 1e-8  # accuracy: part of the largest stiffness; a smaller one is indifferent
 
 
 class Stability(StrEnum):
-    """What becomes of the machine after a small push."""
+    """Behaviour of the machine after a small push."""
 
     STABLE = "stable"
     UNSTABLE = "unstable"
@@ -30,14 +30,14 @@ class Judgement(NamedTuple):
     flutter: bool
 
 
-def judge(rest: Rest, found: Found) -> Judgement:
+def judge(statics: StaticEquations, position: RestPosition) -> Judgement:
     """Eigenvalues of M^-1 K over the independent coordinates; all positive means stable.
 
     Pairs of complex eigenvalues are oscillations that grow: no natural frequencies. Where a
     condition changes at the position, K is that of one side, which says nothing of the other.
     """
-    root = np.linalg.cholesky(rest.inertia(found.q, found.part))
-    matrix = np.linalg.solve(root, np.linalg.solve(root, found.stiffness.matrix).T).T
+    root = np.linalg.cholesky(statics.inertia(position.q, position.part))
+    matrix = np.linalg.solve(root, np.linalg.solve(root, position.stiffness.matrix).T).T
     asymmetry = float(np.abs(matrix - matrix.T).max(initial=0.0))
     largest = float(np.abs(matrix).max(initial=0.0))
     if asymmetry <= 1e-6 * largest:
@@ -50,10 +50,10 @@ def judge(rest: Rest, found: Found) -> Judgement:
         values = pairs.real
     flutter = not bool(real.all())
     light = float(np.linalg.eigvalsh(root @ root.T).max())
-    flat = max(_FLAT * largest, 1e-9 * float(found.effort.max()) / light)
+    flat = max(_FLAT * largest, 1e-9 * float(position.effort.max()) / light)
     stiffnesses = np.array(values, dtype=np.float64)
     frequencies = np.sqrt(stiffnesses[real & (stiffnesses > flat)]) / (2.0 * np.pi)
-    if found.stiffness.edges:
+    if position.stiffness.edges:
         return Judgement(Stability.UNKNOWN, stiffnesses, np.zeros(0), flutter)
     if flutter or bool((stiffnesses < -flat).any()):
         stability = Stability.UNSTABLE

@@ -1,7 +1,7 @@
-"""What an analysis is given, looked at before anything is done with it.
+"""Checks of the arguments of analyses before anything is computed.
 
-Here only kinds are told apart (a number, a mapping, an assembled state); whether a value makes
-sense is for those who use it.
+Here only kinds are distinguished (a number, a mapping, an assembled state); whether a value makes
+sense is decided where it is used.
 """
 
 import math
@@ -18,12 +18,12 @@ from runtime.results.assembled_state import Assembly
 _MOST = 2**62
 
 
-def number(given: object) -> float | None:
-    """The value as a float; None for what is no number, such as a text or a boolean."""
-    if isinstance(given, bool | np.bool_ | str | bytes):
+def number(value: object) -> float | None:
+    """The value as a float; None for anything that is no number, such as a text or a boolean."""
+    if isinstance(value, bool | np.bool_ | str | bytes):
         return None
     try:
-        return float(given)  # type: ignore[arg-type]
+        return float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
         return None
 
@@ -39,7 +39,7 @@ def check(mechanism: Mechanism, **given: Any) -> None:
     problems = [text for name, value in given.items() if (text := _KINDS[name](mechanism, value))]
     problems = [f"{mechanism.title}: {text}" for text in problems]
     if not problems and given.get("start") is not None:
-        problems = _doubled(given)
+        problems = _contradictions(given)
     if problems:
         raise InputError(problems)
 
@@ -51,7 +51,7 @@ def instants(t_eval: npt.ArrayLike) -> npt.NDArray[np.float64]:
     except (TypeError, ValueError):
         given = np.asarray(None)
     if given.dtype.kind not in "iuf":
-        raise AnalysisError(f"t_eval is {shown(t_eval)}; it must be instants in s.")
+        raise AnalysisError(f"t_eval is {shortened(t_eval)}; it must be instants in s.")
     times = np.atleast_1d(given.astype(np.float64))
     if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all():
         raise AnalysisError("t_eval must be at least one finite instant in s, in one dimension.")
@@ -65,8 +65,8 @@ def instants(t_eval: npt.ArrayLike) -> npt.NDArray[np.float64]:
     return times
 
 
-def _doubled(given: Mapping[str, Any]) -> list[str]:
-    """What an assembled start already says."""
+def _contradictions(given: Mapping[str, Any]) -> list[str]:
+    """Arguments that contradict an assembled start."""
     problems = []
     if given.get("guess"):
         problems.append(
@@ -83,10 +83,10 @@ def _doubled(given: Mapping[str, Any]) -> list[str]:
 
 def _instant(name: str) -> Callable[[Mechanism, Any], str]:
     def kind(_: Mechanism, value: Any) -> str:
-        found = number(value)
-        if found is not None and math.isfinite(found):
+        parsed = number(value)
+        if parsed is not None and math.isfinite(parsed):
             return ""
-        return f"{name} is {shown(value)}; it must be a finite number of seconds."
+        return f"{name} is {shortened(value)}; it must be a finite number of seconds."
 
     return kind
 
@@ -95,7 +95,7 @@ def _length(name: str) -> Callable[[Mechanism, Any], str]:
     def kind(_: Mechanism, value: Any) -> str:
         if value is None or (number(value) or 0.0) > 0.0:
             return ""
-        return f"{name} is {shown(value)}; it must be a positive number of seconds."
+        return f"{name} is {shortened(value)}; it must be a positive number of seconds."
 
     return kind
 
@@ -109,7 +109,7 @@ def _tolerance(name: str) -> Callable[[Mechanism, Any], str]:
         found = [number(entry) for entry in entries]
         if all(entry is not None and 0.0 < entry < math.inf for entry in found):
             return ""
-        return f"{name} is {shown(value)}; it must be a positive finite number."
+        return f"{name} is {shortened(value)}; it must be a positive finite number."
 
     return kind
 
@@ -118,7 +118,7 @@ def _count(_: Mechanism, value: Any) -> str:
     whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
     if whole and 0 <= value <= _MOST:
         return ""
-    return f"max_steps is {shown(value)}; it must be a whole number, at most {_MOST:g}."
+    return f"max_steps is {shortened(value)}; it must be a whole number, at most {_MOST:g}."
 
 
 def _values(name: str, example: str) -> Callable[[Mechanism, Any], str]:
@@ -127,11 +127,11 @@ def _values(name: str, example: str) -> Callable[[Mechanism, Any], str]:
             return ""
         if not isinstance(value, Mapping):
             return (
-                f"{name} is {shown(value)}; it must be a mapping from names to numbers, "
+                f"{name} is {shortened(value)}; it must be a mapping from names to numbers, "
                 f"such as {name}={example}."
             )
         odd = [key for key in value if not isinstance(key, str)]
-        return f"{name} has the name {shown(odd[0])}, which is no text." if odd else ""
+        return f"{name} has the name {shortened(odd[0])}, which is no text." if odd else ""
 
     return kind
 
@@ -140,7 +140,7 @@ def _start(mechanism: Mechanism, value: Any) -> str:
     if value is None:
         return ""
     if not isinstance(value, Assembly):
-        return f"start is {shown(value)}; it must be what assemble() returns."
+        return f"start is {shortened(value)}; it must be what assemble() returns."
     names = value.coordinates.names
     if names and names != mechanism.description.coordinates.names:
         return (
@@ -156,7 +156,11 @@ def _state(name: str) -> Callable[[Mechanism, Any], str]:
         fits = isinstance(value, np.ndarray) and value.dtype == np.float64
         if fits and value.shape == (count,) and np.isfinite(value).all():
             return ""
-        what = f"has shape {value.shape}" if isinstance(value, np.ndarray) else f"is {shown(value)}"
+        what = (
+            f"has shape {value.shape}"
+            if isinstance(value, np.ndarray)
+            else f"is {shortened(value)}"
+        )
         return (
             f"{name} {what}; it must be an array of {count} finite numbers of type float64, in "
             f"the order of the coordinates."
@@ -165,7 +169,7 @@ def _state(name: str) -> Callable[[Mechanism, Any], str]:
     return kind
 
 
-def shown(value: Any) -> str:
+def shortened(value: Any) -> str:
     """The value as written in Python, cut short."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."

@@ -1,4 +1,4 @@
-"""What rigid contacts and frictions that stick ask of parameters, of a start and of an analysis."""
+"""Requirements of rigid contacts and sticking friction on parameters, starts and analyses."""
 
 import numpy as np
 import numpy.typing as npt
@@ -12,22 +12,21 @@ _ROUNDING = 1e-12  # by which a ratio of coefficients may miss one
 
 
 def require_sound(mechanism: Mechanism, p: FloatArray) -> None:
-    """Refuse coefficients of restitution, typical forces and static coefficients that are none.
+    """Refuse impossible coefficients of restitution, typical forces and static friction.
 
     Raises
     ------
     ParameterError
-        One sentence for each contact and friction whose numbers, from the parameters `p`, do not
-        make sense.
+        One sentence for each contact and friction that the parameters `p` make impossible.
     """
-    told = mechanism.description
+    description = mechanism.description
     problems = []
-    count = len(told.rigid)
+    count = len(description.rigid)
     e, force = np.zeros(count), np.ones(count)
     mechanism.kernels.restitution(p, e)
     mechanism.kernels.contact_scale(p, force)
-    for contact, returned, typical in zip(told.rigid, e, force, strict=True):
-        where = f"{told.title}: contact {contact.name}"
+    for contact, returned, typical in zip(description.rigid, e, force, strict=True):
+        where = f"{description.title}: contact {contact.name}"
         if not 0.0 <= returned <= 1.0:
             problems.append(
                 f"{where}: the restitution is {returned:g}; give parameters with which it is from "
@@ -38,12 +37,12 @@ def require_sound(mechanism: Mechanism, p: FloatArray) -> None:
                 f"{where}: the typical force is {typical:g} N; give parameters with which it is "
                 "positive."
             )
-    low, high = np.zeros(len(told.switches)), np.ones(len(told.switches))
+    low, high = np.zeros(len(description.switches)), np.ones(len(description.switches))
     mechanism.kernels.holds(p, low, high)
-    for switch, first, last in zip(told.switches, low, high, strict=True):
+    for switch, first, last in zip(description.switches, low, high, strict=True):
         if switch.kind == "friction" and not last - first >= 1.0 - _ROUNDING:
             problems.append(
-                f"{told.title}: friction {switch.name}: the static coefficient is "
+                f"{description.title}: friction {switch.name}: the static coefficient is "
                 f"{last - first:g} times the kinetic one; give parameters with which it is at "
                 "least as large."
             )
@@ -68,17 +67,17 @@ def require_apart(
     InputError
         One sentence for each contact whose gap is negative.
     """
-    told = mechanism.description
-    if not told.rigid:
+    description = mechanism.description
+    if not description.rigid:
         return
     from runtime.hybrid.mode_selection import TOUCHING  # compiles where it is used
 
-    g = np.zeros(len(told.switches))
+    g = np.zeros(len(description.switches))
     mechanism.kernels.switching(t, q, v, p, g)
     problems = [
-        f"{told.title}: at t = {t:g} s the gap of the rigid contact {contact.name} is "
+        f"{description.title}: at t = {t:g} s the gap of the rigid contact {contact.name} is "
         f"{g[contact.switch]:.6g} m: the bodies overlap. Start with a gap that is zero or positive."
-        for contact in told.rigid
+        for contact in description.rigid
         if not g[contact.switch] >= -TOUCHING * size
     ]
     if problems:
@@ -86,43 +85,43 @@ def require_apart(
 
 
 def require_no_rigid(mechanism: Mechanism, analysis: str) -> None:
-    """Refuse an analysis that does not know which rigid contacts are closed."""
-    told = mechanism.description
-    if told.rigid:
+    """Refuse an analysis that does not determine which rigid contacts are closed."""
+    description = mechanism.description
+    if description.rigid:
         raise AnalysisError(
-            f"{told.title}: {analysis} does not decide which rigid contacts are closed, and this "
-            f"scene has {', '.join(told.rigid.names)}. Let the machine come to rest in a "
-            "simulation, or ask for a scene without them: with a joint where a contact is closed, "
-            "or with stiffness= in place of restitution=."
+            f"{description.title}: {analysis} does not decide which rigid contacts are closed, and "
+            f"this scene has {', '.join(description.rigid.names)}. Let the machine come to rest in "
+            "a simulation, or ask for a scene without them: with a joint where a contact is "
+            "closed, or with stiffness= in place of restitution=."
         )
 
 
 def require_no_sticking(mechanism: Mechanism, analysis: str) -> None:
-    """Refuse to look for the place where a machine with friction that sticks would rest."""
-    told = mechanism.description
-    names = dict.fromkeys(row.name for row in told.switches if row.kind == "friction")
+    """Refuse a search for equilibrium with sticking friction, which has no single answer."""
+    description = mechanism.description
+    names = dict.fromkeys(row.name for row in description.switches if row.kind == "friction")
     if names:
         raise AnalysisError(
-            f"{told.title}: {analysis} has no single answer, since the friction in "
+            f"{description.title}: {analysis} has no single answer, since the friction in "
             f"{', '.join(names)} sticks: the machine rests wherever the forces stay within it. "
             "Simulate to see where it comes to rest, or ask for a scene without the friction."
         )
 
 
 def require_slip(mechanism: Mechanism, p: FloatArray, samples: Samples) -> None:
-    """Refuse instants at which friction is at rest and stays there: its force is not determined."""
-    told = mechanism.description
-    stuck = [k for k, row in enumerate(told.switches) if row.kind == "friction"]
+    """Refuse instants at which friction sticks, so that its force is not determined."""
+    description = mechanism.description
+    stuck = [k for k, row in enumerate(description.switches) if row.kind == "friction"]
     if not stuck:
         return
-    g, rate = np.zeros(len(told.switches)), np.zeros(len(told.switches))
+    g, rate = np.zeros(len(description.switches)), np.zeros(len(description.switches))
     for t, q, v, a in zip(samples.t, samples.q, samples.v, samples.a, strict=True):
         mechanism.kernels.switching(t, q, v, p, g)
         mechanism.kernels.switching_rates(t, q, v, a, p, rate)
         for k in stuck:
             if g[k] == 0.0 and rate[k] == 0.0:
                 raise AnalysisError(
-                    f"{told.title}: at t = {t:g} s nothing slips in the friction "
-                    f"{told.switches[k].name}, nor begins to, so any force that it can bear would "
-                    "do. Ask for instants at which it slips, or leave the friction out."
+                    f"{description.title}: at t = {t:g} s nothing slips in the friction "
+                    f"{description.switches[k].name}, nor begins to, so any force that it can bear "
+                    "would do. Ask for instants at which it slips, or leave the friction out."
                 )

@@ -1,4 +1,4 @@
-"""Masses that parameter values make impossible, told with the parameters behind them."""
+"""Masses and inertias that parameter values make impossible, and the parameters behind them."""
 
 import numpy as np
 
@@ -10,23 +10,23 @@ from runtime.validation.parameters import parameter_values
 
 def require_masses(mechanism: Mechanism, p: FloatArray) -> None:
     """Refuse masses and inertias that are not positive finite numbers."""
-    told = mechanism.description
+    description = mechanism.description
     values = _masses(mechanism, p)
-    bodies = frozenset(told.bodies)
-    wrong: dict[tuple[str, bool], int] = {}
+    bodies = frozenset(description.bodies)
+    impossible: dict[tuple[str, bool], int] = {}
     for index in np.flatnonzero(~((values > 0.0) & (values < np.inf))).tolist():
-        row = told.coordinates[index]
+        row = description.coordinates[index]
         body = row.name.rpartition(".")[0]
         if body in bodies:  # a coordinate of no body has no mass to refuse
-            wrong.setdefault((body, row.unit == "rad"), index)
+            impossible.setdefault((body, row.is_angle), index)
     problems = []
-    for body in told.bodies if wrong else ():
+    for body in description.bodies if impossible else ():
         for quantity, unit, angle in (("mass", "kg", False), ("inertia", "kg m^2", True)):
-            if (body, angle) in wrong:
-                index = wrong[body, angle]
+            if (body, angle) in impossible:
+                index = impossible[body, angle]
                 problems.append(
-                    f"{told.title}: the {quantity} of {body} is {values[index]:g} {unit}; it "
-                    f"must be a positive finite number. {_behind(mechanism, p, index)}"
+                    f"{description.title}: the {quantity} of {body} is {values[index]:g} {unit}; "
+                    f"it must be a positive finite number. {_behind(mechanism, p, index)}"
                 )
     if problems:
         raise ParameterError(problems)
@@ -41,16 +41,16 @@ def _masses(mechanism: Mechanism, p: FloatArray) -> FloatArray:
 
 
 def _behind(mechanism: Mechanism, p: FloatArray, place: int) -> str:
-    """The parameters that a mass depends on, found by changing one at a time."""
+    """The parameters on which a mass depends, determined by changing one at a time."""
     table = mechanism.description.parameters
-    default = parameter_values(mechanism)
-    found = []
+    defaults = parameter_values(mechanism)
+    names = []
     for index, row in enumerate(table):
-        changed = default.copy()
+        changed = defaults.copy()
         changed[index] = 1.25 * changed[index] or 1.0
         mechanism.kernels.constants(changed)
-        if _masses(mechanism, changed)[place] != _masses(mechanism, default)[place]:
-            found.append(f"{row.name} = {p[index]:g} {row.unit}".rstrip())
-    if not found:
+        if _masses(mechanism, changed)[place] != _masses(mechanism, defaults)[place]:
+            names.append(f"{row.name} = {p[index]:g} {row.unit}".rstrip())
+    if not names:
         return "It depends on no parameter: correct the model."
-    return f"It follows from {', '.join(found)}: give other values."
+    return f"It follows from {', '.join(names)}: give other values."

@@ -1,4 +1,4 @@
-"""Questions that a scene was compiled without the means to answer."""
+"""Refusal of analyses for which a scene was compiled without the equations."""
 
 from typing import NoReturn
 
@@ -7,17 +7,17 @@ from runtime.mechanism.mechanism import Mechanism
 
 
 def require_motion(mechanism: Mechanism, question: str) -> None:
-    """Refuse a motion where the scene asks only where the machine rests.
+    """Refuse an analysis of motion for a scene that was declared for equilibrium.
 
     Raises
     ------
     AnalysisError
-        If its kernels of motion were left out.
+        If the kernels of motion are missing.
     """
-    told = mechanism.description
-    if told.analysis == "equilibrium":
+    description = mechanism.description
+    if description.analysis == "equilibrium":
         raise AnalysisError(
-            f"{told.title}: {question} needs the equations of motion, which a scene with "
+            f"{description.title}: {question} needs the equations of motion, which a scene with "
             f"analysis='equilibrium' leaves out. Declare it with analysis='dynamics', or load "
             f"scene.with_(analysis='dynamics')."
         )
@@ -31,25 +31,28 @@ def require_energy(mechanism: Mechanism) -> None:
     AnalysisError
         If the scene has masses and no kernel of the potential.
     """
-    told = mechanism.description
-    if told.has_masses and "potential" not in told.kernels:
-        raise AnalysisError(f"equilibrium needs the potential energy: {told.offer('energy')}")
+    description = mechanism.description
+    if description.has_masses and "potential" not in description.kernels:
+        raise AnalysisError(
+            f"equilibrium needs the potential energy: {description.offer('energy')}"
+        )
 
 
 def refuse_structure(mechanism: Mechanism) -> None:
-    """Refuse to integrate where joints hold all and no driver moves anything.
+    """Refuse to integrate where the joints determine all coordinates and no driver moves them.
 
     Raises
     ------
     AnalysisError
         If the scene has no driver.
     """
-    told = mechanism.description
-    if not told.drivers:
+    description = mechanism.description
+    if not description.drivers:
         raise AnalysisError(
-            f"{told.title}: nothing is left to integrate: {len(told.constraints)} constraints hold "
-            f"all {len(told.coordinates)} coordinates and no driver moves them. Leave a joint out, "
-            f"take a driver in, or ask for inverse_dynamics, which gives the reactions at rest."
+            f"{description.title}: nothing is left to integrate: {len(description.constraints)} "
+            f"constraints hold all {len(description.coordinates)} coordinates and no driver moves "
+            "them. Leave a joint out, take a driver in, or ask for inverse_dynamics, which gives "
+            "the reactions at rest."
         )
 
 
@@ -61,27 +64,27 @@ def refuse_massless(mechanism: Mechanism) -> NoReturn:
     AnalysisError
         With what to ask for instead.
     """
-    told = mechanism.description
-    if told.analysis == "kinematics":
+    description = mechanism.description
+    if description.analysis == "kinematics":
         raise AnalysisError(
-            f"{told.title}: a simulation needs masses and forces, which a scene with "
+            f"{description.title}: a simulation needs masses and forces, which a scene with "
             f"analysis='kinematics' leaves out, so there is nothing to integrate. Ask for "
             f"kinematics, or load scene.with_(analysis='dynamics')."
         )
     raise AnalysisError(
-        f"{told.title}: a simulation needs masses, and this scene has a body without. Give "
+        f"{description.title}: a simulation needs masses, and this scene has a body without. Give "
         f"every body a mass and an inertia, or ask for kinematics."
     )
 
 
-def carried(mechanism: Mechanism, freedom: int) -> str:
-    """What a simulation says where drivers leave nothing to integrate; else nothing."""
-    told = mechanism.description
-    if freedom or not told.drivers:
+def driven_note(mechanism: Mechanism, freedom: int) -> str:
+    """Sentence of a simulation whose drivers determine the motion; else empty."""
+    description = mechanism.description
+    if freedom or not description.drivers:
         return ""
     return (
-        f" Nothing was left to integrate: with drivers {', '.join(told.drivers)} the "
-        f"{len(told.constraints)} constraints determine all {len(told.coordinates)} coordinates. "
-        f"inverse_dynamics gives the same motion and forces at any instants without steps, "
-        f"kinematics the motion alone."
+        f" Nothing was left to integrate: with drivers {', '.join(description.drivers)} the "
+        f"{len(description.constraints)} constraints determine all {len(description.coordinates)} "
+        "coordinates. inverse_dynamics gives the same motion and forces at any instants without "
+        f"steps, kinematics the motion alone."
     )

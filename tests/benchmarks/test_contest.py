@@ -55,27 +55,27 @@ def test_an_error_that_is_no_number_is_infinite() -> None:
         PROBLEMS["chain_10"].error([0.0])
 
 
-def test_lines_that_are_cut_short_are_left_out() -> None:
-    held = Contest("andrews")
+def test_incomplete_lines_are_ignored() -> None:
+    measured = Contest("andrews")
     point = Point("exudyn", "m", 1e-3, 0.5, 2.0)
-    said = json.dumps({"point": point.__dict__})
-    contest.hear(["noise", '{"versions": {"exudyn": "1"}}', said, said[:40]], held)
-    assert held.points == [point]
-    assert held.versions == {"exudyn": "1"}
+    output = json.dumps({"point": point.__dict__})
+    contest.collect(["noise", '{"versions": {"exudyn": "1"}}', output, output[:40]], measured)
+    assert measured.points == [point]
+    assert measured.versions == {"exudyn": "1"}
 
 
-def test_a_tool_that_is_not_there_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_tool_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(PEERS, "nobody", contest.Peer("nothing", True, ("andrews",)))
-    held = Contest("andrews")
-    contest.ask("nobody", PROBLEMS["andrews"], sys.executable, held)
-    assert held.missing == {"nobody": "not installed: pip install nothing"}
+    measured = Contest("andrews")
+    contest.run_peer("nobody", PROBLEMS["andrews"], sys.executable, measured)
+    assert measured.missing == {"nobody": "not installed: pip install nothing"}
 
 
 ONE = {"contestant": "pydy", "method": "m", "setting": 0.1, "error": 1e-3, "milliseconds": 2.0}
 
 
 @pytest.mark.parametrize(
-    ("said", "reason"),
+    ("output", "reason"),
     [
         (b"", "no answer in 240 s"),
         (
@@ -84,37 +84,37 @@ ONE = {"contestant": "pydy", "method": "m", "setting": 0.1, "error": 1e-3, "mill
         ),
     ],
 )
-def test_a_tool_that_ran_out_of_time_is_told(
-    said: bytes, reason: str, held: Contest, monkeypatch: pytest.MonkeyPatch
+def test_a_tool_out_of_time_is_reported(
+    output: bytes, reason: str, measured: Contest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def late(*_: object, **__: object) -> None:
-        raise subprocess.TimeoutExpired("pydy", contest.LIMIT, said)
+        raise subprocess.TimeoutExpired("pydy", contest.LIMIT, output)
 
     monkeypatch.setattr(subprocess, "run", late)
-    held.points = [point for point in held.points if point.contestant != "pydy"]
-    contest.ask("pydy", PROBLEMS["slider_crank"], sys.executable, held)
-    assert held.missing["pydy"] == reason
-    if said:
-        told = "\n".join(contest_report.report(held).verdicts)
-        assert f"pydy does not reach 1e-09 ({reason}); reduced does." in told
-        assert f"pydy has not all its points: {reason}." in told
-        factor = held.factor("pydy", "linkwright", "reduced", 1e-3)
-        assert f"To 1e-03, its least error, it takes {factor:.0f} times as long." in told
+    measured.points = [point for point in measured.points if point.contestant != "pydy"]
+    contest.run_peer("pydy", PROBLEMS["slider_crank"], sys.executable, measured)
+    assert measured.missing["pydy"] == reason
+    if output:
+        sentences = "\n".join(contest_report.report(measured).verdicts)
+        assert f"pydy does not reach 1e-09 ({reason}); reduced does." in sentences
+        assert f"pydy has not all its points: {reason}." in sentences
+        factor = measured.factor("pydy", "linkwright", "reduced", 1e-3)
+        assert f"To 1e-03, its least error, it takes {factor:.0f} times as long." in sentences
 
 
 def test_every_tool_has_a_file_with_its_problems(root: Path) -> None:
     folder = root / "benchmarks" / "peers"
-    files = {path.stem for path in folder.glob("*.py")} - {"__init__", "telling"}
+    files = {path.stem for path in folder.glob("*.py")} - {"__init__", "protocol"}
     assert files == PEERS.keys()
     for name, peer in PEERS.items():
         assert set(peer.problems) <= PROBLEMS.keys()
         text = (folder / f"{name}.py").read_text(encoding="utf-8")
-        said = {n.value for n in ast.walk(ast.parse(text)) if isinstance(n, ast.Constant)}
-        assert {p for p in peer.problems if not p.startswith("n_four_bar")} <= said
+        output = {n.value for n in ast.walk(ast.parse(text)) if isinstance(n, ast.Constant)}
+        assert {p for p in peer.problems if not p.startswith("n_four_bar")} <= output
 
 
 @pytest.fixture
-def held() -> Contest:
+def measured() -> Contest:
     """A contest in which everything is known."""
     made = Contest("slider_crank", paces={FLOOR: 2.0, OURS: 2.0, "pydy": 4.0, "pinocchio": 2.0})
     made.points = [
@@ -128,30 +128,30 @@ def held() -> Contest:
     return made
 
 
-def test_factors_are_corrected_by_the_pace(held: Contest) -> None:
+def test_factors_are_corrected_by_the_pace(measured: Contest) -> None:
     """pydy ran while the machine was half as fast."""
-    assert held.factor("pydy", OURS, "reduced", 1e-9) == pytest.approx(150.0)
-    assert held.factor("pinocchio", OURS, "reduced", 1e-9) == pytest.approx(50.0)
+    assert measured.factor("pydy", OURS, "reduced", 1e-9) == pytest.approx(150.0)
+    assert measured.factor("pinocchio", OURS, "reduced", 1e-9) == pytest.approx(50.0)
 
 
-def test_a_report_tells_what_holds_and_what_does_not(held: Contest) -> None:
-    made = contest_report.report(held)
-    told = "\n".join(made.verdicts)
-    assert "reduced to 1e-06, in times of the floor: 1.25; the bar of 1.5 holds." in told
-    assert "reduced to 1e-09, in times of the floor: 2.00; the bar of 1.5 is missed" in told
-    assert "pydy to 1e-09, in times of reduced: 150; the bar of 100 holds." in told
-    assert "pinocchio to 1e-09, in times of reduced: 50; the bar of 100 is missed." in told
+def test_a_report_tells_what_holds_and_what_does_not(measured: Contest) -> None:
+    made = contest_report.report(measured)
+    sentences = "\n".join(made.verdicts)
+    assert "reduced to 1e-06, in times of the floor: 1.25; the bar of 1.5 holds." in sentences
+    assert "reduced to 1e-09, in times of the floor: 2.00; the bar of 1.5 is missed" in sentences
+    assert "pydy to 1e-09, in times of reduced: 150; the bar of 100 holds." in sentences
+    assert "pinocchio to 1e-09, in times of reduced: 50; the bar of 100 is missed." in sentences
     assert made.cells[0][:4] == ("floor", "floor", "4", "5")
     assert made.cells[-1][:2] == ("mujoco", "not installed: pip install mujoco")
 
 
-def test_a_contest_is_read_as_it_was_written(held: Contest, tmp_path: Path) -> None:
-    held.points.append(Point("pydy", "LSODA", 1e-3, math.inf, 0.0, 0, "gave up"))
-    held.write(tmp_path / "held.json")
-    assert contest.read(tmp_path / "held.json") == held
+def test_a_contest_is_read_as_it_was_written(measured: Contest, tmp_path: Path) -> None:
+    measured.points.append(Point("pydy", "LSODA", 1e-3, math.inf, 0.0, 0, "gave up"))
+    measured.write(tmp_path / "measured.json")
+    assert contest.read(tmp_path / "measured.json") == measured
 
 
-def test_a_picture_is_drawn(held: Contest, tmp_path: Path) -> None:
+def test_a_picture_is_drawn(measured: Contest, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
-    path = picture.draw(held, tmp_path / "held.png")
+    path = picture.draw(measured, tmp_path / "measured.png")
     assert path.read_bytes()[:4] == b"\x89PNG"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks import elements, twins
-from benchmarks.counting import cost, operations
 from benchmarks.hand import drivers, forces, joints
+from benchmarks.operation_counts import cost, operations
 from codegen.elements.registry import kinds_of_elements
 
 MOST, SIGNS = 1.3, 3

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import ours
-from benchmarks.counting import cost
+from benchmarks import linkwright_runs
 from benchmarks.floor import andrews, chain
 from benchmarks.floor.arithmetic import in_terms_of
 from benchmarks.growth import hanging
+from benchmarks.operation_counts import cost
 from benchmarks.problems import ANDREWS, PROBLEMS, crank_of_loops
 from codegen import build
 from codegen.artefact import companion_path, import_generated
@@ -76,10 +76,12 @@ def folder(request: pytest.FixtureRequest) -> Path:
 
 
 @pytest.mark.parametrize("name", ["slider_crank", "andrews"])
-@pytest.mark.parametrize("formulation", ours.FORMULATIONS)
+@pytest.mark.parametrize("formulation", linkwright_runs.FORMULATIONS)
 def test_ours_come_where_the_floors_do(name: str, formulation: str, folder: Path) -> None:
-    entry = ours.ENTRIES[name]
-    run, took = ours.simulated(entry, ours.machine_of(entry, folder), formulation, 1e-12)
+    entry = linkwright_runs.ENTRIES[name]
+    run, took = linkwright_runs.simulated(
+        entry, linkwright_runs.machine_of(entry, folder), formulation, 1e-12
+    )
     angle = float(run.q(entry.angles[0])[-1])
     ((_, floor), *_) = entry.floors
     assert not run.failed
@@ -90,7 +92,7 @@ def test_ours_come_where_the_floors_do(name: str, formulation: str, folder: Path
 
 def test_the_squeezer_needs_few_operations_more_than_by_hand(folder: Path) -> None:
     """One call of ours solves the loops and answers all accelerations."""
-    machine = ours.machine_of(ours.ANDREWS, folder)
+    machine = linkwright_runs.machine_of(linkwright_runs.ANDREWS, folder)
     assert machine.mechanism.reduced.closures == ()
     counts = dict(import_generated(companion_path(machine.path, "reduced")).OPERATIONS)
     assert 0 < counts["accelerations"] < 2.0 * cost(andrews.equation)

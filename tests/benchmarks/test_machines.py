@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks import machines, twins
-from benchmarks.counting import cost
 from benchmarks.hand import linkages
+from benchmarks.operation_counts import cost
 from models.studies.linkage import FourBar, Rider
 
 CHANGED = {

@@ -6,7 +6,7 @@ import pytest
 
 from codegen import build
 from codegen.artefact import import_generated
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from codegen.model_file import read_model
 from tests.codegen.machines import ODD
 from tests.codegen.workbench import Interpreted
@@ -18,7 +18,7 @@ Scenes = dict[str, Interpreted]
 def slider_crank(root: Path) -> Scenes:
     """All scenes of the library's slider-crank."""
     model = read_model(root / "models" / "slider_crank.py").model
-    return {scene.name: Interpreted(model, scene.name) for scene in sound_scenes(model, None)}
+    return {scene.name: Interpreted(model, scene.name) for scene in valid_scenes(model, None)}
 
 
 @pytest.fixture(scope="session")
@@ -27,7 +27,7 @@ def scenes(slider_crank: Scenes) -> Scenes:
     found = dict(slider_crank)
     for declare in ODD:
         model = declare()
-        for scene in sound_scenes(model, None):
+        for scene in valid_scenes(model, None):
             found[f"{model.name}.{scene.name}"] = Interpreted(model, scene.name)
     return found
 

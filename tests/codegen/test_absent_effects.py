@@ -12,7 +12,7 @@ from codegen import Model
 from codegen.declare.body import Body, Point
 from codegen.declare.scene import Scene
 from codegen.derive.equations import derive
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from codegen.emit.module import Origin, module_text
 from codegen.explain.marginal_cost import own_operations
 from codegen.lower.kernels.scene_kernels import Lowered, lower
@@ -57,9 +57,9 @@ def never_declared(model: Model, *effects: str) -> Model:
 
 def with_and_without(path: Path) -> Iterator[tuple[Model, Scene, str, Scene]]:
     model = read_model(path).model
-    for scene in sound_scenes(model, None):
+    for scene in valid_scenes(model, None):
         for effect in unlike(model, scene.effects):
-            (bare,) = sound_scenes(model, scene.without(effect))
+            (bare,) = valid_scenes(model, scene.without(effect))
             yield model, scene, effect, bare
 
 
@@ -138,7 +138,7 @@ def test_compressor_of_gravity_alone_is_that_of_a_machine_with_nothing_else(root
     poor.parameters = {n: p for n, p in model.parameters.items() if n in ("J1", "rod_length")}
     given = {"start": dict(scene.start), "guess": dict(scene.guess), "outputs": []}
     poor.scene("falling", ["gravity_right"], **given)
-    other, _ = compiled_without_names(poor, sound_scenes(poor, "falling")[0])
+    other, _ = compiled_without_names(poor, valid_scenes(poor, "falling")[0])
     assert text == other
     kernels = {k.name for k in lowered.program.kernels}
     assert not kernels & {"reactions", "powers", "kinetic_energy", "potential", "switching"}

@@ -16,7 +16,7 @@ from codegen import Model
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Parameter, side
 from codegen.derive.equations import EffectEquations, Equations, derive
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from codegen.explain.sample_states import about_the_start, parameters
 from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.scene_kernels import Lowered, lower
@@ -46,7 +46,7 @@ def coefficients(model: Model, scene: Scene) -> Iterator[tuple[str, tuple[str, .
         gone = tuple(e.name for e in equations.effects if vanishes(e, zero))
         if parameter.sign == "positive" or not gone:
             continue
-        (bare,) = sound_scenes(model, scene.without(*gone))
+        (bare,) = valid_scenes(model, scene.without(*gone))
         if parameter.name in derive(model, bare).unused:
             yield parameter.name, gone
 
@@ -54,7 +54,7 @@ def coefficients(model: Model, scene: Scene) -> Iterator[tuple[str, tuple[str, .
 def cases() -> Iterator[tuple[str, str, str]]:
     for path in library(Path(__file__).resolve().parents[2]):
         model = read_model(path).model
-        for scene in sound_scenes(model, None):
+        for scene in valid_scenes(model, None):
             if scene.analysis == "dynamics" and not scene.frozen:
                 for name, _ in coefficients(model, scene):
                     yield path.stem, scene.name, name
@@ -128,9 +128,9 @@ def test_left_out_moves_as_a_coefficient_of_zero(
 ) -> None:
     (path,) = (p for p in library(root) if p.stem == machine)
     model = read_model(path).model
-    (scene,) = sound_scenes(model, name)
+    (scene,) = valid_scenes(model, name)
     gone = dict(coefficients(model, scene))[coefficient]
-    (bare,) = sound_scenes(model, scene.without(*gone))
+    (bare,) = valid_scenes(model, scene.without(*gone))
     whole, rest = (derive(model, s) for s in (scene, bare))
     with_it, without = lower(whole), lower(rest)
     states = about_the_start(rest, without)

@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from codegen import Model, ModelError
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from runtime import Result, load
 from tests.codegen.workbench import Interpreted
 
@@ -143,7 +143,7 @@ def test_what_is_wrong_is_said(declare: Declare, told: str) -> None:
     model = Model("bad")
     declare(model)
     with pytest.raises(ModelError) as caught:
-        sound_scenes(model, None)
+        valid_scenes(model, None)
     assert told in str(caught.value)
 
 
@@ -164,4 +164,4 @@ def test_coupler_without_one_of_its_ends_leaves_nothing_loose() -> None:
     one, other = model.body("one", 1.0, 1.0), model.body("other", 1.0, 1.0)
     rod = model.coupler("rod", one, other, 1.0, 1.0, 1.0)
     model.scene("s", without=[other], couplers={rod: "lumped"})
-    assert sound_scenes(model, "s")[0].bodies == ("one",)
+    assert valid_scenes(model, "s")[0].bodies == ("one",)

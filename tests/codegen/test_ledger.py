@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from codegen import Model
 from codegen.cli import app
 from codegen.derive.equations import derive
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from codegen.errors import InputError
 from codegen.explain import kernel_timer as clock
 from codegen.explain import part_times as timing
@@ -129,7 +129,7 @@ def test_parts_add_up_to_every_kernel(machine: str) -> None:
 
 def test_stages_end_in_the_scene_s_own_kernel(root: Path) -> None:
     model = read_model(root / "models" / "hard" / "guide_friction.py").model
-    (scene,) = sound_scenes(model, "rocking")
+    (scene,) = valid_scenes(model, "rocking")
     equations = derive(model, scene)
     programs = cumulative_programs(equations)
     chain = timing_stages(equations, programs)
@@ -152,7 +152,7 @@ def test_stages_end_in_the_scene_s_own_kernel(root: Path) -> None:
 def test_measured_parts_telescope(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever the times are, their increments add up to the last; and the kernels run."""
     model = read_model(root / "models" / "slider_crank.py").model
-    (scene,) = sound_scenes(model, "inverse_dynamics")
+    (scene,) = valid_scenes(model, "inverse_dynamics")
     equations = derive(model, scene)
     programs = cumulative_programs(equations)
     chain = timing_stages(equations, programs)
@@ -178,7 +178,7 @@ def test_measured_parts_telescope(root: Path, monkeypatch: pytest.MonkeyPatch) -
 
 def test_states_are_put_together_and_have_their_modes(root: Path) -> None:
     model = read_model(root / "models" / "slider_crank.py").model
-    (scene,) = sound_scenes(model, "compressor")
+    (scene,) = valid_scenes(model, "compressor")
     equations = derive(model, scene)
     lowered = cumulative_programs(equations)[-1]
     states = about_the_start(equations, lowered)

@@ -8,7 +8,7 @@ from codegen.derive import constraints, effects
 from codegen.derive import switching_functions as switches
 from codegen.derive.counting import derivations
 from codegen.derive.equations import derive
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from codegen.model_file import read_model
 from tests.codegen.workbench import Interpreted
 
@@ -44,11 +44,11 @@ def test_other_scenes_derive_less_than_half_of_the_first(
         for derived in (constraints._derive, effects._conservative, effects._pieces, switches.rate):
             derived.cache_clear()
         begun = derivations()
-        derive(model, sound_scenes(model, first)[0])
+        derive(model, valid_scenes(model, first)[0])
         needed = derivations() - begun
-        derive(model, sound_scenes(model, other)[0])
+        derive(model, valid_scenes(model, other)[0])
         assert derivations() - begun - needed <= needed / 2, other
         again = derivations()
         less = model.scene(first).without("motor")  # all that is in it stands there already
-        derive(model, sound_scenes(model, less)[0])
+        derive(model, valid_scenes(model, less)[0])
         assert derivations() == again

@@ -10,7 +10,7 @@ from sympy import Abs
 
 from codegen import InputError, Model, build
 from codegen.declare.element import ConjugateReaction, Statement
-from codegen.driver import sound_scenes, with_settings
+from codegen.driver import valid_scenes, with_settings
 from codegen.errors import ModelError
 from codegen.model_file import read_model
 from tests.codegen.complaints import complaints
@@ -72,9 +72,9 @@ def test_what_is_added_after_a_first_build_acts_in_the_default_scene() -> None:
     model = Model("growing")
     body = model.body("body", 1.0, 1.0)
     model.force("first", on=body, fx=1.0)
-    (before,) = sound_scenes(model, None)
+    (before,) = valid_scenes(model, None)
     model.force("second", on=body, fx=2.0)
-    (after,) = sound_scenes(model, None)
+    (after,) = valid_scenes(model, None)
     assert before.effects == ("first",)
     assert after.effects == ("first", "second")
     assert not model.scenes
@@ -144,7 +144,7 @@ def test_texts_of_a_users_element_are_words() -> None:
     body = model.body("body", 1.0, 1.0)
     model.add(Injecting(body, body.x))  # type: ignore[arg-type]
     with pytest.raises(InputError) as caught:
-        sound_scenes(model, None)
+        valid_scenes(model, None)
     kind, rows = caught.value.problems
     assert "its kind" in kind
     assert "its rows" in rows

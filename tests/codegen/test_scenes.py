@@ -8,7 +8,7 @@ import pytest
 from codegen import Model, ModelError, build
 from codegen.declare.scene import Scene
 from codegen.derive.equations import derive
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from codegen.errors import InputError
 from codegen.model_file import read_model
 
@@ -36,7 +36,7 @@ def sledge() -> Model:
 
 
 def kinds(model: Model, scene: Scene) -> dict[str, str]:
-    return {e.name: e.kind for e in derive(model, sound_scenes(model, scene)[0]).effects}
+    return {e.name: e.kind for e in derive(model, valid_scenes(model, scene)[0]).effects}
 
 
 def test_extension_has_all_but_what_it_says() -> None:
@@ -59,7 +59,7 @@ def test_start_values_go_with_the_body_that_is_left_out() -> None:
     model.scene("turned", ["spring"], start={"load.phi": 0.3, "body.x": 0.1})
     alone = model.scene("turned").without("load")
     assert alone.start == (("body.x", 0.1),)
-    assert sound_scenes(model, alone)[0].bodies == ("body",)
+    assert valid_scenes(model, alone)[0].bodies == ("body",)
 
 
 def test_scenes_made_on_the_fly_say_what_they_are() -> None:
@@ -103,7 +103,7 @@ def test_friction_is_taken_as_the_scene_says(
     model = sledge()
     scene = model.scene("slide")
     scene = scene.with_(fidelity={"rub": fidelity}) if fidelity else scene
-    equations = derive(model, sound_scenes(model, scene)[0])
+    equations = derive(model, valid_scenes(model, scene)[0])
     (friction,) = (e.terms.friction for e in equations.effects if e.terms.friction)
     assert friction.sticks is sticks
     assert (friction.limit is not None) is static
@@ -113,8 +113,8 @@ def test_friction_is_taken_as_the_scene_says(
 def test_effect_of_no_fidelity_is_not_there() -> None:
     model = sledge()
     none = model.scene("slide").with_(fidelity={"rub": "none"})
-    (plain,) = sound_scenes(model, model.scene("slide").without("rub"))
-    (chosen,) = sound_scenes(model, none)
+    (plain,) = valid_scenes(model, model.scene("slide").without("rub"))
+    (chosen,) = valid_scenes(model, none)
     assert chosen.effects == plain.effects == ("spring",)
     assert derive(model, chosen).left_out == derive(model, plain).left_out
 
@@ -127,7 +127,7 @@ def test_declared_with_one_fidelity_is_the_same_effect(root: Path) -> None:
     poor.friction("rub", guide, 0.2, creep=1e-3)
     poor.scene("slide", ["rub"], start={body.x: 0.5, body.vx: 0.0})
     scene = rich.scene("slide").without("load", "spring").with_(fidelity={"rub": "regularised"})
-    (one,) = derive(rich, sound_scenes(rich, scene)[0]).effects
+    (one,) = derive(rich, valid_scenes(rich, scene)[0]).effects
     (other,) = derive(poor, poor.scenes["slide"]).effects
     substituted = str(one.terms.friction).replace("mu", "0.2")
     assert substituted == str(other.terms.friction)
@@ -136,7 +136,7 @@ def test_declared_with_one_fidelity_is_the_same_effect(root: Path) -> None:
 def test_alternatives_take_one_choice_and_leave_the_others() -> None:
     model = sledge()
     joints = {
-        choice: {c.name for c in derive(model, sound_scenes(model, scene)[0]).constraints}
+        choice: {c.name for c in derive(model, valid_scenes(model, scene)[0]).constraints}
         for choice, scene in {
             "default": model.scene("slide"),
             "welded": model.scene("slide").with_(fidelity={"fixing": "welded"}),
@@ -217,9 +217,9 @@ Vary = Callable[[Model], object]
 def test_what_is_wrong_with_a_variation_is_said(vary: Vary, told: str) -> None:
     model = sledge()
     with pytest.raises(InputError) as caught:
-        sound_scenes(model, vary(model))
+        valid_scenes(model, vary(model))
     assert told in str(caught.value)
-    assert sound_scenes(model, None)  # what is declared is as sound as before
+    assert valid_scenes(model, None)  # what is declared is as sound as before
 
 
 @pytest.mark.parametrize(
@@ -243,7 +243,7 @@ def test_what_is_wrong_with_a_declaration_is_said(declare: Vary, told: str) -> N
     model = sledge()
     declare(model)
     with pytest.raises(ModelError) as caught:
-        sound_scenes(model, None)
+        valid_scenes(model, None)
     assert told in str(caught.value)
 
 
@@ -251,7 +251,7 @@ def test_all_problems_come_at_once() -> None:
     model = sledge()
     scene = model.scene("slide").without("sprng").with_("wal", outputs=["enrgy"])
     with pytest.raises(InputError) as caught:
-        sound_scenes(model, scene)
+        valid_scenes(model, scene)
     assert len(caught.value.problems) == 3
 
 
@@ -263,7 +263,7 @@ def test_both_choices_of_a_group_cannot_act() -> None:
     model.alternatives("drive", {"weak": ["one"], "strong": ["other"]})
     model.scene("both", ["one", "other"])
     with pytest.raises(ModelError, match="'other' acts only in another choice of 'drive'"):
-        sound_scenes(model, None)
+        valid_scenes(model, None)
     lone = Model("lone")
     body = lone.body("body", mass=1.0, inertia=1.0)
     lone.torque("one", on=body, value=1.0)

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 
 from codegen import Model, ModelError, t
 from codegen.cubic_spline import fit
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from runtime import load
 from tests.codegen.workbench import (
     Interpreted,
@@ -148,7 +148,7 @@ def test_points_that_no_spline_goes_through(x: list[float], y: list[float], told
     law = model.table("law", x, y, periodic=True)
     model.driver("turn", body.phi, law(t))
     with pytest.raises(ModelError) as caught:
-        sound_scenes(model, None)
+        valid_scenes(model, None)
     assert told in str(caught.value)
 
 
@@ -166,7 +166,7 @@ def test_what_is_no_table_is_said(x: object, units: tuple[str, str], told: str) 
     model.body("body")
     model.table("law", x, [0, 1, 4, 9], units=units)
     with pytest.raises(ModelError) as caught:
-        sound_scenes(model, None)
+        valid_scenes(model, None)
     assert told in str(caught.value)
 
 
@@ -201,7 +201,7 @@ def test_cam_through_points_is_the_curve_they_lie_on() -> None:
     points = [(0.02 * np.cos(a), 0.03 * np.sin(a)) for a in angles]
     curve = model.curve_through("oval", cam, points)
     lift = model.cam_flat_follower("lift", curve, follower)
-    assert sound_scenes(model, None)
+    assert valid_scenes(model, None)
     machine = Interpreted(model)
     s = machine.state(1)
     assert_allclose(machine.jacobian(s)[1, :2], 0, atol=0)
@@ -217,7 +217,7 @@ def test_points_of_a_curve_that_repeat() -> None:
         "slot", model.curve_through("oval", cam, [(0, 0), (1, 0), (1, 0), (0, 1)]), pin
     )
     with pytest.raises(ModelError, match=r"curve 'oval': points 1 and 2 are both \(1.0, 0.0\)"):
-        sound_scenes(model, None)
+        valid_scenes(model, None)
 
 
 def test_motion_that_runs_off_its_table_says_so(tmp_path: Path) -> None:
@@ -229,5 +229,5 @@ def test_motion_that_runs_off_its_table_says_so(tmp_path: Path) -> None:
     model.scene("driven", drivers=["turn"])
     run = load(model, folder=tmp_path).kinematics(np.linspace(0, 1.5, 31))
     assert run.failed
-    assert "turn has no value just after. Look for a table asked beyond its ends" in run.message
+    assert "turn has no value just after. Look for a table evaluated beyond its ends" in run.message
     assert_allclose(run.t[-1], 1.0, atol=1e-6)

@@ -4,7 +4,7 @@ import pytest
 
 from codegen import Model, ModelError
 from codegen.derive.equations import derive
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from codegen.lower.kernels.scene_kernels import lower
 from tests.codegen.test_scenes import sledge
 
@@ -18,7 +18,7 @@ def test_points_come_with_their_paths_and_go_with_their_bodies() -> None:
     assert both.effects == ("spring", "rub", "nose", "hook")
     assert both.without("load").effects == ("spring", "rub", "nose")
     moved = slide.without("spring", "rub").with_(analysis="kinematics", outputs=["path(nose)"])
-    equations = derive(model, sound_scenes(model, moved)[0])
+    equations = derive(model, valid_scenes(model, moved)[0])
     assert [e.name for e in equations.effects] == ["nose"]
     kernels = {k.name for k in lower(equations).program.kernels}
     assert "reactions" in kernels
@@ -30,4 +30,4 @@ def test_point_of_the_ground_is_refused() -> None:
     model.body("body", mass=1.0, inertia=1.0)
     model.track("peg", model.ground.at(1, 0))
     with pytest.raises(ModelError, match="'peg' is a point of the ground; give one of a body"):
-        sound_scenes(model, None)
+        valid_scenes(model, None)

@@ -11,9 +11,9 @@ import numpy as np
 
 from codegen import Model
 from codegen.derive.equations import Equations, derive
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from codegen.emit.module import Origin, module_text
-from codegen.generated_files.fingerprint import fingerprint
+from codegen.generated_files.provenance import fingerprint
 from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 
@@ -46,7 +46,7 @@ class Interpreted:
     """A scene whose kernels are evaluated by the interpreter, with dense answers."""
 
     def __init__(self, model: Model, scene: str | None = None) -> None:
-        chosen = sound_scenes(model, scene)[0]
+        chosen = valid_scenes(model, scene)[0]
         self.equations: Equations = derive(model, chosen)
         self.lowered: Lowered = lower(self.equations)
         self.program = self.lowered.program

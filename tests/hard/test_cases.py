@@ -5,12 +5,12 @@ import pytest
 
 from models.hard.cases import CASES, find
 from models.hard.suite.case import Case
-from models.hard.suite.cell import COMPARED, Verdict, Way, run
+from models.hard.suite.cell import COMPARED, Setting, Verdict, run
 from models.hard.suite.worker import Worker
 from runtime import Outcome, Result, load
 from runtime.integrate.method import METHODS
 
-WAY = Way(COMPARED, "step")
+SETTING = Setting(COMPARED, "step")
 
 
 def simulated(case: Case, rtol: float, method: str = COMPARED) -> Result:
@@ -165,10 +165,10 @@ def test_no_cell_is_wrong(case: Case) -> None:
     rtol = case.tolerances[2 if case.name == "stiff_soft" else -1]
     if case.t_end == 0.0:
         worker = Worker(find, limit=10.0)
-        cell = worker.run(case, WAY, rtol)
+        cell = worker.run(case, SETTING, rtol)
         worker.close()
     else:
-        cell = run(case, WAY, rtol)
+        cell = run(case, SETTING, rtol)
     assert cell.verdict in (Verdict.CORRECT, Verdict.EXPECTED), f"{cell.verdict}: {cell.note}"
     assert cell.residual < 1e-10
     assert not cell.drift > 1e-4
@@ -198,7 +198,7 @@ def test_every_machine_is_one_that_loads_by_its_name() -> None:
 def test_implicit_methods_reach_the_tightest_tolerance(name: str, method: str) -> None:
     """Errors per step there are those of rounding a state, unless what it cuts off is kept."""
     case = find(name)
-    cell = run(case, Way(method, "step"), min(case.tolerances))
+    cell = run(case, Setting(method, "step"), min(case.tolerances))
     assert cell.verdict == Verdict.CORRECT, f"{cell.verdict}: {cell.note}"
     assert cell.rejected < 0.1 * cell.steps
 

@@ -12,17 +12,17 @@ import typer
 from models.hard.__main__ import main, tolerances
 from models.hard.cases import CASES, GROUPS, find
 from models.hard.suite.case import Array, Case, Reference
-from models.hard.suite.cell import COMPARED, WAYS, Cell, Verdict, Way, run, suits
+from models.hard.suite.cell import COMPARED, SETTINGS, Cell, Setting, Verdict, run, suits
 from models.hard.suite.page import markdown
 from models.hard.suite.worker import Worker
 from runtime import Result
 
-WAY = Way(COMPARED, "step")
+SETTING = Setting(COMPARED, "step")
 ONE = find("one_step")
 
 
 def cell_of(case: Case, rtol: float = 1e-6) -> Cell:
-    return run(case, WAY, rtol)
+    return run(case, SETTING, rtol)
 
 
 def test_a_right_run_is_correct() -> None:
@@ -83,11 +83,11 @@ def test_what_cannot_be_told_is_not_called_correct() -> None:
 
 def test_a_refusal_says_why_and_is_fine_where_it_is_expected() -> None:
     case = find("parallel_linkage")
-    cell = run(case, Way("bdf", "step"), 1e-6)
+    cell = run(case, Setting("bdf", "step"), 1e-6)
     assert cell.verdict is Verdict.EXPECTED
     assert (cell.outcome, cell.note, cell.steps) == ("REFUSED", "", 0)
     assert "B3.y follow from others" in cell.message
-    other = run(replace(case, ends=("OK",)), Way("bdf", "step"), 1e-6)
+    other = run(replace(case, ends=("OK",)), Setting("bdf", "step"), 1e-6)
     assert other.verdict is Verdict.STOPPED
     assert other.note == other.message
 
@@ -104,23 +104,23 @@ def endless(name: str) -> Case:
 
 def test_what_hangs_is_given_up_and_the_next_cell_runs() -> None:
     worker = Worker(endless, limit=2.0)
-    hanging = worker.run(replace(ONE, name="endless"), WAY, 1e-6)
+    hanging = worker.run(replace(ONE, name="endless"), SETTING, 1e-6)
     assert hanging.verdict is Verdict.HANGS
     assert "no answer after 2 s" in hanging.note
     worker.limit = 30.0
-    assert worker.run(ONE, WAY, 1e-6).verdict is Verdict.CORRECT
+    assert worker.run(ONE, SETTING, 1e-6).verdict is Verdict.CORRECT
     worker.close()
 
 
 def test_what_cannot_run_is_raised_with_its_reason() -> None:
     worker = Worker(find)
     with pytest.raises(RuntimeError, match="StopIteration"):
-        worker.run(replace(ONE, name="nothing"), WAY, 1e-6)
+        worker.run(replace(ONE, name="nothing"), SETTING, 1e-6)
     worker.close()
 
 
 def test_the_page_has_every_cell_and_its_note() -> None:
-    cells = [cell_of(ONE), Cell.hanging("one_step", WAY, 1e-3, 5.0)]
+    cells = [cell_of(ONE), Cell.hanging("one_step", SETTING, 1e-3, 5.0)]
     text = markdown(GROUPS, cells)
     assert "### one_step" in text
     assert "### andrews" not in text
@@ -144,14 +144,15 @@ def test_a_bound_grows_with_the_tolerance_and_the_time() -> None:
 
 def test_names_are_unique_and_every_way_has_its_place() -> None:
     assert len({case.name for case in CASES}) == len(CASES)
-    assert len(set(WAYS)) == len(WAYS)
+    assert len(set(SETTINGS)) == len(SETTINGS)
     assert tolerances(find("andrews"), quick=True) == (1e-9,)
 
 
 def test_what_is_too_long_to_compile_is_run_by_explicit_methods_alone() -> None:
-    assert [way.method for way in WAYS if suits(find("n_four_bar_40"), way)].count("bdf") == 0
-    assert suits(find("n_four_bar_40"), Way("dopri5", "step"))
-    assert all(suits(find("n_four_bar_5"), way) for way in WAYS)
+    suitable = [setting.method for setting in SETTINGS if suits(find("n_four_bar_40"), setting)]
+    assert "bdf" not in suitable
+    assert suits(find("n_four_bar_40"), Setting("dopri5", "step"))
+    assert all(suits(find("n_four_bar_5"), setting) for setting in SETTINGS)
 
 
 def test_an_unknown_name_is_refused(tmp_path: Path) -> None:

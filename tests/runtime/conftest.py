@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from codegen.generated_files.atomic_write import write_if_changed
+from codegen.generated_files.generated_file import write_if_changed
 from codegen.model_file import file_hash
 from runtime import load
 from runtime.machine import Machine

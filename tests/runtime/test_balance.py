@@ -14,8 +14,8 @@ from runtime.core.outcomes import Outcome
 from runtime.machine import Machine
 from runtime.mechanism.dense_equations import Equations
 from runtime.progress_bar import silent
-from runtime.statics.energy_minimisation import here, minimise
-from runtime.statics.reduced_gradient import Rest
+from runtime.statics.energy_minimisation import evaluate_position, minimise
+from runtime.statics.reduced_gradient import StaticEquations
 from runtime.statics.stability import Stability
 
 METHODS = pytest.mark.parametrize("method", ["energy", "settling"])
@@ -51,11 +51,11 @@ def test_mass_on_a_spring(hung: Machine, method: str, exponent: int) -> None:
 def test_position_beside_rest_does_not_pass(hung: Machine, off: float, exponent: int) -> None:
     k = 10.0**exponent
     equations = Equations(hung.mechanism, hung.parameter_values({"k": k}))
-    rest = Rest(equations, 0.0, equations.scale(0.3))
+    rest = StaticEquations(equations, 0.0, equations.scale(0.3))
     exact, beside = -1.3 * G / k, np.zeros(3)
-    assert here(rest, np.array([0.0, exact, 0.0])).balanced
+    assert evaluate_position(rest, np.array([0.0, exact, 0.0])).balanced
     beside[1] = exact + off * max(abs(exact), 1e-3)
-    assert not here(rest, beside).balanced
+    assert not evaluate_position(rest, beside).balanced
 
 
 def test_soft_direction_beside_a_stiff_one_is_judged_by_its_own_stiffness(workshop: Path) -> None:
@@ -65,8 +65,8 @@ def test_soft_direction_beside_a_stiff_one_is_judged_by_its_own_stiffness(worksh
     model.scene("rest", ["springs"], guess={body.y: 0.5})
     machine = load(model, folder=workshop)
     equations = Equations(machine.mechanism, machine.parameter_values())
-    rest = Rest(equations, 0.0, np.ones(3))
-    assert not here(rest, np.array([0.0, 1e-6, 0.0])).balanced
+    rest = StaticEquations(equations, 0.0, np.ones(3))
+    assert not evaluate_position(rest, np.array([0.0, 1e-6, 0.0])).balanced
     assert minimise(rest, np.array([0.2, 0.5, 0.1]), silent).balanced
     assert abs(machine.equilibrium()["body.y"]) < 1e-12
 

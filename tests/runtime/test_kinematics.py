@@ -156,7 +156,7 @@ def test_start_where_no_motion_leads_out(driven: Machine) -> None:
     reach = 2.0 * np.cos(angle) + 0.95 * np.sin(lean)
     guess = {"crank.phi": angle, "rod.phi": lean - np.pi / 2, "rod.x": reach, "rod.y": 0.95}
     guess |= {"slider.x": reach + 0.95 * np.sin(lean)}
-    with pytest.raises(AnalysisError, match=r"singular position at t = 0.074.*a little beside it"):
+    with pytest.raises(AnalysisError, match=r"singular position at t = 0.074.*a little off it"):
         driven.kinematics([locks, 0.1], t_start=locks, parameters={"l": 1.9}, guess=guess)
 
 

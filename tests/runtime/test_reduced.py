@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from typer.testing import CliRunner
 
 from codegen.errors import AnalysisError, InputError
-from codegen.generated_files.atomic_write import write_if_changed
+from codegen.generated_files.generated_file import write_if_changed
 from runtime import load
 from runtime.cli.app import app
 from runtime.core.outcomes import Outcome
@@ -228,7 +228,7 @@ def test_all_that_is_wrong_is_told_at_once(library: Library) -> None:
 
 def test_friction_that_sticks_is_refused(library: Library) -> None:
     machine = library("hard/guide_friction", "running_down")
-    with pytest.raises(InputError, match="stick by the force of a reaction"):
+    with pytest.raises(InputError, match="stick by a force that follows from a reaction"):
         machine.simulate(0.1, formulation="reduced", progress=False)
 
 

@@ -1,4 +1,4 @@
-"""How the hard cases are asked: what a case is, one cell, all cells, and the page of them.
+"""The hard cases: definition of a case, one cell, all cells, and their page.
 
 `closed` holds the references that follow from a formula; the other references are in `tests/data`.
 No reference comes from one of our integrators.

@@ -57,32 +57,32 @@ class Bouncing:
 
     def story(self, y: float, t_end: float, pace: float) -> Story:
         """From rest at y ≥ h(0) on; `pace` in s is short against every change of the base."""
-        told = Story()
+        story = Story()
         with mp.workdps(_DIGITS):
             t, v = mp.mpf(0), mp.mpf(0)
             height = mp.mpf(y)
             if height <= self.base.place(t):
                 height = self.base.place(t)
-                told.rests.append(t)
+                story.rests.append(t)
                 t = self._release(t, t_end, pace)
-                told.releases.append(t)
+                story.releases.append(t)
                 height, v = self.base.place(t), self.base.velocity(t)
             while t < t_end:
-                told.flights.append((t, height, v))
-                landed = self._landing(told.flights[-1], t_end, pace)
+                story.flights.append((t, height, v))
+                landed = self._landing(story.flights[-1], t_end, pace)
                 if landed >= t_end:
                     break
-                _, v = self.flight(told.flights[-1], landed)
+                _, v = self.flight(story.flights[-1], landed)
                 moving = self.base.velocity(landed)
                 v = moving - self.restitution * (v - moving)
                 over = landed - t < _SHORT or self.restitution == 0
                 t, height = landed, self.base.place(landed)
                 if over and self._held(t) > 0:
-                    told.rests.append(t)
+                    story.rests.append(t)
                     t = self._release(t, t_end, pace)
-                    told.releases.append(t)
+                    story.releases.append(t)
                     height, v = self.base.place(t), self.base.velocity(t)
-        return told
+        return story
 
     def _held(self, t: Number) -> Number:
         """By how much the base's acceleration exceeds the flight's: positive while it carries."""
@@ -111,12 +111,12 @@ class Bouncing:
             t += step
         return mp.mpf(t_end) if t >= t_end else _zero(self._held, t, t + step)
 
-    def place(self, told: Story, times: Array) -> Array:
+    def place(self, story: Story, times: Array) -> Array:
         """y at the instants, m."""
         found = []
         for t in map(float, times):
-            rest = max((at for at in told.rests if at <= t), default=None)
-            flown = max((at for at in told.flights if at[0] <= t), default=None)
+            rest = max((at for at in story.rests if at <= t), default=None)
+            flown = max((at for at in story.flights if at[0] <= t), default=None)
             if flown is None or (rest is not None and rest > flown[0]):
                 found.append(float(self.base.place(mp.mpf(t))))
             else:

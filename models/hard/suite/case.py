@@ -1,4 +1,4 @@
-"""A case: a machine, a question with a known answer, and how far a run may be from it."""
+"""A case: a machine, a question with a known answer, and the error that a run may have."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -19,13 +19,13 @@ ROOT = Path(__file__).resolve().parent.parent.parent.parent
 TOLERANCES = (1e-6, 1e-9, 1e-12)
 
 SHARE = 0.3
-"""What an accepted step errs by on average, in parts of the tolerance.
+"""Average error of an accepted step, in parts of the tolerance.
 
 The controller aims below the tolerance and its estimates are pessimistic.
 """
 
 KEPT = 100.0
-"""A tolerance counts as kept if the error is at most so many times as large."""
+"""Largest error, in tolerances, with which a tolerance counts as kept."""
 
 WORTH = 1.0
 """A number whose bound is larger than this, in m, rad or s, lies beyond the horizon."""
@@ -42,10 +42,10 @@ class Reference:
     times : (k,)
         The instants that the rows belong to, s; ascending.
     growth
-        What an error of one unit of tolerance, made in any one step before, has become in a row;
+        Error at a row that an error of one unit of tolerance in an earlier step has grown to;
         one number, or an array that broadcasts against `values`.
     steps
-        How many steps a method of order 8 takes for it at rtol 1e-9: so many errors add up.
+        Steps of a method of order 8 at rtol 1e-9, whose errors add up.
     trusted
         Error of the reference itself, and of numbers that double precision cannot hold better;
         one number, or an array like `growth`.
@@ -58,7 +58,7 @@ class Reference:
     trusted: float | Array
 
     def bound(self, rtol: float) -> Array:
-        """How far a right run may be from `values`, of their shape.
+        """Largest error of a right run, in the shape of `values`.
 
         An error made in one step grows as every perturbation of the motion does; at worst all of
         them add up. Rounding counts as a tolerance of 2.2e-16.
@@ -70,14 +70,14 @@ class Reference:
 
 @dataclass(frozen=True)
 class Case:
-    """What is asked of a machine.
+    """A question about a machine, with its answer.
 
     Attributes
     ----------
     name
-        By which the command line finds it.
+        On the command line.
     hard, see
-        What makes it hard, and what to look for in its rows: a sentence or two.
+        The difficulty, and what to look for in its rows: a sentence or two.
     model, scene
         The declaration's name, `hard/andrews`, and its scene; with `declare` the family's.
     t_end
@@ -87,9 +87,9 @@ class Case:
     measure
         A run → the numbers, in the shape of the reference's values.
     reference
-        The right answer; asked for once.
+        The right answer; computed once.
     origin
-        Where the reference comes from, how many digits of it hold, and why it grows so.
+        Source of the reference, its correct digits, and the reason for its growth.
     sampled
         Whether the reference's times are the instants of output; otherwise there are 201.
     tolerances

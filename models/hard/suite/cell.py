@@ -1,4 +1,4 @@
-"""One cell: a case run with one method, one correction and one tolerance, and judged."""
+"""One cell: a case run with one method, one correction and one tolerance, and its verdict."""
 
 import time
 from contextlib import suppress
@@ -26,19 +26,19 @@ DRIFTING = ("baumgarte", "hybrid")
 """Corrections that let |Φ| grow to the size of the tolerance, and do not claim more."""
 
 
-class Way(NamedTuple):
-    """How a case is integrated."""
+class Setting(NamedTuple):
+    """Method and correction of a run."""
 
     method: str
     correction: str
 
 
 COMPARED = "dop853"
-"""The method with which the ways back onto the constraints are compared."""
+"""The method with which corrections are compared."""
 
-WAYS = (
-    *(Way(method, CORRECTIONS[0]) for method in METHODS),
-    *(Way(COMPARED, correction) for correction in CORRECTIONS[1:]),
+SETTINGS = (
+    *(Setting(method, CORRECTIONS[0]) for method in METHODS),
+    *(Setting(COMPARED, correction) for correction in CORRECTIONS[1:]),
 )
 """Every method with the usual correction, and one of them with the others."""
 
@@ -48,7 +48,7 @@ REFUSED = "REFUSED"
 
 
 class Verdict(StrEnum):
-    """What is to be thought of a cell."""
+    """The verdict on a cell."""
 
     CORRECT = "correct"
     BEYOND = "beyond the horizon"
@@ -60,26 +60,26 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Cell:
-    """What a run showed.
+    """The record of a run.
 
     Attributes
     ----------
     error, bound
         The largest error and its bound, at the row where their ratio is largest.
     until
-        Last instant that was compared, s; NaN where the bound is too large to tell anything.
+        Last instant that was compared, s; NaN where the bound is too large for a comparison.
     residual
         Largest |Φ|, m or rad.
     drift
         Largest departure from the balance of energy, over the largest kinetic energy; NaN where
         the work is not known.
     cpu
-        Processor time of the integration and its outputs, s; what a first run compiles or loads
-        is not in it.
+        Processor time of the integration and its outputs, s, without the compiling and loading of
+        a first run.
     outcome, message
-        How the run ended; `reached` is when.
+        Of the run; `reached` is its last instant, s.
     note
-        Why the verdict is not the wished-for one.
+        Reason for a verdict other than "correct".
     """
 
     case: str
@@ -103,23 +103,23 @@ class Cell:
     note: str
 
     @classmethod
-    def hanging(cls, case: str, way: Way, rtol: float, seconds: float) -> "Cell":
-        """What is told of a run that was given up after so many seconds."""
-        return cls._without(case, way, rtol, Verdict.HANGS, f"no answer after {seconds:g} s")
+    def hanging(cls, case: str, setting: Setting, rtol: float, seconds: float) -> "Cell":
+        """The record of a run that was ended after so many seconds."""
+        return cls._without(case, setting, rtol, Verdict.HANGS, f"no answer after {seconds:g} s")
 
     @classmethod
-    def refusing(cls, case: Case, way: Way, rtol: float, why: str) -> "Cell":
-        """What is told of a run that was refused, by an error that says why."""
+    def refusing(cls, case: Case, setting: Setting, rtol: float, why: str) -> "Cell":
+        """The record of a run that an error refused, with its reason."""
         expected = REFUSED in case.ends
         verdict = Verdict.EXPECTED if expected else Verdict.STOPPED
         note = "" if expected else why
-        return cls._without(case.name, way, rtol, verdict, note, REFUSED, why)
+        return cls._without(case.name, setting, rtol, verdict, note, REFUSED, why)
 
     @classmethod
     def _without(
         cls,
         case: str,
-        way: Way,
+        setting: Setting,
         rtol: float,
         verdict: Verdict,
         note: str,
@@ -131,8 +131,8 @@ class Cell:
         counts = dict.fromkeys(("steps", "rejected", "repartitions", "events"), 0)
         return cls(
             case=case,
-            method=way.method,
-            correction=way.correction,
+            method=setting.method,
+            correction=setting.correction,
             rtol=rtol,
             verdict=verdict,
             **nothing,
@@ -152,14 +152,14 @@ class Cell:
         }
 
 
-def suits(case: Case, way: Way) -> bool:
-    """Whether a case is run that way: code that is too long is not compiled with derivatives."""
-    return not (case.long and way.method in IMPLICIT)
+def suits(case: Case, setting: Setting) -> bool:
+    """Whether a case is run in a setting: very long code is not compiled with derivatives."""
+    return not (case.long and setting.method in IMPLICIT)
 
 
-def run(case: Case, way: Way, rtol: float) -> Cell:
-    """Run a case once, from an assembled start, and judge it."""
-    ready(case, way)
+def run(case: Case, setting: Setting, rtol: float) -> Cell:
+    """Run a case once, from an assembled start, and evaluate it."""
+    prepare(case, setting)
     loaded = case.machine()
     start = loaded.assemble(guess=dict(case.guess), parameters=dict(case.parameters))
     began = time.process_time()
@@ -167,8 +167,8 @@ def run(case: Case, way: Way, rtol: float) -> Cell:
         result = loaded.simulate(
             case.t_end,
             case.instants(),
-            method=way.method,
-            correction=way.correction,
+            method=setting.method,
+            correction=setting.correction,
             rtol=rtol,
             parameters=dict(case.parameters),
             start=start,
@@ -176,30 +176,34 @@ def run(case: Case, way: Way, rtol: float) -> Cell:
             **case.options,
         )
     except AnalysisError as error:
-        return Cell.refusing(case, way, rtol, str(error))
-    return judge(case, way, rtol, result, time.process_time() - began)
+        return Cell.refusing(case, setting, rtol, str(error))
+    return evaluate(case, setting, rtol, result, time.process_time() - began)
 
 
-def ready(case: Case, way: Way) -> None:
+def prepare(case: Case, setting: Setting) -> None:
     """Build, load and compile whatever a first run of the case does, and ask for its reference."""
     case.reference()
-    _first_run(case.machine(), way)
+    _first_run(case.machine(), setting)
 
 
 @cache
-def _first_run(loaded: "Machine", way: Way) -> None:
-    with suppress(AnalysisError):  # the run itself tells
+def _first_run(loaded: "Machine", setting: Setting) -> None:
+    with suppress(AnalysisError):  # the run itself reports it
         loaded.simulate(
-            1e-9, method=way.method, correction=way.correction, progress=False, max_steps=_ENOUGH
+            1e-9,
+            method=setting.method,
+            correction=setting.correction,
+            progress=False,
+            max_steps=_ENOUGH,
         )
 
 
-def judge(case: Case, way: Way, rtol: float, result: Result, cpu: float) -> Cell:
+def evaluate(case: Case, setting: Setting, rtol: float, result: Result, cpu: float) -> Cell:
     """Compare a run with the reference, its constraints and its energy."""
     error, bound, until, note = _compared(case, rtol, result)
     residual = float(result.samples.residual[:, 0].max(initial=0.0))
     outcome = result.outcome
-    largest = RESIDUAL + (KEPT * rtol if way.correction in DRIFTING else 0.0)
+    largest = RESIDUAL + (KEPT * rtol if setting.correction in DRIFTING else 0.0)
     if note == "" and not residual <= largest:
         note = f"|Φ| reaches {residual:.1e}, more than {largest:.0e}"
     if note != "":
@@ -212,8 +216,8 @@ def judge(case: Case, way: Way, rtol: float, result: Result, cpu: float) -> Cell
         verdict = Verdict.CORRECT if np.isfinite(until) else Verdict.BEYOND
     return Cell(
         case=case.name,
-        method=way.method,
-        correction=way.correction,
+        method=setting.method,
+        correction=setting.correction,
         rtol=rtol,
         verdict=verdict,
         error=error,
@@ -234,22 +238,22 @@ def judge(case: Case, way: Way, rtol: float, result: Result, cpu: float) -> Cell
 
 
 def _compared(case: Case, rtol: float, result: Result) -> tuple[float, float, float, str]:
-    """Error, bound, last instant compared, and what is wrong, if anything."""
+    """Error, bound, last instant compared, and the failure, if any."""
     reference = case.reference()
     measured = case.measure(result)
-    wanted, times = reference.values, reference.times
+    expected, times = reference.values, reference.times
     ended = result.outcome.name in case.ends
-    if ended and len(measured) != len(wanted):
+    if ended and len(measured) != len(expected):
         return (
             np.inf,
             np.nan,
             np.nan,
-            f"{len(measured)} numbers where there should be {len(wanted)}",
+            f"{len(measured)} numbers where there should be {len(expected)}",
         )
     # A run that stopped has as many rows as it has reached instants of the reference.
-    rows = min(len(measured), int(np.sum(times <= result.t[-1])) if not ended else len(wanted))
+    rows = min(len(measured), int(np.sum(times <= result.t[-1])) if not ended else len(expected))
     bounds = reference.bound(rtol)[:rows]
-    errors = np.abs(measured[:rows] - wanted[:rows])
+    errors = np.abs(measured[:rows] - expected[:rows])
     if not np.isfinite(errors).all():
         return np.inf, np.nan, np.nan, "a number is not finite"
     near = bounds <= WORTH

@@ -1,4 +1,4 @@
-"""Edges of what can be asked: no time at all, one step, many outputs, any tolerance."""
+"""Extreme arguments: no time at all, one step, many outputs, any tolerance."""
 
 from functools import cache
 from math import pi

@@ -71,7 +71,7 @@ def _five(kind: str) -> Reference:
 
 
 def _five_bar(kind: str) -> Case:
-    told = {
+    difficulty = {
         "even": "Two parallelograms side by side, both singular at once.",
         "longer": (
             "The same with the last crank 1 mm too long: one loop passes its level position while "
@@ -84,7 +84,7 @@ def _five_bar(kind: str) -> Case:
     }
     return Case(
         name=f"five_bar_{kind}",
-        hard=told[kind],
+        hard=difficulty[kind],
         see="The run crosses positions that it meets, and follows the bends of near misses.",
         model="hard/five_bar",
         scene="fall",

@@ -52,8 +52,8 @@ def _shaken() -> Reference:
             lambda t: -size * rate**2 * mp.sin(rate * t),
         )
         ball = Bouncing(-mp.mpf(9.81), mp.mpf(0), mp.mpf(0), table)
-        told = ball.story(0.15, SHAKEN[-1], 1e-3)
-        values = ball.place(told, SHAKEN)[:, None]
+        flight = ball.story(0.15, SHAKEN[-1], 1e-3)
+        values = ball.place(flight, SHAKEN)[:, None]
     return Reference(values, SHAKEN, 3.0, 100, 1e-13)
 
 
@@ -75,8 +75,8 @@ def _followed() -> Reference:
         seat = mp.mpf(0.0125) - mp.mpf(0.0025) + mp.mpf(0.15) + mp.mpf(0.04)
         constant = k * (mp.mpf(0.06) - seat + mp.mpf(0.075))
         rod = Bouncing(-mp.mpf(9.81) - constant / mass, k / mass, mp.mpf(0.4), cam)
-        told = rod.story(float(level - e) - 1e-9, THROWN[-1], 2e-5)
-        values = rod.place(told, THROWN)[:, None]
+        flight = rod.story(float(level - e) - 1e-9, THROWN[-1], 2e-5)
+        values = rod.place(flight, THROWN)[:, None]
     return Reference(values, THROWN, 10.0, 300, 1e-12)
 
 

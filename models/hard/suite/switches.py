@@ -33,8 +33,8 @@ def _stall() -> Reference:
 
 def _stalled(run: Result) -> Array:
     """When the motion came to lie on a boundary, and where the crank is at the end."""
-    held = [event.time for event in run.events if event.direction == 0]
-    return np.array([held[0] if held else np.nan, run.q("crank.phi")[-1]])
+    sliding = [event.time for event in run.events if event.direction == 0]
+    return np.array([sliding[0] if sliding else np.nan, run.q("crank.phi")[-1]])
 
 
 def _work_until_stall(run: Result) -> Array:

@@ -1,11 +1,11 @@
-"""Cells in a process of their own, so that one that hangs can be given up and told."""
+"""Cells in a process of their own, so that a run that hangs can be ended and reported."""
 
 import multiprocessing
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 
 from models.hard.suite.case import Case
-from models.hard.suite.cell import Cell, Way, ready, run
+from models.hard.suite.cell import Cell, Setting, prepare, run
 
 LIMIT = 60.0
 """Seconds of wall time that a cell may take."""
@@ -17,12 +17,13 @@ Find = Callable[[str], Case]
 
 
 def serve(find: Find, pipe: Connection) -> None:
-    """Answer (case, way, rtol) with a cell, and (case, way, None) once the case is ready."""
+    """Answer (case, setting, rtol) with a cell, (case, setting, None) when the case is ready."""
     while (request := pipe.recv()) is not None:
-        name, way, rtol = request
+        name, fields, rtol = request
         try:
             case = find(name)
-            pipe.send(ready(case, Way(*way)) if rtol is None else run(case, Way(*way), rtol))
+            setting = Setting(*fields)
+            pipe.send(prepare(case, setting) if rtol is None else run(case, setting, rtol))
         except Exception as error:
             pipe.send(f"{type(error).__name__}: {error}")
 
@@ -48,7 +49,7 @@ class Worker:
         self.process = context.Process(target=serve, args=(self.find, theirs), daemon=True)
         self.process.start()
 
-    def run(self, case: Case, way: Way, rtol: float) -> Cell:
+    def run(self, case: Case, setting: Setting, rtol: float) -> Cell:
         """One cell.
 
         Raises
@@ -57,11 +58,11 @@ class Worker:
             Where the cell could not be run at all: its machine does not build, or the reference
             is not there.
         """
-        if not self._answers(case, way, None, START):
-            raise RuntimeError(f"{case.name}, {way.method}: not ready after {START:g} s")
+        if not self._answers(case, setting, None, START):
+            raise RuntimeError(f"{case.name}, {setting.method}: not ready after {START:g} s")
         self._received(case)
-        if not self._answers(case, way, rtol, self.limit):
-            return Cell.hanging(case.name, way, rtol, self.limit)
+        if not self._answers(case, setting, rtol, self.limit):
+            return Cell.hanging(case.name, setting, rtol, self.limit)
         cell = self._received(case)
         assert isinstance(cell, Cell)
         return cell
@@ -73,9 +74,9 @@ class Worker:
             raise RuntimeError(f"{case.name}: {answer}")
         return answer
 
-    def _answers(self, case: Case, way: Way, rtol: float | None, patience: float) -> bool:
+    def _answers(self, case: Case, setting: Setting, rtol: float | None, patience: float) -> bool:
         """Ask, and wait for an answer; without one the process is ended and another begun."""
-        self.pipe.send((case.name, tuple(way), rtol))
+        self.pipe.send((case.name, tuple(setting), rtol))
         if self.pipe.poll(patience):
             return True
         self.process.kill()

@@ -49,14 +49,12 @@ def permits_growth(rtol: float, length: int, edge: float) -> bool:
 
 
 @inner
-def observe(context: Integers, rtol: float, edge: float, last: int) -> int:
+def observe(context: Integers, last: int) -> int:
     """Take in the last stage and the result of a step, two states at one instant.
 
     `last` is the row of the result's derivative; that of the last stage's is the one before.
     """
     n = context[COORDINATES]
-    if not permits_growth(rtol, 2 * n, edge):
-        return 0
     memory, sizes = memory_of(context), row_of(context, SIZE)
     y, z = row_of(context, Y1), row_of(context, STAGE)
     after, before = row_of(context, last), row_of(context, last - 1)

@@ -1,4 +1,4 @@
-"""What a method without memory does after a step and at a new start: nothing."""
+"""Hooks of a method without memory: nothing is done after a step, or at a new start."""
 
 from runtime.core.function_table import HOOK
 from runtime.core.jit import compiled

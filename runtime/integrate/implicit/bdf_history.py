@@ -15,7 +15,7 @@ from runtime.core.jit import addressed, inner
 from runtime.core.run_record import run_record
 from runtime.core.signatures import Integers
 from runtime.core.workspace import Y0, Y1, F, K, row_of
-from runtime.integrate.explicit.newton_form import nesting
+from runtime.integrate.explicit.newton_form import newton_form_matrix
 from runtime.integrate.implicit.method_memory import (
     CHANGE,
     EQUAL,
@@ -54,7 +54,7 @@ def _basis() -> list[list[Fraction]]:
     return found
 
 
-_NESTING = nesting(_basis())
+_NESTING = newton_form_matrix(_basis())
 
 
 @inner

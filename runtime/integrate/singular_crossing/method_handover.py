@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from runtime.integrate.method import EXPLICIT
 from runtime.integrate.method_change import adopt
 from runtime.integrate.singular_crossing.crossing_step import Leaps
 from runtime.integrate.step_control import first_step
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from runtime.integrate.run import _Run
 
 _LEADING = "dop853"  # across, for methods that do not reach
-_ITERATING = ("bdf", "radau5")
 _POOR = 10.0  # measured: error over tolerance from which on another method leads across
 _LEARNING = 0.2  # measured: of the way there; the first step of the method that takes over
 
@@ -38,7 +38,7 @@ class Lending:
         name = run.methods[-1][1]
         if name in {_LEADING, "auto"} or r["lent"]:
             return False
-        if name not in _ITERATING and self.leaps.best(found, usual).total < _POOR:
+        if name in EXPLICIT and self.leaps.best(found, usual).total < _POOR:
             return False
         self.kept = float(r["h"])
         r["lent"], r["automatic"] = 1, 0

@@ -1,4 +1,4 @@
-"""Simulations that are asked for a global error in place of tolerances."""
+"""Accuracy target: simulations with a prescribed global error in place of tolerances."""
 
 from runtime.results.reached_accuracy import Estimate, ReachedAccuracy, Trial
 from runtime.studies.accuracy_target.accuracy_or_tolerances import accuracy_or_tolerances

@@ -1,4 +1,4 @@
-"""Whether a simulation is asked for an accuracy or for tolerances: one of the two."""
+"""Whether a simulation has an accuracy target or tolerances: one of the two."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -9,8 +9,8 @@ from runtime.integrate.problem import Formulation
 from runtime.mechanism.mechanism import Mechanism
 from runtime.results.result import Result
 
-FINEST, COARSEST = 1e-12, 0.1
-"""Accuracies that can be asked for."""
+FINEST = 1e-12  # accuracy: tightest target; rounding shows below it
+COARSEST = 0.1  # accuracy: loosest target
 
 
 def accuracy_or_tolerances(
@@ -22,22 +22,22 @@ def accuracy_or_tolerances(
     method: str | None,
     formulation: Formulation | None,
 ) -> Callable[..., Result]:
-    """The simulation that is meant, still to be told of its times and options.
+    """The simulation with these settings, to be called with times and options.
 
     Raises
     ------
     InputError
-        If both are asked for, or an accuracy that is none.
+        If both an accuracy and a tolerance are given, or the accuracy is out of range.
     """
     if accuracy is None and quantities is None:
         from runtime.dynamics.simulation import simulate
 
-        chosen = {"rtol": rtol, "atol": atol, "method": method, "formulation": formulation}
-        fixed: dict[str, Any] = {name: x for name, x in chosen.items() if x is not None}
-        return partial(simulate, mechanism, **fixed)
+        given = {"rtol": rtol, "atol": atol, "method": method, "formulation": formulation}
+        settings: dict[str, Any] = {name: x for name, x in given.items() if x is not None}
+        return partial(simulate, mechanism, **settings)
     problems = []
     if accuracy is None:
-        problems.append("quantities say whose error is meant; give the error too, accuracy=1e-6.")
+        problems.append("quantities without accuracy: give the error too, accuracy=1e-6.")
     elif not FINEST <= accuracy <= COARSEST:
         problems.append(
             f"accuracy = {accuracy:g} must lie between {FINEST:g}, below which rounding shows, and "

@@ -1,8 +1,8 @@
-"""Which method and coordinates a simulation takes that is asked for an accuracy.
+"""The method and coordinates of a simulation with an accuracy target.
 
-Reduced coordinates are two to four times as fast, and the derivatives of implicit methods come with
-them; both stand in modules of their own, whose first build takes seconds. So they are taken where
-they are built, and else done without.
+Reduced coordinates are two to four times as fast, and contain the derivatives that implicit methods
+take; both are companion modules, whose first build takes seconds. They are taken only if they are
+built already.
 """
 
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from codegen.errors import InputError
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import Coordinates
-from runtime.dynamics.prepared_simulation import Prepared
+from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.mechanism import Mechanism
@@ -25,9 +25,9 @@ class Choice:
     taken
         The coordinates.
     free
-        Which of the two the program may change: "method", "formulation".
+        Those of the two that the user left open: "method", "formulation".
     reasons
-        Why they are what they are, in clauses.
+        For the choice, in clauses.
     """
 
     method: str
@@ -38,18 +38,21 @@ class Choice:
 
 
 def choose(
-    ready: Prepared, method: str | None, formulation: Formulation | None, correction: Correction
+    ready: PreparedSimulation,
+    method: str | None,
+    formulation: Formulation | None,
+    correction: Correction,
 ) -> Choice:
     """Method and coordinates of the first run.
 
     Parameters
     ----------
     method, formulation
-        Those that the user fixed; None: the program may choose.
+        Fixed by the user; None: chosen here.
     """
     mechanism = ready.mechanism
-    free = {"method": method is None, "formulation": formulation is None}
-    may = frozenset(name for name, is_free in free.items() if is_free)
+    given = {"method": method, "formulation": formulation}
+    free = frozenset(name for name, value in given.items() if value is None)
     if formulation is None and mechanism.has_companion("reduced"):
         chosen = method or "auto"
         try:
@@ -57,23 +60,26 @@ def choose(
         except InputError as error:
             why = f"reduced coordinates are refused ({error.problems[0]})"
         else:
-            return Choice(chosen, "reduced", taken, may, ())
+            return Choice(chosen, "reduced", taken, free, ())
     elif formulation is None:
         why = "reduced coordinates are not built (python -m codegen build --reduced)"
     else:
         why = ""
     chosen = method or _method(mechanism, formulation or "cartesian", ready)
     taken = ready.coordinates(formulation or "cartesian", chosen, correction)
-    return Choice(chosen, formulation or "cartesian", taken, may, (why,) if why else ())
+    return Choice(chosen, formulation or "cartesian", taken, free, (why,) if why else ())
 
 
-def after(choice: Choice, ready: Prepared, run: Trajectory, correction: Correction) -> Choice:
-    """What the next run takes, once a run has shown what the motion is like."""
+def revise(
+    choice: Choice, ready: PreparedSimulation, run: Trajectory, correction: Correction
+) -> Choice:
+    """The choice for the next run, given the first."""
     if choice.formulation == "reduced" and run.outcome is not Outcome.OK:
         if "formulation" not in choice.free:
             return choice
-        free = "method" in choice.free
-        method = _method(ready.mechanism, "cartesian", ready) if free else choice.method
+        method = choice.method
+        if "method" in choice.free:
+            method = _method(ready.mechanism, "cartesian", ready)
         taken = ready.coordinates("cartesian", method, correction)
         why = f"in reduced coordinates the run ends at t = {run.final_t:.6g} s ({run.outcome.name})"
         return replace(choice, method=method, formulation="cartesian", taken=taken, reasons=(why,))
@@ -82,8 +88,8 @@ def after(choice: Choice, ready: Prepared, run: Trajectory, correction: Correcti
     return choice
 
 
-def _method(mechanism: Mechanism, formulation: Formulation, ready: Prepared) -> str:
-    """The one that finds stiffness, where it has its derivatives; else the explicit one."""
+def _method(mechanism: Mechanism, formulation: Formulation, ready: PreparedSimulation) -> str:
+    """The method that detects stiffness, where its derivatives exist; else the explicit one."""
     if formulation == "reduced":
         return "auto"
     return "auto" if mechanism.has_companion("tangents") and not ready.begin.redundant else "dop853"

@@ -1,4 +1,4 @@
-"""Two runs beside each other: by how much they differ, when, and how that grows."""
+"""The difference of two runs: how large it is, when, and how it grows."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from runtime.studies.error_norms import kindred
+from runtime.studies.series import group_magnitude, series_values
 
 if TYPE_CHECKING:
     from runtime.mechanism.description import Description
@@ -16,87 +16,87 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 
-PARTED = 0.1
-"""Difference of runs that have nothing in common any more."""
+DIVERGED = 0.1  # accuracy: scaled difference of runs that have nothing in common any more
 
-_LEAST = 1e-13  # difference below which there is nothing but rounding
-_MOST = 1e-2  # difference from which on it no longer grows as a small one does
-_EACH, _ALL = 3.0, 30.0  # by which a quarter of a motion differs more, and two of them
-_ENOUGH = 16  # instants
+_LEAST = 1e-13  # accuracy: difference below which there is nothing but rounding
+_MOST = 1e-2  # accuracy: difference from which on it no longer grows as a small one does
+_EACH, _ALL = 3.0, 30.0  # measured: growth over a quarter of an exponential divergence, over two
+_ENOUGH = 16  # safety: instants from which growth is estimated
 
 
 @dataclass(frozen=True)
-class Columns:
-    """Series of a run, side by side.
+class Quantities:
+    """Series of a run whose errors count.
 
     Attributes
     ----------
     names
         Of the series.
     scales : (c,)
-        Their typical sizes; NaN: the largest value of the run, of a part that of the whole.
-    places : (c,)
-        Columns of [q, v] in which they stand; -1: a series of a result, such as a reaction.
+        Their typical sizes; NaN: the largest value in the run of it, or of its whole.
+    state_columns : (c,)
+        Their columns in [q, v]; -1: a series of a result, such as a reaction.
     """
 
     names: tuple[str, ...]
     scales: FloatArray
-    places: npt.NDArray[np.int64]
+    state_columns: npt.NDArray[np.int64]
 
     @property
-    def of_state(self) -> bool:
+    def are_states(self) -> bool:
         """Whether all are coordinates and velocities."""
-        return bool(np.all(self.places >= 0))
+        return bool(np.all(self.state_columns >= 0))
 
     def of_run(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """The values, (k, c), where all are coordinates and velocities."""
-        values: FloatArray = np.hstack([q, v])[:, self.places]
+        values: FloatArray = np.hstack([q, v])[:, self.state_columns]
         return values
 
     def of_result(self, result: "Result") -> FloatArray:
         """The values, (k, c)."""
-        columns = [result.series(name)[0] for name in self.names]
-        return np.stack(columns, axis=1) if columns else np.zeros((len(result.t), 0))
+        return series_values(result, self.names)
 
     def wholes(self, result: "Result") -> FloatArray:
-        """Largest magnitudes of what the series are parts of, (c,); 0 of those with a size."""
+        """Magnitudes of the wholes that the series are parts of, (c,); 0 of those with a size."""
         found = [
-            kindred(result, name) if np.isnan(scale) else 0.0
+            group_magnitude(result, name) if np.isnan(scale) else 0.0
             for name, scale in zip(self.names, self.scales.tolist(), strict=True)
         ]
         return np.array(found)
 
 
-def columns(told: "Description", names: Sequence[str] | None, sizes: FloatArray) -> Columns:
-    """The quantities that are asked for: all coordinates and velocities without `names`.
+def quantities_of(
+    description: "Description", names: Sequence[str] | None, sizes: FloatArray
+) -> Quantities:
+    """The quantities of these names: all coordinates and velocities without `names`.
 
     Parameters
     ----------
     sizes : (n,)
-        Typical sizes of the coordinates, and of their velocities a second.
+        Typical sizes of the coordinates, and of their velocities per second.
 
     Raises
     ------
     InputError
-        If no name is given; names that no result has are refused by the result.
+        If the names are empty or a text; the result refuses names that it does not have.
     """
     if names is not None and (isinstance(names, str) or not len(names)):
         raise InputError(
-            f"{told.title}: quantities is {names!r}; it must be names of series, such as "
-            f'("{told.coordinates.names[0]}",).'
+            f"{description.title}: quantities is {names!r}; it must be names of series, such as "
+            f'("{description.coordinates.names[0]}",).'
         )
-    n = len(told.coordinates)
-    place = {row.name: k for k, row in enumerate(told.coordinates)}
-    place |= {row.velocity: n + k for k, row in enumerate(told.coordinates)}
-    chosen = tuple(place) if names is None else tuple(dict.fromkeys(names))
-    places = np.array([place.get(name, -1) for name in chosen], dtype=np.int64)
+    n = len(description.coordinates)
+    column = {row.name: k for k, row in enumerate(description.coordinates)}
+    column |= {row.velocity: n + k for k, row in enumerate(description.coordinates)}
+    chosen = tuple(column) if names is None else tuple(dict.fromkeys(names))
+    state_columns = np.array([column.get(name, -1) for name in chosen], dtype=np.int64)
     both = np.concatenate([sizes, sizes, [np.nan]])
-    return Columns(chosen, both[places], places)
+    return Quantities(chosen, both[state_columns], state_columns)
 
 
 @dataclass(frozen=True)
 class Difference:
-    """By how much two runs differ.
+    """The difference of two runs.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ class Difference:
         return found
 
     def within(self, limit: float) -> int:
-        """How many instants lie before the first with a difference above `limit`."""
+        """Number of instants before the first with a difference above `limit`."""
         return int(np.searchsorted(self.over_time, limit, side="right"))
 
 
@@ -132,7 +132,7 @@ def difference(
     t: FloatArray,
     first: FloatArray,
     second: FloatArray,
-    of: Columns,
+    quantities: Quantities,
     wholes: FloatArray | None = None,
 ) -> Difference:
     """Compare two runs at their common instants.
@@ -144,14 +144,14 @@ def difference(
     first, second : (≥ k, c)
         Their values.
     wholes : (c,)
-        What series without a size of their own are parts of: see `Columns.wholes`.
+        Magnitudes of the wholes that series are parts of: see `Quantities.wholes`.
     """
     count = len(t)
     old, new = first[:count], second[:count]
-    # Reactions are no numbers at a singular position, and have a size for all that.
+    # Reactions are not numbers in a singular configuration, and have a size all the same.
     largest = np.abs(np.where(np.isnan(new), 0.0, new)).max(axis=0, initial=0.0)
     largest = largest if wholes is None else np.maximum(largest, wholes)
-    scales = np.where(np.isnan(of.scales), largest, of.scales)
+    scales = np.where(np.isnan(quantities.scales), largest, quantities.scales)
     gap, base = np.abs(old - new), scales + np.abs(new)
     # A series that is zero all the time in both runs has no size, and no error.
     scaled = np.divide(gap, base, out=np.zeros_like(gap), where=gap > 0.0)
@@ -159,30 +159,30 @@ def difference(
     return Difference(t, np.where(np.isnan(scaled), 0.0, scaled), scales)
 
 
-def resolved(found: Difference, values: FloatArray, asked: float) -> bool:
-    """Whether no difference that counts is of the size of the motion itself.
+def is_resolved(found: Difference, values: FloatArray, target: float) -> bool:
+    """Whether no difference that counts is as large as the motion itself.
 
     Parameters
     ----------
     values : (k, c)
         Those of the second run.
-    asked
+    target
         Differences below this do not count.
     """
     if not len(values):
         return True
     spans = np.ptp(np.nan_to_num(values), axis=0)
     gaps = found.scaled.max(axis=0)
-    return not bool(np.any((gaps > asked) & (gaps * found.scales > PARTED * spans)))
+    return not bool(np.any((gaps > target) & (gaps * found.scales > DIVERGED * spans)))
 
 
-def tenfold(found: Difference) -> float | None:
+def tenfold_time(found: Difference) -> float | None:
     """Time in which a small difference grows tenfold, s; None unless it grows exponentially.
 
-    The difference is looked at while it is neither rounding nor as large as the motion. Of the last
-    three quarters of that time, each must have more of it than the one before by a factor, and all
-    together by a larger one. A power t^p, p ≤ 3, has at most 2.7 times as much in the fourth as in
-    the third; and what an event leaves behind does not go on growing.
+    The difference is examined while it is neither rounding nor as large as the motion. From one to
+    the next of the last three quarters of that time its median must grow by a factor, and by a
+    larger one from the second quarter to the fourth. A power t^p, p ≤ 3, grows at most by 2.7 from
+    the third quarter to the fourth; a difference that an event leaves does not go on growing.
     """
     over = found.scaled.max(axis=1, initial=0.0)
     small = int(np.searchsorted(found.over_time, _MOST, side="right"))

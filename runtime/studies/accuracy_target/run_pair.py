@@ -1,4 +1,4 @@
-"""Two runs with tolerances far apart, and what their difference says of the tighter one."""
+"""Two runs with tolerances far apart, and the error of one that their difference shows."""
 
 from dataclasses import dataclass
 
@@ -8,19 +8,28 @@ import numpy.typing as npt
 from runtime.core.outcomes import Outcome
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory
-from runtime.studies.accuracy_target.run_difference import PARTED, Difference
+from runtime.studies.accuracy_target.run_difference import DIVERGED, Difference
 
 FloatArray = npt.NDArray[np.float64]
 
-SURE = 0.75
-"""Power of rtol with which errors are counted upon to fall."""
-_GRAIN = 2e-13  # rtol from which on rounding keeps errors from falling any further
-_ROUGH = 0.1  # least share of a difference that is counted upon where the motion parts later
+SAFE_POWER = 0.75  # measured: power of rtol with which errors fall at least
+_ROUNDING = 2e-13  # accuracy: rtol from which on rounding keeps errors from falling
+_LEAST_SHARE = 0.1  # safety: least share of a difference where the motions diverge later
 
 
 @dataclass(frozen=True)
 class Run:
-    """A run: which one, its options, values, what these are parts of, its processor time in s."""
+    """A run: its number, options, trajectory and values.
+
+    Attributes
+    ----------
+    values : (k, c)
+        Of the quantities.
+    wholes : (c,)
+        Magnitudes of the wholes that they are parts of.
+    seconds
+        Processor time.
+    """
 
     number: int
     options: Options
@@ -37,32 +46,45 @@ class Run:
 
 @dataclass(frozen=True)
 class Compared:
-    """Two runs, the second with the tighter tolerance, and by how much they differ.
+    """Two runs, the second with the tighter tolerance, and their difference.
 
-    A vibration that the loose one does not resolve at all makes a difference of its own size, which
-    tells nothing of the tight one.
+    A vibration that the loose run does not resolve at all makes a difference of its own size, which
+    shows nothing about the tight run.
     """
 
     loose: Run
     tight: Run
-    found: Difference
+    difference: Difference
     resolved: bool
 
     @property
-    def unable(self) -> bool:
-        """Whether the tighter one ends before, by something else than its end."""
-        return self.tight.path.outcome is not Outcome.OK and len(self.tight.t) < len(self.loose.t)
+    def tight_fails(self) -> bool:
+        """Whether the tighter run fails before the end of the looser one."""
+        failed = self.tight.path.outcome is not Outcome.OK
+        return failed and len(self.tight.t) < len(self.loose.t)
 
     @property
-    def known(self) -> bool:
-        """Whether all of the tighter one was compared, with one that has all of its motions."""
-        return self.resolved and not self.unable and len(self.loose.t) >= len(self.tight.t)
+    def conclusive(self) -> bool:
+        """Whether all of the tighter run was compared with a run that resolves all motions."""
+        whole = len(self.loose.t) >= len(self.tight.t)
+        return self.resolved and not self.tight_fails and whole
 
     @property
     def share(self) -> float:
-        """How much of the difference the error of the tighter one is taken to be."""
-        if not self.known or self.found.largest <= _GRAIN:  # rounding, in both runs alike
+        """Share of the difference that the error of the tighter run is estimated to be."""
+        largest = self.difference.largest
+        if not self.conclusive or largest <= _ROUNDING:  # rounding, in both runs alike
             return 1.0
-        loose, tight = (max(run.options.rtol, _GRAIN) for run in (self.loose, self.tight))
-        share: float = (tight / loose) ** SURE
-        return max(share, _ROUGH) if self.found.largest >= PARTED else share
+        loose, tight = (max(run.options.rtol, _ROUNDING) for run in (self.loose, self.tight))
+        share: float = (tight / loose) ** SAFE_POWER
+        return max(share, _LEAST_SHARE) if largest >= DIVERGED else share
+
+    @property
+    def delivered(self) -> Run:
+        """The run that is the result."""
+        return self.loose if self.tight_fails else self.tight
+
+    @property
+    def other(self) -> Run:
+        """The run that it was compared with."""
+        return self.tight if self.tight_fails else self.loose

@@ -1,4 +1,4 @@
-"""Which effects a question calls for: a scene judged by leaving each of them out in turn."""
+"""Effect ranking: the influence of each effect of a scene on a quantity, and its cost."""
 
 from runtime.studies.effect_ranking.rank_effects import matters
 from runtime.studies.effect_ranking.ranking import Costs, Matters, Proposal, Row, Verdict

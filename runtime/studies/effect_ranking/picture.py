@@ -1,10 +1,11 @@
-"""Which effects matter, as a picture: what each changes, beside what it costs."""
+"""The effect ranking as a picture: the change that each effect makes, and its cost."""
 
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
+from runtime.show.plot import check_parent, new_figure
 from runtime.studies.effect_ranking.ranking import Matters, Row, Verdict
 
 if TYPE_CHECKING:
@@ -22,20 +23,19 @@ COLOURS = {
 
 
 def check_picture(path: Path) -> None:
-    """Refuse a file that could not be drawn, before anything is run for it.
+    """Refuse a file that could not be written, before anything runs.
 
     Raises
     ------
     InputError
-        For an ending that is no picture's, or a folder that does not exist.
+        For an ending that is not a picture's, or a folder that does not exist.
     """
     if path.suffix not in ENDINGS:
         raise InputError(f"--out {path}: a picture ends in {', '.join(ENDINGS)}.")
-    if not path.resolve().parent.is_dir():
-        raise InputError(f"--out {path}: the folder {path.resolve().parent} does not exist.")
+    check_parent(path)
 
 
-def save(told: Matters, path: Path) -> Path:
+def save(ranking: Matters, path: Path) -> Path:
     """Draw to a file; returns the path.
 
     Raises
@@ -45,69 +45,58 @@ def save(told: Matters, path: Path) -> Path:
     """
     check_picture(path)
     try:
-        figure(told).savefig(path)
+        figure(ranking).savefig(path)
     except OSError as error:
         raise InputError(f"--out {path}: {error.strerror or error}.") from error
     return path
 
 
-def figure(told: Matters) -> "Figure":
+def figure(ranking: Matters) -> "Figure":
     """Changes of the quantity on a logarithmic scale, and shares of the run's time, as bars.
 
-    A pale bar ends where the change could still be hidden by what the run is not known to.
+    A pale bar is the uncertainty, where the change is smaller.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise InputError(
-            "A picture needs matplotlib, which is not installed. Install linkwright[plot]."
-        ) from error
-    made = Figure(figsize=(9.0, 1.6 + 0.36 * len(told.rows)), layout="constrained", dpi=130)
-    left, right = made.subplots(1, 2, sharey=True, width_ratios=(3, 2))
-    _changes(left, told)
-    _times(right, told)
-    left.set_yticks(range(len(told.rows)), [row.title for row in told.rows], fontsize=9)
-    left.set_ylim(len(told.rows) - 0.4, -0.6)
-    unit = f" {told.unit}" if told.unit else ""
-    made.suptitle(
-        f"{told.model}/{told.scene}: {told.quantity} = {told.value:.6g}{unit}", fontsize=11
-    )
+    drawn = new_figure("picture", 9.0, 1.6 + 0.36 * len(ranking.rows), dpi=130)
+    left, right = drawn.subplots(1, 2, sharey=True, width_ratios=(3, 2))
+    _changes(left, ranking)
+    _times(right, ranking)
+    left.set_yticks(range(len(ranking.rows)), [row.title for row in ranking.rows], fontsize=9)
+    left.set_ylim(len(ranking.rows) - 0.4, -0.6)
+    unit = f" {ranking.unit}" if ranking.unit else ""
+    title = f"{ranking.model}/{ranking.scene}: {ranking.quantity} = {ranking.value:.6g}{unit}"
+    drawn.suptitle(title, fontsize=11)
     for axes in (left, right):
         axes.spines[["top", "right"]].set_visible(False)
         axes.grid(visible=True, axis="x", alpha=0.3, linewidth=0.4)
         axes.set_axisbelow(True)
         axes.tick_params(labelsize=8)
-    return made
+    return drawn
 
 
-def _size(told: Matters) -> float:
-    return told.size or 1.0
-
-
-def _shown(row: Row) -> float:
-    """What is drawn of a row: its change, or what a change that is not seen may be at most."""
+def _length(row: Row) -> float:
+    """The length of a row's bar: its change, or its uncertainty where that is larger."""
     if row.change is None:
         return 0.0
     return row.doubt if row.verdict is Verdict.NONE_SEEN else abs(row.change)
 
 
-def _changes(axes: "Axes", told: Matters) -> None:
-    size = _size(told)
-    shown = [_shown(row) / size for row in told.rows if _shown(row) > 0.0]
-    lowest = min([*shown, told.error or math.inf, 1.0])
-    highest = max([*shown, told.error or 0.0, 10.0 * lowest])
+def _changes(axes: "Axes", ranking: Matters) -> None:
+    size = ranking.size or 1.0
+    shown = [_length(row) / size for row in ranking.rows if _length(row) > 0.0]
+    lowest = min([*shown, ranking.error or math.inf, 1.0])
+    highest = max([*shown, ranking.error or 0.0, 10.0 * lowest])
     floor = 10.0 ** (math.floor(math.log10(lowest)) - 0.5)
     axes.set_xscale("log")
     axes.set_xlim(floor, 40.0 * highest)
-    for height, row in enumerate(told.rows):
+    for height, row in enumerate(ranking.rows):
         _change(axes, height, row, size, floor)
-    if told.error is not None:
-        axes.axvline(told.error, color="#1b1f24", linewidth=1.0, linestyle="--")
+    if ranking.error is not None:
+        axes.axvline(ranking.error, color="#1b1f24", linewidth=1.0, linestyle="--")
         axes.annotate(
-            f"E = {told.error:g}", (told.error, 1.0), xycoords=("data", "axes fraction"),
-            xytext=(3, 3), textcoords="offset points", fontsize=8,
+            f"permitted: {ranking.error:g}", (ranking.error, 1.0), fontsize=8, xytext=(3, 3),
+            xycoords=("data", "axes fraction"), textcoords="offset points",
         )  # fmt: skip
-    axes.set_xlabel("change of the quantity, relative", fontsize=9)
+    axes.set_xlabel("relative change of the quantity without it", fontsize=9)
 
 
 def _change(axes: "Axes", height: int, row: Row, size: float, floor: float) -> None:
@@ -115,19 +104,19 @@ def _change(axes: "Axes", height: int, row: Row, size: float, floor: float) -> N
         axes.text(1.3 * floor, height, str(row.verdict), va="center", fontsize=8, style="italic")
         return
     seen = row.verdict is not Verdict.NONE_SEEN
-    drawn = _shown(row) / size
+    drawn = _length(row) / size
     colour = COLOURS[row.verdict]
     axes.barh(height, drawn - floor, left=floor, height=0.6, color=colour, alpha=1 if seen else 0.4)
     number = f"{100 * drawn:.2g}" if drawn < 1.0 else f"{100 * drawn:.0f}"
-    label = f"{number} %" if seen else f"none seen above {number} %"
+    label = f"{number} %" if seen else f"below {number} %"
     paper = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
     axes.text(1.2 * max(drawn, floor), height, label, va="center", fontsize=8, bbox=paper)
 
 
-def _times(axes: "Axes", told: Matters) -> None:
-    shares = [100.0 * (row.time_share or 0.0) for row in told.rows]
+def _times(axes: "Axes", ranking: Matters) -> None:
+    shares = [100.0 * (row.time_share or 0.0) for row in ranking.rows]
     span = max([*map(abs, shares), 1.0])
-    for height, (row, share) in enumerate(zip(told.rows, shares, strict=True)):
+    for height, (row, share) in enumerate(zip(ranking.rows, shares, strict=True)):
         if row.time_share is None:
             continue
         axes.barh(height, share, height=0.6, color=COLOURS[row.verdict])
@@ -135,6 +124,7 @@ def _times(axes: "Axes", told: Matters) -> None:
         gap = 0.02 * span * (1 if share >= 0.0 else -1)
         axes.text(share + gap, height, f"{share:.0f} %", va="center", ha=side, fontsize=8)
     axes.axvline(0.0, color="#59636e", linewidth=0.8)
-    axes.set_xlim(min(0.0, 1.3 * min(shares)), 1.3 * max([*shares, 0.1 * span]))
-    axes.set_xlabel("share of the run's time that goes with it", fontsize=9)
+    room = 0.25 * span  # for the numbers
+    axes.set_xlim(min(0.0, min(shares) - room), max(0.0, *shares) + room)
+    axes.set_xlabel("time saved without it, % of the full run", fontsize=9)
     axes.tick_params(axis="y", length=0)

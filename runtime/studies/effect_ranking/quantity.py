@@ -1,10 +1,10 @@
-"""The quantity that is asked for: a word, or a function of a result, made to a number.
+"""The quantity by which effects are ranked: a text, or a function of a result.
 
 crank.phi              a series at the end: a coordinate, a velocity, a(crank.phi), a reaction
                        guide.fy, an energy (kinetic, potential, total), the power of an effect
 max:guide.fy           a reduction of a series: max, min, peak, range, mean, rate, period
 event:gas, event:gas#3 the instant of the first, or third, event of an effect
-count:gas              how many events it has
+count:gas              the number of its events
 """
 
 from collections.abc import Callable
@@ -16,19 +16,18 @@ from codegen.errors import InputError
 from runtime.mechanism.description import unknown
 from runtime.results.time_series import ENERGIES
 from runtime.studies.effect_ranking.series_reductions import REDUCTIONS, Series
+from runtime.studies.series import series_names, unknown_series
 
 if TYPE_CHECKING:
-    from runtime.mechanism.description import Description
     from runtime.results.result import Result
 
 Function = Callable[["Result"], float]
 EVENTS = {"event": "instant of an effect's first event, or of its third: event:gas#3",
           "count": "number of an effect's events"}  # fmt: skip
-_LISTED = 24
 
 
-class Reading(NamedTuple):
-    """The quantity of one result, its unit, and the largest magnitude on the way to it."""
+class QuantityValue(NamedTuple):
+    """The quantity of one result, its unit, and the largest magnitude of its series."""
 
     value: float
     unit: str
@@ -36,7 +35,7 @@ class Reading(NamedTuple):
 
 
 class Quantity(NamedTuple):
-    """What is asked of a result.
+    """A quantity of results.
 
     Attributes
     ----------
@@ -47,67 +46,49 @@ class Quantity(NamedTuple):
     """
 
     text: str
-    read: Callable[["Result"], Reading]
+    read: Callable[["Result"], QuantityValue]
 
 
-def quantity(asked: str | Function) -> Quantity:
+def parse_quantity(text: str | Function) -> Quantity:
     """The quantity that a text or a function means.
 
     Raises
     ------
     InputError
-        If the text is none; what its series is called is judged when a result is there.
+        If the text is none; the name of its series is checked against the first result.
     """
-    if callable(asked):
-        return Quantity(getattr(asked, "__name__", "quantity"), lambda r: _called(asked, r))
-    text = _text(asked)
-    word, colon, name = text.partition(":")
+    if callable(text):
+        return Quantity(getattr(text, "__name__", "quantity"), lambda r: _call(text, r))
+    given: object = text
+    stripped = given.strip() if isinstance(given, str) else ""
+    if not stripped:
+        words = ", ".join(f"{word}:" for word in (*REDUCTIONS, *EVENTS))
+        raise InputError(
+            f"The quantity is {text!r}; give a series such as crank.phi, or one with a word before "
+            f"it ({words})."
+        )
+    word, colon, name = stripped.partition(":")
     if not colon:
-        word, name = "end", text
+        word, name = "end", stripped
     if word in EVENTS:
-        number = _number(text, name)
+        number = _event_number(stripped, name)
         effect = name.partition("#")[0].strip()
-        return Quantity(text, lambda result: _event(result, word, effect, number))
+        return Quantity(stripped, lambda result: _event(result, word, effect, number))
     if word not in REDUCTIONS:
-        raise InputError(f"{text}: {unknown('reduction', word, [*REDUCTIONS, *EVENTS])}")
-    return Quantity(text, lambda result: _reduced(result, text, word, name.strip()))
+        raise InputError(f"{stripped}: {unknown('reduction', word, [*REDUCTIONS, *EVENTS])}")
+    return Quantity(stripped, lambda result: _reduce(result, stripped, word, name.strip()))
 
 
-def names(told: "Description") -> dict[str, list[str]]:
-    """Kind → names of the series that a scene's results have."""
-    found = {
-        "coordinates": [row.name for row in told.coordinates],
-        "velocities": [row.velocity for row in told.coordinates],
-        "accelerations": [f"a({row.name})" for row in told.coordinates],
-        "reactions": list(told.reactions.names),
-        "energies": list(ENERGIES) if told.has_masses and not told.unasked("energy") else [],
-        "powers": list(told.powers.names),
-    }
-    return {kind: listed for kind, listed in found.items() if listed}
-
-
-def _text(asked: object) -> str:
-    text = asked.strip() if isinstance(asked, str) else ""
-    if not text:
-        raise InputError(f"The quantity is {asked!r}; give {_forms()}.")
-    return text
-
-
-def _forms() -> str:
-    words = ", ".join(f"{word}:" for word in (*REDUCTIONS, *EVENTS))
-    return f"a series such as crank.phi, or one with a word before it ({words})"
-
-
-def _number(text: str, name: str) -> int:
+def _event_number(text: str, name: str) -> int:
     _, mark, digits = name.partition("#")
     if not mark:
         return 1
     if not digits.strip().isdigit() or int(digits) < 1:
-        raise InputError(f"{text}: after # stands which event is meant: 1, 2, 3 …")
+        raise InputError(f"{text}: after # stands the number of the event: 1, 2, 3 …")
     return int(digits)
 
 
-def _called(function: Function, result: "Result") -> Reading:
+def _call(function: Function, result: "Result") -> QuantityValue:
     value = function(result)
     try:
         number = float(value)
@@ -115,67 +96,47 @@ def _called(function: Function, result: "Result") -> Reading:
         number = np.nan
     if not np.isfinite(number):
         raise InputError(
-            f"{result.description.title}: {getattr(function, '__name__', 'the function')} answers "
-            f"{value!r}; it must answer a finite number."
+            f"{result.description.title}: {getattr(function, '__name__', 'the function')} returns "
+            f"{value!r}; it must return a finite number."
         )
-    return Reading(number, "", abs(number))
+    return QuantityValue(number, "", abs(number))
 
 
-def _reduced(result: "Result", text: str, word: str, name: str) -> Reading:
-    told = result.description
+def _reduce(result: "Result", text: str, word: str, name: str) -> QuantityValue:
+    title = result.description.title
     try:
         x, unit = result.series(name)
     except InputError as error:
-        known = names(told)
-        listed = {*ENERGIES, *(n for of_kind in known.values() for n in of_kind)}
-        if name in listed:  # it is there, and was not asked for
-            raise
-        raise InputError(f"{told.title}, {text}: {no_series(name, known)}") from error
+        known = series_names(result.description)
+        if name in {*ENERGIES, *(one for listed in known.values() for one in listed)}:
+            raise  # the scene has it, compiled without its output
+        raise InputError(f"{title}, {text}: {unknown_series(name, known)}") from error
     how = REDUCTIONS[word]
     if len(x) < 2 and not how.still:
-        raise InputError(f"{told.title}, {text}: one instant has no {how.meaning}; ask for {name}.")
+        raise InputError(f"{title}, {text}: one instant has no {how.meaning}; ask for {name}.")
     if not np.isfinite(x).all():
         at = float(result.t[np.flatnonzero(~np.isfinite(x))[0]])
-        raise InputError(f"{told.title}, {text}: {name} is not a number at t = {at:g} s.")
+        raise InputError(f"{title}, {text}: {name} is not a number at t = {at:g} s.")
     jumps = np.array([event.time for event in result.events])
     try:
         value = how.reduce(Series(result.t, x, jumps))
     except InputError as error:
-        raise InputError(f"{told.title}, {text}: {error}") from None
-    return Reading(value + 0.0, how.unit.format(unit), float(np.abs(x).max()))
+        raise InputError(f"{title}, {text}: {error}") from None
+    return QuantityValue(value + 0.0, how.unit.format(unit), float(np.abs(x).max()))
 
 
-def no_series(name: str, known: dict[str, list[str]]) -> str:
-    """Sentences saying that a series does not exist, with the nearest and all that there are.
-
-    Parameters
-    ----------
-    known
-        As `names` answers.
-    """
-    every = [n for listed in known.values() for n in listed]
-    said = unknown("series", name, every)
-    if "nearest" not in said:
-        said = f"There is no series {name!r}."
-    lists = []
-    for kind, listed in known.items():
-        rest = len(listed) - _LISTED
-        more = f" and {rest} more" if rest > 0 else ""
-        lists.append(f"{kind} {', '.join(listed[:_LISTED])}{more}")
-    return f"{said} There are: {'; '.join(lists)}."
-
-
-def _event(result: "Result", word: str, effect: str, number: int) -> Reading:
-    told = result.description
-    sources = list(dict.fromkeys(row.name for row in told.switches))
-    if effect not in sources:
-        raise InputError(f"{told.title}: {unknown('effect with events', effect, sources)}")
+def _event(result: "Result", word: str, effect: str, number: int) -> QuantityValue:
+    description = result.description
+    effects = list(dict.fromkeys(row.name for row in description.switches))
+    if effect not in effects:
+        raise InputError(f"{description.title}: {unknown('effect with events', effect, effects)}")
     times = [event.time for event in result.events if event.name.partition(":")[0] == effect]
+    count = len(times)
     if word == "count":
-        return Reading(float(len(times)), "", float(len(times)))
-    if len(times) < number:
+        return QuantityValue(float(count), "", float(count))
+    if count < number:
         raise InputError(
-            f"{told.title}: {effect} has {len(times)} event{'' if len(times) == 1 else 's'} up to "
+            f"{description.title}: {effect} has {count} event{'' if count == 1 else 's'} up to "
             f"t = {result.t[-1]:g} s, so there is no number {number}; take a later end."
         )
-    return Reading(times[number - 1], "s", float(result.t[-1]))
+    return QuantityValue(times[number - 1], "s", float(result.t[-1]))

@@ -1,4 +1,4 @@
-"""What is told of a scene whose effects were judged; nothing here computes."""
+"""An effect ranking as data: rows, costs, verdicts, the proposed scene."""
 
 from dataclasses import asdict, dataclass
 from enum import StrEnum
@@ -8,36 +8,36 @@ from runtime.results.json_values import plain
 
 
 class Verdict(StrEnum):
-    """What becomes of the quantity without an effect, or with something taken otherwise."""
+    """The influence on the quantity of an effect, or of another fidelity."""
 
     MATTERS = "matters"
-    """The quantity changes, by more than is permitted where a limit was given."""
+    """The quantity changes, by more than the permitted error if one was given."""
     NEGLIGIBLE = "negligible"
-    """It changes, and stays within the limit with all that it may be off."""
+    """It changes, and stays within the permitted error together with its uncertainty."""
     NONE_SEEN = "none seen"
-    """It changes by less than it is known to."""
+    """It changes by less than its uncertainty."""
     NEEDED = "needed"
     """Without it the machine does not work, or has no such quantity."""
     IMPOSSIBLE = "impossible"
-    """Taken so, the machine does not work, or has no such quantity."""
+    """In this fidelity the machine does not work, or has no such quantity."""
 
 
 @dataclass(frozen=True)
 class Costs:
-    """What a run takes.
+    """The cost of a run.
 
     Attributes
     ----------
     accelerations, operations
         Arithmetic operations of the kernel `accelerations`, and of all kernels.
     evaluations, steps, events
-        What the run counts; 0 where its analysis counts none.
+        Of the run; 0 where its analysis counts none.
     work
-        Operations that evaluations and returns onto the constraints take together in the run;
-        those of all kernels, once, where none are counted. Unlike times it is the same every time.
+        Operations of all evaluations and returns onto the constraints in the run; those of all
+        kernels, once, where none are counted. Unlike times it is reproducible.
     seconds
-        Processor time of the run from its call to its result, assembly and outputs included: the
-        least of several rounds in which all scenes take turns.
+        Processor time of the run from its call to its result, with assembly and outputs: the least
+        of several rounds in which all scenes take turns.
     """
 
     accelerations: int
@@ -51,25 +51,25 @@ class Costs:
 
 @dataclass(frozen=True)
 class Row:
-    """One effect left out, or one thing taken otherwise.
+    """One effect left out, or one thing in another fidelity.
 
     Attributes
     ----------
     name, kind, word
-        The element, what it is, and how it is taken: "none", or a fidelity.
+        The element, its kind, and its fidelity; "none" if it is left out.
     scene
         The scene that was run.
     value, change
-        The quantity there, and by how much it differs from the full scene's, in its unit; None
-        where there is none.
+        The quantity, and its difference from that of the full scene, in its unit; None where there
+        is none.
     relative
         |change| over the quantity's size.
     doubt
-        By how much the change may be off, in the quantity's unit.
+        Uncertainty of the change, in the quantity's unit.
     costs
         Of the run; None where it failed.
     time_share
-        Share of the full run's time that goes with it; negative where the run takes longer.
+        Share of the full run's time that is saved; negative where the run takes longer.
     reason
         Why it is needed or impossible, in a sentence; else "".
     """
@@ -95,20 +95,20 @@ class Row:
 
 @dataclass(frozen=True)
 class Proposal:
-    """The cheapest scene that was found to keep the quantity within the limit.
+    """The cheapest scene that was found to keep the quantity within the permitted error.
 
     Attributes
     ----------
     left_out
-        Titles of the changes that it makes; none where nothing can be spared.
+        Titles of its changes; none where nothing can be left out.
     put_back
-        Changes that are negligible alone, and too much with the others.
+        Changes that are negligible alone, but not together with the others.
     scene, spelled
-        Its name, and how it is made from a declared one.
+        Its name, and its derivation from a declared scene.
     relative, doubt
-        Its change of the quantity over the quantity's size, as run; by how much that may be off.
+        Its relative change of the quantity, as run, and the uncertainty of that.
     tried
-        Every combination that was run, with what it changed (None: it does not work).
+        Every combination that was run, with its relative change (None: it does not work).
     """
 
     left_out: tuple[str, ...]
@@ -125,19 +125,19 @@ class Proposal:
 
 @dataclass(frozen=True)
 class Matters:
-    """Which effects of a scene a question calls for, those that change it most first.
+    """The effects of a scene, those first that change a quantity most.
 
     Attributes
     ----------
     value, unit, doubt
-        The quantity in the full scene, and by how much it may be off.
+        The quantity in the full scene, and its uncertainty.
     size
-        What changes are relative to: |value|, or where that is zero within its doubt the largest
-        magnitude on the way.
+        Divisor of relative changes: |value|, or where that is zero within its uncertainty the
+        largest magnitude during the run.
     error
-        The limit that was given, or None.
+        The permitted relative change, or None.
     notes
-        What else there is to know, a sentence each.
+        Remarks, a sentence each.
     """
 
     model: str
@@ -162,6 +162,6 @@ class Matters:
         raise KeyError(f"{title!r}; there are: {', '.join(row.title for row in self.rows)}")
 
     def facts(self) -> dict[str, Any]:
-        """Everything, as JSON knows it: what is no finite number is null."""
+        """All fields, as JSON; a number that is not finite is null."""
         facts: dict[str, Any] = plain(asdict(self))
         return facts

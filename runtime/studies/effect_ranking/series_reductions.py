@@ -1,4 +1,4 @@
-"""Numbers taken from a motion: extremes, means, rates, periods, instants of events."""
+"""Reductions of a series to a number: extremes, means, rates, periods."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -31,11 +31,11 @@ def _largest(series: Series) -> float:
         return float(x[k])
     before, after = t[k] - t[k - 1], t[k + 1] - t[k]
     left, right = (x[k] - x[k - 1]) / before, (x[k + 1] - x[k]) / after
-    bend = (right - left) / (before + after)  # half the second derivative
-    if bend >= 0.0:
+    curvature = (right - left) / (before + after)  # half the second derivative
+    if curvature >= 0.0:
         return float(x[k])
     slope = (left * after + right * before) / (before + after)
-    return float(x[k] - slope * slope / (4.0 * bend))
+    return float(x[k] - slope * slope / (4.0 * curvature))
 
 
 def _least(series: Series) -> float:
@@ -65,7 +65,7 @@ def _period(series: Series) -> float:
     if len(rises) < 2:
         raise InputError(
             f"it crosses its mean upwards {len(rises)} time{'' if len(rises) == 1 else 's'} "
-            "between the ends, which makes no period; take a later end."
+            "between the ends, which is not enough for a period; take a later end."
         )
     first, last = (_crossing(t, level, int(k)) for k in (rises[0], rises[-1]))
     return (last - first) / (len(rises) - 1)
@@ -87,7 +87,7 @@ def _crossing(t: FloatArray, x: FloatArray, k: int) -> float:
 
 
 class Reduction(NamedTuple):
-    """How a motion becomes a number: what it is in words, how, and whether one instant will do."""
+    """A reduction: its meaning in words, its function, its unit, whether one instant suffices."""
 
     meaning: str
     reduce: Callable[[Series], float]

@@ -1,4 +1,4 @@
-"""Which effects matter, on a terminal: a row an effect, no wider than a person reads."""
+"""An effect ranking on a terminal: a row per effect, then sentences."""
 
 import math
 from collections.abc import Iterator
@@ -6,95 +6,96 @@ from textwrap import shorten
 
 from rich.table import Table
 
-from runtime.show.terminal_table import padding
-from runtime.studies.effect_ranking.ranking import Costs, Matters, Row, Verdict
+from runtime.show.terminal_table import new_table
+from runtime.studies.effect_ranking.ranking import Costs, Matters, Proposal, Row, Verdict
 
-REASONS = 200
+_LONGEST_REASON = 200  # characters
 
 
-def table(told: Matters) -> Table:
-    """The full scene, then what changes, and what it spares, without each effect."""
-    unit = f" {told.unit}" if told.unit else ""
-    title = f"{told.model}/{told.scene}, {told.analysis}: {told.quantity} = {told.value:.7g}{unit}"
-    made = Table(
-        title=title,
-        caption="operations, time, steps, events: in full, then what is spared of them",
-        padding=padding(),
+def table(ranking: Matters) -> Table:
+    """The full scene, then the change and the saving without each effect."""
+    value = f"{ranking.value:.7g}{_unit(ranking)}"
+    rows = new_table(
+        f"{ranking.model}/{ranking.scene}, {ranking.analysis}: {ranking.quantity} = {value}",
+        "acc., all: operations of the kernel accelerations and of all kernels; the first row is "
+        "the full scene, the others the saving",
+        "without",
+        ("change", "relative", "acc.", "all", "time", "steps", "events"),
+        9,
     )
-    made.add_column("without", overflow="fold", ratio=1, min_width=9)
-    for name in ("change", "relative", "acc.", "all", "time", "steps", "events"):
-        made.add_column(name, justify="right", no_wrap=True)
-    made.add_column("verdict", no_wrap=True)
-    base = told.costs
-    made.add_row(
-        "nothing", "", "", str(base.accelerations), str(base.operations), _time(base.seconds),
-        str(base.steps), str(base.events), "",
+    rows.add_column("verdict", no_wrap=True)
+    full = ranking.costs
+    rows.add_row(
+        "nothing", "", "", str(full.accelerations), str(full.operations),
+        f"{1e3 * full.seconds:.3g} ms", str(full.steps), str(full.events), "",
     )  # fmt: skip
-    made.add_section()
-    for row in told.rows:
-        made.add_row(row.title, *_changes(row), *_spared(base, row), str(row.verdict))
-    if told.proposal is not None and told.proposal.left_out:
-        made.add_section()
-        found = told.proposal
-        change = found.value - told.value
-        numbers = _costs(base, found.costs, found.time_share)
-        made.add_row("proposed", f"{change:+.3g}", _percent(found.relative), *numbers, "holds")
-    return made
+    rows.add_section()
+    for row in ranking.rows:
+        savings = _savings(full, row.costs, row.time_share)
+        rows.add_row(row.title, *_change(row), *savings, str(row.verdict))
+    proposal = ranking.proposal
+    if proposal is not None and proposal.left_out:
+        rows.add_section()
+        change = f"{proposal.value - ranking.value:+.3g}"
+        savings = _savings(full, proposal.costs, proposal.time_share)
+        rows.add_row("proposed", change, _percent(proposal.relative), *savings, "within error")
+    return rows
 
 
-def sentences(told: Matters) -> Iterator[str]:
-    """What the table means, a line each: effects, what is needed and why, the proposal, notes."""
-    share = f" ({told.doubt / told.size:.1e} of its size)" if told.size else ""
-    unit = f" {told.unit}" if told.unit else ""
-    yield f"{told.quantity} is known to {told.doubt:.1e}{unit}{share}."
-    for row in told.rows:
-        yield _sentence(told, row)
-    if told.proposal is not None:
-        yield from _proposal(told)
-    yield from told.notes
+def sentences(ranking: Matters) -> Iterator[str]:
+    """Uncertainty, influence and cost of each effect, the proposal, notes."""
+    share = f" ({ranking.doubt / ranking.size:.1e} of its size)" if ranking.size else ""
+    yield f"{ranking.quantity} is known to {ranking.doubt:.1e}{_unit(ranking)}{share}."
+    for row in ranking.rows:
+        yield _sentence(ranking, row)
+    if ranking.proposal is not None:
+        yield from _proposal(ranking, ranking.proposal)
+    yield from ranking.notes
 
 
-def _sentence(told: Matters, row: Row) -> str:
-    taken = row.word != "none"
+def _unit(ranking: Matters) -> str:
+    return f" {ranking.unit}" if ranking.unit else ""
+
+
+def _sentence(ranking: Matters, row: Row) -> str:
     if row.change is None:
-        return f"{row.title} is {row.verdict}: {shorten(row.reason, REASONS, placeholder=' …')}"
+        reason = shorten(row.reason, _LONGEST_REASON, placeholder=" …")
+        return f"{row.title} is {row.verdict}: {reason}"
     share = row.time_share or 0.0
     if row.verdict is Verdict.NONE_SEEN:
-        limit = _percent(row.doubt / told.size) if told.size else f"{row.doubt:.1e}"
-        effect = f"changes {told.quantity} by less than can be seen ({limit})"
+        limit = _percent(row.doubt / ranking.size) if ranking.size else f"{row.doubt:.1e}"
+        effect = f"changes {ranking.quantity} by less than its uncertainty ({limit})"
     else:
-        effect = f"changes {told.quantity} by {_percent(row.relative)}"
-    if taken:
-        return f"{row.title} {effect} and {_ratio(share)}"
+        effect = f"changes {ranking.quantity} by {_percent(row.relative)}"
+    if row.word != "none":
+        return f"{row.title} {effect} and {_saving(share)}"
     if share >= 0.0:
         return f"{row.title} {effect} and costs {share:.0%} of the time"
     return f"{row.title} {effect}; without it the run takes {-share:.0%} more time"
 
 
-def _proposal(told: Matters) -> Iterator[str]:
-    found = told.proposal
-    assert found is not None
-    for titles, relative in found.tried:
-        if titles != found.left_out:
+def _proposal(ranking: Matters, proposal: Proposal) -> Iterator[str]:
+    for titles, relative in proposal.tried:
+        if titles != proposal.left_out:
             fate = "does not work" if relative is None else f"changes it by {_percent(relative)}"
-            yield f"together, {', '.join(titles)}: {fate}, beyond {told.error:g}"
-    for title in found.put_back:
-        yield f"{title} is negligible alone and too much with the others, so it is put back"
-    if not found.left_out:
-        yield f"nothing can be spared within an error of {told.error:g}"
+            yield f"together, {', '.join(titles)}: {fate}, beyond {ranking.error:g}"
+    for title in proposal.put_back:
+        yield f"{title} is negligible alone but not together with the others, so it is put back"
+    if not proposal.left_out:
+        yield f"nothing can be left out within an error of {ranking.error:g}"
         return
     yield (
-        f"proposed for an error of {told.error:g}: {found.spelled}; run in full it changes "
-        f"{told.quantity} by {_percent(found.relative)} (known to {_percent(found.doubt)}) and "
-        f"{_ratio(found.time_share)}"
+        f"proposed for an error of {ranking.error:g}: {proposal.spelled}; when run, it changes "
+        f"{ranking.quantity} by {_percent(proposal.relative)} (known to "
+        f"{_percent(proposal.doubt)}) and {_saving(proposal.time_share)}"
     )
 
 
-def _ratio(share: float) -> str:
-    return f"spares {share:.0%} of the time" if share >= 0 else f"takes {-share:.0%} more time"
+def _saving(share: float) -> str:
+    return f"saves {share:.0%} of the time" if share >= 0 else f"takes {-share:.0%} more time"
 
 
-def _changes(row: Row) -> tuple[str, str]:
+def _change(row: Row) -> tuple[str, str]:
     if row.change is None:
         return "", ""
     if row.verdict is Verdict.NONE_SEEN:
@@ -102,19 +103,15 @@ def _changes(row: Row) -> tuple[str, str]:
     return f"{row.change:+.3g}", _percent(row.relative)
 
 
-def _spared(base: Costs, row: Row) -> tuple[str, ...]:
-    if row.costs is None:
+def _savings(full: Costs, costs: Costs | None, share: float | None) -> tuple[str, ...]:
+    if costs is None:
         return ("",) * 5
-    return _costs(base, row.costs, row.time_share)
-
-
-def _costs(base: Costs, costs: Costs, share: float | None) -> tuple[str, ...]:
     return (
-        str(base.accelerations - costs.accelerations),
-        str(base.operations - costs.operations),
+        str(full.accelerations - costs.accelerations),
+        str(full.operations - costs.operations),
         "" if share is None else f"{share:.0%}",
-        str(base.steps - costs.steps),
-        str(base.events - costs.events),
+        str(full.steps - costs.steps),
+        str(full.events - costs.events),
     )
 
 
@@ -124,7 +121,3 @@ def _percent(share: float | None) -> str:
     if not math.isfinite(share):
         return "∞"
     return f"{100 * share:.2g} %" if share < 1.0 else f"{100 * share:.0f} %"
-
-
-def _time(seconds: float) -> str:
-    return f"{1e3 * seconds:.3g} ms"

@@ -1,9 +1,9 @@
-"""A scene run for the sake of one number: how large, how far to be trusted, what it took.
+"""Two runs of a scene for one number: its value, its uncertainty and its cost.
 
-Everything is run twice, the second time with tolerances a hundred times tighter and samples twice
-as dense. What jumps at an event is sampled on both sides of it, the second time nearer to it. A
-rest is looked for once more from close by. By how much the two answers differ is how far the second
-may be off.
+The second run has tolerances a hundred times tighter and samples twice as dense. Quantities that
+jump at an event are sampled on both sides of it, nearer to it in the second run. A position of
+equilibrium is searched for a second time from a point close to it. The difference of the two
+answers is the uncertainty of the second.
 """
 
 import math
@@ -15,8 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError, LinkwrightError
-from runtime.studies.effect_ranking.quantity import Quantity, Reading
+from runtime.studies.effect_ranking.quantity import Quantity, QuantityValue
 from runtime.studies.effect_ranking.ranking import Costs
+from runtime.studies.scenes import known_guess, known_parameters
+from runtime.studies.timing import Stopwatch, processor_time
 
 if TYPE_CHECKING:
     from runtime.machine import Machine
@@ -25,20 +27,16 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 ANALYSES = ("simulate", "kinematics", "inverse", "equilibrium")
-COARSER = 100.0
-"""Times the tolerance with which the first of two runs is made."""
-LEAST_RTOL = 1e-13
-BESIDE = 1e-7
-"""Share of the run by which samples lie before and after an event."""
-ASIDE = 1e-4
-"""Share by which a rest is looked for once more from beside the one that was found."""
-FLOOR = 1e-12
-"""Share of a quantity that rounding may take, however well two runs agree."""
+COARSER = 100.0  # accuracy: ratio of the tolerances of the two runs
+LEAST_RTOL = 1e-13  # accuracy: tightest rtol of the second run
+_BESIDE_EVENT = 1e-7  # accuracy: share of the run between an event and the samples beside it
+_PERTURBATION = 1e-4  # accuracy: relative offset from which an equilibrium is searched for again
+_ROUNDING = 1e-12  # accuracy: least relative uncertainty, however well two runs agree
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How every scene is run.
+    """The run that every scene of a ranking makes.
 
     Attributes
     ----------
@@ -62,34 +60,31 @@ class Plan:
     guess: Mapping[str, float] = field(default_factory=dict)
 
     def run(self, machine: "Machine", *, rtol: float, instants: FloatArray) -> "Result":
-        """The analysis of a machine, with what it has of the parameters and the guess."""
-        about: dict[str, Any] = {
-            "parameters": self.parameters_of(machine),
-            "guess": self.guess_of(machine),
+        """The analysis of a machine."""
+        values: dict[str, Any] = {
+            "parameters": known_parameters(machine, self.parameters),
+            "guess": known_guess(machine, self.guess),
             "progress": False,
         }
         match self.analysis:
             case "simulate":
                 return machine.simulate(
                     self.t_end, instants, t_start=self.t_start, method=self.method, rtol=rtol,
-                    **about,
+                    **values,
                 )  # fmt: skip
             case "kinematics":
-                return machine.kinematics(instants, **about)
+                return machine.kinematics(instants, **values)
             case "inverse":
-                return machine.inverse_dynamics(instants, **about)
+                return machine.inverse_dynamics(instants, **values)
             case _:
-                return machine.equilibrium(**about, t=self.t_start)
+                return machine.equilibrium(**values, t=self.t_start)
 
-    def parameters_of(self, machine: "Machine") -> dict[str, float]:
-        """The parameters, as far as the scene has them."""
-        return {k: x for k, x in self.parameters.items() if k in machine.parameters.names}
-
-    def guess_of(self, machine: "Machine") -> dict[str, float]:
-        """The guess, as far as the scene has its coordinates."""
-        rows = machine.coordinates
-        states = {*rows.names, *(row.velocity for row in rows)}
-        return {k: x for k, x in self.guess.items() if k in states}
+    def stopwatch(self, machine: "Machine") -> Stopwatch:
+        """Repeats the run; its time is that from the call to the result."""
+        instants = self.instants(self.points)
+        return Stopwatch(
+            lambda: processor_time(lambda: self.run(machine, rtol=self.rtol, instants=instants))[1]
+        )
 
     def instants(
         self, count: int, events: FloatArray | None = None, beside: float = 0.0
@@ -110,8 +105,8 @@ class Trial:
 
     Attributes
     ----------
-    reading, doubt
-        The quantity, and by how much it may be off.
+    quantity, doubt
+        The quantity, and its uncertainty.
     freedom
         Degrees of freedom at the start.
     reach
@@ -121,75 +116,70 @@ class Trial:
     """
 
     machine: "Machine"
-    reading: Reading
+    quantity: QuantityValue
     doubt: float
     freedom: int
     reach: dict[str, float]
     costs: Costs
 
 
-class LostError(LinkwrightError):
+class TrialError(LinkwrightError):
     """A scene has no such quantity, or does not run; says why."""
 
 
-def tried(machine: "Machine", plan: Plan, asked: Quantity) -> Trial:
+def run_trial(machine: "Machine", plan: Plan, quantity: Quantity) -> Trial:
     """Run a scene twice.
 
     Raises
     ------
-    LostError
+    TrialError
         If it cannot be run, or does not run to its end.
     InputError
         If it has no such quantity.
     """
     try:
-        freedom = _freedom(machine, plan)
-        rough, fine = _twice(machine, plan)
+        freedom = _degrees_of_freedom(machine, plan)
+        rough, fine = _run_twice(machine, plan)
     except InputError as error:
-        raise LostError("; ".join(error.problems)) from error
+        raise TrialError("; ".join(error.problems)) from error
     for run in (rough, fine):
         if run.failed:
-            raise LostError(f"{run.description.title}: {run.message}")
-    first, second = asked.read(rough), asked.read(fine)
-    floor = max(FLOOR, plan.rtol if plan.analysis == "simulate" else 0.0)
-    doubt = abs(second.value - first.value) + floor * max(abs(second.value), second.scale)
-    reach = np.ptp(fine.samples.q, axis=0)
-    return Trial(
-        machine,
-        second,
-        doubt,
-        freedom,
-        dict(zip(machine.coordinates.names, reach.tolist(), strict=True)),
-        _costs(machine, fine),
-    )
+            raise TrialError(f"{run.description.title}: {run.message}")
+    first, second = quantity.read(rough), quantity.read(fine)
+    least = max(_ROUNDING, plan.rtol if plan.analysis == "simulate" else 0.0)
+    doubt = abs(second.value - first.value) + least * max(abs(second.value), second.scale)
+    spans = np.ptp(fine.samples.q, axis=0).tolist()
+    reach = dict(zip(machine.coordinates.names, spans, strict=True))
+    return Trial(machine, second, doubt, freedom, reach, _costs(machine, fine))
 
 
-def _freedom(machine: "Machine", plan: Plan) -> int:
-    """Degrees of freedom at the start; of a rest, whose start need not hold, none are counted."""
+def _degrees_of_freedom(machine: "Machine", plan: Plan) -> int:
+    """At the start; 0 of an equilibrium, whose start need not satisfy the constraints."""
     if plan.analysis == "equilibrium":
         return 0
     t = plan.t_start if plan.analysis == "simulate" else 0.0
-    start = machine.assemble(plan.guess_of(machine), plan.parameters_of(machine), t)
-    return start.degrees_of_freedom
+    guess = known_guess(machine, plan.guess)
+    return machine.assemble(guess, known_parameters(machine, plan.parameters), t).degrees_of_freedom
 
 
-def _twice(machine: "Machine", plan: Plan) -> tuple["Result", "Result"]:
-    """The run that is compared with, and that from which the quantity is taken."""
+def _run_twice(machine: "Machine", plan: Plan) -> tuple["Result", "Result"]:
+    """The run for comparison, and the run from which the quantity is taken."""
     rtol, points = min(COARSER * plan.rtol, 1e-3), plan.points
     rough = plan.run(machine, rtol=rtol, instants=plan.instants(points))
     if rough.failed:
         return rough, rough
     if plan.analysis == "equilibrium":
-        q = rough.samples.q[0] + ASIDE * (1.0 + np.abs(rough.samples.q[0]))
+        q = rough.samples.q[0] + _PERTURBATION * (1.0 + np.abs(rough.samples.q[0]))
         near = dict(zip(machine.coordinates.names, q.tolist(), strict=True))
         again = replace(plan, guess={**plan.guess, **near})
         return rough, again.run(machine, rtol=rtol, instants=plan.instants(points))
     events = np.array([event.time for event in rough.events])
     if plan.analysis == "simulate" and len(events):
-        rough = plan.run(machine, rtol=rtol, instants=plan.instants(points, events, 4.0 * BESIDE))
+        instants = plan.instants(points, events, 4.0 * _BESIDE_EVENT)
+        rough = plan.run(machine, rtol=rtol, instants=instants)
     else:
         events = np.zeros(0)
-    instants = plan.instants(2 * points - 1, events, BESIDE)
+    instants = plan.instants(2 * points - 1, events, _BESIDE_EVENT)
     return rough, plan.run(machine, rtol=plan.rtol, instants=instants)
 
 

@@ -1,4 +1,4 @@
-"""What accuracy costs in time: a scene by every method, at every tolerance."""
+"""Work-precision: the time that accuracy costs a scene, by every method, at every tolerance."""
 
 from runtime.studies.work_precision.diagram import (
     Check,

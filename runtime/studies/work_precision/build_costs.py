@@ -1,7 +1,7 @@
-"""What a scene costs before it runs: derived, lowered, written, compiled, loaded; once each.
+"""Times of building a scene: derive, lower, emit, compile, load; once each.
 
-It is built anew in a folder of its own, since what is built is kept. A load that finds machine code
-in numba's cache is timed in a process of its own.
+The scene is built anew in a temporary folder, since build results are kept. A load that finds
+machine code in numba's cache is timed in a process of its own.
 """
 
 import os
@@ -32,45 +32,44 @@ sys.stdout.write(repr(time.perf_counter() - began))
 def build_costs(
     model: "Model", scene: "Scene", companions: Collection[str] = ("tangents", "reduced")
 ) -> dict[str, float]:
-    """Stage → seconds that pass, in order, from the declared model on.
+    """Stage → wall-clock seconds, in order, from the declared model on.
 
-    Derivatives, which implicit methods take, and reduced equations have files of their own; their
-    stages are told apart where the scene has them. Files are compiled side by side.
+    Companion modules (derivatives, which implicit methods take, and reduced equations) have stages
+    of their own, which follow where the scene has them; files are compiled concurrently.
 
     Parameters
     ----------
     companions
-        Which of these files are built beside the scene's own.
+        Those that are built beside the scene's own module.
     """
     with tempfile.TemporaryDirectory() as folder:
-        place = Path(folder) / "generated"
-        report = _built(model, scene, place, companions)
-        seconds = {stage: took for stage, took in report.seconds.items() if stage != "read"}
+        report = _built(model, scene, Path(folder) / "generated", companions)
+        seconds = {stage: time for stage, time in report.seconds.items() if stage != "read"}
         for companion in report.companions:
             seconds |= {
-                stage if stage != "compile" else f"compile {companion.title}": took
-                for stage, took in companion.seconds.items()
+                stage if stage != "compile" else f"compile {companion.title}": time
+                for stage, time in companion.seconds.items()
             }
-        return seconds | {WARM: _warm(report.path)}
+        return seconds | {WARM: _warm_load(report.path)}
 
 
 def _built(
-    model: "Model", scene: "Scene", place: Path, companions: Collection[str]
+    model: "Model", scene: "Scene", folder: Path, companions: Collection[str]
 ) -> "SceneReport":
     from codegen import build
 
     tangents = "tangents" in companions
     if "reduced" in companions:
         try:
-            return build(model, scene, place, tangents=tangents, reduced=True).scenes[0]
-        except SceneError:  # frictions that stick by the force of a reaction
+            return build(model, scene, folder, tangents=tangents, reduced=True).scenes[0]
+        except SceneError:  # a scene without reduced equations: sticking by the force of a reaction
             pass
-    return build(model, scene, place, tangents=tangents).scenes[0]
+    return build(model, scene, folder, tangents=tangents).scenes[0]
 
 
-def _warm(path: Path) -> float:
-    folder = Path(__file__).resolve().parents[3]
-    paths = os.pathsep.join(filter(None, [str(folder), os.environ.get("PYTHONPATH")]))
+def _warm_load(path: Path) -> float:
+    root = Path(__file__).resolve().parents[3]
+    paths = os.pathsep.join(filter(None, [str(root), os.environ.get("PYTHONPATH")]))
     done = subprocess.run(
         [sys.executable, "-c", _LOAD, str(path)],
         env={**os.environ, "PYTHONPATH": paths},

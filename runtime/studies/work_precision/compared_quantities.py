@@ -10,79 +10,65 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from runtime.studies.effect_ranking.quantity import names as series_of
-from runtime.studies.effect_ranking.quantity import no_series
+from runtime.studies.series import series_names, unknown_series
 
 if TYPE_CHECKING:
     from runtime.mechanism.description import Description
-    from runtime.results.result import Result
 
 FloatArray = npt.NDArray[np.float64]
 OR = "|"
 """Between the names of a quantity of which a scene has one or another: ``a.x|b.x``."""
 
 
-def default_names(told: "Description") -> tuple[str, ...]:
-    """The coordinates that the scene starts from, and their velocities: what it is about.
+def default_quantities(description: "Description") -> tuple[str, ...]:
+    """The coordinates that the scene starts from, and their velocities.
 
     Where it fixes none, all coordinates and velocities.
     """
-    fixed = {row.name for row in told.start if row.role == "fixed"}
-    rows = [row for row in told.coordinates if fixed & {row.name, row.velocity}]
-    rows = rows or list(told.coordinates)
+    fixed = {row.name for row in description.start if row.role == "fixed"}
+    rows = [row for row in description.coordinates if fixed & {row.name, row.velocity}]
+    rows = rows or list(description.coordinates)
     return tuple(name for row in rows for name in (row.name, row.velocity))
 
 
-def named(told: "Description", quantities: Sequence[str]) -> tuple[str, ...]:
-    """The series that the quantities are in a scene, of names with ``|`` the first that it has.
+def series_of(description: "Description", quantities: Sequence[str]) -> tuple[str, ...]:
+    """The series that the quantities are in a scene: of names with ``|`` the first that it has.
 
     Raises
     ------
     InputError
         With every quantity that it has not.
     """
-    known = series_of(told)
+    known = series_names(description)
     every = {name for listed in known.values() for name in listed}
     found, problems = [], []
     for text in quantities:
         choices = [name.strip() for name in text.split(OR)]
-        there = [name for name in choices if name in every]
-        if there:
-            found.append(there[0])
+        name = next((name for name in choices if name in every), None)
+        if name is None:
+            problems.append(f"{description.title}: {unknown_series(choices[0], known)}")
         else:
-            problems.append(f"{told.title}: {no_series(choices[0], known)}")
+            found.append(name)
     if problems:
         raise InputError(problems)
     return tuple(found)
 
 
-def distinct(told: "Description", quantities: Sequence[str]) -> tuple[str, ...]:
-    """The quantities as they are written, of those that are one series the first.
+def distinct_quantities(description: "Description", quantities: Sequence[str]) -> tuple[str, ...]:
+    """The quantities as they are written; of those that are the same series, the first.
 
     Raises
     ------
     InputError
-        As `named`.
+        As `series_of`.
     """
     found: dict[str, str] = {}
-    for series, text in zip(named(told, quantities), quantities, strict=True):
+    for series, text in zip(series_of(description, quantities), quantities, strict=True):
         found.setdefault(series, text)
     return tuple(found.values())
 
 
-def columns(result: "Result", quantities: Sequence[str]) -> FloatArray:
-    """The quantities over time, (k, j).
-
-    Raises
-    ------
-    InputError
-        As `named`.
-    """
-    found = [result.series(name)[0] for name in named(result.description, quantities)]
-    return np.column_stack(found)
-
-
-class Given(NamedTuple):
+class ReferenceFile(NamedTuple):
     """A reference from a file: its quantities, instants in s, (k,), and values, (k, j)."""
 
     path: Path
@@ -90,26 +76,24 @@ class Given(NamedTuple):
     t: FloatArray
     values: FloatArray
 
-    def until(self, end: float) -> "Given":
-        """Its part up to an instant."""
-        inside = self.t <= end
-        return self._replace(t=self.t[inside], values=self.values[inside])
 
-
-def read_reference(path: Path, quantities: Sequence[str], t_start: float) -> Given:
-    """Read a file with a line of names, ``t`` among them, and a line of numbers an instant.
+def read_reference(
+    path: Path, quantities: Sequence[str], t_start: float, t_end: float | None
+) -> ReferenceFile:
+    """Read a file with a line of names, ``t`` among them, and a line of numbers per instant.
 
     Parameters
     ----------
     quantities
-        Those that are wanted; none: all columns of the file.
-    t_start
-        Instants up to it are left out: nothing is integrated there.
+        Columns to read; none: all columns of the file.
+    t_start, t_end
+        Instants up to `t_start`, where nothing is integrated, and after `t_end` are left out.
 
     Raises
     ------
     InputError
-        If the file cannot be read, lacks a column, or holds what is no number.
+        If the file cannot be read, lacks a column, holds a text that is no number, or ends before
+        `t_end`.
     """
     try:
         with path.open(encoding="utf-8", newline="") as file:
@@ -117,13 +101,13 @@ def read_reference(path: Path, quantities: Sequence[str], t_start: float) -> Giv
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"--reference {path}: cannot be read: {error}.") from error
     head = [name.strip() for name in rows[0]] if rows else []
-    wanted = tuple(quantities) or tuple(name for name in dict.fromkeys(head) if name != "t")
+    names = tuple(quantities) or tuple(name for name in dict.fromkeys(head) if name != "t")
     places, missing = [], []
-    for text in ("t", *wanted):
-        there = [head.index(name) for name in map(str.strip, text.split(OR)) if name in head]
-        places += there[:1]
-        missing += [] if there else [text]
-    if missing or not wanted:
+    for text in ("t", *names):
+        found = [head.index(name) for name in map(str.strip, text.split(OR)) if name in head]
+        places += found[:1]
+        missing += [] if found else [text]
+    if missing or not names:
         raise InputError(
             f"--reference {path}: there is no column {', '.join(missing) or 'beside t'}; it has "
             f"{', '.join(head) or 'none'}. Name the columns t, in s, and as the series are named."
@@ -135,7 +119,12 @@ def read_reference(path: Path, quantities: Sequence[str], t_start: float) -> Giv
             f"--reference {path}: it takes two instants or more after t = {t_start:g} s, each "
             "later than the one before it."
         )
-    return Given(path, wanted, table[:, 0].copy(), table[:, 1:].copy())
+    if t_end is not None and t_end > table[-1, 0]:
+        raise InputError(
+            f"--reference {path}: it ends at t = {table[-1, 0]:g} s, before {t_end:g} s."
+        )
+    table = table[table[:, 0] <= (math.inf if t_end is None else t_end)]
+    return ReferenceFile(path, names, table[:, 0].copy(), table[:, 1:].copy())
 
 
 def _numbers(path: Path, rows: Sequence[Sequence[str]], places: Sequence[int]) -> FloatArray:
@@ -148,7 +137,7 @@ def _numbers(path: Path, rows: Sequence[Sequence[str]], places: Sequence[int]) -
                 table[k, j] = math.nan
         if not np.isfinite(table[k]).all():
             raise InputError(
-                f"--reference {path}: the {k + 1}. line of numbers is {', '.join(row)}, of which "
-                "not all that are needed are finite numbers."
+                f"--reference {path}: the {k + 1}. line of numbers is {', '.join(row)}; not all "
+                "of the columns that are needed hold finite numbers."
             )
     return table

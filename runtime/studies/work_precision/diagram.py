@@ -1,4 +1,4 @@
-"""What is told of a scene whose accuracy was weighed against time; nothing here computes."""
+"""A work-precision diagram as data: settings, runs, reference, modelling choices."""
 
 import math
 from dataclasses import asdict, dataclass, field
@@ -11,7 +11,7 @@ from runtime.studies.error_norms import Errors, Scale
 DONE = "OK"
 TIMEOUT = "TIMEOUT"
 NOT_TRIED = "NOT_TRIED"
-_WAYS = {"step": "", "stage": ", every stage", "projection": ", projection"}
+_CORRECTIONS = {"step": "", "stage": ", every stage", "projection": ", projection"}
 
 
 class Setting(NamedTuple):
@@ -24,11 +24,13 @@ class Setting(NamedTuple):
     @property
     def title(self) -> str:
         """``dop853, reduced``, or ``dop853, cartesian, every stage``."""
-        return f"{self.method}, {self.formulation}{_WAYS.get(self.correction, self.correction)}"
+        return (
+            f"{self.method}, {self.formulation}{_CORRECTIONS.get(self.correction, self.correction)}"
+        )
 
     @property
     def companion(self) -> str:
-        """The file beside the scene's own that it takes: "reduced", "tangents", or "" for none."""
+        """The companion module that it takes: "reduced", "tangents", or "" for none."""
         if self.formulation == "reduced":
             return "reduced"
         return "tangents" if self.method in IMPLICIT else ""
@@ -42,13 +44,13 @@ class Point:
     ----------
     outcome, message
         "OK"; the name of a `runtime.Outcome`; "TIMEOUT" where the limit of time ended it;
-        "NOT_TRIED" where looser tolerances had met it twice. How it ended, in a sentence.
+        "NOT_TRIED" where looser tolerances had met the limit twice. How it ended, in a sentence.
     errors
         Against the reference; None of a run that did not reach its end.
     beyond
-        Whether the error is below what the reference is known to, and so is not known itself.
+        Whether the error is smaller than that of the reference, and so is not known itself.
     seconds
-        Processor time of the integration, assembly and outputs not included: the least of `runs`.
+        Processor time of the integration in s, without assembly and outputs: least of `runs`.
     spread
         The median of the runs' times over the least.
     counts
@@ -82,7 +84,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Line:
-    """A setting at all tolerances, the loosest first; or why it is none for this scene."""
+    """A setting at all tolerances, the loosest first; or why the scene cannot take it."""
 
     setting: Setting
     points: tuple[Point, ...] = ()
@@ -95,18 +97,18 @@ class Line:
 
     @property
     def known(self) -> tuple[Point, ...]:
-        """Those of them whose error the reference can tell."""
+        """Those of them whose error the reference can resolve."""
         return tuple(point for point in self.done if not point.beyond)
 
     @property
     def failed(self) -> tuple[Point, ...]:
-        """The runs that did not."""
+        """The runs that did not reach their end."""
         return tuple(point for point in self.points if point.errors is None)
 
 
 @dataclass(frozen=True)
 class Check:
-    """A run that confirms the reference, to a scaled error; or why it does not."""
+    """A run that confirms the reference to a scaled error; or why it does not."""
 
     title: str
     error: float | None
@@ -115,20 +117,20 @@ class Check:
 
 @dataclass(frozen=True)
 class Reference:
-    """What all runs are compared with.
+    """The solution with which all runs are compared.
 
     Attributes
     ----------
     source
         The file, or the setting of a run at a tolerance that no other run has.
     independent
-        Whether it was given, and not made by the methods that are compared.
+        Whether it was given, not computed by the methods that are compared.
     checks
-        What it was confirmed by: runs of other methods.
+        Runs of other methods that confirm it.
     floor
-        To how small a scaled error it is known: the least by which a check differs.
+        Scaled error to which it is known: the least difference of a check.
     horizon
-        The instant, s, from which on it is known to less than six digits; None: it is throughout.
+        The instant, s, from which on it is known to fewer than six digits; None if there is none.
     """
 
     source: str
@@ -140,18 +142,18 @@ class Reference:
 
 @dataclass(frozen=True)
 class Choice:
-    """Something modelled otherwise than the scene does.
+    """The scene with one thing modelled differently.
 
     Attributes
     ----------
     title, kind, scene
-        ``rod as link``, what it is, and the scene that was run.
+        ``rod as link``, the kind of the thing, and the scene that was run.
     setting
-        How; None where none was possible.
+        Of the run; None where none was possible.
     point
         The loosest run whose error is that of the model and not of the integration.
     reason
-        Why there is none.
+        Why there is no run.
     """
 
     title: str
@@ -164,25 +166,25 @@ class Choice:
 
 @dataclass(frozen=True)
 class WorkPrecision:
-    """What the accuracy of a scene's motion costs.
+    """The time that the accuracy of a scene's motion costs.
 
     Attributes
     ----------
     t_start, t_end, instants
-        The run, s, and at how many instants it is compared.
+        The run, s, and the number of instants at which it is compared.
     quantities
-        What is compared, and in which scales.
+        The compared quantities, and the scales of their errors.
     energy
-        What the energy is held against: "start" where nothing takes or gives any, "reference"
-        where something does, "" where the scene has none.
+        What the energy is compared with: "start" where it is conserved, "reference" where it
+        changes, "" where the scene has none.
     limit, steps
-        Time that passes, s, and steps that a run may take.
+        Wall-clock time, s, and steps that a run may take.
     build
-        Stage → seconds of building the scene anew: apart from all runs, once.
+        Stage → seconds of building the scene anew once, apart from all runs.
     environment
         Machine and versions.
     model_sha256, artefact
-        Of the model's file, where it has one, and of the generated module.
+        SHA-256 of the model's file, where it has one, and of the generated module.
     """
 
     model: str
@@ -211,14 +213,14 @@ class WorkPrecision:
         raise KeyError(f"{title!r}; there are: {there}")
 
     def facts(self) -> dict[str, Any]:
-        """Everything, as JSON knows it: what is no finite number is null."""
+        """All fields and the sentences, as JSON; a number that is not finite is null."""
         from runtime.studies.work_precision.interpretation import sentences
 
-        facts: dict[str, Any] = plain(_named(asdict(self)))
+        facts: dict[str, Any] = plain(_as_mappings(asdict(self)))
         return {**facts, "sentences": list(sentences(self, whole=True))}
 
 
-def _named(facts: dict[str, Any]) -> dict[str, Any]:
+def _as_mappings(facts: dict[str, Any]) -> dict[str, Any]:
     """Named tuples as mappings: `asdict` leaves them as they are."""
     facts["quantities"] = [scale._asdict() for scale in facts["quantities"]]
     for entry in (*facts["lines"], *facts["choices"]):

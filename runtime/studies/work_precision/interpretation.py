@@ -1,4 +1,4 @@
-"""What the runs say: times at an accuracy, the front, and sentences; all from the runs alone."""
+"""Conclusions from the runs: times at an accuracy, the Pareto front, sentences."""
 
 import math
 import textwrap
@@ -7,14 +7,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from runtime.studies.timing import time_to_error
 from runtime.studies.work_precision.diagram import Choice, Line, Point, Setting, WorkPrecision
 
 TARGETS = (1e-3, 1e-6, 1e-9)
-"""Scaled errors at which times are told; the first is what the IFToMM benchmarks call precise."""
+"""Scaled errors at which times are given; the IFToMM benchmarks call the first precise."""
 NOISY = 1.3
 """Spread from which on a time is doubtful."""
 LONG = 160
-"""Characters of a reason on a screen; what is longer ends at a word, and stands in the records."""
+"""Characters of a reason on a screen; a longer one is cut at a word there, not in the records."""
 
 
 class Best(NamedTuple):
@@ -30,51 +31,37 @@ def digits(error: float) -> str:
 
 
 def time_at(line: Line, error: float) -> float | None:
-    """Time in s at which a line reaches a scaled error, None where it does not.
+    """Time in s in which a line reaches a scaled error, None if it does not.
 
-    On the straight line between two runs in logarithms, where the first to reach it comes after one
-    that does not; of the run itself where it is the loosest. A tighter run that is faster reaches
-    it as well, so that no accuracy takes longer than a better one.
+    A tighter run that is faster reaches it as well, so that no accuracy takes longer than a better
+    one.
     """
-    found = _first_time(line, error)
+    points = [(p.errors.worst, p.seconds) for p in line.done if p.errors is not None]
+    found = time_to_error(points, error)
     if found is None:
         return None
-    better = (p.seconds for p in line.done if p.errors and p.errors.worst <= error)
-    return min(found, *better)
+    return min(found, *(seconds for worst, seconds in points if worst <= error))
 
 
-def _first_time(line: Line, error: float) -> float | None:
-    """That of the first to reach it, or on the way to it."""
-    before: Point | None = None
-    for point in line.done:
-        assert point.errors is not None
-        if point.errors.worst <= error:
-            if before is None or before.errors is None or math.isinf(before.errors.worst):
-                return point.seconds
-            far, near = math.log(before.errors.worst), math.log(max(point.errors.worst, 1e-17))
-            share = (far - math.log(error)) / (far - near)
-            slow, fast = math.log(point.seconds), math.log(before.seconds)
-            return math.exp(fast + share * (slow - fast))
-        before = point
-    return None
-
-
-def best_at(told: WorkPrecision, error: float) -> Best | None:
-    """The fastest line at an accuracy that the reference can tell."""
-    if error < told.reference.floor:
+def best_at(study: WorkPrecision, error: float) -> Best | None:
+    """The fastest line at an accuracy that the reference can resolve."""
+    if error < study.reference.floor:
         return None
-    found = [(time_at(line, error), k) for k, line in enumerate(told.lines)]
-    times = [(seconds, k) for seconds, k in found if seconds is not None]
+    times = [
+        (seconds, k)
+        for k, line in enumerate(study.lines)
+        if (seconds := time_at(line, error)) is not None
+    ]
     if not times:
         return None
     seconds, k = min(times)
-    return Best(seconds, told.lines[k])
+    return Best(seconds, study.lines[k])
 
 
 def front(lines: Sequence[Line]) -> list[tuple[Setting, Point]]:
-    """The Pareto front: the runs than which none is both faster and more accurate, fastest first.
+    """The Pareto front: runs than which none is both faster and more accurate, fastest first.
 
-    Runs beyond what the reference is known to are none of it, but for the fastest.
+    Of the runs that are more accurate than the reference it has the fastest only.
     """
     runs = [(line.setting, point) for line in lines for point in line.done]
     found: list[tuple[Setting, Point]] = []
@@ -99,35 +86,35 @@ def slope(line: Line) -> float | None:
 
 
 def effectivity(line: Line) -> float | None:
-    """Median of E over rtol: by how much a run's error exceeds what its steps are held to."""
+    """Median of E over rtol: the factor between the error of a run and the tolerance of a step."""
     ratios = [p.errors.worst / p.rtol for p in line.known if p.errors]
     return float(np.median(ratios)) if ratios else None
 
 
-def sentences(told: WorkPrecision, *, whole: bool = False) -> Iterator[str]:
-    """What the picture shows, a line each, the most important first; reasons short or whole."""
-    most = math.inf if whole else LONG
-    yield headline(told)
-    yield from _methods(told)
-    yield from _corrections(told)
-    yield from _formulations(told)
-    yield from _choices(told, most)
-    yield from _reference(told)
-    yield from _failures(told, most)
-    yield from _times(told)
+def sentences(study: WorkPrecision, *, whole: bool = False) -> Iterator[str]:
+    """Conclusions, a line each, the most important first; reasons of failures short or whole."""
+    longest = math.inf if whole else LONG
+    yield headline(study)
+    target = next((target for target in (1e-6, 1e-3) if best_at(study, target)), None)
+    if target is not None:
+        yield from _comparisons(study, target)
+    for choice in study.choices:
+        yield _choice(study, choice, longest)
+    yield from _reference(study)
+    yield from _failures(study, longest)
+    yield from _times(study)
 
 
-def headline(told: WorkPrecision) -> str:
-    """What three more digits cost."""
-    reached = [(target, best) for target in TARGETS if (best := best_at(told, target))]
+def headline(study: WorkPrecision) -> str:
+    """The cost of three more digits."""
+    reached = [(target, best) for target in TARGETS if (best := best_at(study, target))]
     if len(reached) < 2:
-        runs = front(told.lines)
-        most = max((point.digits for _, point in runs), default=0.0)
-        return f"No run has more than {most:.1f} digits, of which the reference can tell."
+        most = max((point.digits for _, point in front(study.lines)), default=0.0)
+        return f"No run has more than {most:.1f} digits that the reference can resolve."
     (loose, fast), (tight, slow) = reached[-2:]
     more = "three" if round(math.log10(loose / tight)) == 3 else digits(tight / loose)
     return (
-        f"{more.capitalize()} more digits, {digits(tight)} in place of {digits(loose)}, cost "
+        f"{more.capitalize()} more digits, {digits(tight)} instead of {digits(loose)}, cost "
         f"{slow.seconds / fast.seconds:.2g} times the time: {milliseconds(fast.seconds)}"
         f"{'' if slow.line is fast.line else f' ({fast.line.setting.title})'} become "
         f"{milliseconds(slow.seconds)} ({slow.line.setting.title})."
@@ -139,127 +126,102 @@ def milliseconds(seconds: float) -> str:
     return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"
 
 
-def _target(told: WorkPrecision) -> float | None:
-    """The accuracy at which settings are compared: six digits, or three."""
-    return next((target for target in (1e-6, 1e-3) if best_at(told, target)), None)
-
-
-def _methods(told: WorkPrecision) -> Iterator[str]:
-    target = _target(told)
-    if target is None:
+def _comparisons(study: WorkPrecision, target: float) -> Iterator[str]:
+    """Methods, corrections and formulations at one accuracy."""
+    times = {
+        line.setting: seconds
+        for line in study.lines
+        if (seconds := time_at(line, target)) is not None
+    }
+    at = f"at {digits(target)} digits"
+    once = sorted((seconds, s.title) for s, seconds in times.items() if s.correction == "step")
+    if len(once) > 1:
+        (least, first), (most, last) = once[0], once[-1]
+        yield (
+            f"{at.capitalize()} {first} takes {milliseconds(least)}, {last} {most / least:.3g} "
+            "times as long."
+        )
+    base = Setting("dop853")
+    if base not in times:
         return
-    times = sorted(
-        (seconds, line.setting.title)
-        for line in told.lines
-        if line.setting.correction == "step" and (seconds := time_at(line, target)) is not None
-    )
-    if len(times) > 1:
-        (least, first), (most, last) = times[0], times[-1]
-        yield (
-            f"At {digits(target)} digits {first} takes {milliseconds(least)}, {last} "
-            f"{most / least:.3g} times as long."
-        )
-
-
-def _corrections(told: WorkPrecision) -> Iterator[str]:
-    target, base = _target(told), Setting("dop853")
-    for way, name in (("stage", "at every stage"), ("projection", "by projection")):
-        ratio = _ratio(told, base._replace(correction=way), base, target)
-        if ratio is not None and target is not None:
+    for correction, name in (("stage", "at every stage"), ("projection", "by projection")):
+        other = base._replace(correction=correction)
+        if other in times:
             yield (
-                f"Correction {name} takes {ratio:.2f} times the time of correction once a step at "
-                f"{digits(target)} digits ({base.title})."
+                f"Correction {name} takes {times[other] / times[base]:.2f} times the time of "
+                f"correction once per step {at} ({base.title})."
             )
-
-
-def _formulations(told: WorkPrecision) -> Iterator[str]:
-    target, base = _target(told), Setting("dop853")
     other = base._replace(formulation="reduced")
-    ratio = _ratio(told, other, base, target)
-    if ratio is not None and target is not None:
-        yield (
-            f"{other.title} takes {ratio:.2f} times the time of {base.title} at {digits(target)} "
-            "digits."
-        )
+    if other in times:
+        ratio = times[other] / times[base]
+        yield f"{other.title} takes {ratio:.2f} times the time of {base.title} {at}."
 
 
-def _ratio(told: WorkPrecision, this: Setting, that: Setting, target: float | None) -> float | None:
-    """Time of one setting over that of another at an accuracy; None where one has none."""
-    of = {line.setting: line for line in told.lines}
-    if target is None or this not in of or that not in of:
-        return None
-    over, under = time_at(of[this], target), time_at(of[that], target)
-    return None if over is None or under is None else over / under
-
-
-def _choices(told: WorkPrecision, most: float) -> Iterator[str]:
-    for choice in told.choices:
-        yield _choice(told, choice, most)
-
-
-def _choice(told: WorkPrecision, choice: Choice, most: float) -> str:
-    """What a modelling choice costs in accuracy, and in time beside the scene as it is declared."""
+def _choice(study: WorkPrecision, choice: Choice, longest: float) -> str:
+    """Accuracy and time of a modelling choice, and the time of the declared scene beside it."""
     point = choice.point
     if point is None or point.errors is None or choice.setting is None:
-        return f"{choice.title}: not run. {_short(choice.reason, most)}"
-    error = point.errors.worst
+        return f"{choice.title}: not run. {_shorten(choice.reason, longest)}"
     if point.beyond:
-        kept = "all digits that the reference is known to"
+        kept = "all digits that the reference can resolve"
     else:
         kept = f"{max(point.digits, 0.0):.1f} digits, however tight the tolerance"
-    full = best_at(told, max(min(error, 0.1), told.reference.floor))
-    beside = ""
+    full = best_at(study, max(min(point.errors.worst, 0.1), study.reference.floor))
+    declared = ""
     if full is not None:
-        beside = f"; the scene as declared has as many after {milliseconds(full.seconds)}"
-    return f"{choice.title} keeps {kept}, after {milliseconds(point.seconds)}{beside}."
+        declared = f"; the declared scene has as many after {milliseconds(full.seconds)}"
+    return f"{choice.title} keeps {kept}, after {milliseconds(point.seconds)}{declared}."
 
 
-def _reference(told: WorkPrecision) -> Iterator[str]:
-    reference = told.reference
+def _reference(study: WorkPrecision) -> Iterator[str]:
+    reference = study.reference
     checks = ", ".join(
         f"{check.title} differs by {check.error:.1e}"
         for check in reference.checks
         if check.error is not None
     )
-    kind = "is given" if reference.independent else "is a run, and no independent one"
+    kind = "was given" if reference.independent else "is itself a run and not independent"
     yield (
         f"The reference, {reference.source}, {kind}: {checks}. Errors below "
-        f"{reference.floor:.1e} cannot be told."
+        f"{reference.floor:.1e} cannot be resolved."
     )
     if reference.horizon is not None:
         yield (
-            f"From t = {reference.horizon:.4g} s on the reference is known to less than six "
-            "digits: the motion is too sensitive to be followed for longer, or the reference is "
-            "that of another machine. End the run earlier, or compare what is less sensitive."
+            f"From t = {reference.horizon:.4g} s on, the reference is known to fewer than six "
+            "digits: the motion is too sensitive to be followed for longer, or the reference "
+            "belongs to another machine. End the run earlier, or compare less sensitive "
+            "quantities."
         )
 
 
-def _failures(told: WorkPrecision, most: float) -> Iterator[str]:
-    reasons: dict[str, list[str]] = {}
-    for line in told.lines:
+def _failures(study: WorkPrecision, longest: float) -> Iterator[str]:
+    refusals: dict[str, list[str]] = {}
+    for line in study.lines:
         if line.refused:
-            reasons.setdefault(line.refused, []).append(line.setting.title)
+            refusals.setdefault(line.refused, []).append(line.setting.title)
         if line.failed:
             outcomes = ", ".join(dict.fromkeys(point.outcome for point in line.failed))
             count = f"{len(line.failed)} of {len(line.points)} runs did not reach the end"
-            why = _short(line.failed[0].message, most)
-            yield f"{line.setting.title}: {count}: {outcomes}. {why}"
-    for reason, titles in reasons.items():
-        yield f"Not tried: {'; '.join(titles)}. {_short(reason, most)}"
+            reason = _shorten(line.failed[0].message, longest)
+            yield f"{line.setting.title}: {count}: {outcomes}. {reason}"
+    for reason, titles in refusals.items():
+        yield f"Not tried: {'; '.join(titles)}. {_shorten(reason, longest)}"
 
 
-def _times(told: WorkPrecision) -> Iterator[str]:
-    noisy = sum(p.spread > NOISY for line in told.lines for p in line.done)
-    runs = sum(len(line.done) for line in told.lines)
+def _times(study: WorkPrecision) -> Iterator[str]:
+    noisy = sum(p.spread > NOISY for line in study.lines for p in line.done)
+    runs = sum(len(line.done) for line in study.lines)
     if noisy:
         yield (
-            f"Times of {noisy} of {runs} runs spread by more than {NOISY:g} (median over least): "
-            "others use the machine; the least counts."
+            f"The times of {noisy} of {runs} runs spread by more than {NOISY:g} (median over "
+            "least): others use the machine; the least counts."
         )
-    if told.build:
-        parts = ", ".join(f"{stage} {seconds:.2g}" for stage, seconds in told.build.items())
-        yield f"Built once, apart from all runs, in s: {parts}."
+    if study.build:
+        parts = ", ".join(f"{stage} {seconds:.2g}" for stage, seconds in study.build.items())
+        yield f"Building, once, apart from all runs, in s: {parts}."
 
 
-def _short(text: str, most: float) -> str:
-    return text if len(text) <= most else textwrap.shorten(text, int(most), placeholder=" …")
+def _shorten(text: str, longest: float) -> str:
+    if len(text) <= longest:
+        return text
+    return textwrap.shorten(text, int(longest), placeholder=" …")

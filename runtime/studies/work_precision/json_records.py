@@ -1,68 +1,93 @@
-"""A study as JSON lines: one a run, each with all that it takes to be understood alone."""
+"""A study as JSON lines: one per run, each with all that is needed to understand it alone."""
 
 import json
+import platform
 from collections.abc import Iterator
 from dataclasses import asdict
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from codegen import __version__
 from runtime.results.json_values import plain
 from runtime.studies.work_precision.diagram import Point, Setting, WorkPrecision
 from runtime.studies.work_precision.interpretation import effectivity, slope
 
+LIBRARIES = ("numba", "llvmlite", "numpy", "scipy", "sympy")
 
-def records(told: WorkPrecision) -> Iterator[dict[str, Any]]:
-    """One mapping a run; one for a setting that was refused and for a choice that did not run."""
-    about = {
-        "model": told.model,
-        "scene": told.scene,
-        "model_sha256": told.model_sha256,
-        "artefact_sha256": told.artefact,
-        "t_start": told.t_start,
-        "t_end": told.t_end,
-        "instants": told.instants,
-        "scales": {scale.name: scale.value for scale in told.quantities},
-        "reference": told.reference.source,
-        "independent": told.reference.independent,
-        "floor": told.reference.floor,
-        "energy_against": told.energy,
-        "environment": told.environment,
+
+def environment() -> dict[str, str]:
+    """Processor, operating system and versions: name → text."""
+    found = {
+        "machine": processor(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "python": platform.python_version(),
+        "linkwright": __version__,
     }
-    for line in told.lines:
+    for name in LIBRARIES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def processor() -> str:
+    """Name of the processor."""
+    information = Path("/proc/cpuinfo")
+    if information.is_file():
+        for line in information.read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
+
+
+def records(study: WorkPrecision) -> Iterator[dict[str, Any]]:
+    """One mapping per run, per refused setting, and per modelling choice that did not run."""
+    common = {
+        "model": study.model,
+        "scene": study.scene,
+        "model_sha256": study.model_sha256,
+        "artefact_sha256": study.artefact,
+        "t_start": study.t_start,
+        "t_end": study.t_end,
+        "instants": study.instants,
+        "scales": {scale.name: scale.value for scale in study.quantities},
+        "reference": study.reference.source,
+        "independent": study.reference.independent,
+        "floor": study.reference.floor,
+        "energy_against": study.energy,
+        "environment": study.environment,
+    }
+    for line in study.lines:
+        about = {**common, **line.setting._asdict(), "choice": ""}
         of_line = {"slope": slope(line), "effectivity": effectivity(line)}
         if line.refused:
-            yield plain({**about, **_how(line.setting), "choice": "", "outcome": "REFUSED",
-                         "message": line.refused})  # fmt: skip
+            yield plain({**about, **_refusal(line.refused)})
         for point in line.points:
-            yield plain(
-                {**about, **_how(line.setting), "choice": "", **_run(told, point), **of_line}
-            )
-    for choice in told.choices:
-        how = {**_how(choice.setting or Setting("")), "choice": choice.title}
-        run = (
-            {"outcome": "REFUSED", "message": choice.reason}
-            if choice.point is None
-            else _run(told, choice.point)
-        )
-        yield plain({**about, "scene_run": choice.scene, **how, **run})
+            yield plain({**about, **_run(study, point), **of_line})
+    for choice in study.choices:
+        setting = (choice.setting or Setting(""))._asdict()
+        about = {**common, "scene_run": choice.scene, **setting, "choice": choice.title}
+        run = _refusal(choice.reason) if choice.point is None else _run(study, choice.point)
+        yield plain({**about, **run})
 
 
-def write_records(told: WorkPrecision, path: Path) -> Path:
+def write_records(study: WorkPrecision, path: Path) -> Path:
     """Write them, a line each; returns the path."""
-    lines = (json.dumps(record, allow_nan=False) for record in records(told))
+    lines = (json.dumps(record, allow_nan=False) for record in records(study))
     path.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
     return path
 
 
-def _how(setting: Setting) -> dict[str, Any]:
-    return dict(setting._asdict())
+def _refusal(reason: str) -> dict[str, Any]:
+    return {"outcome": "REFUSED", "message": reason}
 
 
-def _run(told: WorkPrecision, point: Point) -> dict[str, Any]:
-    entries = asdict(point)
-    entries["atol"] = {
+def _run(study: WorkPrecision, point: Point) -> dict[str, Any]:
+    atol = {
         scale.name: point.rtol * min(1.0, scale.value)
-        for scale in told.quantities
+        for scale in study.quantities
         if scale.group == "positions"
     }
-    return {**entries, "digits": point.digits}
+    return {**asdict(point), "atol": atol, "digits": point.digits}

@@ -1,10 +1,10 @@
-"""The settings, run at every tolerance, judged against the reference and timed."""
+"""A scene run in every setting at every tolerance, compared with the reference and timed."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
 
 from codegen.errors import InputError, LinkwrightError
+from runtime.studies.timing import Stopwatch
 from runtime.studies.work_precision.diagram import (
     DONE,
     NOT_TRIED,
@@ -13,104 +13,112 @@ from runtime.studies.work_precision.diagram import (
     Point,
     Setting,
 )
-from runtime.studies.work_precision.reference_solution import Truth
-from runtime.studies.work_precision.timed_runs import Runner, Stopwatch, take_turns
+from runtime.studies.work_precision.reference_solution import ReferenceSolution
+from runtime.studies.work_precision.timed_runs import Run, Runner, time_runs
 
-if TYPE_CHECKING:
-    from runtime.results.result import Result
-
-ENOUGH = 1e-9
-"""Scaled error beyond which no tighter tolerance is tried."""
-GIVEN_UP = 2
-"""Runs in a row that meet the limit of time; tighter tolerances take no less and are not tried."""
+ENOUGH = 1e-9  # accuracy: scaled error beyond which no tighter tolerance is tried
+GIVEN_UP = 2  # safety: successive timeouts after which tighter tolerances, as slow, are not tried
 
 
-def lines(
-    runner: Runner,
-    truth: Truth,
-    settings: Sequence[Setting],
-    rtols: Sequence[float],
-    further: Sequence[float],
-    rounds: int,
-    least: float,
-    progress: Callable[[str], None],
-) -> tuple[Line, ...]:
-    """Every setting at every tolerance, the loosest first.
+@dataclass(frozen=True)
+class Measurement:
+    """How the runs of a study are compared and timed.
 
-    Parameters
+    Attributes
     ----------
-    further
-        Tolerances, tighter than `rtols`, for settings that do not come to `ENOUGH` by these.
+    runner
+        The scene as declared.
     rounds, least
-        As in `take_turns`.
+        As in `time_runs`.
+    progress
+        Receives a line before every step that takes time.
     """
-    made: list[tuple[Line, list[Stopwatch]]] = []
-    title = runner.machine.description.title
-    for setting in settings:
-        progress(f"{title}: {setting.title}")
-        made.append(_line(runner, truth, setting, rtols, further))
-    progress(f"{title}: taking times")
-    turns = [
-        (line.setting, point.rtol, watch)
-        for line, watches in made
-        for point, watch in zip(line.points, watches, strict=True)
-        if point.outcome == DONE
-    ]
-    take_turns(runner, turns, rounds, least)
-    return tuple(
-        replace(line, points=tuple(map(timed, line.points, watches))) for line, watches in made
-    )
+
+    runner: Runner
+    reference: ReferenceSolution
+    rounds: int
+    least: float
+    progress: Callable[[str], None]
+
+    def lines(
+        self, settings: Sequence[Setting], rtols: Sequence[float], further: Sequence[float]
+    ) -> tuple[Line, ...]:
+        """Every setting at every tolerance, the loosest first.
+
+        Parameters
+        ----------
+        further
+            Tolerances tighter than `rtols`, for settings that do not reach `ENOUGH` by these.
+        """
+        measured: list[tuple[Line, list[Stopwatch]]] = []
+        title = self.runner.machine.description.title
+        for setting in settings:
+            self.progress(f"{title}: {setting.title}")
+            measured.append(self._line(setting, rtols, further))
+        self.progress(f"{title}: timing in turns")
+        completed = [
+            watch
+            for line, watches in measured
+            for point, watch in zip(line.points, watches, strict=True)
+            if point.outcome == DONE
+        ]
+        time_runs(completed, self.rounds, self.least)
+        return tuple(
+            replace(line, points=tuple(map(with_time, line.points, watches)))
+            for line, watches in measured
+        )
+
+    def _line(
+        self, setting: Setting, rtols: Sequence[float], further: Sequence[float]
+    ) -> tuple[Line, list[Stopwatch]]:
+        points: list[Point] = []
+        watches: list[Stopwatch] = []
+        given_up = False
+        for rtol in (*sorted(rtols, reverse=True), *further):
+            if rtol in further and (points[-1].errors is None or points[-1].errors.worst <= ENOUGH):
+                break
+            watch = self.runner.stopwatch(setting, rtol)
+            watches.append(watch)
+            if given_up:
+                points.append(Point(rtol, NOT_TRIED, "Looser tolerances met the limit of time."))
+                continue
+            try:
+                run = self.runner.run(setting, rtol)
+            except LinkwrightError as error:
+                return Line(setting, refused=reason_of(error)), []
+            watch.times.append(run.seconds)
+            points.append(point_of(run, rtol, self.reference))
+            given_up = [point.outcome for point in points[-GIVEN_UP:]] == [TIMEOUT] * GIVEN_UP
+        return Line(setting, tuple(points)), watches
 
 
-def _line(
-    runner: Runner,
-    truth: Truth,
-    setting: Setting,
-    rtols: Sequence[float],
-    further: Sequence[float],
-) -> tuple[Line, list[Stopwatch]]:
-    points: list[Point] = []
-    watches: list[Stopwatch] = []
-    given_up = False
-    for rtol in (*sorted(rtols, reverse=True), *further):
-        if rtol in further and (points[-1].errors is None or points[-1].errors.worst <= ENOUGH):
-            break
-        watch = Stopwatch()
-        watches.append(watch)
-        if given_up:
-            points.append(Point(rtol, NOT_TRIED, "Looser tolerances met the limit of time."))
-            continue
-        try:
-            result, outcome = runner.run(setting, rtol, watch)
-        except LinkwrightError as error:
-            problems = error.problems if isinstance(error, InputError) else (str(error),)
-            return Line(setting, refused=" ".join(problems)), []
-        points.append(judged(result, outcome, rtol, truth))
-        given_up = [point.outcome for point in points[-GIVEN_UP:]] == [TIMEOUT] * GIVEN_UP
-    return Line(setting, tuple(points)), watches
-
-
-def judged(result: "Result", outcome: str, rtol: float, truth: Truth) -> Point:
-    """A run against the reference, its time not measured yet."""
+def point_of(run: Run, rtol: float, reference: ReferenceSolution) -> Point:
+    """A run against the reference; its time is not measured yet."""
+    result = run.result
     counts = {name: float(count) for name, count in result.stats.items() if "seconds" not in name}
-    if outcome != DONE:
-        return Point(rtol, outcome, result.message, counts=counts)
-    found = truth.errors(result)
+    if run.outcome != DONE:
+        return Point(rtol, run.outcome, result.message, counts=counts)
+    errors = reference.errors(result)
     return Point(
         rtol,
-        outcome,
+        run.outcome,
         result.message,
-        found,
-        beyond=found.worst < truth.reference.floor,
+        errors,
+        beyond=errors.worst < reference.about.floor,
         counts=counts,
-        position_residual=float(result.samples.residual[:, 0].max()) / truth.length,
-        velocity_residual=float(result.samples.residual[:, 1].max()) / truth.speed,
-        energy=truth.energy_error(result),
+        position_residual=float(result.samples.residual[:, 0].max()) / reference.length,
+        velocity_residual=float(result.samples.residual[:, 1].max()) / reference.speed,
+        energy=reference.energy_error(result),
     )
 
 
-def timed(point: Point, watch: Stopwatch) -> Point:
+def with_time(point: Point, watch: Stopwatch) -> Point:
     """A point with its time; that of a run that failed is the time until then."""
     if not watch.times:
         return point
     return replace(point, seconds=watch.seconds, spread=watch.spread, runs=len(watch.times))
+
+
+def reason_of(error: LinkwrightError) -> str:
+    """The message of a refusal in one line."""
+    return " ".join(error.problems) if isinstance(error, InputError) else str(error)

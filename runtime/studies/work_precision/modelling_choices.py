@@ -1,8 +1,7 @@
-"""Modelling choices are accuracy too: the scene with something taken otherwise, against itself.
+"""Errors of modelling: the scene in other fidelities, against the reference of the scene itself.
 
-Its motion is compared with the reference of the scene as it is declared. However tight the
-tolerance, the error of the model remains; the loosest run in which there is hardly anything else is
-what the choice costs. In looser runs the errors of both add up, or cancel.
+However tight the tolerance, the error of the model remains. The loosest run whose error is hardly
+anything else shows the cost of the choice; in looser runs the two errors add up, or cancel.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,24 +10,22 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from codegen.errors import InputError, LinkwrightError
 from codegen.scene_variants import declared, variants
-from runtime.studies.effect_ranking.trial_run import Plan
+from runtime.studies.timing import Stopwatch
 from runtime.studies.work_precision.diagram import DONE, Choice, Point, Setting
-from runtime.studies.work_precision.measurement import judged, timed
-from runtime.studies.work_precision.reference_solution import Truth
-from runtime.studies.work_precision.timed_runs import Runner, Stopwatch, take_turns
+from runtime.studies.work_precision.measurement import Measurement, point_of, reason_of, with_time
+from runtime.studies.work_precision.reference_solution import ReferenceSolution
+from runtime.studies.work_precision.timed_runs import Runner, time_runs
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
-    from runtime.machine import Machine
 
 RTOLS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
-SAME = 0.1
-"""Share by which the error of a run may differ from the tightest run's and be that of the model."""
+_MODEL_ERROR = 0.1  # accuracy: share by which a run's error may differ from the tightest run's
 _LEFT_OUT = "none"
 
 
 class Alternative(NamedTuple):
-    """A scene that stands for the same machine: its title, what is other in it, and itself."""
+    """A scene that models the same machine: its title, the kind of its difference, the scene."""
 
     title: str
     kind: str
@@ -36,9 +33,9 @@ class Alternative(NamedTuple):
 
 
 def alternatives(
-    read: "Model", chosen: "Scene", modelling: bool, beside: "Sequence[str | Scene]"
+    model: "Model", declared_scene: "Scene", modelling: bool, beside: "Sequence[str | Scene]"
 ) -> tuple[Alternative, ...]:
-    """Scenes to judge.
+    """Scenes to compare with the declared one.
 
     Parameters
     ----------
@@ -52,94 +49,73 @@ def alternatives(
     InputError
         If the model has no such scene.
     """
-    made = [
-        Alternative(change.title, change.kind, change.of(chosen))
-        for change in (variants(read, chosen) if modelling else ())
+    found = [
+        Alternative(change.title, change.kind, change.of(declared_scene))
+        for change in (variants(model, declared_scene) if modelling else ())
         if change.word != _LEFT_OUT
     ]
-    named = (declared(read, scene)[1] for scene in beside)
-    return (*made, *(Alternative(scene.name, "scene", scene) for scene in named))
+    named = (declared(model, scene)[1] for scene in beside)
+    return (*found, *(Alternative(scene.name, "scene", scene) for scene in named))
 
 
-def choices(
+def measure_choices(
+    measurement: Measurement,
     others: Sequence[Alternative],
-    load: Callable[["Scene"], "Machine"],
-    runner: Runner,
-    plan: Plan,
-    truth: Truth,
+    prepare: Callable[["Scene"], Runner],
     settings: Sequence[Setting],
-    rounds: int,
-    least: float,
-    progress: Callable[[str], None],
 ) -> tuple[Choice, ...]:
-    """Each of the scenes, run until its error is its own.
+    """Each of the scenes, run until the error of its model is all that is left.
 
     Parameters
     ----------
-    load
-        Scene → machine.
-    runner
-        Of the scene as it is.
-    plan
-        Parameters and guess, of which a scene gets those that it has.
+    prepare
+        Scene → its runner; raises LinkwrightError where it does not assemble.
     settings
         In which a scene is tried, until one runs.
-    rounds, least
-        As in `take_turns`.
     """
-    made = []
+    found = []
     for title, kind, scene in others:
-        progress(f"{runner.machine.model}/{scene.name}")
-        told = Choice(title, kind, scene.name)
+        measurement.progress(f"{measurement.runner.machine.model}/{scene.name}")
+        choice = Choice(title, kind, scene.name)
         try:
-            machine = load(scene)
-            parameters = plan.parameters_of(machine)
-            begin = machine.assemble(plan.guess_of(machine), parameters, plan.t_start)
-            own = replace(runner, machine=machine, begin=begin, parameters=parameters)
+            runner = prepare(scene)
         except LinkwrightError as error:
-            made.append(replace(told, reason=_reason(error)))
-            continue
-        made.append(_tried(told, own, truth, settings, rounds, least))
-    return tuple(made)
+            found.append(replace(choice, reason=reason_of(error)))
+        else:
+            found.append(_measure(choice, measurement, runner, settings))
+    return tuple(found)
 
 
-def _tried(
-    told: Choice,
-    runner: Runner,
-    truth: Truth,
-    settings: Sequence[Setting],
-    rounds: int,
-    least: float,
+def _measure(
+    choice: Choice, measurement: Measurement, runner: Runner, settings: Sequence[Setting]
 ) -> Choice:
     """In the first setting that works."""
     reasons = []
     for setting in settings:
         try:
-            point, watch = _cheapest(runner, truth, setting)
-            take_turns(runner, [(setting, point.rtol, watch)], rounds, least)
+            point, watch = _cheapest(runner, measurement.reference, setting)
+            time_runs([watch], measurement.rounds, measurement.least)
         except InputError as error:
-            reasons.append(_reason(error))
+            reasons.append(reason_of(error))
         except LinkwrightError as error:
-            reasons.append(f"{setting.title}: {_reason(error)}")
+            reasons.append(f"{setting.title}: {error}")
         else:
-            return replace(told, setting=setting, point=timed(point, watch))
-    return replace(told, reason=" ".join(dict.fromkeys(reasons)))
+            return replace(choice, setting=setting, point=with_time(point, watch))
+    return replace(choice, reason=" ".join(dict.fromkeys(reasons)))
 
 
-def _cheapest(runner: Runner, truth: Truth, setting: Setting) -> tuple[Point, Stopwatch]:
-    """The loosest run whose error is that of the model, as it is in all that are tighter."""
+def _cheapest(
+    runner: Runner, reference: ReferenceSolution, setting: Setting
+) -> tuple[Point, Stopwatch]:
+    """The loosest run whose error is that of the model, as it is in all tighter runs."""
     points: list[tuple[Point, Stopwatch]] = []
     for rtol in RTOLS:
-        watch = Stopwatch()
-        result, outcome = runner.run(setting, rtol, watch)
-        if outcome == DONE:
-            points.append((judged(result, outcome, rtol, truth), watch))
+        run = runner.run(setting, rtol)
+        if run.outcome == DONE:
+            watch = runner.stopwatch(setting, rtol, run.seconds)
+            points.append((point_of(run, rtol, reference), watch))
         elif rtol == RTOLS[-1]:
-            raise LinkwrightError(result.message)
+            raise LinkwrightError(run.result.message)
     worst = [point.errors.worst for point, _ in points if point.errors is not None]
-    other = [k for k, error in enumerate(worst) if abs(error - worst[-1]) > SAME * worst[-1]]
+    other = [k for k, e in enumerate(worst) if abs(e - worst[-1]) > _MODEL_ERROR * worst[-1]]
     return points[other[-1] + 1 if other else 0]
-
-
-def _reason(error: LinkwrightError) -> str:
-    return " ".join(error.problems) if isinstance(error, InputError) else str(error)

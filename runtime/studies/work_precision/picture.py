@@ -1,4 +1,4 @@
-"""What accuracy costs, as a picture: digits against milliseconds, a line a setting."""
+"""The work-precision diagram as a picture: digits against milliseconds, a line per setting."""
 
 import math
 from pathlib import Path
@@ -6,6 +6,7 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
+from runtime.show.plot import check_parent, new_figure
 from runtime.studies.work_precision.diagram import Line, WorkPrecision
 from runtime.studies.work_precision.interpretation import front, headline
 from runtime.studies.work_precision.json_records import write_records
@@ -27,27 +28,25 @@ STYLES = {("cartesian", "step"): "-", ("reduced", "step"): "--",
 MARKERS = {("cartesian", "step"): "o", ("reduced", "step"): "s",
            ("cartesian", "stage"): "^", ("cartesian", "projection"): "v"}  # fmt: skip
 GREY, DARK, FRONT = "#b5bcc4", "#1b1f24", "#ffd84d"
-_HEIGHT, _LINE = 390.0, 11.0  # points: of the axes, about, and of a line of text
-_FAILED = -0.75
-"""Place on the axis of digits where runs are drawn that did not reach their end."""
+_HEIGHT, _LINE = 390.0, 11.0  # points: height of the axes, about, and of a line of text
+_FAILED = -0.75  # place of runs that did not reach their end, on the axis of digits
 
 
 def check_folder(path: Path) -> None:
-    """Refuse a place that cannot become a folder, before anything is run for it.
+    """Refuse a place that cannot become a folder, before the study runs.
 
     Raises
     ------
     InputError
-        If a file is in its place, or the folder around it does not exist.
+        If it is a file, or its parent folder does not exist.
     """
     if path.exists() and not path.is_dir():
         raise InputError(f"--out {path}: it is a file; name a folder.")
-    if not path.resolve().parent.is_dir():
-        raise InputError(f"--out {path}: the folder {path.resolve().parent} does not exist.")
+    check_parent(path)
 
 
-def save(told: WorkPrecision, folder: Path) -> tuple[Path, Path]:
-    """Write MODEL__SCENE.jsonl and .png into a folder, which is made; returns the paths.
+def save(study: WorkPrecision, folder: Path) -> tuple[Path, Path]:
+    """Write MODEL__SCENE.jsonl and .png into a folder, which is created; returns the paths.
 
     Raises
     ------
@@ -55,10 +54,10 @@ def save(told: WorkPrecision, folder: Path) -> tuple[Path, Path]:
         As `check_folder`; if matplotlib is missing or a file cannot be written.
     """
     check_folder(folder)
-    picture = figure(told)
+    picture = figure(study)
     try:
         folder.mkdir(exist_ok=True)
-        records = write_records(told, folder / f"{told.model}__{told.scene}.jsonl")
+        records = write_records(study, folder / f"{study.model}__{study.scene}.jsonl")
         drawn = records.with_suffix(".png")
         picture.savefig(drawn)
     except OSError as error:
@@ -66,26 +65,20 @@ def save(told: WorkPrecision, folder: Path) -> tuple[Path, Path]:
     return records, drawn
 
 
-def figure(told: WorkPrecision) -> "Figure":
-    """Colour is the method, style of the line the formulation, stars are modelling choices."""
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise InputError(
-            "A picture needs matplotlib, which is not installed. Install linkwright[plot]."
-        ) from error
-    made = Figure(figsize=(10.5, 6.4), layout="constrained", dpi=130)
-    axes = made.subplots()
+def figure(study: WorkPrecision) -> "Figure":
+    """Colour shows the method, line style the formulation, stars are modelling choices."""
+    drawn = new_figure("picture", 10.5, 6.4, dpi=130)
+    axes = drawn.subplots()
     axes.set_yscale("log")
-    _front(axes, told)
-    for line in told.lines:
+    _front(axes, study)
+    for line in study.lines:
         _line(axes, line)
-    _refused(axes, told)
-    _limits(axes, told)
-    _failures(axes, told)
-    _choices(axes, told)
-    _floor(axes, told)
-    axes.set_xlabel("digits: -log10 of the largest scaled error", fontsize=10)
+    _refused(axes, study)
+    _limits(axes, study)
+    _failures(axes, study)
+    _choices(axes, study)
+    _floor(axes, study)
+    axes.set_xlabel("correct digits: -log10 of the largest scaled error", fontsize=10)
     axes.set_ylabel("processor time of the integration, ms", fontsize=10)
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(visible=True, which="major", alpha=0.35, linewidth=0.5)
@@ -95,32 +88,30 @@ def figure(told: WorkPrecision) -> "Figure":
     axes.legend(
         loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8.5, frameon=False, handlelength=3.2
     )
-    if told.build:
+    if study.build:
         axes.text(
-            1.02, 0.0, f"built once, apart from all runs:\n{sum(told.build.values()):.1f} s",
+            1.02, 0.0, f"building, apart from all runs:\n{sum(study.build.values()):.1f} s",
             transform=axes.transAxes, fontsize=8.5, va="bottom", color="#59636e",
         )  # fmt: skip
-    made.suptitle(fill(headline(told), 105), fontsize=11.5, x=0.01, ha="left", weight="bold")
-    names = ", ".join(scale.name for scale in told.quantities[:6])
-    more = len(told.quantities) - 6
+    drawn.suptitle(fill(headline(study), 105), fontsize=11.5, x=0.01, ha="left", weight="bold")
+    names = ", ".join(scale.name for scale in study.quantities[:6])
+    more = len(study.quantities) - 6
     axes.set_title(
-        f"{told.model}/{told.scene}, {told.t_start:g} to {told.t_end:g} s: "
-        f"{names}{f' and {more} more' if more > 0 else ''}, at {told.instants} instants",
+        f"{study.model}/{study.scene}, {study.t_start:g} to {study.t_end:g} s: "
+        f"{names}{f' and {more} more' if more > 0 else ''}, at {study.instants} instants",
         fontsize=9.5, loc="left",
     )  # fmt: skip
-    return made
+    return drawn
 
 
 def _ticks(axes: "Axes") -> None:
-    """Times as plain numbers: 1, 2 and 5 of each decade where there are few, more in one."""
+    """Times as plain numbers: 1, 2 and 5 of each decade, 1 alone of many decades, more of one."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
     low, high = axes.get_ylim()
     decades = math.log10(high / low)
-    told = (
-        (1.0,) if decades > 3.0 else (1.0, 2.0, 5.0) if decades > 1.0 else (1.0, 2.0, 3.0, 5.0, 7.0)
-    )
-    axes.yaxis.set_major_locator(LogLocator(subs=told))
+    few = (1.0, 2.0, 5.0) if decades > 1.0 else (1.0, 2.0, 3.0, 5.0, 7.0)
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0,) if decades > 3.0 else few))
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.yaxis.set_minor_formatter(NullFormatter())
 
@@ -147,25 +138,25 @@ def _line(axes: "Axes", line: Line) -> None:
         )  # fmt: skip
 
 
-def _refused(axes: "Axes", told: WorkPrecision) -> None:
-    """Settings that the scene cannot take stand in the legend, so that none is missing."""
-    for line in told.lines:
+def _refused(axes: "Axes", study: WorkPrecision) -> None:
+    """Settings that the scene cannot take are in the legend, so that none is missing."""
+    for line in study.lines:
         if line.refused:
             axes.plot([], [], color=GREY, linewidth=0.9, label=f"{line.setting.title}: refused")
 
 
-def _front(axes: "Axes", told: WorkPrecision) -> None:
-    runs = [point for _, point in front(told.lines)]
+def _front(axes: "Axes", study: WorkPrecision) -> None:
+    runs = [point for _, point in front(study.lines)]
     if runs:
         axes.plot(
             [p.digits for p in runs], [1e3 * p.seconds for p in runs], color=FRONT, linewidth=9.0,
-            alpha=0.75, solid_capstyle="round", zorder=1, label="nothing is faster (Pareto)",
+            alpha=0.75, solid_capstyle="round", zorder=1, label="Pareto front",
         )  # fmt: skip
 
 
-def _choices(axes: "Axes", told: WorkPrecision) -> None:
-    """A star a choice; names beside them, one above the other where stars lie close."""
-    drawn = [(choice.title, choice.point) for choice in told.choices if choice.point is not None]
+def _choices(axes: "Axes", study: WorkPrecision) -> None:
+    """A star per choice, with its name; names of close stars stand one above the other."""
+    drawn = [(choice.title, choice.point) for choice in study.choices if choice.point is not None]
     for _, point in drawn:
         place = max(point.digits, 0.0), 1e3 * point.seconds
         axes.scatter(*place, s=130, marker="*", color=DARK, edgecolor="white", zorder=6)
@@ -181,28 +172,28 @@ def _choices(axes: "Axes", told: WorkPrecision) -> None:
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.6},
         )  # fmt: skip
     if drawn:
-        axes.scatter([], [], s=90, marker="*", color=DARK, label="modelled otherwise")
+        axes.scatter([], [], s=90, marker="*", color=DARK, label="modelled differently")
 
 
-def _limits(axes: "Axes", told: WorkPrecision) -> None:
-    runs = [point.digits for line in told.lines for point in line.done]
-    highest = max([*runs, -math.log10(told.reference.floor), 3.0])
-    failed = any(line.failed for line in told.lines)
+def _limits(axes: "Axes", study: WorkPrecision) -> None:
+    runs = [point.digits for line in study.lines for point in line.done]
+    highest = max([*runs, -math.log10(study.reference.floor), 3.0])
+    failed = any(line.failed for line in study.lines)
     lowest = min([0.0, *(max(value, -1.0) for value in runs)])
     axes.set_xlim(_FAILED - 0.5 if failed else lowest - 0.1, math.ceil(highest) + 0.3)
     axes.set_xticks(range(math.ceil(highest) + 1))
 
 
-def _failures(axes: "Axes", told: WorkPrecision) -> None:
-    """A cross a run that failed, at the left, as high as the time until then."""
-    failed = [line for line in told.lines if line.failed]
+def _failures(axes: "Axes", study: WorkPrecision) -> None:
+    """A cross per failed run, at the left, as high as the time until it failed."""
+    failed = [line for line in study.lines if line.failed]
     if not failed:
         return
     for k, line in enumerate(failed):
         place = _FAILED + 0.6 * ((k + 0.5) / len(failed) - 0.5)
         heights = [1e3 * p.seconds for p in line.failed if p.seconds == p.seconds]
         if not heights:
-            heights = [1e3 * told.limit]
+            heights = [1e3 * study.limit]
         axes.scatter(
             [place] * len(heights), heights, marker="x", s=34, linewidth=1.6,
             color=COLOURS.get(line.setting.method, DARK), zorder=5, clip_on=False,
@@ -214,13 +205,13 @@ def _failures(axes: "Axes", told: WorkPrecision) -> None:
     )  # fmt: skip
 
 
-def _floor(axes: "Axes", told: WorkPrecision) -> None:
-    floor = told.reference.floor
+def _floor(axes: "Axes", study: WorkPrecision) -> None:
+    floor = study.reference.floor
     right = axes.get_xlim()[1]
     axes.axvspan(-math.log10(floor), right, facecolor="#eceff1", edgecolor="#cfd4d9", hatch="///",
                  linewidth=0.0, zorder=0)  # fmt: skip
     axes.text(
-        right, 0.015, f"the reference is known to {-math.log10(floor):.1f} digits ",
+        right, 0.015, f"the reference has {-math.log10(floor):.1f} digits ",
         transform=axes.get_xaxis_transform(), ha="right", va="bottom", fontsize=8, color="#59636e",
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8}, zorder=8,
     )  # fmt: skip

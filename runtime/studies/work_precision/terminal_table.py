@@ -1,11 +1,11 @@
-"""What accuracy costs, on a terminal: a row a setting, no wider than a person reads."""
+"""A work-precision study on a terminal: a row per setting."""
 
 import math
 
 from rich.table import Table
 
-from runtime.show.terminal_table import padding
-from runtime.studies.work_precision.diagram import Line, Point, WorkPrecision
+from runtime.show.terminal_table import new_table
+from runtime.studies.work_precision.diagram import Choice, Line, Point, WorkPrecision
 from runtime.studies.work_precision.interpretation import (
     TARGETS,
     best_at,
@@ -16,100 +16,88 @@ from runtime.studies.work_precision.interpretation import (
 )
 
 COMPARED = 1e-6
-"""Scaled error at which the work of runs is told."""
+"""Scaled error at which the work of runs is compared."""
+_COUNTS = ("steps", "rejected", "rhs_evaluations")
+_NEWTON = ("newton_iterations", "stage_iterations")
+_IMPLICIT = ("jacobians", "factorizations")
 
 
-def score(told: WorkPrecision) -> Table:
-    """Times at three, six and nine digits, blank where they are not reached; the best marked."""
-    made = Table(
-        title=f"{told.model}/{told.scene}, {told.t_end:g} s: milliseconds for so many digits",
-        caption="*: the fastest; slope of error over tolerance; error over tolerance, the median",
-        padding=padding(),
-    )
-    made.add_column("setting", overflow="fold", ratio=1, min_width=14)
-    for target in TARGETS:
-        made.add_column(f"{digits(target)} digits", justify="right", no_wrap=True)
-    for name in ("most", "slope", "E/rtol", "failed"):
-        made.add_column(name, justify="right", no_wrap=True)
-    best = {target: best_at(told, target) for target in TARGETS}
-    for line in told.lines:
+def score(study: WorkPrecision) -> Table:
+    """Times at three, six and nine digits, blank where these are not reached; the best marked."""
+    title = f"{study.model}/{study.scene}, {study.t_end:g} s: time in ms for this many digits"
+    caption = "*: the fastest; slope of error over tolerance; error over tolerance, median"
+    columns = [*(f"{digits(target)} digits" for target in TARGETS), "most", "slope", "E/rtol"]
+    table = new_table(title, caption, "setting", [*columns, "failed"], 14)
+    best = [best_at(study, target) for target in TARGETS]
+    for line in study.lines:
         if line.refused:
-            made.add_row(line.setting.title, "", "", "", "", "", "", "refused")
+            table.add_row(line.setting.title, *[""] * 6, "refused")
             continue
         cells = []
-        for target in TARGETS:
-            seconds = time_at(line, target) if target >= told.reference.floor else None
-            fastest = (found := best[target]) is not None and found.line is line
-            cells.append("" if seconds is None else f"{_ms(seconds)}{'*' if fastest else ' '}")
-        made.add_row(line.setting.title, *cells, *_summary(told, line))
-    if told.choices:
-        made.add_section()
-    for choice in told.choices:
-        if choice.point is None:
-            made.add_row(choice.title, *[""] * 6, "not run")
-            continue
-        reached = [
-            f"{_ms(choice.point.seconds)} "
-            if choice.point.errors and choice.point.errors.worst <= target
-            else ""
-            for target in TARGETS
-        ]
-        most = f"{choice.point.digits:.1f}"
-        made.add_row(choice.title, *reached, most, "", "", "")
-    return made
+        for target, fastest in zip(TARGETS, best, strict=True):
+            seconds = time_at(line, target) if target >= study.reference.floor else None
+            mark = "*" if fastest is not None and fastest.line is line else " "
+            cells.append("" if seconds is None else f"{_ms(seconds)}{mark}")
+        table.add_row(line.setting.title, *cells, *_summary(study, line))
+    if study.choices:
+        table.add_section()
+    for choice in study.choices:
+        table.add_row(choice.title, *_choice(choice))
+    return table
 
 
-def work(told: WorkPrecision) -> Table:
-    """What the first run of each setting with six digits did, and how well it kept the laws."""
-    made = Table(
-        title=f"the loosest run with {digits(COMPARED)} digits",
-        caption="largest |Φ| over the machine's size, |Φ_q q̇ - ν| over the largest speed, energy "
-        f"error over the energy{' (against the reference)' if told.energy == 'reference' else ''}",
-        padding=padding(),
+def work(study: WorkPrecision) -> Table:
+    """Counters and residuals of the first run of each setting with six digits."""
+    against = " (against the reference)" if study.energy == "reference" else ""
+    caption = (
+        "largest |Φ| over the machine's size, |Φ_q q̇ - ν| over the largest speed, energy "
+        f"error over the energy{against}"
     )
-    made.add_column("setting", overflow="fold", ratio=1, min_width=14)
-    for name in ("rtol", "steps", "rej.", "rhs", "Newton", "J", "LU", "|Φ|", "|Φ̇|", "energy"):
-        made.add_column(name, justify="right", no_wrap=True)
-    for line in told.lines:
+    columns = ("rtol", "steps", "rej.", "rhs", "Newton", "J", "LU", "|Φ|", "|Φ̇|", "energy")
+    title = f"the loosest run with {digits(COMPARED)} digits"
+    table = new_table(title, caption, "setting", columns, 14)
+    for line in study.lines:
         point = next((p for p in line.done if p.errors and p.errors.worst <= COMPARED), None)
         if point is not None:
-            made.add_row(line.setting.title, *_work(point))
-    return made
+            table.add_row(line.setting.title, *_work(point))
+    return table
 
 
 def _work(point: Point) -> tuple[str, ...]:
     counts = point.counts
-    newton = counts.get("newton_iterations", 0.0) + counts.get("stage_iterations", 0.0)
-    told = ("steps", "rejected", "rhs_evaluations")
-    rest = ("jacobians", "factorizations")
+    newton = sum(counts.get(name, 0.0) for name in _NEWTON)
     return (
         f"{point.rtol:.0e}",
-        *(f"{counts.get(name, 0.0):.0f}" for name in told),
+        *(f"{counts.get(name, 0.0):.0f}" for name in _COUNTS),
         f"{newton:.0f}",
-        *(f"{counts.get(name, 0.0):.0f}" for name in rest),
+        *(f"{counts.get(name, 0.0):.0f}" for name in _IMPLICIT),
         f"{point.position_residual:.0e}",
         f"{point.velocity_residual:.0e}",
         "" if point.energy is None else f"{point.energy:.0e}",
     )
 
 
-def _summary(told: WorkPrecision, line: Line) -> tuple[str, ...]:
-    most = max((point.digits for point in line.known), default=None)
-    over = any(point.beyond for point in line.done)
-    known = (
-        f">{-math.log10(told.reference.floor):.1f}"
-        if over
-        else ""
-        if most is None
-        else f"{most:.1f}"
-    )
+def _summary(study: WorkPrecision, line: Line) -> tuple[str, ...]:
+    if any(point.beyond for point in line.done):
+        most = f">{-math.log10(study.reference.floor):.1f}"
+    else:
+        most = f"{max(point.digits for point in line.known):.1f}" if line.known else ""
     steep, ratio = slope(line), effectivity(line)
     return (
-        known,
+        most,
         "" if steep is None else f"{steep:.2f}",
         "" if ratio is None else f"{ratio:.2g}",
         str(len(line.failed) or ""),
     )
+
+
+def _choice(choice: Choice) -> list[str]:
+    point = choice.point
+    if point is None:
+        return [*[""] * 6, "not run"]
+    worst = point.errors.worst if point.errors else math.inf
+    reached = [f"{_ms(point.seconds)} " if worst <= target else "" for target in TARGETS]
+    return [*reached, f"{point.digits:.1f}", "", "", ""]
 
 
 def _ms(seconds: float) -> str:

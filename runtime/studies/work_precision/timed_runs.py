@@ -1,20 +1,19 @@
-"""One run of a scene: with a limit of time, and the processor time that its integration takes.
+"""Runs of a scene in a setting, with a limit of time and steps; the integration alone is timed.
 
-What a run is asked for beside the motion (assembly before it, reactions and energies after it)
-takes a millisecond, often more than the motion: it is not counted.
+Assembly before the motion, and reactions and energies after it, take a millisecond, often more than
+the motion: they do not count.
 """
 
-import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
-from time import perf_counter
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.simulation import simulate
+from runtime.studies.timing import Stopwatch, TimeLimit, take_turns
 from runtime.studies.work_precision.diagram import DONE, TIMEOUT, Setting
 
 if TYPE_CHECKING:
@@ -23,42 +22,17 @@ if TYPE_CHECKING:
     from runtime.results.assembled_state import Assembly
     from runtime.results.result import Result
 
-MOST = 30
-"""Runs by which a time is taken, however short."""
+MOST = 30  # safety: runs by which a time is taken, however short
 
 FloatArray = npt.NDArray[np.float64]
 
 
-class Stopwatch:
-    """Times of a setting at a tolerance."""
+class Run(NamedTuple):
+    """A run: its result, its outcome or "TIMEOUT", the processor time of its integration in s."""
 
-    def __init__(self) -> None:
-        self.times: list[float] = []
-
-    @property
-    def seconds(self) -> float:
-        """The least: what others do to the caches only ever adds."""
-        return min(self.times)
-
-    @property
-    def spread(self) -> float:
-        """The median of the runs over the least."""
-        return statistics.median(self.times) / self.seconds
-
-
-class _Patience:
-    """Ends a run that takes too long from its first sign of life on, once all is compiled."""
-
-    def __init__(self, limit: float) -> None:
-        self.limit, self.lost = limit, False
-        self.began: float | None = None
-
-    def __call__(self, fraction: float) -> None:
-        if self.began is None:
-            self.began = perf_counter()
-        elif perf_counter() - self.began > self.limit:
-            self.lost = True
-            raise KeyboardInterrupt  # ends the run with what it has
+    result: "Result"
+    outcome: str
+    seconds: float
 
 
 @dataclass(frozen=True)
@@ -68,9 +42,9 @@ class Runner:
     Attributes
     ----------
     begin
-        Its start.
+        Its assembled start.
     instants : (k,)
-        At which it is compared.
+        At which it is compared, s.
     parameters
         By name, over its defaults.
     limit, steps
@@ -84,16 +58,15 @@ class Runner:
     limit: float
     steps: int
 
-    def run(self, setting: Setting, rtol: float, watch: Stopwatch) -> tuple["Result", str]:
-        """Run once; the result, and its outcome or "TIMEOUT".
+    def run(self, setting: Setting, rtol: float) -> Run:
+        """Run once.
 
         Raises
         ------
         LinkwrightError
-            If the scene cannot be run so.
+            If the scene cannot be run in this setting.
         """
-        patience = _Patience(self.limit)
-
+        limit = TimeLimit(self.limit)
         result = simulate(
             self.machine.mechanism,
             float(self.instants[-1]),
@@ -106,48 +79,46 @@ class Runner:
             correction=cast("Correction", setting.correction),
             formulation=cast("Formulation", setting.formulation),
             max_steps=self.steps,
-            progress=patience,
+            progress=limit,
         )
-        watch.times.append(result.stats["integration_seconds"])
-        if result.outcome is Outcome.OK:
-            return result, DONE
-        if result.outcome is not Outcome.INTERRUPTED:
-            return result, str(result.outcome)
-        if not patience.lost:
-            raise KeyboardInterrupt  # the user's own
-        return result, TIMEOUT
+        outcome = DONE if result.outcome is Outcome.OK else str(result.outcome)
+        if result.outcome is Outcome.INTERRUPTED:
+            if not limit.exceeded:
+                raise KeyboardInterrupt  # by the user
+            outcome = TIMEOUT
+        return Run(result, outcome, result.stats["integration_seconds"])
+
+    def stopwatch(self, setting: Setting, rtol: float, *times: float) -> Stopwatch:
+        """Repeats a run; one that meets the limit of time has no time of a whole run."""
+
+        def seconds() -> float | None:
+            run = self.run(setting, rtol)
+            return run.seconds if run.outcome == DONE else None
+
+        return Stopwatch(seconds, *times)
 
 
-def take_turns(
-    runner: Runner, runs: Sequence[tuple[Setting, float, Stopwatch]], rounds: int, least: float
-) -> None:
-    """Run all once more in turns, until each has so many runs and so much time.
-
-    What others do to the caches lasts a while; runs of a setting that lie apart do not all meet it.
+def time_runs(watches: Sequence[Stopwatch], rounds: int, least: float) -> None:
+    """Repeat runs in turns, until each was run often and long enough.
 
     Parameters
     ----------
+    watches
+        Each with the time of a first run, which counts only if it was long: a short one met cold
+        caches.
     rounds, least
-        Runs that each has at least, and their time in s, for which `MOST` suffice. One that takes
-        that time alone has two.
+        Runs that each has at least, and their total time in s, for which `MOST` suffice. A run that
+        takes that time alone is repeated once.
     """
-    waiting = list(runs)
-    for _, _, watch in waiting:
+    first = [list(watch.times) for watch in watches]
+    for watch in watches:
         if watch.seconds < least:
             watch.times.clear()
-    while waiting:
-        lost = []
-        for setting, rtol, watch in waiting:
-            _, outcome = runner.run(setting, rtol, watch)
-            if outcome != DONE:
-                # Others had the processor until the limit: that is not the time of a whole run.
-                lost.append(watch)
-                if len(watch.times) > 1:
-                    watch.times.pop()
-        waiting = [
-            (setting, rtol, watch)
-            for setting, rtol, watch in waiting
-            if watch not in lost
-            and len(watch.times) < (MOST if sum(watch.times) < least else rounds)
-            and watch.seconds < least
-        ]
+
+    def finished(watch: Stopwatch) -> bool:
+        enough = rounds if sum(watch.times) >= least else MOST
+        return watch.seconds >= least or len(watch.times) >= enough
+
+    take_turns(watches, finished)
+    for watch, times in zip(watches, first, strict=True):
+        watch.times = watch.times or times

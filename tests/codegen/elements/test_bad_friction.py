@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from codegen import Model, ModelError
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from tests.codegen.complaints import check, complaints
 
 
@@ -63,7 +63,7 @@ def test_what_is_wrong_with_a_joint_is_said(declare: Declare, told: str) -> None
     guide = model.translational("guide", model.ground, one)
     declare(model, guide, model.revolute("pin", one.at(0, 0), other))
     with pytest.raises(ModelError) as caught:
-        sound_scenes(model, None)
+        valid_scenes(model, None)
     assert told in str(caught.value)
 
 
@@ -78,4 +78,4 @@ def test_scene_with_its_own_parameters_is_checked() -> None:
     with pytest.raises(
         ModelError, match=r"scene 'odd': .* static is 0\.1, below .* kinetic = 0\.2"
     ):
-        sound_scenes(model, None)
+        valid_scenes(model, None)

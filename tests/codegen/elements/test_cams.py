@@ -8,7 +8,7 @@ import sympy
 from numpy.testing import assert_allclose
 
 from codegen import Model, ModelError, alpha, t
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from tests.codegen.workbench import (
     A,
     B,
@@ -183,7 +183,7 @@ def problems(declare: Callable[[Model, object, object], object]) -> str:
     model, first, second = two_bodies()
     declare(model, first, second)
     with pytest.raises(ModelError) as caught:
-        sound_scenes(model, None)
+        valid_scenes(model, None)
     return str(caught.value)
 
 
@@ -209,7 +209,7 @@ def test_roller_may_follow_a_hollow_cam_and_a_point_an_open_slot() -> None:
     hollow = first.polar(1 + 0.4 * sympy.cos(2 * alpha))
     model.cam_follower("roll", hollow, second.circle(0.1))
     model.point_follower("slot", first.curve(alpha, alpha**2), second)
-    assert sound_scenes(model, None)
+    assert valid_scenes(model, None)
 
 
 def test_what_is_no_curve_is_named() -> None:
@@ -256,7 +256,7 @@ def test_contact_is_sought_where_the_cam_reaches_the_follower(phi: float, side: 
     pin = model.point_follower("pin", oval, second.at(0.4, 0))
     roll = model.cam_follower("roll", oval, second.circle(0.1, center=(-0.4, 0)))
     model.scene("near", guess={second.phi: phi})
-    (scene,) = sound_scenes(model, "near")
+    (scene,) = valid_scenes(model, "near")
     found = dict(scene.guess)
     assert_allclose(np.sin(found["flat.alpha"]), side, atol=1e-4)
     assert_allclose(np.cos(found["pin.alpha"]), side, atol=1e-4)
@@ -270,7 +270,7 @@ def test_scene_that_says_where_a_contact_is_keeps_its_word() -> None:
     model, first, second = two_bodies()
     lift = model.cam_flat_follower("lift", first.circle(1.0), second)
     model.scene("named", guess={lift.alpha: 1.25})
-    assert sound_scenes(model, "named")[0].guess == (("lift.alpha", 1.25),)
+    assert valid_scenes(model, "named")[0].guess == (("lift.alpha", 1.25),)
 
 
 def test_radius_of_a_cam_may_be_a_parameter() -> None:
@@ -288,7 +288,7 @@ def test_roller_begins_outside_the_cam(x: float, y: float) -> None:
     model, first, second = two_bodies()
     model.cam_follower("roll", first.circle(0.1), second.circle(0.02))
     model.scene("near", guess={second.x: x, second.y: y})
-    found = dict(sound_scenes(model, "near")[0].guess)
+    found = dict(valid_scenes(model, "near")[0].guess)
     a, b = found["roll.alpha"], found["roll.beta"]
     assert_allclose([np.cos(a), np.sin(a)], np.array([x, y]) / np.hypot(x, y), atol=0.02)
     assert_allclose([np.cos(b), np.sin(b)], -np.array([x, y]) / np.hypot(x, y), atol=0.02)

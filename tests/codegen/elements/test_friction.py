@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from codegen import Model, ModelError
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from runtime import load
 from tests.codegen.workbench import A, Interpreted, State, python_functions
 
@@ -256,7 +256,7 @@ def test_what_is_wrong_is_said(declare: Declare, told: str) -> None:
     guide = model.translational("guide", model.ground, one)
     declare(model, guide, model.revolute("pin", one.at(0, 0), other))
     with pytest.raises(ModelError) as caught:
-        sound_scenes(model, None)
+        valid_scenes(model, None)
     assert told in str(caught.value)
 
 

@@ -19,12 +19,12 @@ STEPS = r"    # (Sizes|Eliminate|Solve|Substitute|The matrix|W Φ|Refine|Frictio
 HASHES = """
 from hashlib import sha256
 from pathlib import Path
-from codegen.driver import sound_scenes
+from codegen.driver import valid_scenes
 from codegen.model_file import read_model
 from tests.codegen.machines import ODD
 from tests.codegen.workbench import Interpreted
 for model in (read_model(Path("models/slider_crank.py")).model, *(declare() for declare in ODD)):
-    for scene in sound_scenes(model, None):
+    for scene in valid_scenes(model, None):
         text = Interpreted(model, scene.name).text()
         print(model.name, scene.name, sha256(text.encode()).hexdigest())
 """

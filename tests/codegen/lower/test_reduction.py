@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from codegen.driver import sound_scenes, translate
-from codegen.generated_files.build_clock import Clock
+from codegen.driver import translate, valid_scenes
+from codegen.generated_files.generated_file import Clock
 from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.model_file import read_model
@@ -54,7 +54,7 @@ KEPT = {
 
 def lowered(root: Path, name: str, scene: str) -> Lowered:
     model = read_model(root / "models" / f"{name}.py").model
-    (chosen,) = sound_scenes(model, scene)
+    (chosen,) = valid_scenes(model, scene)
     return translate(model, chosen, Clock({}, lambda message: None, ""))[1]
 
 

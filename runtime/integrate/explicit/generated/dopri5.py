@@ -21,7 +21,13 @@ from runtime.core.jit import addressed
 from runtime.core.rhs import slope
 from runtime.core.signatures import Integers
 from runtime.core.workspace import ATOL, STAGE, Y0, Y1, F, K, row_of
-from runtime.integrate.explicit.stability_limit import memory, observe, restart, stable_ratio
+from runtime.integrate.explicit.stability_limit import (
+    memory,
+    observe,
+    permits_growth,
+    restart,
+    stable_ratio,
+)
 from runtime.integrate.explicit.stateless import accepted
 from runtime.integrate.method import Method
 
@@ -99,7 +105,8 @@ def error(context: Integers, h: float, rtol: float) -> float:
         )
         ratio = estimate / (atol[j] + rtol * max(abs(y0[j]), abs(y1[j])))
         total += ratio * ratio
-    observe(context, rtol, EDGE, K + 6)
+    if permits_growth(rtol, length, EDGE):
+        observe(context, K + 6)
     return float(np.sqrt(total / length))
 
 

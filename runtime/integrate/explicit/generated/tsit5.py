@@ -3,7 +3,13 @@
 """Explicit Runge-Kutta method of order 5(4) with dense output of order 4.
 
 The pair and its dense output are Ch. Tsitouras's (Runge-Kutta pairs of order 5(4) satisfying only
-the first column simplifying assumption, Computers & Mathematics with Applications 62, 2011).
+the first column simplifying assumption, Computers & Mathematics with Applications 62, 2011). The
+last stage is the first of the next step. At equal cost its errors are as large as those of dopri5,
+or smaller by up to a factor of seven at tight tolerances.
+
+On the imaginary axis it is stable up to half a radian a step only, and hardly unstable up to one:
+at loose tolerances `stability_limit` keeps vibrations within that half, and the steps of dopri5,
+stable up to one radian, are longer.
 """
 
 import numpy as np
@@ -14,7 +20,13 @@ from runtime.core.jit import addressed
 from runtime.core.rhs import slope
 from runtime.core.signatures import Integers
 from runtime.core.workspace import ATOL, STAGE, Y0, Y1, F, K, row_of
-from runtime.integrate.explicit.stability_limit import memory, observe, restart, stable_ratio
+from runtime.integrate.explicit.stability_limit import (
+    memory,
+    observe,
+    permits_growth,
+    restart,
+    stable_ratio,
+)
 from runtime.integrate.explicit.stateless import accepted
 from runtime.integrate.method import Method
 
@@ -93,7 +105,8 @@ def error(context: Integers, h: float, rtol: float) -> float:
         )
         ratio = estimate / (atol[j] + rtol * max(abs(y0[j]), abs(y1[j])))
         total += ratio * ratio
-    observe(context, rtol, EDGE, K + 6)
+    if permits_growth(rtol, length, EDGE):
+        observe(context, K + 6)
     return float(np.sqrt(total / length))
 
 

@@ -1,4 +1,4 @@
-"""What a study of accuracy builds, and what building costs, stage by stage."""
+"""The modules that a work-precision study builds, and the time of each stage of building."""
 
 from collections.abc import Collection
 from pathlib import Path
@@ -10,11 +10,11 @@ import pytest
 from codegen import Model
 from codegen.errors import LinkwrightError
 from runtime import accuracy, load
-from runtime.mechanism import companion_modules as companions
+from runtime.mechanism import mechanism
 from runtime.studies.work_precision import Setting, study
 from runtime.studies.work_precision.build_costs import build_costs
-from runtime.studies.work_precision.reference_solution import find_truth
-from runtime.studies.work_precision.timed_runs import Runner, Stopwatch
+from runtime.studies.work_precision.reference_solution import find_reference
+from runtime.studies.work_precision.timed_runs import Run, Runner
 
 
 @pytest.mark.parametrize(
@@ -34,24 +34,24 @@ def test_nothing_is_built_that_no_setting_takes(
     about: dict[str, Any],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    asked: list[str] = []
-    real = companions.load_companion
+    loaded: list[str] = []
+    real = mechanism.load_companion
 
     def load_companion(origin: Any, kind: Any, *rest: Any) -> Any:
-        asked.append(kind)
+        loaded.append(kind)
         return real(origin, kind, *rest)
 
-    monkeypatch.setattr(companions, "load_companion", load_companion)
-    wanted: list[Collection[str]] = []
-    monkeypatch.setattr(study, "build_costs", lambda *given: wanted.append(given[2]) or {})
-    told = accuracy(
+    monkeypatch.setattr(mechanism, "load_companion", load_companion)
+    timed: list[Collection[str]] = []
+    monkeypatch.setattr(study, "build_costs", lambda *given: timed.append(given[2]) or {})
+    found = accuracy(
         rig, "swing", folder=folder, modelling=False, building=True,
         methods=methods, formulations=formulations, **about,
     )  # fmt: skip
-    assert set(asked) == built
-    assert {kind for kind in wanted[0] if kind} == built
-    assert told.reference.floor < 1e-11
-    assert told.reference.checks
+    assert set(loaded) == built
+    assert {kind for kind in timed[0] if kind} == built
+    assert found.reference.floor < 1e-11
+    assert found.reference.checks
 
 
 def test_derivatives_are_built_where_nothing_else_confirms(
@@ -61,15 +61,15 @@ def test_derivatives_are_built_where_nothing_else_confirms(
     runner = Runner(machine, machine.assemble(), np.array([1.0, 2.0]), {}, 60.0, 10**6)
     real = Runner.run
 
-    def run(self: Runner, setting: Setting, rtol: float, watch: Stopwatch) -> Any:
+    def run(self: Runner, setting: Setting, rtol: float) -> Run:
         if setting.method == "dopri5":
             raise LinkwrightError("too stiff")
-        return real(self, setting, rtol, watch)
+        return real(self, setting, rtol)
 
     monkeypatch.setattr(Runner, "run", run)
-    truth = find_truth(runner, ("body.x",), None, lambda line: None, (Setting("dop853"),))
-    assert truth.reference.source == "dop853, cartesian, rtol 1e-13"
-    assert [check.title for check in truth.reference.checks] == ["radau5, cartesian, rtol 1e-13"]
+    about = find_reference(runner, ("body.x",), None, lambda line: None, (Setting("dop853"),)).about
+    assert about.source == "dop853, cartesian, rtol 1e-13"
+    assert [check.title for check in about.checks] == ["radau5, cartesian, rtol 1e-13"]
 
 
 def speck() -> Model:
@@ -80,7 +80,7 @@ def speck() -> Model:
     return model
 
 
-def test_building_leaves_out_what_is_not_asked_for() -> None:
+def test_building_leaves_out_companions_that_no_setting_takes() -> None:
     found = build_costs(speck(), speck().scenes["fly"], ())
     assert list(found) == ["derive", "lower", "examine", "emit", "compile", "load, warm"]
 

@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 from typer.testing import CliRunner
 
 from runtime.cli.app import app
+from runtime.integrate.method import METHODS
 from runtime.studies.work_precision import WorkPrecision
 from runtime.studies.work_precision import picture as accuracy_picture
 from runtime.studies.work_precision import terminal_table as accuracy_table
@@ -20,7 +21,8 @@ from runtime.studies.work_precision.json_records import records
 
 def test_a_row_is_written_for_every_run(swing: WorkPrecision, tmp_path: Path) -> None:
     rows = [json.loads(json.dumps(row, allow_nan=False)) for row in records(swing)]
-    assert len(rows) == 36
+    runs = sum(len(line.points) for line in swing.lines)
+    assert len(rows) == runs == 3 * (2 * len(METHODS) + 2)
     first = rows[0]
     assert (first["model"], first["scene"], first["method"]) == ("rig", "swing", "dop853")
     assert first["outcome"] == "OK"
@@ -31,7 +33,7 @@ def test_a_row_is_written_for_every_run(swing: WorkPrecision, tmp_path: Path) ->
     assert_allclose(first["atol"]["body.x"], 1e-3 * min(1.0, first["scales"]["body.x"]))
     assert set(first["errors"]) == {"worst", "rms", "end", "relative", "groups", "each"}
     written, drawn = accuracy_picture.save(swing, tmp_path / "out")
-    assert len(written.read_text(encoding="utf-8").splitlines()) == 36
+    assert len(written.read_text(encoding="utf-8").splitlines()) == runs
     assert drawn.stat().st_size > 20_000
     facts = json.loads(json.dumps(swing.facts(), allow_nan=False))
     assert facts["lines"][1]["setting"]["formulation"] == "reduced"
@@ -43,7 +45,7 @@ def test_a_row_is_written_for_every_run(swing: WorkPrecision, tmp_path: Path) ->
 def test_picture_has_a_line_a_setting_and_the_floor(swing: WorkPrecision) -> None:
     axes = accuracy_picture.figure(swing).axes[0]
     labels = axes.get_legend_handles_labels()[1]
-    assert labels[0] == "nothing is faster (Pareto)"
+    assert labels[0] == "Pareto front"
     assert labels[1:] == [line.setting.title for line in swing.lines]
     assert axes.get_yscale() == "log"
     (band,) = (patch for patch in axes.patches if patch.get_hatch())
@@ -84,15 +86,15 @@ def command(rig: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Callable
 def test_command_line(command: Callable[..., Result], tmp_path: Path) -> None:
     done = command("--json", "--out", str(tmp_path / "study"))
     assert done.exit_code == 0, done.stderr
-    told = json.loads(done.stdout)
-    assert told["ok"] is True
-    assert len(told["lines"]) == 3
-    assert "at most 10 s and 1e+06 steps a run" in done.stderr
+    answer = json.loads(done.stdout)
+    assert answer["ok"] is True
+    assert len(answer["lines"]) == 3
+    assert "at most 10 s and 1e+06 steps per run" in done.stderr
     made = sorted(path.name for path in (tmp_path / "study").iterdir())
     assert made == ["rig__swing.jsonl", "rig__swing.png"]
     done = command("--quantity", "body.x")
     assert done.exit_code == 0
-    assert "milliseconds for so many digits" in done.stdout
+    assert "time in ms for this many digits" in done.stdout
     assert "Three more digits" in done.stdout
     file = tmp_path / "file"
     file.write_text("", encoding="utf-8")

@@ -1,30 +1,30 @@
-"""What was measured of simulations that are asked for an accuracy, as a table and in sentences."""
+"""Simulations with an accuracy target, as a table and in sentences."""
 
 import math
 from collections.abc import Sequence
 from statistics import median
 
-from benchmarks import asked
+from benchmarks import accuracy_targets
 from benchmarks.report import Report, records
 from runtime.results.json_values import plain
 
 SHARE, WORST, COST = 0.95, 10.0, 3.0
-"""Bars: share of the runs below what was asked, the worst ratio, the cost in times the cheapest."""
+"""Bars: share of the runs that meet the target, worst ratio, cost over that of the cheapest run."""
 
 
-def sentences(rows: Sequence[asked.Row]) -> list[str]:
-    """What follows, in sentences."""
-    judged = [row for row in rows if row.counted]
-    below = sum(row.ratio <= 1.0 for row in judged)
-    worst = max(judged, key=lambda row: row.ratio)
-    priced = [row for row in judged if math.isfinite(row.cost)]
+def sentences(rows: Sequence[accuracy_targets.Row]) -> list[str]:
+    """Conclusions, in sentences."""
+    compared = [row for row in rows if row.counted]
+    below = sum(row.ratio <= 1.0 for row in compared)
+    worst = max(compared, key=lambda row: row.ratio)
+    priced = [row for row in compared if math.isfinite(row.cost)]
     cheap = sum(row.cost <= COST for row in priced)
     dearest = max(priced, key=lambda row: row.cost)
     ended = [row for row in rows if row.outcome != "OK"]
-    unknown = len(rows) - len(judged) - len(ended)
+    unknown = len(rows) - len(compared) - len(ended)
     right = (
-        f"The true error is below what was asked in {below} of {len(judged)} runs "
-        f"({100.0 * below / len(judged):.1f} %, the bar is {100.0 * SHARE:g} %); the worst is "
+        f"The true error is below the target in {below} of {len(compared)} runs "
+        f"({100.0 * below / len(compared):.1f} %, the bar is {100.0 * SHARE:g} %); the worst is "
         f"{worst.ratio:.2g} times it ({worst.scene} at {worst.asked:.0e}; the bar is {WORST:g})."
     )
     price = (
@@ -34,10 +34,10 @@ def sentences(rows: Sequence[asked.Row]) -> list[str]:
     )
     lines = [right, price]
     if ended:
-        told = ", ".join(f"{row.scene} at {row.asked:.0e} ({row.outcome})" for row in ended)
-        lines.append(f"Not reached over all the time, and said so: {told}.")
+        listed = ", ".join(f"{row.scene} at {row.asked:.0e} ({row.outcome})" for row in ended)
+        lines.append(f"Not reached over all the time, and reported as such: {listed}.")
     if unknown:
-        lines.append(f"Not judged, as the references agree no better: {unknown} of the runs.")
+        lines.append(f"Not compared, as the references agree no better: {unknown} of the runs.")
     return lines
 
 
@@ -46,12 +46,12 @@ def report(quick: bool) -> list[Report]:
 
     Reduced equations that are not built yet are built into `generated`.
     """
-    scenes, errors, repeats = asked.SCENES, asked.ASKED, 5
+    scenes, errors, repeats = accuracy_targets.SCENES, accuracy_targets.TARGETS, 5
     if quick:
-        scenes, errors, repeats = asked.SCENES[:1], asked.ASKED[::3], 1
-    rows = list(asked.measure(scenes, errors, None, repeats))
+        scenes, errors, repeats = accuracy_targets.SCENES[:1], accuracy_targets.TARGETS[::3], 1
+    rows = list(accuracy_targets.measure(scenes, errors, None, repeats))
     headings = (
-        "scene", "asked", "true", "estimated", "true over asked", "runs", "taken", "ms",
+        "scene", "target", "true", "estimated", "true over target", "runs", "settings", "ms",
         "cheapest, ms", "cheapest setting", "cost",
     )  # fmt: skip
     table = [
@@ -70,5 +70,5 @@ def report(quick: bool) -> list[Report]:
         )
         for row in rows
     ]
-    title = "asked for an accuracy: true errors, and the cost beside the cheapest single run"
+    title = "accuracy targets: true errors, and the cost over that of the cheapest single run"
     return [Report("accuracy", title, headings, table, sentences(rows), plain(records(rows)))]

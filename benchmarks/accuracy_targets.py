@@ -1,9 +1,9 @@
-"""Simulations that are asked for an accuracy: the true error, and the cost beside the cheapest run.
+"""Simulations with an accuracy target: the true error, and the cost over that of the cheapest run.
 
-Every dynamic scene of the library is asked for 1e-3 … 1e-10. The error that is reached is taken
-from a reference, and the cost is that of all runs that were made, the estimation included. Beside
-it stands the cheapest of all single runs that reach the accuracy, over methods, formulations and
-half decades of tolerance: a choice that only one who knows the solution can make.
+Every dynamic scene of the library has the targets 1e-3 … 1e-10. The error is taken from a
+reference; the cost is that of all runs, the error estimate included. It is compared with the
+cheapest of all single runs that meet the target, over methods, formulations and half decades of
+tolerance: a choice that takes knowledge of the solution.
 """
 
 import math
@@ -17,14 +17,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.single import GRID, LONG, Single, error_of, prepared, single_runs
+from benchmarks.single_runs import GRID, LONG, Single, error_of, prepared, single_runs
 from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
     from runtime.machine import Machine
     from runtime.results.result import Result
     from runtime.studies.accuracy_target import ReachedAccuracy
-    from runtime.studies.accuracy_target.run_difference import Columns
+    from runtime.studies.accuracy_target.run_difference import Quantities
 
 Array = npt.NDArray[np.float64]
 
@@ -46,30 +46,30 @@ SCENES = (
 )
 """Model, scene and time of the run, s."""
 
-ASKED = tuple(10.0**-k for k in range(3, 11))
+TARGETS = tuple(10.0**-k for k in range(3, 11))
 RIVALS = 3
-"""Of the cheapest single runs that are accurate enough, that take turns with ours."""
+"""Number of the cheapest sufficient single runs that take turns with the search."""
 TURNS = 3
-"""Turns by the repeats of a single run."""
+"""Turns per repeat of a single run."""
 POINTS = 501
 TRUSTED = 0.3
-"""Of the accuracy asked, that the reference may be off by; beyond it no ratio is counted."""
+"""Share of the target by which the reference may be wrong; beyond it no ratio counts."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """A scene that was asked for an accuracy.
+    """A scene with an accuracy target.
 
     Attributes
     ----------
     true, estimated
-        Largest relative error, from the reference, and as the result says.
+        Largest relative error, from the reference, and as estimated by the simulation.
     floor
-        By how much two references differ.
+        Difference of two references.
     ratio
-        Of the true error to the accuracy asked.
+        Of the true error to the target.
     milliseconds, cheapest
-        Of all runs that were made; of the cheapest single run that is as accurate.
+        Of all runs of the search; of the cheapest single run that is as accurate.
     cost
         Their ratio; not a number where no single run is.
     """
@@ -94,13 +94,13 @@ class Row:
 
     @property
     def counted(self) -> bool:
-        """Whether the reference is good enough to judge it, and a result was given."""
+        """Whether the reference is good enough to compare with, and the target was met."""
         return self.outcome == "OK" and self.floor <= TRUSTED * self.asked
 
 
 def measure(
     scenes: Sequence[tuple[str, str, float]],
-    asked: Sequence[float],
+    targets: Sequence[float],
     folder: Path | None,
     repeats: int,
     grid: Sequence[float] = GRID,
@@ -121,38 +121,38 @@ def measure(
     for model, scene, t_end in scenes:
         place = model if folder is None else folder / "models" / f"{model}.py"
         machine = load(place, scene, folder=folder)
-        yield from _of_scene(machine, model, t_end, asked, repeats, grid)
+        yield from _of_scene(machine, model, t_end, targets, repeats, grid)
 
 
 def _of_scene(
     machine: "Machine",
     model: str,
     t_end: float,
-    asked: Sequence[float],
+    targets: Sequence[float],
     repeats: int,
     grid: Sequence[float],
 ) -> Iterator[Row]:
-    from runtime.studies.accuracy_target.run_difference import columns
+    from runtime.studies.accuracy_target.run_difference import quantities_of
 
     t = np.linspace(0.0, t_end, POINTS)
-    of = columns(machine.description, None, prepared(machine, t).sizes)
-    truth, other = _reference(machine, t_end, t)
-    floor = _apart(truth, other, of)
-    single = single_runs(machine, t, repeats, grid, truth, of)
-    for accuracy in asked:
-        first = _accurate(machine, t_end, t, accuracy)
+    quantities = quantities_of(machine.description, None, prepared(machine, t).sizes)
+    reference, other = _references(machine, t_end, t)
+    floor = reference_difference(reference, other, quantities)
+    candidates = single_runs(machine, t, repeats, grid, reference, quantities)
+    for accuracy in targets:
+        first = _simulate(machine, t_end, t, accuracy)
         if first is None:
             yield Row(model, machine.scene, accuracy, "REFUSED", 0.0, math.nan, math.nan,
                       floor, math.nan, 0, "", "", math.nan, math.nan, math.nan, "",
                       math.nan)  # fmt: skip
             continue
-        result, told = first
-        true = error_of(truth, of.of_result(result), of)
+        result, reached = first
+        true = error_of(reference, quantities.of_result(result), quantities)
         rivals = sorted(
-            (one for one in single if one.error <= accuracy), key=lambda one: one.seconds
+            (one for one in candidates if one.error <= accuracy), key=lambda one: one.seconds
         )
         seconds, time, setting = _in_turns(
-            partial(_accurate, machine, t_end, t, accuracy),
+            partial(_simulate, machine, t_end, t, accuracy),
             rivals[:RIVALS],
             TURNS * repeats,
         )
@@ -163,13 +163,13 @@ def _of_scene(
             result.outcome.name,
             float(result.t[-1]),
             true,
-            told.estimated,
+            reached.estimated,
             floor,
             true / accuracy,
-            len(told.runs),
-            told.method,
-            told.formulation,
-            told.rtol,
+            len(reached.runs),
+            reached.method,
+            reached.formulation,
+            reached.rtol,
             seconds * 1e3,
             time * 1e3,
             setting,
@@ -178,35 +178,35 @@ def _of_scene(
 
 
 def _in_turns(
-    asked: Callable[[], "tuple[Result, ReachedAccuracy] | None"],
+    search: Callable[[], "tuple[Result, ReachedAccuracy] | None"],
     rivals: Sequence[Single],
     turns: int,
 ) -> tuple[float, float, str]:
-    """Seconds of all runs that are made when asked, of the cheapest rival, and its setting.
+    """Seconds of all runs of a search, of the cheapest rival, and the setting of the rival.
 
-    They take turns, as the machine is not always equally fast; the least of each run counts.
+    They take turns, as the machine is not always equally fast; the least time of each run counts.
     """
-    ours: dict[int, float] = {}
-    theirs = [math.inf] * len(rivals)
+    searched: dict[int, float] = {}
+    single = [math.inf] * len(rivals)
     for turn in range(turns + 1):
-        found = asked()
+        found = search()
         assert found is not None
         again = [one.timed()[0] for one in rivals]
         if turn == 0:  # for caches
             continue
         for k, run in enumerate(found[1].runs):
-            ours[k] = min(ours.get(k, math.inf), run.seconds)
-        theirs = list(map(min, theirs, again))
-        if sum(ours.values()) > LONG:
+            searched[k] = min(searched.get(k, math.inf), run.seconds)
+        single = list(map(min, single, again))
+        if sum(searched.values()) > LONG:
             break
-    seconds = sum(ours.values())
+    seconds = sum(searched.values())
     if not rivals:
         return seconds, math.nan, ""
-    best = int(np.argmin(theirs))
-    return seconds, theirs[best], rivals[best].setting
+    best = int(np.argmin(single))
+    return seconds, single[best], rivals[best].setting
 
 
-def _accurate(
+def _simulate(
     machine: "Machine", t_end: float, t: Array, accuracy: float
 ) -> tuple["Result", "ReachedAccuracy"] | None:
     try:
@@ -217,10 +217,10 @@ def _accurate(
     return result, result.accuracy
 
 
-def _reference(machine: "Machine", t_end: float, t: Array) -> tuple["Result", "Result | None"]:
-    """Two solutions that have neither the method nor, where it can be, the coordinates in common.
+def _references(machine: "Machine", t_end: float, t: Array) -> tuple["Result", "Result | None"]:
+    """Two solutions by different methods and, if possible, in different coordinates.
 
-    The first is the one with which all are compared; of the second there may be none.
+    All runs are compared with the first; the second may not exist.
     """
     other = None
     tight = machine.simulate(t_end, t, rtol=1e-14, correction="stage", progress=False)
@@ -235,8 +235,10 @@ def _reference(machine: "Machine", t_end: float, t: Array) -> tuple["Result", "R
     return tight, other
 
 
-def _apart(truth: "Result", other: "Result | None", of: "Columns") -> float:
-    """By how much two references differ; infinite unless both reach the end."""
-    if other is None or truth.failed or other.failed:
+def reference_difference(
+    reference: "Result", other: "Result | None", quantities: "Quantities"
+) -> float:
+    """Difference of two references; infinite unless both reach the end."""
+    if other is None or reference.failed or other.failed:
         return math.inf
-    return error_of(truth, of.of_result(other), of)
+    return error_of(reference, quantities.of_result(other), quantities)

@@ -1,4 +1,4 @@
-"""What accuracy costs: every setting at every tolerance, against closed forms and by counts."""
+"""Work-precision studies: every setting at every tolerance, against closed forms and by counts."""
 
 import dataclasses
 import math
@@ -11,14 +11,19 @@ import pytest
 
 from codegen.errors import InputError, LinkwrightError
 from runtime import accuracy, load
+from runtime.integrate.method import METHODS
 from runtime.results.result import Result
 from runtime.studies.work_precision import Setting, WorkPrecision
 from runtime.studies.work_precision import picture as accuracy_picture
 from runtime.studies.work_precision.interpretation import best_at, sentences
-from runtime.studies.work_precision.measurement import lines
-from runtime.studies.work_precision.reference_solution import find_truth
-from runtime.studies.work_precision.settings_grid import settings
-from runtime.studies.work_precision.timed_runs import Runner, Stopwatch, take_turns
+from runtime.studies.work_precision.measurement import Measurement
+from runtime.studies.work_precision.reference_solution import find_reference
+from runtime.studies.work_precision.settings_grid import FORMULATIONS, all_settings
+from runtime.studies.work_precision.timed_runs import Runner, time_runs
+
+
+def silent(line: str) -> None:
+    """Progress is not shown."""
 
 
 def table(path: Path, names: Sequence[str], *columns: np.ndarray) -> Path:
@@ -36,10 +41,8 @@ def exact(path: Path) -> Path:
 
 
 def test_every_setting_is_run_at_every_tolerance(swing: WorkPrecision) -> None:
-    assert [line.setting for line in swing.lines] == list(
-        settings(("dop853", "dopri5", "radau5", "bdf", "auto"), ("cartesian", "reduced"))
-    )
-    assert len(swing.lines) == 12
+    assert [line.setting for line in swing.lines] == list(all_settings(METHODS, FORMULATIONS))
+    assert len(swing.lines) == 2 * len(METHODS) + 2
     assert [scale.name for scale in swing.quantities] == ["body.x", "body.vx"]
     for line in swing.lines:
         assert [point.rtol for point in line.points] == [1e-3, 1e-6, 1e-9]
@@ -94,46 +97,46 @@ def test_a_reference_of_another_machine_is_seen(
 ) -> None:
     t = np.linspace(0.0, 2.0, 21)
     path = table(tmp_path / "other.csv", ("body.x",), t, 0.5 * np.cos(5.1 * t))
-    told = accuracy(rig, "swing", folder=folder, reference=path, modelling=False, **few)
-    assert told.reference.floor > 0.1
-    assert told.reference.horizon is not None
-    assert told.reference.horizon <= t[1]
-    assert best_at(told, 1e-3) is None
-    assert any("another machine" in line for line in sentences(told))
+    found = accuracy(rig, "swing", folder=folder, reference=path, modelling=False, **few)
+    assert found.reference.floor > 0.1
+    assert found.reference.horizon is not None
+    assert found.reference.horizon <= t[1]
+    assert best_at(found, 1e-3) is None
+    assert any("another machine" in line for line in sentences(found))
 
 
-def test_other_models_are_judged_by_the_scene_as_declared(
+def test_other_models_are_compared_with_the_declared_scene(
     rig: str, folder: Path, few: dict[str, Any]
 ) -> None:
-    told = accuracy(rig, "rubbing", folder=folder, **few)
-    (choice,) = told.choices
+    found = accuracy(rig, "rubbing", folder=folder, **few)
+    (choice,) = found.choices
     assert (choice.title, choice.kind) == ("rub as sticking", "friction")
     assert choice.point is not None
     assert choice.point.errors is not None
-    assert told.energy == "reference"
+    assert found.energy == "reference"
     t = np.linspace(0.0, 2.0, 41)[1:]
     smooth, dry = (
         load(rig, scene, folder=folder).simulate(2.0, t, rtol=1e-11, method="dopri5")
         for scene in ("rubbing", "sticking")
     )
     x, v = smooth.q("body.x"), smooth.v("body.vx")
-    by = {scale.name: scale.value for scale in told.quantities}
+    by = {scale.name: scale.value for scale in found.quantities}
     worst = max(
         (np.abs(dry.q("body.x") - x) / (by["body.x"] + np.abs(x))).max(),
         (np.abs(dry.v("body.vx") - v) / (by["body.vx"] + np.abs(v))).max(),
     )
     assert 1e-6 < worst < 1e-1
     assert abs(choice.point.errors.worst - worst) < 0.11 * worst
-    assert not any(line.refused for line in told.lines)
-    assert any(line.startswith("rub as sticking keeps") for line in sentences(told))
+    assert not any(line.refused for line in found.lines)
+    assert any(line.startswith("rub as sticking keeps") for line in sentences(found))
 
 
-def test_scenes_that_the_user_names_are_judged_too(
+def test_scenes_that_the_user_names_are_compared_too(
     rig: str, folder: Path, few: dict[str, Any]
 ) -> None:
     about = {**few, "modelling": False, "quantities": ("body.x|sled.x",)}
-    told = accuracy(rig, "swing", folder=folder, beside=("rubbing", "swing"), **about)
-    rubbing, itself = told.choices
+    found = accuracy(rig, "swing", folder=folder, beside=("rubbing", "swing"), **about)
+    rubbing, itself = found.choices
     assert (rubbing.title, rubbing.kind, rubbing.scene) == ("rubbing", "scene", "rubbing")
     assert rubbing.point is not None
     assert 0.0 < rubbing.point.digits < 3.0
@@ -147,29 +150,29 @@ def test_formulations_that_a_scene_cannot_take_say_why(
     rig: str, folder: Path, about: dict[str, Any]
 ) -> None:
     one = {**about, "methods": ("dop853",), "modelling": False}
-    told = accuracy(rig, "sticking", folder=folder, **one)
-    refused = told["dop853, reduced"]
+    found = accuracy(rig, "sticking", folder=folder, **one)
+    refused = found["dop853, reduced"]
     assert not refused.points
     assert "rub" in refused.refused
     assert "creep=" in refused.refused
-    assert len(told["dop853, cartesian"].done) == 3
-    assert any(line.startswith("Not tried: dop853, reduced.") for line in sentences(told))
-    labels = accuracy_picture.figure(told).axes[0].get_legend_handles_labels()[1]
+    assert len(found["dop853, cartesian"].done) == 3
+    assert any(line.startswith("Not tried: dop853, reduced.") for line in sentences(found))
+    labels = accuracy_picture.figure(found).axes[0].get_legend_handles_labels()[1]
     assert "dop853, reduced: refused" in labels
 
 
 def test_failures_are_points(rig: str, folder: Path, few: dict[str, Any]) -> None:
-    told = accuracy(rig, "swing", folder=folder, steps=60, modelling=False, **few)
-    line = told["dopri5, cartesian"]
+    found = accuracy(rig, "swing", folder=folder, steps=60, modelling=False, **few)
+    line = found["dopri5, cartesian"]
     assert [point.outcome for point in line.points] == ["OK", "OK", "MAX_STEPS"]
     assert line.failed == line.points[2:]
     assert all(math.isnan(point.digits) and point.errors is None for point in line.failed)
     assert all(point.seconds > 0.0 for point in line.failed)
     assert any(
         "dopri5, cartesian: 1 of 3 runs did not reach the end: MAX_STEPS" in text
-        for text in sentences(told)
+        for text in sentences(found)
     )
-    axes = accuracy_picture.figure(told).axes[0]
+    axes = accuracy_picture.figure(found).axes[0]
     assert axes.get_xlim()[0] < -1.0
     crosses = [entry for entry in axes.collections if len(entry.get_offsets()) == 1]
     assert any((entry.get_offsets()[:, 0] < 0.0).all() for entry in crosses)
@@ -180,41 +183,37 @@ def test_failures_are_points(rig: str, folder: Path, few: dict[str, Any]) -> Non
 def test_tolerances_go_on_until_nine_digits(rig: str, folder: Path) -> None:
     machine = load(rig, "swing", folder=folder)
     runner = Runner(machine, machine.assemble(), np.array([1.0, 2.0]), {}, 60.0, 10**6)
-    truth = find_truth(runner, ("body.x",), None, lambda line: None)
-    further = (1e-6, 1e-11, 1e-12)
-    (line,) = lines(
-        runner, truth, (Setting("dop853"),), (1e-2, 1e-3), further, 2, 0.0, lambda text: None
-    )
+    reference = find_reference(runner, ("body.x",), None, silent)
+    measurement = Measurement(runner, reference, 2, 0.0, silent)
+    (line,) = measurement.lines((Setting("dop853"),), (1e-2, 1e-3), (1e-6, 1e-11, 1e-12))
     assert [point.rtol for point in line.points] == [1e-2, 1e-3, 1e-6, 1e-11]
     worst = [point.errors.worst for point in line.points if point.errors]
     assert worst[2] > 1e-9 >= worst[3]
 
 
-def test_what_meets_the_limit_of_time_is_not_tried_for_ever(rig: str, folder: Path) -> None:
+def test_after_two_timeouts_tighter_tolerances_are_not_tried(rig: str, folder: Path) -> None:
     machine = load(rig, "swing", folder=folder)
     instants = np.linspace(0.0, 200.0, 3)[1:]
     runner = Runner(machine, machine.assemble(), instants, {}, 60.0, 10**6)
-    truth = find_truth(runner, ("body.x",), None, lambda line: None)
+    reference = find_reference(runner, ("body.x",), None, silent)
     hasty = dataclasses.replace(runner, limit=1e-9)
-    (line,) = lines(
-        hasty, truth, (Setting("dopri5"),), (1e-6, 1e-7, 1e-8, 1e-9), (1e-10,), 2, 0.0,
-        lambda text: None,
-    )  # fmt: skip
+    measurement = Measurement(hasty, reference, 2, 0.0, silent)
+    (line,) = measurement.lines((Setting("dopri5"),), (1e-6, 1e-7, 1e-8, 1e-9), (1e-10,))
     assert [point.outcome for point in line.points] == ["TIMEOUT"] * 2 + ["NOT_TRIED"] * 2
-    watch = Stopwatch()
-    runner.run(Setting("dop853"), 1e-3, watch)
-    take_turns(runner, [(Setting("dop853"), 1e-3, watch)], 4, 100.0)
+    first = runner.run(Setting("dop853"), 1e-3)
+    watch = runner.stopwatch(Setting("dop853"), 1e-3, first.seconds)
+    time_runs([watch], 4, 100.0)
     assert len(watch.times) == 30
     assert watch.seconds == min(watch.times)
 
 
 def test_a_quantity_counts_once(rig: str, folder: Path, few: dict[str, Any]) -> None:
     names = ("body.x", "sled.x|body.x", "body.vx", "body.x")
-    told = accuracy(rig, "swing", quantities=names, folder=folder, modelling=False, **few)
-    assert [scale.name for scale in told.quantities] == ["body.x", "body.vx"]
+    found = accuracy(rig, "swing", quantities=names, folder=folder, modelling=False, **few)
+    assert [scale.name for scale in found.quantities] == ["body.x", "body.vx"]
 
 
-def test_what_has_no_value_has_no_error(
+def test_a_series_without_values_is_refused(
     rig: str, folder: Path, few: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     real = Result.series

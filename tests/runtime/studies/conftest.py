@@ -1,4 +1,4 @@
-"""A mass on a spring, what is asked of it, and a study of it."""
+"""A mass on a spring, and a work-precision study of it."""
 
 from pathlib import Path
 from typing import Any

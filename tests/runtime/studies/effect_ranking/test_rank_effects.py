@@ -1,4 +1,4 @@
-"""Which effects matter: what each changes and costs, what is proposed, what is refused."""
+"""Effect ranking: changes, costs, verdicts, proposals, refusals."""
 
 import dataclasses
 import json
@@ -19,8 +19,7 @@ from runtime.show.terminal_table import width
 from runtime.studies.effect_ranking import Matters, Verdict
 from runtime.studies.effect_ranking import picture as matters_picture
 from runtime.studies.effect_ranking import terminal_table as matters_table
-from runtime.studies.effect_ranking.quantity import quantity
-from runtime.studies.effect_ranking.series_reductions import REDUCTIONS, Series
+from runtime.studies.effect_ranking.quantity import parse_quantity
 
 MACHINES = {
     "compressor": ("slider_crank", "compressor", "max:crank.omega", 0.5),
@@ -63,7 +62,7 @@ def swing(folder: Path) -> Matters:
 
 
 @pytest.mark.parametrize("machine", MACHINES)
-def test_without_what_is_negligible_the_quantity_stays(machine: str, folder: Path) -> None:
+def test_without_negligible_effects_the_quantity_stays(machine: str, folder: Path) -> None:
     model, scene, asked, t_end = MACHINES[machine]
     found = matters(
         model, scene, asked=asked, t_end=t_end, error=1e-3, fidelities=False, rounds=1,
@@ -85,7 +84,7 @@ def test_without_what_is_negligible_the_quantity_stays(machine: str, folder: Pat
     cheaper = full.without(*found.proposal.left_out)
     assert cheaper.name == found.proposal.scene
     measured = [
-        quantity(asked)
+        parse_quantity(asked)
         .read(m.simulate(t_end, np.linspace(0.0, t_end, 4001), rtol=1e-9, method="dopri5"))
         .value
         for m in (load(model, scene), load(read, cheaper, folder=folder / ".linkwright_cache"))
@@ -99,7 +98,7 @@ def test_without_what_is_negligible_the_quantity_stays(machine: str, folder: Pat
         assert row.costs.operations < found.costs.operations
 
 
-def test_an_effect_below_what_the_run_is_known_to_is_none_seen(swing: Matters) -> None:
+def test_a_change_below_its_uncertainty_is_none_seen(swing: Matters) -> None:
     breeze = swing["breeze"]
     assert breeze.verdict is Verdict.NONE_SEEN
     assert breeze.change is not None
@@ -109,7 +108,7 @@ def test_an_effect_below_what_the_run_is_known_to_is_none_seen(swing: Matters) -
     assert 0.0 < swing.doubt < 1e-7 * swing.size
 
 
-def test_what_is_too_much_together_is_put_back(folder: Path) -> None:
+def test_effects_that_are_not_negligible_together_are_put_back(folder: Path) -> None:
     model = Model("twins")
     ball = model.particle("ball", mass=1.0)
     model.force("wind", on=ball, fx=100.0)
@@ -131,8 +130,8 @@ def test_what_is_too_much_together_is_put_back(folder: Path) -> None:
     assert_allclose((too_much, within), (0.13 / 100.13, 0.06 / 100.13), rtol=1e-6)
     assert kept == found.proposal.left_out
     assert found.proposal.relative == within
-    told = " ".join(matters_table.sentences(found))
-    assert "two is negligible alone and too much with the others, so it is put back" in told
+    answer = " ".join(matters_table.sentences(found))
+    assert "two is negligible alone but not together with the others, so it is put back" in answer
 
 
 def test_a_quantity_that_goes_with_the_effect_makes_it_needed(folder: Path) -> None:
@@ -171,7 +170,7 @@ def test_rod_may_be_a_link_in_dynamics_and_kinematics() -> None:
     assert follower == ["touch", "valve_spring", "follower as fixed"]
 
 
-def test_inverse_dynamics_and_equilibrium_are_judged(folder: Path) -> None:
+def test_inverse_dynamics_and_equilibrium_are_ranked(folder: Path) -> None:
     model = Model("pendulum", gravity=(0, -9.81))
     bob = model.body("bob", mass=2.0, inertia=0.1)
     hinge = model.revolute("hinge", model.ground.at(0, 0), bob.at(-1, 0))
@@ -203,27 +202,12 @@ def test_a_function_is_a_quantity_and_what_stops_the_machine_is_needed(folder: P
     assert found["spring"].costs is None
     alone = "spring is the only effect of the scene, so there is none to rank it with."
     assert alone in found.notes
-    with pytest.raises(InputError, match="nonsense answers nan; it must answer a finite number"):
+    with pytest.raises(InputError, match="nonsense returns nan; it must return a finite number"):
         matters(sledge(), "alone", asked=nonsense, t_end=1.0, folder=folder)
 
 
 def nonsense(result: Result) -> float:
     return float("nan")
-
-
-def test_reductions_of_a_wave_are_those_of_the_curve() -> None:
-    t = np.linspace(0.0, 10.0, 801)
-    wave = Series(t, 3.0 + 2.0 * np.sin(4.0 * t + 0.3), np.zeros(0))
-    found = {word: how.reduce(wave) for word, how in REDUCTIONS.items()}
-    assert_allclose(found["max"], 5.0, rtol=1e-6)
-    assert_allclose(found["min"], 1.0, rtol=1e-5)
-    assert_allclose(found["range"], 4.0, rtol=1e-5)
-    assert_allclose(found["peak"], 5.0, rtol=1e-6)
-    assert_allclose(found["mean"], 3.0 + (np.cos(0.3) - np.cos(40.3)) / 20.0, rtol=1e-5)
-    assert_allclose(found["period"], np.pi / 2.0, rtol=1e-3)
-    assert_allclose(found["rate"], (wave.x[-1] - wave.x[0]) / 10.0, rtol=1e-12)
-    step = Series(np.array([0.0, 1.0, 1.001, 2.0]), np.array([0.0, 1.0, 4.0, 3.9]), np.array([1.0]))
-    assert REDUCTIONS["max"].reduce(step) == 4.0
 
 
 @pytest.mark.parametrize(
@@ -234,13 +218,13 @@ def test_reductions_of_a_wave_are_those_of_the_curve() -> None:
         ("mx:body.x", "There is no reduction 'mx'; nearest: max"),
         ("max:guide.torqe", "nearest: guide.torque"),
         ("event:kik", "There is no effect with events 'kik'; nearest: kick"),
-        ("event:kick#0", "after # stands which event is meant"),
+        ("event:kick#0", "after # stands the number of the event"),
         ("event:kick#900", "so there is no number 900"),
         ("period:body.y", "crosses its mean upwards 0 times"),
         ("", "The quantity is ''; give a series such as crank.phi"),
     ],
 )
-def test_no_such_quantity_is_named(asked: str, message: str, folder: Path) -> None:
+def test_unknown_quantities_are_refused(asked: str, message: str, folder: Path) -> None:
     with pytest.raises(InputError) as caught:
         matters(sledge(), "kicked", asked=asked, t_end=1.0, folder=folder)
     assert message in str(caught.value)
@@ -329,10 +313,10 @@ def test_command_line(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPa
                "--rounds", "1", "--t-end", "0.5", "--quantity")  # fmt: skip
     done = CliRunner().invoke(app, [*command, "max:crank.omega", "--error", "1e-3", "--json"])
     assert done.exit_code == 0, done.stderr
-    told = json.loads(done.stdout)
-    assert told["ok"] is True
-    assert told["proposal"]["left_out"] == ["gravity_right"]
-    assert told["proposal"]["relative"] <= 1e-3
+    answer = json.loads(done.stdout)
+    assert answer["ok"] is True
+    assert answer["proposal"]["left_out"] == ["gravity_right"]
+    assert answer["proposal"]["relative"] <= 1e-3
     done = CliRunner().invoke(app, [*command, "event:gas"])
     assert done.exit_code == 0
     assert "gravity_right changes event:gas by 0.2 %" in done.stdout

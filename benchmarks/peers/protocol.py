@@ -1,4 +1,4 @@
-"""What a peer's process says, line by line."""
+"""The protocol of a peer's process: JSON, a line per point."""
 
 import json
 import sys
@@ -14,15 +14,15 @@ from benchmarks.problems import PROBLEMS, Problem
 TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(6, 27))
 """10⁻³ … 10⁻¹³, two a decade."""
 TIGHT = TOLERANCES[4:]
-"""From 10⁻⁵ on, where looser ones tell nothing and cost minutes."""
+"""From 10⁻⁵ on; looser tolerances show nothing and cost minutes."""
 LONGEST = 6_000.0
 """Milliseconds of a run, after which no tighter setting is tried."""
 Solver = Callable[[Problem], None]
 
 
-def say(**what: Any) -> None:
+def write(**entries: Any) -> None:
     """One line."""
-    print(json.dumps(what), flush=True)
+    print(json.dumps(entries), flush=True)
 
 
 def point(
@@ -34,16 +34,16 @@ def point(
     evaluations: Callable[[Any], int] = lambda answer: 0,
     angles: Callable[[Any], Iterable[float]] = lambda answer: answer,
 ) -> Point:
-    """Run one setting as often as is enough, and say what it gave."""
+    """Run and time one setting, and write its point."""
     try:
         milliseconds, answer = least(run)
         error = problem.error(list(map(float, angles(answer))))
-        made = Point(contestant, method, setting, error, milliseconds, evaluations(answer))
+        found = Point(contestant, method, setting, error, milliseconds, evaluations(answer))
     except (ArithmeticError, RuntimeError, ValueError) as reason:
-        told = f"{type(reason).__name__}: {str(reason).splitlines()[0] if str(reason) else ''}"
-        made = Point(contestant, method, setting, float("inf"), 0.0, 0, told[:120])
-    say(point=asdict(made))
-    return made
+        note = f"{type(reason).__name__}: {str(reason).splitlines()[0] if str(reason) else ''}"
+        found = Point(contestant, method, setting, float("inf"), 0.0, 0, note[:120])
+    write(point=asdict(found))
+    return found
 
 
 def sweep(
@@ -57,19 +57,19 @@ def sweep(
 ) -> None:
     """All settings of a method, the loosest first, until a run takes too long."""
     for setting in settings:
-        made = point(
+        found = point(
             problem, contestant, method, setting, partial(run, setting), evaluations, angles
         )
-        if made.milliseconds > LONGEST:
+        if found.milliseconds > LONGEST:
             return
 
 
 def main(packages: Iterable[str], solvers: Mapping[str, Solver]) -> None:
     """The process of a peer: which problems it has, or one of them."""
-    asked = sys.argv[1:]
-    if not asked:
-        say(problems=sorted(solvers))
+    problems = sys.argv[1:]
+    if not problems:
+        write(problems=sorted(solvers))
         return
-    say(versions={name: version(name) for name in packages})
-    for name in asked:
+    write(versions={name: version(name) for name in packages})
+    for name in problems:
         solvers[name](PROBLEMS[name])

@@ -1,15 +1,13 @@
-"""The machines of the problems as this program solves them, and the floors beside them.
+"""The machines of the problems in this program, and the floors: the same equations by hand.
 
-All settings of both formulations and of the floor take turns in one process. A run's time is the
-processor's in its integration, so that what else the machine does is no part of it.
+All settings of both formulations and of the floor take turns in one process. The time of a run is
+the processor time of its integration, which other processes do not lengthen.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
-from time import process_time
 from typing import Any
 
 import numpy as np
@@ -24,6 +22,7 @@ from codegen.model_file import read_model
 from models.hard.andrews import model as squeezer
 from models.hard.n_four_bar import n_four_bar
 from runtime import Machine, load
+from runtime.studies.timing import processor_time
 
 FORMULATIONS = ("reduced", "cartesian")
 TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(8, 27))
@@ -36,7 +35,7 @@ Floor = Callable[[float], tuple[Sequence[float], int, int]]
 
 @dataclass(frozen=True)
 class Entry:
-    """One problem with a machine, the angles that are asked for, and its floors by name."""
+    """A problem with its machine, the compared angles, and its floors by name."""
 
     problem: Problem
     declare: Callable[[Path], Machine]
@@ -137,12 +136,10 @@ def measure(
     ours = [(formulation, tol) for formulation in entry.formulations for tol in tolerances]
     for turn in range(rounds + 1):
         for name, answer, tolerance in answers:
-            began = process_time()
-            angles, steps, rejected = answer(tolerance)
-            took = (process_time() - began) * 1e3
+            (angles, steps, rejected), seconds = processor_time(partial(answer, tolerance))
             calls = 12 * steps + 11 * rejected + 1
             error = entry.problem.error(angles)
-            _keep(points, Point("floor", name, tolerance, error, took, calls), turn)
+            _keep(points, Point("floor", name, tolerance, error, 1e3 * seconds, calls), turn)
         for formulation, tolerance in ours:
             known = points.get(("linkwright", formulation, tolerance))
             if (
@@ -194,9 +191,5 @@ def checked_branch(entry: Entry, folder: Path, tolerance: float) -> tuple[float,
 def pace(rounds: int = 20) -> float:
     """Milliseconds of the slider-crank's floor at 10⁻⁹: how fast the machine is at the moment."""
     floor_crank.answer(1e-9)
-    best = math.inf
-    for _ in range(rounds):
-        began = process_time()
-        floor_crank.answer(1e-9)
-        best = min(best, process_time() - began)
-    return best * 1e3
+    run = partial(floor_crank.answer, 1e-9)
+    return 1e3 * min(processor_time(run)[1] for _ in range(rounds))

@@ -1,4 +1,4 @@
-"""Times of kernels inside compiled loops, interleaved so that they share the machine's moods.
+"""Times of kernels inside compiled loops, interleaved, as the speed of the machine varies.
 
 Each state is copied into the same arrays: handing out rows of a table counts references, which
 takes longer than a kernel and overlaps with it differently each time. The loop itself, with
@@ -52,14 +52,14 @@ def many_velocities(kernel, count, states, rates, p, out):
 
 
 @numba.njit(F8(FORCE, types.int64, ROWS, ROWS, VECTOR, MODE_ROWS, VECTOR), **OPTIONS)
-def many_forces(kernel, count, states, rates, p, held, out):
+def many_forces(kernel, count, states, rates, p, mode_rows, out):
     total, row = 0.0, 0
-    q, v, modes = states[0].copy(), rates[0].copy(), held[0].copy()
+    q, v, modes = states[0].copy(), rates[0].copy(), mode_rows[0].copy()
     for _ in range(count):
         for k in range(q.size):
             q[k], v[k] = states[row, k], rates[row, k]
         for k in range(modes.size):
-            modes[k] = held[row, k]
+            modes[k] = mode_rows[row, k]
         kernel(TIME, q, v, p, modes, out)
         total += out[3]
         row = row + 1 if row + 1 < len(states) else 0
@@ -67,14 +67,14 @@ def many_forces(kernel, count, states, rates, p, held, out):
 
 
 @numba.njit(F8(SOLUTION, types.int64, ROWS, ROWS, VECTOR, MODE_ROWS, VECTOR, VECTOR), **OPTIONS)
-def many_solutions(kernel, count, states, rates, p, held, a, lam):
+def many_solutions(kernel, count, states, rates, p, mode_rows, a, lam):
     total, row = 0.0, 0
-    q, v, modes = states[0].copy(), rates[0].copy(), held[0].copy()
+    q, v, modes = states[0].copy(), rates[0].copy(), mode_rows[0].copy()
     for _ in range(count):
         for k in range(q.size):
             q[k], v[k] = states[row, k], rates[row, k]
         for k in range(modes.size):
-            modes[k] = held[row, k]
+            modes[k] = mode_rows[row, k]
         kernel(TIME, q, v, p, modes, a, lam)
         total += a[2]
         row = row + 1 if row + 1 < len(states) else 0

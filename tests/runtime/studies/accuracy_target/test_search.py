@@ -1,4 +1,4 @@
-"""Simulations that are asked for a global error: what they reach, say, keep and refuse."""
+"""Simulations with an accuracy target: errors, messages, records, refusals."""
 
 import csv
 import dataclasses
@@ -11,24 +11,15 @@ import pytest
 from typer.testing import CliRunner
 
 from codegen.errors import InputError
-from codegen.generated_files.atomic_write import write_if_changed
-from runtime import load
 from runtime.cli.app import app
 from runtime.core.outcomes import Outcome
 from runtime.machine import Machine
 from runtime.results.result import Result
 from runtime.results.summary import summary
 from runtime.show.report import page
-from runtime.studies.accuracy_target.run_difference import Columns, difference, resolved
+from runtime.studies.accuracy_target.run_difference import Quantities, difference, is_resolved
 
-ASKED = (1e-3, 1e-5, 1e-7, 1e-9)
-
-
-def of(root: Path, workshop: Path, name: str, scene: str) -> Machine:
-    """A machine of the library, built in the tests' own folder."""
-    path = workshop / "models" / f"library_{Path(name).name}.py"
-    write_if_changed(path, (root / "models" / f"{name}.py").read_text())
-    return load(path, scene, folder=workshop)
+TARGETS = (1e-3, 1e-5, 1e-7, 1e-9)
 
 
 @pytest.fixture(scope="module")
@@ -36,11 +27,6 @@ def compressor(library: Callable[[str, str], Machine]) -> Machine:
     machine = library("slider_crank", "compressor")
     assert machine.mechanism.reduced.kept.size  # built, so that the program may choose it
     return machine
-
-
-@pytest.fixture(scope="module")
-def thrown(root: Path, workshop: Path) -> Machine:
-    return of(root, workshop, "hard/double_pendulum", "thrown")
 
 
 @pytest.fixture(scope="module")
@@ -57,88 +43,92 @@ def reference(root: Path, name: str) -> dict[str, np.ndarray]:
     return {key: np.array([float(row[key]) for row in rows]) for key in rows[0]}
 
 
-# What is reached
+# Accuracy that is reached
 
 
-@pytest.mark.parametrize("asked", ASKED)
-def test_the_true_error_is_below_what_was_asked(
-    root: Path, compressor: Machine, asked: float
-) -> None:
+@pytest.mark.parametrize("target", TARGETS)
+def test_the_true_error_is_below_the_target(root: Path, compressor: Machine, target: float) -> None:
     exact = reference(root, "compressor_J450")
     run = compressor.simulate(
-        exact["t"][-1], exact["t"], accuracy=asked, parameters={"J1": 450.0}, progress=False
+        exact["t"][-1], exact["t"], accuracy=target, parameters={"J1": 450.0}, progress=False
     )
-    told = run.accuracy
-    assert told is not None
+    found = run.accuracy
+    assert found is not None
     assert run.outcome is Outcome.OK
-    assert (told.reached, told.horizon) == (True, None)
-    sizes = {row.name: row.scale for row in told.quantities}
+    assert (found.reached, found.horizon) == (True, None)
+    sizes = {row.name: row.scale for row in found.quantities}
     pairs = (("crank.phi", "phi1"), ("crank.omega", "omega"), ("slider.x", "x3"))
     for name, column in (*pairs, ("slider.vx", "x3d")):
         error = np.abs(run.series(name)[0] - exact[column])
-        assert (error / (sizes[name] + np.abs(exact[column]))).max() <= asked
-    assert told.estimated <= asked
-    assert told.estimated == max(row.error for row in told.quantities)
+        assert (error / (sizes[name] + np.abs(exact[column]))).max() <= target
+    assert found.estimated <= target
+    assert found.estimated == max(row.error for row in found.quantities)
 
 
-@pytest.mark.parametrize("asked", ASKED)
-def test_it_takes_two_or_three_runs(compressor: Machine, asked: float) -> None:
-    told = compressor.simulate(1.0, accuracy=asked, progress=False).accuracy
-    assert told is not None
-    assert len(told.runs) in {2, 3}
-    assert [run.rtol for run in told.runs] == sorted((run.rtol for run in told.runs), reverse=True)
-    assert told.runs[0].difference is None
-    last = told.runs[-1]
-    assert (told.method, told.formulation, told.rtol) == (last.method, last.formulation, last.rtol)
-    assert sum(run.evaluations for run in told.runs) <= 3 * last.evaluations
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_target_takes_two_or_three_runs(compressor: Machine, target: float) -> None:
+    found = compressor.simulate(1.0, accuracy=target, progress=False).accuracy
+    assert found is not None
+    assert len(found.runs) in {2, 3}
+    assert [run.rtol for run in found.runs] == sorted(
+        (run.rtol for run in found.runs), reverse=True
+    )
+    assert found.runs[0].difference is None
+    last = found.runs[-1]
+    assert (found.method, found.formulation, found.rtol) == (
+        last.method,
+        last.formulation,
+        last.rtol,
+    )
+    assert sum(run.evaluations for run in found.runs) <= 3 * last.evaluations
 
 
-def test_a_long_smooth_motion_is_judged_by_a_looser_run(
+def test_a_long_smooth_motion_is_compared_with_a_looser_run(
     library: Callable[[str, str], Machine],
 ) -> None:
     chain = library("hard/spring_chain", "struck")
     run = chain.simulate(20.0, accuracy=1e-9, method="dop853", progress=False)
-    told = run.accuracy
-    assert told is not None
-    first, second = told.runs
-    assert second.rtol > first.rtol == told.rtol
+    found = run.accuracy
+    assert found is not None
+    first, second = found.runs
+    assert second.rtol > first.rtol == found.rtol
     assert second.evaluations < first.evaluations
-    assert told.estimated < second.difference
-    again = chain.simulate(20.0, run.t, rtol=told.rtol, progress=False)
+    assert found.estimated < second.difference
+    again = chain.simulate(20.0, run.t, rtol=found.rtol, progress=False)
     np.testing.assert_array_equal(again.samples.q, run.samples.q)
-    assert f"between rtol = {second.rtol:.1e} and {first.rtol:.1e}" in told.means
-    assert f"this one {first.seconds * 1e3:.3g} ms" in told.sentences()[2]
+    assert f"between rtol = {second.rtol:.1e} and {first.rtol:.1e}" in found.means
+    assert f"this one {first.seconds * 1e3:.3g} ms" in found.sentences()[2]
 
 
 def test_where_steps_are_bounded_the_second_run_has_shorter_ones(thrown: Machine) -> None:
-    told = thrown.simulate(8.0, accuracy=1e-6, max_step=0.005, progress=False).accuracy
-    assert told is not None
-    first, second = told.runs[:2]
+    found = thrown.simulate(8.0, accuracy=1e-6, max_step=0.005, progress=False).accuracy
+    assert found is not None
+    first, second = found.runs[:2]
     assert second.rtol < first.rtol
     assert second.steps > first.steps
 
 
-def test_what_the_looser_run_lost_tells_nothing() -> None:
+def test_a_vibration_that_the_looser_run_loses_is_not_resolved() -> None:
     t = np.linspace(0.0, 1.0, 101)
     trembling = 0.01 * np.sin(40.0 * t)[:, None]
-    of = Columns(("rod.y",), np.array([1.0]), np.array([1]))
-    for lost, told in ((1.0, False), (0.05, True)):
-        found = difference(t, (1.0 - lost) * trembling, trembling, of)
-        assert resolved(found, trembling, 1e-4) is told
-        assert resolved(found, trembling, 0.02)  # more than all of it
+    quantities = Quantities(("rod.y",), np.array([1.0]), np.array([1]))
+    for lost, resolved in ((1.0, False), (0.05, True)):
+        found = difference(t, (1.0 - lost) * trembling, trembling, quantities)
+        assert is_resolved(found, trembling, 1e-4) is resolved
+        assert is_resolved(found, trembling, 0.02)  # more than all of it
 
 
-def test_the_result_is_that_of_a_run_with_the_settings_told(
+def test_the_result_is_that_of_a_run_with_the_recorded_settings(
     compressor: Machine, accurate: Result
 ) -> None:
-    told = accurate.accuracy
-    assert told is not None
+    found = accurate.accuracy
+    assert found is not None
     again = compressor.simulate(
         1.0,
         accurate.t,
-        rtol=told.rtol,
-        method=told.method,
-        formulation=told.formulation,  # type: ignore[arg-type]
+        rtol=found.rtol,
+        method=found.method,
+        formulation=found.formulation,  # type: ignore[arg-type]
         parameters={"J1": 450.0},
         progress=False,
     )
@@ -146,7 +136,7 @@ def test_the_result_is_that_of_a_run_with_the_settings_told(
     assert len(again.events) == len(accurate.events)
 
 
-def test_what_is_built_is_taken_and_what_is_fixed_is_kept(
+def test_built_companions_are_taken_and_given_settings_are_kept(
     compressor: Machine, accurate: Result
 ) -> None:
     assert accurate.accuracy is not None
@@ -158,12 +148,12 @@ def test_what_is_built_is_taken_and_what_is_fixed_is_kept(
     assert {(run.method, run.formulation) for run in fixed.runs} == {("dopri5", "cartesian")}
 
 
-def test_any_series_can_be_meant(compressor: Machine) -> None:
+def test_the_error_of_any_series_can_be_the_target(compressor: Machine) -> None:
     names = ("slider.x", "B.fx", "total")
-    told = compressor.simulate(0.5, accuracy=1e-6, quantities=names, progress=False).accuracy
-    assert told is not None
-    assert {row.name for row in told.quantities} == set(names)
-    sizes = {row.name: row.scale for row in told.quantities}
+    found = compressor.simulate(0.5, accuracy=1e-6, quantities=names, progress=False).accuracy
+    assert found is not None
+    assert {row.name for row in found.quantities} == set(names)
+    sizes = {row.name: row.scale for row in found.quantities}
     assert sizes["slider.x"] < 10.0
     assert sizes["B.fx"] > 1e3
 
@@ -181,27 +171,27 @@ def test_a_dead_centre_that_ends_the_reduced_run_is_passed(
     assert "in reduced coordinates the run ends at t = 0." in run.accuracy.means
 
 
-# Where it cannot be had
+# Accuracy that cannot be reached
 
 
 def test_a_chaotic_motion_ends_at_its_horizon(root: Path, thrown: Machine) -> None:
     exact = reference(root, "double_pendulum")
     t = np.linspace(0.0, 30.0, 601)
     run = thrown.simulate(30.0, t, accuracy=1e-6, progress=False)
-    told = run.accuracy
-    assert told is not None
+    found = run.accuracy
+    assert found is not None
     assert run.outcome is Outcome.INACCURATE
-    assert told.chaotic
-    assert told.horizon == run.t[-1]
-    assert 12.0 < told.horizon < 25.0
-    assert 1.5 < told.tenfold < 5.0
-    assert all(event.time <= told.horizon for event in run.events)
+    assert found.chaotic
+    assert found.horizon == run.t[-1]
+    assert 12.0 < found.horizon < 25.0
+    assert 1.5 < found.tenfold < 5.0
+    assert all(event.time <= found.horizon for event in run.events)
     assert "errors grow tenfold every" in run.message.lower()
     common, ours, theirs = np.intersect1d(run.t, exact["t"], return_indices=True)
     assert len(common) >= 20
     for name, column in (("upper.phi", "phi1"), ("lower.phi", "phi2"), ("lower.omega", "omega2")):
-        wanted = exact[column][theirs]
-        error = np.abs(run.series(name)[0][ours] - wanted) / (1.0 + np.abs(wanted))
+        expected = exact[column][theirs]
+        error = np.abs(run.series(name)[0][ours] - expected) / (1.0 + np.abs(expected))
         assert error.max() <= 1e-6
     shorter = thrown.simulate(4.0, accuracy=1e-6, progress=False)
     assert shorter.outcome is Outcome.OK
@@ -221,7 +211,7 @@ def test_a_chaotic_motion_ends_at_its_horizon(root: Path, thrown: Machine) -> No
         ({"accuracy": 1e-6, "method": "foo"}, "method 'foo' is none of the methods"),
     ],
 )
-def test_wrong_questions_are_refused(
+def test_invalid_targets_are_refused(
     thrown: Machine, given: dict[str, object], message: str
 ) -> None:
     with pytest.raises(InputError) as caught:
@@ -229,7 +219,9 @@ def test_wrong_questions_are_refused(
     assert message in str(caught.value)
 
 
-def test_what_has_no_value_has_no_error(thrown: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_series_without_values_is_refused(
+    thrown: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
     real = Result.series
 
     def series(self: Result, name: str) -> tuple[np.ndarray, str]:
@@ -240,35 +232,35 @@ def test_what_has_no_value_has_no_error(thrown: Machine, monkeypatch: pytest.Mon
     names = ("upper.phi", "knee.fx", "hinge.fx")
     with pytest.raises(InputError) as caught:
         thrown.simulate(0.5, accuracy=1e-4, quantities=names, progress=False)
-    (said,) = caught.value.problems
-    assert "knee.fx is no number at any of the 501 output instants" in said
+    (problem,) = caught.value.problems
+    assert "knee.fx is no number at any of the 501 output instants" in problem
 
 
 def test_a_quantity_counts_once(thrown: Machine) -> None:
     names = ("upper.phi", "hinge.fx", "upper.phi")
-    told = thrown.simulate(0.5, accuracy=1e-4, quantities=names, progress=False).accuracy
-    assert told is not None
-    assert sorted(row.name for row in told.quantities) == ["hinge.fx", "upper.phi"]
+    found = thrown.simulate(0.5, accuracy=1e-4, quantities=names, progress=False).accuracy
+    assert found is not None
+    assert sorted(row.name for row in found.quantities) == ["hinge.fx", "upper.phi"]
 
 
-# What is told
+# Records
 
 
-def test_it_is_kept_with_the_result(accurate: Result, tmp_path: Path) -> None:
-    told = accurate.accuracy
-    assert told is not None
-    facts = json.loads(json.dumps(told.facts(), allow_nan=False))
+def test_the_accuracy_is_kept_with_the_result(accurate: Result, tmp_path: Path) -> None:
+    found = accurate.accuracy
+    assert found is not None
+    facts = json.loads(json.dumps(found.facts(), allow_nan=False))
     assert json.loads(accurate.about()["accuracy"]) == facts
-    assert summary(accurate, None)["accuracy"] == told.facts()
+    assert summary(accurate, None)["accuracy"] == found.facts()
     assert facts["reached"] is True
     assert len(facts["quantities"]) == 2 * len(accurate.description.coordinates)
-    assert told.means in page(accurate).replace("&#x27;", "'")
-    assert f"{told.asked:.1e} asked" in accurate.message
+    assert found.means in page(accurate).replace("&#x27;", "'")
+    assert f"target {found.asked:.1e}" in accurate.message
     with pytest.raises(dataclasses.FrozenInstanceError):
-        told.asked = 1.0  # type: ignore[misc]
+        found.asked = 1.0  # type: ignore[misc]
 
 
-def test_a_run_with_tolerances_says_nothing_of_it(compressor: Machine) -> None:
+def test_a_run_with_tolerances_has_no_accuracy(compressor: Machine) -> None:
     plain = compressor.simulate(0.1, progress=False)
     assert plain.accuracy is None
     assert "accuracy" not in plain.about()
@@ -281,8 +273,8 @@ def test_command_line(thrown: Machine, workshop: Path, monkeypatch: pytest.Monke
     command = ["simulate", "library_double_pendulum", "--t-end", "2", "--accuracy", "1e-6"]
     done = CliRunner().invoke(app, [*command, "--quantity", "upper.phi", "--json"])
     assert done.exit_code == 0, done.stderr
-    told = json.loads(done.stdout)["accuracy"]
-    assert [row["name"] for row in told["quantities"]] == ["upper.phi"]
+    found = json.loads(done.stdout)["accuracy"]
+    assert [row["name"] for row in found["quantities"]] == ["upper.phi"]
     assert "Estimated from the difference of two runs" in done.stderr
     assert "Cost: " in done.stderr
     done = CliRunner().invoke(app, [*command, "--rtol", "1e-8"])

@@ -1,4 +1,4 @@
-"""What is refused before anything runs, and how it is said."""
+"""Arguments and reference files that are refused before anything runs."""
 
 from pathlib import Path
 from typing import Any
@@ -60,7 +60,7 @@ def test_wrong_input_is_refused(
         ("", {}, "there is no column t"),
     ],
 )
-def test_references_that_are_none_are_refused(
+def test_unusable_reference_files_are_refused(
     text: str,
     options: dict[str, Any],
     message: str,

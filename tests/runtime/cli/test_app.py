@@ -8,6 +8,7 @@ from typer.testing import CliRunner, Result
 
 from runtime.cli.app import app
 from runtime.machine import Machine
+from runtime.results.result import Result as AnalysisResult
 
 
 @pytest.fixture
@@ -38,14 +39,14 @@ def test_kinematics_to_a_file(run, tmp_path: Path) -> None:  # type: ignore[no-u
 def test_json_is_one_object_and_alone(run) -> None:  # type: ignore[no-untyped-def]
     done = run("inverse", "sc_driven", "--t-end", "0.5", "--set", "J1=900", "--json")
     assert done.exit_code == 0
-    told = json.loads(done.stdout)
-    assert told["ok"] is True
-    assert told["analysis"] == "inverse dynamics"
-    assert told["outcome"] == "OK"
-    assert told["parameters"]["J1"] == 900.0
-    assert told["t"] == [0.0, 0.5]
-    assert told["saved"] is None
-    assert told["q"]["crank.phi"] == pytest.approx(3.926990817)
+    answer = json.loads(done.stdout)
+    assert answer["ok"] is True
+    assert answer["analysis"] == "inverse dynamics"
+    assert answer["outcome"] == "OK"
+    assert answer["parameters"]["J1"] == 900.0
+    assert answer["t"] == [0.0, 0.5]
+    assert answer["saved"] is None
+    assert answer["q"]["crank.phi"] == pytest.approx(3.926990817)
     assert "sc_driven/driven, inverse dynamics" in done.stderr
 
 
@@ -56,19 +57,19 @@ def test_simulate_with_a_model_by_path(run) -> None:  # type: ignore[no-untyped-
         "--json",
     )  # fmt: skip
     assert done.exit_code == 0
-    told = json.loads(done.stdout)
-    assert told["instants"] == 501
-    assert told["stats"]["steps"] > 1
-    assert told["q"]["bar.phi"] < 0.1
+    answer = json.loads(done.stdout)
+    assert answer["instants"] == 501
+    assert answer["stats"]["steps"] > 1
+    assert answer["q"]["bar.phi"] < 0.1
 
 
 def test_equilibrium(run) -> None:  # type: ignore[no-untyped-def]
     done = run("equilibrium", "rod_pendulum", "--method", "settling", "--json")
     assert done.exit_code == 0
-    told = json.loads(done.stdout)
-    assert told["stability"] == "stable"
-    assert told["frequencies"] == [pytest.approx(0.44586114689)]
-    assert told["q"]["bar.y"] == pytest.approx(-1.0)
+    answer = json.loads(done.stdout)
+    assert answer["stability"] == "stable"
+    assert answer["frequencies"] == [pytest.approx(0.44586114689)]
+    assert answer["q"]["bar.y"] == pytest.approx(-1.0)
 
 
 def test_failed_run_saves_and_says_so(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
@@ -79,9 +80,9 @@ def test_failed_run_saves_and_says_so(run, tmp_path: Path) -> None:  # type: ign
     assert "Locked up at t = 0.0744586" in done.stderr
     assert f"What was computed: 76 instants up to t = 0.0744587 s in {path}" in done.stderr
     assert len(path.read_text().splitlines()) == 77
-    told = json.loads(done.stdout)
-    assert told["ok"] is False
-    assert told["outcome"] == "LOCKED"
+    answer = json.loads(done.stdout)
+    assert answer["ok"] is False
+    assert answer["outcome"] == "LOCKED"
     done = run(*command)
     assert done.exit_code == 1
     assert "Nothing was saved; give --out FILE" in done.stderr
@@ -106,18 +107,18 @@ def test_wrong_input_ends_with_two(run, arguments: tuple[str, ...], message: str
     assert done.exit_code == 2
     assert "error: " in done.stderr
     assert message in done.stderr
-    told = json.loads(done.stdout)
-    assert told["ok"] is False
-    assert told["status"] == 2
-    assert any(message in problem for problem in told["problems"])
+    answer = json.loads(done.stdout)
+    assert answer["ok"] is False
+    assert answer["status"] == 2
+    assert any(message in problem for problem in answer["problems"])
 
 
 def test_simulate_from_a_later_instant(run) -> None:  # type: ignore[no-untyped-def]
     done = run("simulate", "rod_pendulum", "--t-start", "2", "--t-end", "2.5", "--json")
-    told = json.loads(done.stdout)
-    assert told["t"] == [2.0, 2.5]
+    answer = json.loads(done.stdout)
+    assert answer["t"] == [2.0, 2.5]
     from_zero = json.loads(run("simulate", "rod_pendulum", "--t-end", "0.5", "--json").stdout)
-    assert told["q"]["bar.phi"] == pytest.approx(from_zero["q"]["bar.phi"], rel=1e-6)
+    assert answer["q"]["bar.phi"] == pytest.approx(from_zero["q"]["bar.phi"], rel=1e-6)
 
 
 def test_place_that_cannot_be_written_is_refused_before_the_run(
@@ -154,12 +155,10 @@ def test_missing_argument_ends_with_two(run) -> None:  # type: ignore[no-untyped
 def test_unwritable_file_ends_with_one(
     run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:  # type: ignore[no-untyped-def]
-    from runtime.results import files
-
     def fail(*_: object) -> None:
         raise OSError("disk full")
 
-    monkeypatch.setitem(files._WRITERS, ".csv", fail)
+    monkeypatch.setattr(AnalysisResult, "save", fail)
     done = run("kinematics", "sc_driven", "--t-end", "1", "--out", tmp_path / "run.csv")
     assert done.exit_code == 1
     assert done.stderr == "error: disk full\n"
@@ -172,7 +171,7 @@ def test_events_are_told_and_listed() -> None:
     assert "t = 0.451523641    impact  plate: ball_y - radius > 0\n" in done.stderr
     assert "5 more events" in done.stderr
     assert "holds   plate" in done.stderr
-    told = json.loads(CliRunner().invoke(app, [*ball, "--json"]).stdout)["events"]
-    assert len(told) == 17
-    assert told[-1]["what"] == "holds"
-    assert told[-1]["t"] == pytest.approx(1.35457092, abs=1e-8)
+    answer = json.loads(CliRunner().invoke(app, [*ball, "--json"]).stdout)["events"]
+    assert len(answer) == 17
+    assert answer[-1]["what"] == "holds"
+    assert answer[-1]["t"] == pytest.approx(1.35457092, abs=1e-8)

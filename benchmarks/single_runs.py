@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
-from time import process_time
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -15,12 +14,12 @@ from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
     from runtime.dynamics.formulations import Coordinates
-    from runtime.dynamics.prepared_simulation import Prepared
+    from runtime.dynamics.prepared_simulation import PreparedSimulation
     from runtime.integrate.problem import Options
     from runtime.integrate.trajectory import Trajectory
     from runtime.machine import Machine
     from runtime.results.result import Result
-    from runtime.studies.accuracy_target.run_difference import Columns
+    from runtime.studies.accuracy_target.run_difference import Quantities
 
 Array = npt.NDArray[np.float64]
 
@@ -47,8 +46,8 @@ def single_runs(
     t: Array,
     repeats: int,
     grid: Sequence[float],
-    truth: "Result",
-    of: "Columns",
+    reference: "Result",
+    quantities: "Quantities",
 ) -> list[Single]:
     """Every single run that reached its end."""
     from runtime.core.outcomes import Outcome
@@ -75,33 +74,41 @@ def single_runs(
             elif seconds > longest:
                 break  # no tighter run of this method can be the cheapest
             if run.outcome is Outcome.OK:
-                error = error_of(truth, of.of_run(run.q, run.v), of)
+                error = error_of(reference, quantities.of_run(run.q, run.v), quantities)
                 setting = f"{method}, {formulation}, {rtol:.0e}"
                 found.append(Single(seconds, error, setting, again))
     return found
 
 
 def _timed(
-    ready: "Prepared", taken: "Coordinates", options: "Options"
+    ready: "PreparedSimulation", taken: "Coordinates", options: "Options"
 ) -> tuple[float, "Trajectory"]:
-    """A run, and its processor time in s."""
+    """The processor time of a run in s, and the run."""
     from runtime.progress_bar import silent
+    from runtime.studies.timing import processor_time
 
-    began = process_time()
-    run = ready.run(taken, options, silent)
-    return process_time() - began, run
+    run, seconds = processor_time(lambda: ready.run(taken, options, silent))
+    return seconds, run
 
 
-def prepared(machine: "Machine", t: Array) -> "Prepared":
-    from runtime.dynamics.prepared_simulation import Prepared
+def prepared(machine: "Machine", t: Array) -> "PreparedSimulation":
+    from runtime.dynamics.prepared_simulation import PreparedSimulation
 
     end = float(t[-1])
-    return Prepared(machine.mechanism, end, t_start=0.0, parameters=None, guess=None, start=None)
+    return PreparedSimulation(
+        machine.mechanism, end, t_start=0.0, parameters=None, guess=None, start=None
+    )
 
 
-def error_of(truth: "Result", values: Array, of: "Columns") -> float:
+def error_of(reference: "Result", values: Array, quantities: "Quantities") -> float:
     """Largest |y - r| / (s + |r|) at the instants that `values` has."""
     from runtime.studies.accuracy_target.run_difference import difference
 
     count = len(values)
-    return difference(truth.t[:count], values, of.of_result(truth), of, of.wholes(truth)).largest
+    return difference(
+        reference.t[:count],
+        values,
+        quantities.of_result(reference),
+        quantities,
+        quantities.wholes(reference),
+    ).largest

@@ -33,7 +33,7 @@ def test_a_short_analysis_shows_nothing(monkeypatch: pytest.MonkeyPatch) -> None
 def test_a_long_analysis_shows_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    monkeypatch.setattr(progress, "_PATIENCE", -1.0)
+    monkeypatch.setattr(progress, "PATIENCE", -1.0)
     with progress.bar("kinematics of x/y") as report:
         report(0.25)
         report(0.5)

@@ -1,0 +1,110 @@
+"""A generated file: its text, the time that each stage took, and writing it in one step."""
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+
+from codegen.artefact import alone
+from codegen.errors import GeneratedFileError
+
+Progress = Callable[[str], None]
+
+
+@dataclass
+class Clock:
+    """Times the stages of one scene, and announces them.
+
+    Attributes
+    ----------
+    seconds
+        Stage → wall time.
+    title
+        Model and scene, for the announcements.
+    """
+
+    seconds: dict[str, float]
+    progress: Progress
+    title: str
+
+    @contextmanager
+    def __call__(self, stage: str) -> Iterator[None]:
+        """Time the block."""
+        self.progress(f"{self.title}: {stage}")
+        started = perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[stage] = perf_counter() - started
+
+
+@dataclass
+class File:
+    """A generated file.
+
+    Attributes
+    ----------
+    changed
+        Whether its text is new on the disk, or differs from the disk in a check.
+    operations
+        Kernel → arithmetic operations, of a companion.
+    companions
+        Kind → companion module.
+    """
+
+    path: Path
+    text: str
+    clock: Clock
+    changed: bool = False
+    operations: dict[str, int] = field(default_factory=dict)
+    companions: "dict[str, File]" = field(default_factory=dict)
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the text."""
+        return hashlib.sha256(self.text.encode()).hexdigest()
+
+
+def write_if_changed(path: Path, text: str) -> bool:
+    """Write `text` to `path`, whole or not at all; False if the file holds it already.
+
+    Two builds of the same model write the same bytes, so the later rename changes nothing.
+
+    Raises
+    ------
+    GeneratedFileError
+        If the folder cannot be created or written.
+    """
+    try:
+        if is_current(path, text):
+            return False
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with alone(path):
+            _replace(path, text)
+    except OSError as error:
+        raise GeneratedFileError(
+            f"cannot write {path}: {error.strerror or error}; choose another folder with --out, "
+            "or make this one writable."
+        ) from error
+    return True
+
+
+def is_current(path: Path, text: str) -> bool:
+    """Whether `path` holds `text`."""
+    return path.is_file() and path.read_bytes() == text.encode()
+
+
+def _replace(path: Path, text: str) -> None:
+    descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-")
+    try:
+        with os.fdopen(descriptor, "wb") as stream:
+            stream.write(text.encode())
+        Path(temporary).chmod(0o644)
+        Path(temporary).replace(path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise

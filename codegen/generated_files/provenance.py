@@ -1,0 +1,86 @@
+"""Provenance of a generated file: folder, name, sources, and the command that rebuilds it."""
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+
+import sympy
+
+from codegen.derive.equations import Equations
+from codegen.emit.module import Origin
+from codegen.model_file import ModelFile, library_folder
+
+
+def default_folder(file: ModelFile) -> Path:
+    """The folder of a model's generated files."""
+    library = library_folder()
+    ours = file.path is not None and file.path.is_relative_to(library / "models")
+    return (library if ours else Path.cwd()) / "generated"
+
+
+def file_name(stem: str, equations: Equations, settings: Mapping[str, float]) -> str:
+    """``model__scene.py`` after the model file, with a tail for a build with other defaults."""
+    stem = f"{stem}__{equations.scene.name}"
+    if settings:
+        text = ",".join(f"{name}={value!r}" for name, value in sorted(settings.items()))
+        stem += f"__{hashlib.sha256(text.encode()).hexdigest()[:8]}"
+    return f"{stem}.py"
+
+
+def origin(
+    generator: str,
+    file: ModelFile,
+    equations: Equations,
+    path: Path,
+    settings: Mapping[str, float],
+    more: str = "",
+) -> Origin:
+    """Provenance, with paths relative to the folder that holds the folder of generated files.
+
+    Parameters
+    ----------
+    generator
+        Name and version of the compiler.
+    more
+        Further options of the command that builds the file.
+    """
+    base = path.resolve().parent.parent
+    named = [(_relative(source, base), digest) for source, digest in file.sources]
+    options = "".join(f" --set {name}={value!r}" for name, value in sorted(settings.items())) + more
+    varied = equations.scene.root is not None  # by without() or with_(): not declared in a file
+    scene = equations.scene.spelled if varied else f"'{equations.scene.name}'"
+    command = f"build({file.model.name}, scene={scene})"
+    if named and not varied:
+        command = f"python -m codegen build {named[0][0]} --scene {equations.scene.name}{options}"
+    engine = f"SymPy {sympy.__version__}"
+    return Origin(generator, tuple(named), fingerprint(equations), command, engine)
+
+
+def _relative(source: Path, base: Path) -> str:
+    return (source.relative_to(base) if source.is_relative_to(base) else source).as_posix()
+
+
+def fingerprint(equations: Equations) -> str:
+    """SHA-256 of a scene's declaration: equal exactly when equations, numbers and names are.
+
+    It does not depend on the order of sets.
+    """
+    lines = [f"{equations.model} {equations.scene!r} {equations.coordinates}"]
+    lines += [f"parameter {p!r}" for p in equations.parameters]
+    lines += [f"mass {m}" for m in equations.masses]
+    for constraint in equations.constraints:
+        statement = constraint.statement
+        bindings = sorted(f"{place}={meaning}" for place, meaning in statement.bindings.items())
+        lines.append(f"{constraint.kind} {constraint.name} {statement.phi} {bindings}")
+        lines += [f"  own {row} {q}" for row, q in statement.own]
+        lines.append(f"  reactions {constraint.terms.reactions}")
+    for effect in equations.effects:
+        terms = effect.terms
+        lines.append(f"{effect.kind} {effect.name} {terms.potential} {terms.loads}")
+        lines += [f"  pulls {terms.pulls}"] if terms.pulls else []
+        lines += [f"  friction {terms.friction}"] if terms.friction else []
+        lines += [f"  hold {terms.hold}"] if terms.hold else []
+        lines += [f"  reported {terms.reported}"] if terms.reported else []
+    lines += [f"switch {switch.g}" for switch in equations.switches]
+    lines.append(f"left out {equations.left_out}")
+    return hashlib.sha256("\n".join(lines).encode()).hexdigest()

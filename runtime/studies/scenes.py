@@ -1,0 +1,114 @@
+"""Scenes of a study: read, compiled and loaded; undeclared variants are compiled in a cache."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from codegen.errors import AnalysisError, InputError
+from runtime.load import load
+
+if TYPE_CHECKING:
+    from codegen import Model, Scene
+    from runtime.machine import Machine
+
+CACHE = ".linkwright_cache"
+"""Folder for the modules of undeclared scenes, inside the user's working folder."""
+
+
+class Source(NamedTuple):
+    """The model and scene that a user named, and the folder in which the user works."""
+
+    given: "str | os.PathLike[str] | Model"
+    given_scene: "str | Scene | None"
+    folder: str | os.PathLike[str] | None
+    model: "Model"
+    scene: "Scene"
+
+    def machine(self) -> "Machine":
+        """The machine of the named scene, as `load` finds it."""
+        if isinstance(self.given_scene, str | None) and not hasattr(self.given, "scenes"):
+            return load(self.given, self.scene.name, folder=self.folder)
+        return self.variant(self.scene)
+
+    def other(self, scene: "Scene") -> "Machine":
+        """The machine of another scene of the model, declared or not."""
+        name = scene.name if scene.root is None else scene
+        return self._replace(given_scene=name, scene=scene).machine()
+
+    def variant(self, scene: "Scene") -> "Machine":
+        """The machine of an undeclared scene of the model, compiled in the cache."""
+        return load(self.model, scene, folder=cache_folder(self.folder))
+
+
+def read_source(
+    model: "str | os.PathLike[str] | Model",
+    scene: "str | Scene | None",
+    folder: str | os.PathLike[str] | None,
+) -> Source:
+    """Read the model, and find the scene in it: the first unless one is named.
+
+    Raises
+    ------
+    InputError
+        As `load`.
+    """
+    from codegen.scene_variants import declared
+
+    read = declared(Path(model) if isinstance(model, os.PathLike) else model, scene)
+    return Source(model, scene, folder, *read)
+
+
+def cache_folder(folder: str | os.PathLike[str] | None) -> Path:
+    """The cache, created if need be and hidden from version control.
+
+    Parameters
+    ----------
+    folder
+        The user's working folder; the current directory if None.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
+    path = (Path(folder) if folder is not None else Path.cwd()) / CACHE
+    try:
+        path.mkdir(exist_ok=True)
+        (path / ".gitignore").write_text("*\n", encoding="utf-8")
+    except OSError as error:
+        raise InputError(
+            f"{path}: undeclared scenes are compiled in this folder, which cannot be written "
+            f"({error.strerror}); give folder=, or work in another folder."
+        ) from error
+    return path
+
+
+def known_parameters(machine: "Machine", values: Mapping[str, float]) -> dict[str, float]:
+    """Those of the parameter values whose names the scene has."""
+    return {name: x for name, x in values.items() if name in machine.parameters.names}
+
+
+def known_guess(machine: "Machine", values: Mapping[str, float]) -> dict[str, float]:
+    """Those of the start values whose coordinates or velocities the scene has."""
+    rows = machine.coordinates
+    states = {*rows.names, *(row.velocity for row in rows)}
+    return {name: x for name, x in values.items() if name in states}
+
+
+def require_time_span(machine: "Machine", t_start: float, t_end: float | None) -> float:
+    """The last instant of a run, s.
+
+    Raises
+    ------
+    AnalysisError
+        If it is missing, or not after the first.
+    """
+    title = machine.description.title
+    if t_end is None:
+        raise AnalysisError(f"{title}: t_end is missing; give the last instant in s (--t-end).")
+    if not t_start < t_end < float("inf"):
+        raise AnalysisError(
+            f"{title}: the time span from {t_start:g} to {t_end:g} s must be finite and positive."
+        )
+    return float(t_end)

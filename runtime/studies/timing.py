@@ -1,0 +1,101 @@
+"""Processor times of runs that are compared with each other, on a machine that others use as well.
+
+Processor time is measured, not wall-clock time: the scheduler interrupts a run longer than its time
+slice nearly every time where processors are busy, a short run hardly ever, so that wall-clock time
+would overstate the longer run. Other processes only ever lengthen a run, through the caches, and
+for a while at a time: runs are therefore repeated in turns, and the least time counts.
+"""
+
+import math
+import statistics
+from collections.abc import Callable, Iterable, Sequence
+from time import perf_counter, process_time
+from typing import TypeVar
+
+Answer = TypeVar("Answer")
+
+
+def processor_time(run: Callable[[], Answer]) -> tuple[Answer, float]:
+    """The answer of a run, and its processor time in s."""
+    started = process_time()
+    answer = run()
+    return answer, process_time() - started
+
+
+class Stopwatch:
+    """Processor times of a run that is repeated.
+
+    Parameters
+    ----------
+    run
+        Runs once; answers the processor time in s, or None if the run was cut short.
+    times
+        Of earlier runs, s.
+    """
+
+    def __init__(self, run: Callable[[], float | None], *times: float) -> None:
+        self.run, self.times = run, list(times)
+
+    def repeat(self) -> bool:
+        """Run once more; whether the run was completed."""
+        seconds = self.run()
+        if seconds is not None:
+            self.times.append(seconds)
+        return seconds is not None
+
+    @property
+    def seconds(self) -> float:
+        """The least time."""
+        return min(self.times)
+
+    @property
+    def spread(self) -> float:
+        """The median time over the least."""
+        return statistics.median(self.times) / self.seconds
+
+
+class TimeLimit:
+    """Progress callback that interrupts a run which takes too long; compilation does not count."""
+
+    def __init__(self, limit: float) -> None:
+        self.limit, self.exceeded = limit, False
+        self.started: float | None = None
+
+    def __call__(self, fraction: float) -> None:
+        """Note the first sign of life; interrupt once the limit has passed since."""
+        if self.started is None:
+            self.started = perf_counter()
+        elif perf_counter() - self.started > self.limit:
+            self.exceeded = True
+            raise KeyboardInterrupt  # ends the run with the part that it has computed
+
+
+def take_turns(watches: Sequence[Stopwatch], finished: Callable[[Stopwatch], bool]) -> None:
+    """Repeat runs in turns, each until it is finished, or is cut short."""
+    waiting = list(watches)
+    while waiting:
+        waiting = [watch for watch in waiting if watch.repeat() and not finished(watch)]
+
+
+def time_to_error(points: Iterable[tuple[float, float]], error: float) -> float | None:
+    """Time in which runs, from the loosest to the tightest, first reach an error.
+
+    Interpolated between the run that reaches it and the run before, logarithm over logarithm; the
+    time of the first run if that reaches it; None if no run does.
+
+    Parameters
+    ----------
+    points
+        Error and time of each run.
+    """
+    loose: tuple[float, float] | None = None
+    for worst, seconds in points:
+        if worst <= error:
+            if loose is None or math.isinf(loose[0]):
+                return seconds
+            far, near = math.log(loose[0]), math.log(max(worst, 1e-17))
+            share = (far - math.log(error)) / (far - near)
+            fast, slow = math.log(loose[1]), math.log(seconds)
+            return math.exp(fast + share * (slow - fast))
+        loose = worst, seconds
+    return None
