@@ -158,14 +158,22 @@ def _bodies(model: Model, element: Constraint | Effect) -> Iterator[str]:
 
 
 def _orientations(constraint: Constraint) -> Iterator[str]:
-    """Joints that would turn a particle; only its place can be held."""
+    """Joints that would turn a particle, or ask for an angle that a body has not."""
     statement = constraint.statement()
     phi = sympy.Tuple(*statement.phi)
     for frame in (I, J):
         held = phi.xreplace(dict.fromkeys(frame.s, sympy.S.Zero))
         if not held.has(frame.phi):
             continue
-        body = next((b for b in constraint.bodies if statement.bindings.get(frame.x) == b.x), None)
+        at = statement.bindings.get(frame.x)
+        body = next((b for b in constraint.bodies if at == b.position[0]), None)
+        if body and body.angle is None and phi.xreplace(statement.bindings).has(frame.phi):
+            letters = ", ".join(q.letter for q in body.coordinates)
+            yield (
+                f"{constraint.kind} '{constraint.name}' asks for the angle of '{body.name}', which "
+                f"is oriented by {letters} and counts none; use joints that ask for points and "
+                "axes, such as revolute, point-on-line or distance, or model.constraint(...)."
+            )
         if body and not body.turns:
             yield (
                 f"{constraint.kind} '{constraint.name}' holds an angle of '{body.name}', which is "
@@ -219,7 +227,7 @@ def _strangers(
             known |= {q, q.rate}
     placeholders: set[sympy.Symbol] = set()
     if isinstance(element, Constraint):
-        placeholders = set(element.statement().bindings)
+        placeholders = {s for place in element.statement().bindings for s in place.free_symbols}
     symbols = set().union(*(e.free_symbols for e in expressions)) - known - placeholders
     allowed = isinstance(element, Constraint)
     return sorted(

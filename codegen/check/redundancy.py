@@ -50,11 +50,10 @@ def examine(equations: Equations, lowered: Lowered) -> Findings:
     n = len(equations.coordinates)
     if not rows:
         return Findings((), (), 0)
-    guess = np.zeros(n)
-    for k, q in enumerate(equations.coordinates):
-        owner, _, letter = q.name.rpartition("_")
-        named = dict((*equations.scene.guess, *equations.scene.start))
-        guess[k] = named.get(f"{owner}.{letter}", 0.0)
+    named = dict((*equations.scene.guess, *equations.scene.start))
+    guess = np.array(
+        [named.get(f"{q.owner}.{q.letter}", q.measure.neutral) for q in equations.coordinates]
+    )
     dependent = min(
         (_dependent_rows(_jacobian_near(equations, lowered, guess, k)) for k in range(PROBES)),
         key=len,
@@ -104,8 +103,8 @@ def _jacobian_near(equations: Equations, lowered: Lowered, guess: Array, probe: 
 
 
 def _units(equations: Equations, jacobian: Array) -> Array:
-    """A radian for angles; for lengths the longest arm, so that size does not matter."""
-    angles = np.array([q.unit == "rad" for q in equations.coordinates])
+    """1 for angles and numbers; for lengths the longest arm, so that size does not matter."""
+    angles = np.array([q.unit != "m" for q in equations.coordinates])
     moved = np.abs(jacobian[:, ~angles]).max(axis=1, initial=0.0)
     turned = np.abs(jacobian[:, angles]).max(axis=1, initial=0.0)
     arms = [float(a / b) for a, b in zip(turned, moved, strict=True) if a > 0 and b > 0]

@@ -1,4 +1,10 @@
-"""Bodies, and the points and curves on them that joints and forces take hold of."""
+"""Bodies, and the points and curves on them that joints and forces take hold of.
+
+A body answers its coordinates, where a point and an axis of it are (r + A s'), its mass block and
+inertia force, and equations between its coordinates. One whose orientation is not an angle answers
+`position`, `rotation`, `angular_velocity`, `mass_matrix` and `equations`, and None for `angle`;
+`Model.add` declares it.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -74,19 +80,76 @@ class Body:
         return (self.mass, self.mass, self.inertia)
 
     @property
+    def mass_matrix(self) -> dict[tuple[Coordinate, Coordinate], sympy.Expr | None]:
+        """Entries M_ab(q) of the body's mass block, for a pair of coordinates in one order.
+
+        M must be positive definite on the velocities that `equations` allow; it may be singular
+        beside them, as that of Euler parameters is.
+        """
+        pairs = zip(self.coordinates, self.masses, strict=True)
+        return {(q, q): mass for q, mass in pairs}
+
+    @property
+    def inertia_force(self) -> dict[Coordinate, sympy.Expr]:
+        """Q_v of M q̈ + Φ_qᵀ λ = Q + Q_v, quadratic in the velocities.
+
+        By Lagrange's equations from T = q̇ᵀ M q̇ / 2: Q_v = T_q - Ṁ q̇. Zero where M is constant.
+        """
+        entries = {pair: m for pair, m in self.mass_matrix.items() if m is not None}
+        kinetic = sympy.Add(
+            *(m * a.rate * b.rate / (2 if a == b else 1) for (a, b), m in entries.items())
+        )
+        found = {}
+        for q in self.coordinates:
+            momentum = sympy.diff(kinetic, q.rate)
+            terms = (sympy.diff(momentum, p) * p.rate for p in self.coordinates)
+            found[q] = sympy.expand(sympy.diff(kinetic, q) - sympy.Add(*terms))
+        return {q: force for q, force in found.items() if force != 0}
+
+    @property
+    def equations(self) -> tuple[tuple[str, sympy.Expr], ...]:
+        """(word, Φ) of equations Φ = 0 between the body's coordinates; most bodies have none."""
+        return ()
+
+    @property
     def turns(self) -> bool:
         """Whether the body has an orientation."""
         return True
 
     @property
-    def pose(self) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
-        """Position and orientation as expressions; zeros for the ground."""
-        return (self.x, self.y, self.phi)
+    def position(self) -> tuple[sympy.Expr, sympy.Expr]:
+        """Global position r of the origin of the body's frame."""
+        return (self.x, self.y)
 
     @property
-    def twist(self) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
-        """Velocities as expressions; zeros for the ground."""
-        return (self.vx, self.vy, self.omega)
+    def velocity(self) -> tuple[sympy.Expr, sympy.Expr]:
+        """Velocity ṙ of the origin of the body's frame."""
+        return (self.vx, self.vy)
+
+    @property
+    def mass_centre(self) -> tuple[sympy.Expr, sympy.Expr]:
+        """Global position of the centre of mass."""
+        return self.position
+
+    @property
+    def angle(self) -> sympy.Expr | None:
+        """Orientation φ; None where the coordinates give cos φ and sin φ but no angle."""
+        return self.phi
+
+    @property
+    def rotation(self) -> tuple[sympy.Expr, sympy.Expr]:
+        """(cos φ, sin φ), the first column of A, from the body's frame to the global one."""
+        return sympy.cos(self.angle), sympy.sin(self.angle)
+
+    @property
+    def angular_velocity(self) -> sympy.Expr:
+        """ω = φ̇."""
+        return self.omega
+
+    def torque(self, value: sympy.Expr) -> dict[Coordinate, sympy.Expr]:
+        """Generalized forces of a torque: value ∂ω/∂q̇."""
+        slopes = {q: sympy.diff(self.angular_velocity, q.rate) for q in self.coordinates}
+        return {q: value * slope for q, slope in slopes.items() if slope != 0}
 
     def at(self, x: Any, y: Any) -> "Point":
         """The point (x', y') of this body's frame, m."""
@@ -129,14 +192,14 @@ class Particle(Body):
         return False
 
     @property
-    def pose(self) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
-        """Position, and zero for the orientation."""
-        return (self.x, self.y, sympy.S.Zero)
+    def angle(self) -> sympy.Expr:
+        """Zero: a point does not turn."""
+        return sympy.S.Zero
 
     @property
-    def twist(self) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
-        """Velocity, and zero for the angular velocity."""
-        return (self.vx, self.vy, sympy.S.Zero)
+    def angular_velocity(self) -> sympy.Expr:
+        """Zero: a point does not turn."""
+        return sympy.S.Zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,14 +217,24 @@ class Ground(Body):
         return ()
 
     @property
-    def pose(self) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
+    def position(self) -> tuple[sympy.Expr, sympy.Expr]:
         """Zeros: the global frame."""
-        return (sympy.S.Zero,) * 3
+        return (sympy.S.Zero, sympy.S.Zero)
 
     @property
-    def twist(self) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
+    def velocity(self) -> tuple[sympy.Expr, sympy.Expr]:
         """Zeros: the ground does not move."""
-        return (sympy.S.Zero,) * 3
+        return (sympy.S.Zero, sympy.S.Zero)
+
+    @property
+    def angle(self) -> sympy.Expr:
+        """Zero: the global frame."""
+        return sympy.S.Zero
+
+    @property
+    def angular_velocity(self) -> sympy.Expr:
+        """Zero: the ground does not move."""
+        return sympy.S.Zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,26 +248,24 @@ class Point:
     @property
     def x(self) -> sympy.Expr:
         """Horizontal position in the global frame: r_x + (A s')_x."""
-        x, _, phi = self.body.pose
-        return x + self.sx * sympy.cos(phi) - self.sy * sympy.sin(phi)
+        (x, _), (c, s) = self.body.position, self.body.rotation
+        return x + self.sx * c - self.sy * s
 
     @property
     def y(self) -> sympy.Expr:
         """Vertical position in the global frame: r_y + (A s')_y."""
-        _, y, phi = self.body.pose
-        return y + self.sx * sympy.sin(phi) + self.sy * sympy.cos(phi)
+        (_, y), (c, s) = self.body.position, self.body.rotation
+        return y + self.sx * s + self.sy * c
 
     @property
     def vx(self) -> sympy.Expr:
         """Horizontal velocity in the global frame."""
-        vx, _, omega = self.body.twist
-        return vx - omega * (self.y - self.body.pose[1])
+        return self.body.velocity[0] - self.body.angular_velocity * (self.y - self.body.position[1])
 
     @property
     def vy(self) -> sympy.Expr:
         """Vertical velocity in the global frame."""
-        _, vy, omega = self.body.twist
-        return vy + omega * (self.x - self.body.pose[0])
+        return self.body.velocity[1] + self.body.angular_velocity * (self.x - self.body.position[0])
 
 
 @dataclass(frozen=True, eq=False)

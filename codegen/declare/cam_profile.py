@@ -89,8 +89,8 @@ def places(profile: sympy.Matrix) -> npt.NDArray[np.float64]:
 
 def in_ground(curve: Curve, numbers: Mapping[sympy.Symbol, float]) -> npt.NDArray[np.float64]:
     """Points of a curve in the global frame for coordinates and parameters, samples × 2."""
-    x, y, phi = (float(c.subs(numbers)) for c in curve.body.pose)
-    c, s = math.cos(phi), math.sin(phi)
+    x, y = (float(a.subs(numbers)) for a in curve.body.position)
+    c, s = (float(a.subs(numbers)) for a in curve.body.rotation)
     turned = places(curve.at(alpha).subs(numbers)) @ np.array([[c, s], [-s, c]])
     found: npt.NDArray[np.float64] = turned + np.array([x, y])
     return found

@@ -54,10 +54,14 @@ class Frame:
 
     def bind(self, point: Point) -> dict[sympy.Symbol, sympy.Expr]:
         """Placeholders of this frame → what they are for a point of a body in a model."""
-        x, y, phi = point.body.pose
-        sx, sy = self.s
-        at = sympy.sympify(point.sx), sympy.sympify(point.sy)
-        return {self.x: x, self.y: y, self.phi: phi, sx: at[0], sy: at[1]}
+        body, (sx, sy) = point.body, self.s
+        found = {self.x: body.position[0], self.y: body.position[1]}
+        if body.angle is None:  # a statement that asks for the angle itself is refused
+            ends = sympy.cos(self.phi), sympy.sin(self.phi)
+            found |= dict(zip(ends, body.rotation, strict=True))
+        else:
+            found[self.phi] = body.angle
+        return found | {sx: sympy.sympify(point.sx), sy: sympy.sympify(point.sy)}
 
 
 I, J = Frame("i"), Frame("j")  # noqa: E741 (Haug's names for the two bodies of a joint)
@@ -110,9 +114,10 @@ class Statement:
     rows
         A word for each equation (``"x"``, ``"angle"`` …).
     bindings
-        Placeholder → number, parameter or coordinate of the model.
+        Placeholder → number, parameter or expression of the model; the cosine and sine of a
+        placeholder instead, where a body has no angle.
     reaction
-        How the multipliers are reported as forces.
+        How the multipliers are reported as forces; None: they are not.
     own
         (row, coordinate) of each coordinate that the element brings itself, such as the parameter
         of a cam's profile at the contact: it has no mass, and the row determines it, so that
@@ -121,7 +126,7 @@ class Statement:
 
     phi: tuple[sympy.Expr, ...]
     rows: tuple[str, ...]
-    reaction: JointReaction | ConjugateReaction
+    reaction: JointReaction | ConjugateReaction | None
     bindings: dict[sympy.Symbol, sympy.Expr] = field(default_factory=dict)
     own: tuple[tuple[str, Coordinate], ...] = ()
 

@@ -15,8 +15,6 @@ from codegen.declare.value_reader import Reader
 Names = Iterable["str | Body | Constraint | Effect"]
 Values = Mapping["str | sympy.Symbol", Any]
 NamedValues = tuple[tuple[str, float], ...]
-UNITS = {"x": "m", "y": "m", "phi": "rad", "alpha": "rad", "beta": "rad"}
-"""Letters of coordinates, with their units."""
 
 
 def named(
@@ -39,7 +37,7 @@ def states(
     """Values of coordinates and velocities (``"crank.phi"``, or the symbol) in SI units."""
     known: dict[str, str] = {}
     for q in coordinates:
-        known |= {dotted(q): q.unit, dotted(q.rate): f"{q.unit}/s"}
+        known |= {dotted(q): q.unit, dotted(q.rate): q.measure.rate_unit}
     found = {}
     for key, value in values.items():
         name = key if isinstance(key, str) else dotted(key)

@@ -1,28 +1,89 @@
 """The symbols that a declaration is written in, told apart by class instead of by name."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy
 
-RATES = {"x": "vx", "y": "vy", "phi": "omega", "alpha": "alphadot", "beta": "betadot"}
-"""Letter of a coordinate → letter of its velocity; α and β are contact parameters of elements."""
 
-LENGTHS = ("x", "y")
+class CoordinateKind(NamedTuple):
+    """What a coordinate measures.
+
+    Attributes
+    ----------
+    rate
+        Letter of its velocity.
+    unit
+        ``"m"``, ``"rad"``, or ``"1"`` for numbers such as Euler parameters.
+    neutral
+        Its value in the pose in which the body's frame is the global one.
+    """
+
+    rate: str
+    unit: str
+    neutral: float = 0.0
+
+    @property
+    def rate_unit(self) -> str:
+        """Unit of the velocity."""
+        return f"{self.unit}/s"
+
+    @property
+    def force_unit(self) -> str:
+        """Unit of the generalized force, whose product with the velocity is a power."""
+        return "N" if self.unit == "m" else "N m"
+
+
+KINDS = {
+    "x": CoordinateKind("vx", "m"),
+    "y": CoordinateKind("vy", "m"),
+    "phi": CoordinateKind("omega", "rad"),
+    "alpha": CoordinateKind("alphadot", "rad"),
+    "beta": CoordinateKind("betadot", "rad"),
+}
+"""Letter of a coordinate → its kind; α and β are contact parameters of elements."""
+
+
+def declare_letter(letter: str, kind: CoordinateKind) -> None:
+    """Let bodies have coordinates of another letter.
+
+    Raises
+    ------
+    ValueError
+        If the letter, or that of its velocity, means something else already.
+    """
+    rates = {known.rate: place for place, known in KINDS.items()}
+    if KINDS.get(letter, kind) != kind or rates.get(kind.rate, letter) != letter:
+        raise ValueError(f"coordinate '{letter}' or velocity '{kind.rate}' means something else")
+    KINDS[letter] = kind
 
 
 class Coordinate(sympy.Symbol):  # type: ignore[misc]
-    """A generalized coordinate; `rate` is its velocity."""
+    """A generalized coordinate, ``owner_letter``; `rate` is its velocity."""
+
+    @property
+    def owner(self) -> str:
+        """The body or element that brings it."""
+        return str(self.name.rpartition("_")[0])
+
+    @property
+    def letter(self) -> str:
+        """What it is called there."""
+        return str(self.name.rpartition("_")[2])
+
+    @property
+    def measure(self) -> CoordinateKind:
+        """What it measures."""
+        return KINDS[self.letter]
 
     @property
     def unit(self) -> str:
-        """``"m"`` for positions, ``"rad"`` for angles and the parameters of curves."""
-        return "m" if self.name.rpartition("_")[2] in LENGTHS else "rad"
+        """Its unit."""
+        return self.measure.unit
 
     @property
     def rate(self) -> "Velocity":
         """The velocity symbol that belongs to this coordinate (``crank_phi`` → ``crank_omega``)."""
-        owner, _, letter = self.name.rpartition("_")
-        return Velocity(f"{owner}_{RATES[letter]}", real=True)
+        return Velocity(f"{self.owner}_{self.measure.rate}", real=True)
 
 
 class Velocity(sympy.Symbol):  # type: ignore[misc]
@@ -32,7 +93,7 @@ class Velocity(sympy.Symbol):  # type: ignore[misc]
     def coordinate(self) -> Coordinate:
         """The coordinate whose rate this is (``crank_omega`` → ``crank_phi``)."""
         owner, _, letter = self.name.rpartition("_")
-        (place,) = (place for place, speed in RATES.items() if speed == letter)
+        (place,) = (place for place, kind in KINDS.items() if kind.rate == letter)
         return Coordinate(f"{owner}_{place}", real=True)
 
 
@@ -74,7 +135,7 @@ alpha = Given("alpha", real=True)
 
 
 def coordinate(owner: str, letter: str) -> Coordinate:
-    """Coordinate `letter` (``x``, ``y``, ``phi``; ``alpha``, ``beta``) of the body or element."""
+    """Coordinate `letter`, one of `KINDS`, of the body or element."""
     return Coordinate(f"{owner}_{letter}", real=True)
 
 

@@ -60,12 +60,17 @@ class ConstraintTerms:
 def constraint_terms(element: Constraint) -> tuple[Statement, ConstraintTerms]:
     """The element's statement, and everything that follows from it."""
     statement = element.statement()
+    return statement, statement_terms(statement)
+
+
+def statement_terms(statement: Statement) -> ConstraintTerms:
+    """Everything that follows from a statement."""
     reaction = statement.reaction
     if isinstance(reaction, JointReaction):
         at = reaction.on.A * reaction.on.s if reaction.arm is None else reaction.arm
         key = (tuple(reaction.direction), reaction.on, reaction.sign, tuple(at))
-        return statement, _derive(statement.phi, key, None)
-    return statement, _derive(statement.phi, None, reaction)
+        return _derive(statement.phi, key, None)
+    return _derive(statement.phi, None, reaction)
 
 
 def derived_statements() -> int:
@@ -83,8 +88,9 @@ def _derive(
     multipliers = tuple(Multiplier(f"lambda_{k}", real=True) for k in range(len(phi)))
     if joint is not None:
         reactions = _joint_reaction(phi, multipliers, *joint)
+    elif conjugate is None:
+        reactions = ()
     else:
-        assert conjugate is not None
         reactions = tuple(
             (name, unit, -lam)
             for (name, unit), lam in zip(conjugate.components, multipliers, strict=True)

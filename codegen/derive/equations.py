@@ -10,8 +10,9 @@ from codegen.declare.parameter import ParameterDeclaration
 from codegen.declare.path_points import TRACKED
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter
-from codegen.derive.constraints import ConstraintTerms, constraint_terms
+from codegen.derive.constraints import ConstraintTerms, constraint_terms, statement_terms
 from codegen.derive.effects import EffectTerms, effect_terms
+from codegen.derive.inertia import inertia
 from codegen.derive.switching_functions import (
     HeldSide,
     RigidContact,
@@ -44,15 +45,24 @@ class EffectEquations:
     terms: EffectTerms
 
 
+MassEntry = tuple[int, int, sympy.Expr]
+"""(row, column, entry) of M."""
+
+OWN = "body"
+"""Kind of the constraints that a body brings itself."""
+
+
 @dataclass(frozen=True)
 class Equations:
     """Everything that a scene is made of; nothing downstream looks at the declaration.
 
     Attributes
     ----------
-    masses
-        The diagonal of M, one entry a coordinate: constants of a body in planar motion about its
-        centre of mass, zero for the coordinates that elements bring. Empty in kinematic scenes.
+    mass
+        (row, column, entry) of M, sorted: the whole diagonal, zero for the coordinates that
+        elements bring, and what else is not zero. Empty in kinematic scenes.
+    inertia_force
+        (column, Q_v) of the forces quadratic in velocities, where M depends on q.
     sides
         What the modes make of the symbols in which frictions and contacts are written.
     sought
@@ -66,7 +76,8 @@ class Equations:
     bodies: tuple[str, ...]
     coordinates: tuple[Coordinate, ...]
     parameters: tuple[ParameterDeclaration, ...]
-    masses: tuple[sympy.Expr, ...]
+    mass: tuple[MassEntry, ...]
+    inertia_force: tuple[tuple[int, sympy.Expr], ...]
     constraints: tuple[ConstraintEquations, ...]
     effects: tuple[EffectEquations, ...]
     switches: tuple[Switch, ...]
@@ -98,14 +109,26 @@ def active_joints(model: Model, scene: Scene) -> dict[str, Constraint]:
     return chosen
 
 
+def body_equations(body: Body) -> ConstraintEquations:
+    """The equations between a body's own coordinates, which exert nothing that is reported."""
+    words, phi = zip(*body.equations, strict=True)
+    statement = Statement(phi, words, None)
+    return ConstraintEquations(body.name, OWN, False, statement, statement_terms(statement))
+
+
 def derive(model: Model, scene: Scene) -> Equations:
     """Instantiate every element that takes part in `scene`."""
     bodies = tuple(model.bodies[name] for name in scene.bodies)
     joints = active_joints(model, scene)
     drivers = {name: model.drivers[name] for name in scene.drivers}
-    constraints = tuple(
+    constraints = tuple(body_equations(body) for body in bodies if body.equations)
+    constraints += tuple(
         ConstraintEquations(e.name, e.kind, e.name in drivers, *constraint_terms(e))
         for e in (*joints.values(), *drivers.values())
+    )
+    coordinates = (
+        *(q for body in bodies for q in body.coordinates),
+        *(q for c in constraints for _, q in c.statement.own),
     )
     dynamic = scene.analysis != "kinematics"
     effects = tuple(
@@ -116,8 +139,8 @@ def derive(model: Model, scene: Scene) -> Equations:
     named = tuple((e.name, e.terms) for e in effects)
     found = switches(named)
     overrides = dict(scene.parameters)
-    masses = _masses(bodies, constraints) if dynamic else ()
-    used = _symbols(masses, constraints, effects)
+    mass, force = inertia(bodies, coordinates) if dynamic else ((), ())
+    used = _symbols((mass, force), constraints, effects)
     parameters = tuple(
         ParameterDeclaration(p.name, overrides.get(p.name, p.value), p.unit, p.sign)
         for p in model.parameters.values()
@@ -130,12 +153,10 @@ def derive(model: Model, scene: Scene) -> Equations:
         model=model.name,
         scene=scene,
         bodies=scene.bodies,
-        coordinates=(
-            *(q for body in bodies for q in body.coordinates),
-            *(q for c in constraints for _, q in c.statement.own),
-        ),
+        coordinates=coordinates,
         parameters=parameters,
-        masses=masses,
+        mass=mass,
+        inertia_force=force,
         constraints=constraints,
         effects=effects,
         switches=found,
@@ -148,13 +169,13 @@ def derive(model: Model, scene: Scene) -> Equations:
 
 
 def _symbols(
-    masses: tuple[sympy.Expr, ...],
+    inertial: object,
     constraints: tuple[ConstraintEquations, ...],
     effects: tuple[EffectEquations, ...],
 ) -> frozenset[str]:
     """Names of the parameters in what takes part."""
     found: set[sympy.Basic] = set()
-    waiting: list[object] = [masses, effects]
+    waiting: list[object] = [inertial, effects]
     for constraint in constraints:
         waiting += [constraint.terms, list(constraint.statement.bindings.values())]
     while waiting:
@@ -166,10 +187,3 @@ def _symbols(
         elif is_dataclass(part):
             waiting += vars(part).values()
     return frozenset(s.name for s in found if isinstance(s, Parameter))
-
-
-def _masses(
-    bodies: tuple[Body, ...], constraints: tuple[ConstraintEquations, ...]
-) -> tuple[sympy.Expr, ...]:
-    of_bodies = (mass for body in bodies for mass in body.masses)
-    return (*of_bodies, *(sympy.S.Zero for c in constraints for _ in c.statement.own))

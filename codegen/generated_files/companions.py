@@ -88,7 +88,7 @@ class Companion:
 
 
 def _tangents_missing(equations: Equations) -> str:
-    if equations.masses:
+    if equations.mass:
         return ""
     return (
         "is kinematic: no masses move in it, so there are no accelerations under forces to "
@@ -97,7 +97,7 @@ def _tangents_missing(equations: Equations) -> str:
 
 
 def _reduced_missing(equations: Equations) -> str:
-    if not equations.masses or equations.scene.analysis == "equilibrium":
+    if not equations.mass or equations.scene.analysis == "equilibrium":
         return (
             "is not for dynamics: there are no accelerations under forces in it to write in "
             "reduced coordinates; ask for a scene with masses that moves,"

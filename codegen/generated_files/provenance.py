@@ -67,7 +67,8 @@ def fingerprint(equations: Equations) -> str:
     """
     lines = [f"{equations.model} {equations.scene!r} {equations.coordinates}"]
     lines += [f"parameter {p!r}" for p in equations.parameters]
-    lines += [f"mass {m}" for m in equations.masses]
+    lines += [f"mass {m}" if i == k else f"mass {i} {k} {m}" for i, k, m in equations.mass]
+    lines += [f"inertia force {k} {f}" for k, f in equations.inertia_force]
     for constraint in equations.constraints:
         statement = constraint.statement
         bindings = sorted(f"{place}={meaning}" for place, meaning in statement.bindings.items())

@@ -49,7 +49,8 @@ class Description:
     powers
         (source, ``"effect"`` or ``"driver"``) of each entry of the kernel `powers`.
     start
-        (coordinate or velocity, value, ``"fixed"`` or ``"guess"``).
+        (coordinate or velocity, value, role): ``"fixed"``, ``"guess"``, or before these
+        ``"neutral"``, where the neutral pose is not at zero.
     jacobian, mass
         Patterns of Φ_q and M.
     """
@@ -95,8 +96,9 @@ def describe(
     """
     named = equations.scene
     rows, columns = zip(*scene.jacobian, strict=True) if scene.jacobian else ((), ())
-    diagonal = tuple(range(len(equations.masses)))
-    start = [(name, value, "fixed") for name, value in named.start]
+    turned = (q for q in equations.coordinates if q.measure.neutral != 0.0)
+    start = [(_dotted(q.name), q.measure.neutral, "neutral") for q in turned]
+    start += [(name, value, "fixed") for name, value in named.start]
     fixed = dict(named.start)
     start += [(name, value, "guess") for name, value in named.guess if name not in fixed]
     parameters = tuple((p.name, p.value, p.unit, p.sign) for p in equations.parameters)
@@ -129,7 +131,7 @@ def describe(
         powers=tuple((source, kind) for source, kind, _ in powers),
         start=tuple(start),
         jacobian=Pattern(tuple(rows), tuple(columns)),
-        mass=Pattern(diagonal, diagonal),
+        mass=Pattern(*(tuple(place[side] for place in scene.mass) for side in (0, 1))),
     )
 
 

@@ -51,10 +51,11 @@ class SceneGraph:
         (element, component, unit, value).
     driven
         Whether a kinematic scene has as many constraints as coordinates.
-    masses
-        Diagonal of M; empty in kinematic scenes.
-    potential, gradient, applied
-        V, ∂V/∂q, and Q with the forces of the potential.
+    mass
+        (row, column) → entry of M, the whole diagonal and what else is not zero; empty in kinematic
+        scenes.
+    potential, gradient, forces
+        V, ∂V/∂q, and Q with the forces of the potential and Q_v.
     slopes, moving, motion
         Derivatives by q and t, along q̇ with t held, and along q̇ and t.
     powers
@@ -188,7 +189,7 @@ class SceneGraph:
         graph, equations = self.graph, self.equations
         self.potential = graph.zero
         self.gradient = [graph.zero] * self.n
-        self.applied = [graph.zero] * self.n
+        self.forces = [graph.zero] * self.n
         self.powers: list[tuple[str, int]] = []
         self.working: dict[str, int] = {}
         self.frictions: list[Friction] = []
@@ -213,10 +214,12 @@ class SceneGraph:
                 if terms.friction:
                     self._friction(effect.name, terms.friction)
         with graph.serving("masses"):
-            self.masses = [self.translate(m) for m in equations.masses]
+            self.mass = {(i, k): self.translate(m) for i, k, m in equations.mass}
+            for k, force in equations.inertia_force:
+                self.forces[k] = graph.add(self.forces[k], self.translate(force))
 
     def _exerted(self, terms: EffectTerms, energy: int) -> int:
-        """Add all forces of an effect to `applied`; the power of those without a potential.
+        """Add all forces of an effect to `forces`; the power of those without a potential.
 
         Those of the potential and those along scalars are gathered in one walk back: a spring and
         the damper beside it pull along one line.
@@ -231,10 +234,10 @@ class SceneGraph:
             f = graph.neg((self.translate.scoped(speed) if speed else self.translate)(force))
             weights[s] = graph.add(weights.get(s, graph.zero), f)
             power = graph.add(power, graph.mul(f, self.moving.jet(s).first.value()))
-        self._gather(self.applied, weights)
+        self._gather(self.forces, weights)
         for q, load in terms.loads:
             k, value = columns[q], self.translate(load)
-            self.applied[k] = graph.add(self.applied[k], value)
+            self.forces[k] = graph.add(self.forces[k], value)
             power = graph.add(power, graph.mul(value, self.v[k]))
         return power
 

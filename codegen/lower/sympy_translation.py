@@ -41,7 +41,7 @@ class Translator:
     graph
         Where the values go.
     environment
-        Symbol of the model → value.
+        Symbol, or another expression that is known as a whole → value.
     switches
         Switching function → its number.
     """
@@ -49,7 +49,7 @@ class Translator:
     def __init__(
         self,
         graph: Graph,
-        environment: Mapping[sympy.Symbol, int],
+        environment: Mapping[sympy.Expr, int],
         switches: Mapping[sympy.Expr, int],
     ) -> None:
         self.graph = graph
@@ -58,11 +58,12 @@ class Translator:
         self._known: dict[sympy.Basic, int] = {}
         self._ranks: dict[int, int] = {}
 
-    def scoped(self, bindings: Mapping[sympy.Symbol, sympy.Expr | int]) -> "Translator":
+    def scoped(self, bindings: Mapping[sympy.Expr, sympy.Expr | int]) -> "Translator":
         """A translator that knows, beside the model's symbols, an element's placeholders."""
         inner = Translator(self.graph, self.environment, self.switches)
-        for symbol, meaning in bindings.items():
-            inner.environment[symbol] = meaning if isinstance(meaning, int) else self(meaning)
+        for place, meaning in bindings.items():
+            inner.environment[place] = meaning if isinstance(meaning, int) else self(meaning)
+        inner._known = {place: inner.environment[place] for place in bindings}
         return inner
 
     def __call__(self, expression: Any) -> int:

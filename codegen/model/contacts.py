@@ -94,16 +94,22 @@ class Contacts(Declarations):
                 )
             if not may_pull and not (both and soft):
                 self._note(f"{where}: a rigid contact never pulls; leave may_pull out.")
-            word = f"restitution of {where}"
-            e = self._ruled(self._read.value(restitution, "", word), "nonnegative")
-            scale = None
-            if typical_force is not None:
-                read = self._read.value(typical_force, "N", f"typical force of {where}")
-                scale = self._ruled(read, "positive")
+            e, scale = self._impact(where, restitution, typical_force)
             forms["rigid"] = RigidContact(name, g, e, bodies, scale)
         return self._taken(
             where, both or ("rigid" if restitution is not None else "penalty"), forms
         )
+
+    def _impact(
+        self, where: str, restitution: Any, typical_force: Any
+    ) -> tuple[sympy.Expr, sympy.Expr | None]:
+        """Restitution and typical force of a rigid contact."""
+        word = f"restitution of {where}"
+        e = self._ruled(self._read.value(restitution, "", word), "nonnegative")
+        if typical_force is None:
+            return e, None
+        read = self._read.value(typical_force, "N", f"typical force of {where}")
+        return e, self._ruled(read, "positive")
 
     def _taken(self, where: str, word: str, forms: dict[str, Effect | str]) -> Effect:
         """Declare an effect of several fidelities, of which `word` is the default."""

@@ -8,8 +8,7 @@ from typing import Any, Literal
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint
-from codegen.declare.scene_values import UNITS
-from codegen.declare.symbols import Coordinate
+from codegen.declare.symbols import KINDS, Coordinate
 from codegen.elements.drivers.coordinate import Motion
 from codegen.elements.drivers.distance import DistanceDriver
 from codegen.elements.drivers.point import PointDriver
@@ -27,14 +26,14 @@ class Drivers(Declarations):
     def driver(self, name: str, driven: Any, law: Any) -> Constraint:
         """A coordinate, or any expression of coordinates, follows `law`, an expression of t."""
         left = self._read.value(driven, "", f"driver '{name}'")
-        unit = UNITS[left.name.rpartition("_")[2]] if isinstance(left, Coordinate) else ""
+        unit = left.unit if isinstance(left, Coordinate) else ""
         right = self._law(name, law, unit)
         return self._driver(Motion(name, left, right, self._bodies_in(left)))
 
     def point_driver(self, name: str, on: Point | Body, letter: Letter, law: Any) -> Constraint:
         """A point's global x or y, or its body's φ, follows `law`."""
         letter = self._read.choice(letter, ("x", "y", "phi"), f"driver '{name}'")
-        right = self._law(name, law, UNITS[letter])
+        right = self._law(name, law, KINDS[letter].unit)
         return self._driver(PointDriver(name, self._point(name, on), letter, right))
 
     def relative_driver(
@@ -42,7 +41,7 @@ class Drivers(Declarations):
     ) -> Constraint:
         """Global x or y of point `j`, or φ of its body, minus that of `i` follows `law`."""
         letter = self._read.choice(letter, ("x", "y", "phi"), f"driver '{name}'")
-        right = self._law(name, law, UNITS[letter])
+        right = self._law(name, law, KINDS[letter].unit)
         return self._driver(RelativeDriver(name, *self._pair(name, i, j), letter, right))
 
     def rotation_driver(self, name: str, i: Point | Body, j: Point | Body, law: Any) -> Constraint:

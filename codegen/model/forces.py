@@ -64,7 +64,7 @@ class Forces(Declarations):
             if not isinstance(coordinate, Coordinate):
                 self._note(f"force '{name}': {coordinate!r} is no coordinate; write body.x.")
                 continue
-            unit = "N m" if coordinate.name.endswith("_phi") else "N"
+            unit = coordinate.measure.force_unit
             pairs.append((coordinate, self._read.gated(force, unit, f"force '{name}'", when)))
         bodies = self._bodies_in(*(coordinate for coordinate, _ in pairs))
         return self._effect(GeneralizedForce(name, tuple(pairs), bodies))

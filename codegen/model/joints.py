@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint
-from codegen.declare.scene_values import UNITS
+from codegen.declare.symbols import KINDS
 from codegen.elements.joints.absolute import Absolute
 from codegen.elements.joints.distance import Distance
 from codegen.elements.joints.gear import Gear
@@ -160,7 +160,7 @@ class Joints(Declarations):
     ) -> Constraint:
         """A point's global x or y, or a body's φ, keeps `value`."""
         letter = self._read.choice(letter, ("x", "y", "phi"), f"absolute '{name}'")
-        number = self._read.value(value, UNITS[letter], f"value of '{name}'")
+        number = self._read.value(value, KINDS[letter].unit, f"value of '{name}'")
         point = self._point(name, on)
         return self._joint(Absolute(name, self.ground, point, letter, number))
 
@@ -174,7 +174,7 @@ class Joints(Declarations):
     ) -> Constraint:
         """Global x or y of point `j`, or φ of its body, minus that of `i` keeps `value`."""
         letter = self._read.choice(letter, ("x", "y", "phi"), f"relative '{name}'")
-        number = self._read.value(value, UNITS[letter], f"value of '{name}'")
+        number = self._read.value(value, KINDS[letter].unit, f"value of '{name}'")
         return self._joint(Relative(name, *self._pair(name, i, j), letter, number))
 
     def distance(self, name: str, i: Point | Body, j: Point | Body, value: Any) -> Constraint:

@@ -4,8 +4,9 @@ A declaration never raises for a wrong element: every problem is noted, and `bui
 of them at once (`codegen.check.declaration`).
 """
 
-from typing import Any
+from typing import Any, TypeVar
 
+from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
 from codegen.elements.registry import role
 from codegen.model.cams import Cams
@@ -14,6 +15,8 @@ from codegen.model.drivers import Drivers
 from codegen.model.forces import Forces
 from codegen.model.parameters_and_tables import Values
 from codegen.model.scene_variations import Variations
+
+Element = TypeVar("Element", bound=Constraint | Effect | Body)
 
 
 class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
@@ -39,15 +42,24 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
         if gravity is not None:
             self.gravity("gravity", gravity)
 
-    def add(self, element: Constraint | Effect) -> Constraint | Effect:
-        """An element of one's own: anything that answers `Constraint` or `Effect`."""
+    def add(self, element: Element) -> Element:
+        """An element of one's own: what answers `Constraint` or `Effect`, or a kind of `Body`.
+
+        A body is made with ``model.token`` for its `model`.
+        """
+        if isinstance(element, Body):
+            if self._claim("body", element.name):
+                self.bodies[element.name] = element
+            return element
         if isinstance(element, Constraint):
-            return self._driver(element) if role(element.kind) == "driver" else self._joint(element)
+            _ = self._driver(element) if role(element.kind) == "driver" else self._joint(element)
+            return element
         given: object = element
         if isinstance(given, Effect):
-            return self._effect(given)
+            self._effect(given)
+            return element
         self._note(
-            f"model.add({element!r}): neither a Constraint nor an Effect; it needs kind, name, "
-            "bodies, problems(), and statement() or potential() and forces()."
+            f"model.add({element!r}): neither a Body, a Constraint nor an Effect; it needs kind, "
+            "name, bodies, problems(), and statement() or potential() and forces()."
         )
         return element

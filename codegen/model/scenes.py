@@ -217,7 +217,7 @@ class Scenes(Fidelities, Outputs):
             Parameter(p.name, real=True): p.value for p in self.parameters.values()
         }
         for q in self._coordinates():
-            numbers[q] = named_ones.get(dotted(q), 0.0)
+            numbers[q] = named_ones.get(dotted(q), q.measure.neutral)
         found = dict(guess)
         for name, joint in self.joints.items():
             missing = [q for q in own_coordinates(joint) if dotted(q) not in named_ones]

@@ -82,7 +82,7 @@ class CoordinateMap:
 
     def _explicit(self) -> ExplicitCoordinates:
         scene = self.scene
-        massless = {k for k, mass in enumerate(scene.masses) if mass == self.graph.zero}
+        massless = {k for k in range(scene.n) if scene.mass[k, k] == self.graph.zero}
         return ExplicitCoordinates(
             self.graph,
             scene.q,
@@ -128,7 +128,7 @@ class CoordinateMap:
         Constraints are not among them: those that close a loop are solved for its angles.
         """
         scene, explicit, kernels = self.scene, self.explicit, self.lowered.kernels
-        values = [*scene.applied]
+        values = [*scene.forces]
         for name in (*EVENT_KERNELS, "accelerations"):
             if name in kernels and (name != "accelerations" or scene.frictions):
                 values += [out.value for out in kernels[name].outputs]

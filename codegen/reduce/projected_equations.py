@@ -77,20 +77,29 @@ class ProjectedEquations:
 
     def _project(self) -> None:
         graph, mapping = self.graph, self.mapping
-        forces = mapping.substituted(mapping.scene.applied)
+        forces = mapping.substituted(mapping.scene.forces)
+        rows: dict[int, dict[int, int]] = {}
+        for (k, other), mass in mapping.scene.mass.items():
+            rows.setdefault(k, {})[other] = mass
         for k, slopes in mapping.slopes.items():
-            mass = mapping.scene.masses[k]
-            pull = graph.sub(forces[k], graph.mul(mass, mapping.bias[k]))
+            pull = forces[k]
+            for other, mass in zip(rows[k], mapping.substituted(rows[k].values()), strict=True):
+                pull = graph.sub(pull, graph.mul(mass, mapping.bias[other]))
+                self._gather_mass(mass, slopes, mapping.slopes[other])
             for j, slope in slopes.items():
                 i = mapping.slots[j]
                 self.force[i] = graph.add(self.force[i], graph.mul(slope, pull))
-                heavy = graph.mul(mass, slope)
-                for other, along in slopes.items():
-                    if i <= mapping.slots[other]:
-                        key = i, mapping.slots[other]
-                        self._add(self.mass, key, graph.mul(heavy, along))
         self.mass |= {(j, i): entry for (i, j), entry in self.mass.items()}
         self.mass = self._present(self.mass)
+
+    def _gather_mass(self, mass: int, slopes: dict[int, int], others: dict[int, int]) -> None:
+        """Add an entry of M to the upper triangle of M_r."""
+        for j, slope in slopes.items():
+            i, heavy = self.mapping.slots[j], self.graph.mul(mass, slope)
+            for other, along in others.items():
+                if i <= self.mapping.slots[other]:
+                    key = i, self.mapping.slots[other]
+                    self._add(self.mass, key, self.graph.mul(heavy, along))
 
     def _present(self, entries: Entries) -> Entries:
         return {key: e for key, e in sorted(entries.items()) if e != self.graph.zero}

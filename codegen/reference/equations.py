@@ -6,7 +6,7 @@ from itertools import chain
 import sympy
 
 from codegen.declare.element import Constraint, Effect, J, JointReaction, Statement
-from codegen.declare.symbols import RATES, Coordinate, Given, given, kinds
+from codegen.declare.symbols import KINDS, Coordinate, Given, given, kinds
 from codegen.derive.constraints import ConstraintTerms, constraint_terms
 from codegen.derive.effects import FrictionTerms
 from codegen.derive.equations import Equations
@@ -149,7 +149,7 @@ def _jacobian(
 def _place(q: Coordinate) -> tuple[str, int]:
     """Body by body, in the order x, y, φ."""
     owner, _, letter = q.name.rpartition("_")
-    return owner, list(RATES).index(letter)
+    return owner, list(KINDS).index(letter)
 
 
 def _placeholders(statement: Statement, terms: ConstraintTerms) -> Iterator[str]:

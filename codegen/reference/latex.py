@@ -9,7 +9,7 @@ from typing import Any
 import sympy
 from sympy.printing.latex import LatexPrinter, translate
 
-from codegen.declare.symbols import RATES, Coordinate, Given, Multiplier, Side, Velocity
+from codegen.declare.symbols import KINDS, Coordinate, Given, Multiplier, Side, Velocity
 from codegen.declare.table_function import Interpolant
 
 WIDTH = 84
@@ -22,7 +22,7 @@ SHORT = {
 }  # fmt: skip
 """Placeholders that books write with a letter."""
 
-LETTERS = {rate: letter for letter, rate in RATES.items()}
+LETTERS = {kind.rate: letter for letter, kind in KINDS.items()}
 OF_CURVES = ("alpha", "beta")
 FRAMED = re.compile(r"([ij])_([su])([xy])")
 COMMAND = re.compile(r"\\(?:left|right|begin|end|quad|mathrm|mathit|tfrac|frac|[,;])(?![a-zA-Z])")

@@ -51,10 +51,12 @@ def start_values(mechanism: Mechanism, guess: Values | None) -> Start:
     table = mechanism.description.coordinates
     q_places = {row.name: index for index, row in enumerate(table)}
     v_places = {row.velocity: index for index, row in enumerate(table)}
-    q, v = np.zeros(len(table)), np.zeros(len(table))
+    q, v = mechanism.description.neutral, np.zeros(len(table))
     fixed_q, fixed_v = np.zeros(len(table), np.bool_), np.zeros(len(table), np.bool_)
     given_q = np.zeros(len(table), np.bool_)
     for row in mechanism.description.start:
+        if row.role == "neutral":
+            continue
         if row.name in q_places:
             place = q_places[row.name]
             q[place], fixed_q[place], given_q[place] = row.value, row.role == "fixed", True
@@ -111,7 +113,7 @@ def assemble(
         equations=equations,
         t=t,
         scale=equations.scale(size),
-        row_scale=np.array([1.0 if unit == "rad" else size for unit in units]),
+        row_scale=np.array([size if unit == "m" else 1.0 for unit in units]),
         rows=np.ones(equations.m, dtype=np.bool_),
         free=~start.fixed_q,
         weight=np.where(start.given_q, 1.0, _UNNAMED_WEIGHT),

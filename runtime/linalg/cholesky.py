@@ -4,8 +4,8 @@ Vectors are columns of a matrix (count, width) with width ≪ count. (G. H. Golu
 Matrix Computations, sections 4.2 and 5.2.)
 """
 
+from runtime.core.array_types import Matrix, Vector
 from runtime.core.jit import inner
-from runtime.core.signatures import Matrix, Vector
 
 
 @inner

@@ -9,8 +9,8 @@ of least norm are given.
 import numpy as np
 from numba import types
 
+from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, matrix, none, vector
 from runtime.core.jit import allocating, inner
-from runtime.core.signatures import Integers, Matrix, Vector, i8, integers, matrix, none, vector
 from runtime.linalg.cholesky import factor_cholesky, multiply_gram, solve_cholesky
 from runtime.linalg.full_pivoting import factor_fully
 from runtime.linalg.leading_block import complete_solution, null_vectors

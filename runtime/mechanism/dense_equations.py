@@ -121,21 +121,22 @@ class Equations:
     def size(self, t: float, q: FloatArray) -> float:
         """A length typical of the mechanism, in m, from how angles enter lengths; 1 if none do."""
         matrix = self.jacobian(t, q)
-        angle = self.description.is_angle
-        mixed = np.any(matrix[:, ~angle] != 0.0, axis=1)
-        arms = np.abs(matrix[np.ix_(mixed, angle)])
+        length = self.description.is_length
+        mixed = np.any(matrix[:, length] != 0.0, axis=1)
+        arms = np.abs(matrix[np.ix_(mixed, ~length)])
         reach = float(arms.max(initial=0.0))
-        places = float(np.abs(q[~angle]).max(initial=0.0))
+        places = float(np.abs(q[length]).max(initial=0.0))
         return max(reach, 1e-3 * places) if reach > 0.0 else places or 1.0
 
     def scale(self, size: float) -> FloatArray:
-        """Typical change of each coordinate: `size` for lengths, 1 for angles, shape (n,)."""
-        return np.where(self.description.is_angle, 1.0, size)
+        """Typical change of each coordinate: `size` for lengths, else 1, shape (n,)."""
+        return np.where(self.description.is_length, size, 1.0)
 
     def row_units(self, matrix: FloatArray) -> list[str]:
-        """Unit of each constraint: rad where only angles enter, else m."""
-        angle = self.description.is_angle
-        return ["rad" if row.any() and not row[~angle].any() else "m" for row in (matrix != 0.0)]
+        """Unit of each constraint: m where a length enters, else that of its coordinates."""
+        units = np.array([row.unit for row in self.description.coordinates])
+        found = (set(units[row != 0.0].tolist()) for row in matrix)
+        return [of.pop() if len(of) == 1 else "m" if "m" in of or not of else "1" for of in found]
 
     def misses(self, values: FloatArray, units: list[str]) -> dict[tuple[str, str], float]:
         """Largest |value| of the rows of each joint and unit, by (element, unit)."""
@@ -147,11 +148,12 @@ class Equations:
 
 
 def magnitudes(equations: Equations, t: float, q: FloatArray) -> FloatArray:
-    """Typical size of each coordinate at a position, m or rad.
+    """Typical size of each coordinate at a position, in its unit.
 
-    Angles have size 1. Lengths have that of the mechanism: its longest arm; where no angle enters
-    a length, the largest distance from the origin at the start; where that is zero too, the
-    largest length in the constraints, then among the parameters, and 1 m where there is none.
+    Angles and numbers have size 1. Lengths have that of the mechanism: its longest arm; where no
+    angle enters a length, the largest distance from the origin at the start; where that is zero
+    too, the largest length in the constraints, then among the parameters, and 1 m where there is
+    none.
 
     Parameters
     ----------
@@ -162,17 +164,17 @@ def magnitudes(equations: Equations, t: float, q: FloatArray) -> FloatArray:
     -------
     (n,)
     """
-    angle = equations.description.is_angle
-    places = float(np.abs(q[~angle]).max(initial=0.0))
+    length = equations.description.is_length
+    places = float(np.abs(q[length]).max(initial=0.0))
     matrix = equations.jacobian(t, q)
-    mixed = np.any(matrix[:, ~angle] != 0.0, axis=1)
-    reach = float(np.abs(matrix[np.ix_(mixed, angle)]).max(initial=0.0))
+    mixed = np.any(matrix[:, length] != 0.0, axis=1)
+    reach = float(np.abs(matrix[np.ix_(mixed, ~length)]).max(initial=0.0))
     if reach > _NOTHING:
         return equations.scale(max(reach, _PLACES * places))
     if places > _NOTHING:
         return equations.scale(places)
     units = equations.row_units(matrix)
-    gaps = equations.constraints(t, np.zeros(equations.n))
+    gaps = equations.constraints(t, equations.description.neutral)
     fixed = max((abs(gap) for gap, unit in zip(gaps, units, strict=True) if unit == "m"), default=0)
     if not fixed > _NOTHING:
         declared = zip(equations.description.parameters, equations.p, strict=False)

@@ -68,6 +68,11 @@ class Coordinate(NamedTuple):
         return self.unit == "rad"
 
     @property
+    def is_length(self) -> bool:
+        """True for a position in metres."""
+        return self.unit == "m"
+
+    @property
     def velocity_unit(self) -> str:
         """Unit of its velocity."""
         return f"{self.unit}/s"
@@ -155,7 +160,10 @@ class PowerSource(NamedTuple):
 
 
 class StartValue(NamedTuple):
-    """A start value of a coordinate or velocity; its role is "fixed" or "guess"."""
+    """A start value of a coordinate or velocity; its role is "fixed" or "guess".
+
+    "neutral" is the value of a coordinate in the neutral pose, where that is not zero.
+    """
 
     name: str
     value: float
@@ -259,6 +267,17 @@ class Description(NamedTuple):
     def is_angle(self) -> npt.NDArray[np.bool_]:
         """True for coordinates that are angles, shape (n,)."""
         return np.array([row.is_angle for row in self.coordinates], dtype=np.bool_)
+
+    @property
+    def is_length(self) -> npt.NDArray[np.bool_]:
+        """True for coordinates that are lengths, shape (n,); the typical size of others is 1."""
+        return np.array([row.is_length for row in self.coordinates], dtype=np.bool_)
+
+    @property
+    def neutral(self) -> npt.NDArray[np.float64]:
+        """The neutral pose, in which no body is turned, shape (n,)."""
+        values = {row.name: row.value for row in self.start if row.role == "neutral"}
+        return np.array([values.get(row.name, 0.0) for row in self.coordinates])
 
 
 def describe(module: ModuleType) -> Description:

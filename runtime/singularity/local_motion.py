@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from runtime.core.array_types import f8, matrix, none, vector
 from runtime.core.jit import compiled, inner
-from runtime.core.signatures import f8, matrix, none, vector
 
 FloatArray = NDArray[np.float64]
 

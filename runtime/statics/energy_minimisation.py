@@ -72,7 +72,7 @@ def minimise(statics: StaticEquations, q: FloatArray, progress: Progress) -> Res
         values, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T))
         least = max(1e-12 * float(np.abs(values).max()), 1e-9 * float(at.effort.min()))
         step = -vectors @ ((vectors.T @ slope) / np.maximum(np.abs(values), least))
-        angles = statics.equations.description.is_angle[at.part.independent]
+        angles = ~statics.equations.description.is_length[at.part.independent]
         turn = float(np.abs(step[angles]).max(initial=0.0))
         far = float(np.abs(step).max())
         step *= min(1.0, reach / far, _REACH / max(turn, _TINY))

@@ -18,7 +18,7 @@ def require_masses(mechanism: Mechanism, p: FloatArray) -> None:
         row = description.coordinates[index]
         body = row.name.rpartition(".")[0]
         if body in bodies:  # a coordinate of no body has no mass to refuse
-            impossible.setdefault((body, row.is_angle), index)
+            impossible.setdefault((body, row.unit != "m"), index)
     problems = []
     for body in description.bodies if impossible else ():
         for quantity, unit, angle in (("mass", "kg", False), ("inertia", "kg m^2", True)):
@@ -33,10 +33,8 @@ def require_masses(mechanism: Mechanism, p: FloatArray) -> None:
 
 
 def _masses(mechanism: Mechanism, p: FloatArray) -> FloatArray:
-    """Diagonal of M, shape (n,)."""
-    diagonal: FloatArray = np.diag(
-        Equations(mechanism, p).mass(np.zeros(len(mechanism.description.coordinates)))
-    )
+    """Diagonal of M in the neutral pose, shape (n,)."""
+    diagonal: FloatArray = np.diag(Equations(mechanism, p).mass(mechanism.description.neutral))
     return diagonal
 
 

@@ -153,7 +153,7 @@ def test_texts_of_a_users_element_are_words() -> None:
 def test_what_is_no_element_is_a_problem_and_no_traceback() -> None:
     model = Model("m")
     model.add("a joint")  # type: ignore[arg-type]
-    assert model.problems[0].startswith("model.add('a joint'): neither a Constraint nor an Effect")
+    assert model.problems[0].startswith("model.add('a joint'): neither a Body, a Constraint nor an")
 
 
 def test_all_local_files_are_sources(tmp_path: Path) -> None:

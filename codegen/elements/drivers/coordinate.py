@@ -8,7 +8,7 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import ConjugateReaction, Statement
 from codegen.declare.symbols import Coordinate
-from codegen.elements.drivers.time_law import COMPONENTS, law_problems
+from codegen.elements.drivers.time_law import component, law_problems
 from codegen.elements.registry import element
 
 
@@ -25,12 +25,11 @@ class Motion:
 
     def statement(self) -> Statement:
         """One equation; for a single coordinate the reaction is a force or torque on its body."""
-        component = ("force", "")
-        row = "motion"
+        row, exerted = "motion", ("force", "")
         if isinstance(self.driven, Coordinate):
-            row = self.driven.name.rpartition("_")[2]
-            component = COMPONENTS[row]
-        return Statement((self.driven - self.law,), (row,), ConjugateReaction((component,)))
+            row = self.driven.letter
+            exerted = component(row)
+        return Statement((self.driven - self.law,), (row,), ConjugateReaction((exerted,)))
 
     def problems(self) -> list[str]:
         """The law must be one of time alone, twice differentiable, and something must be driven."""

@@ -7,7 +7,7 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import ConjugateReaction, J, Statement
-from codegen.elements.drivers.time_law import COMPONENTS, law_problems
+from codegen.elements.drivers.time_law import component, law_problems
 from codegen.elements.registry import element
 
 DRIVEN = {"x": J.point[0], "y": J.point[1], "phi": J.phi}
@@ -35,7 +35,7 @@ class PointDriver:
 
     def statement(self) -> Statement:
         """One equation, m or rad."""
-        reaction = ConjugateReaction((COMPONENTS[self.letter],))
+        reaction = ConjugateReaction((component(self.letter),))
         phi = (DRIVEN[self.letter] - self.law,)
         return Statement(phi, (self.letter,), reaction, J.bind(self.point))
 

@@ -7,7 +7,7 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import ConjugateReaction, I, J, Statement
-from codegen.elements.drivers.time_law import COMPONENTS, law_problems
+from codegen.elements.drivers.time_law import component, law_problems
 from codegen.elements.joints.relative import DIFFERENCE
 from codegen.elements.registry import element
 
@@ -36,7 +36,7 @@ class RelativeDriver:
 
     def statement(self) -> Statement:
         """One equation, m or rad."""
-        reaction = ConjugateReaction((COMPONENTS[self.letter],))
+        reaction = ConjugateReaction((component(self.letter),))
         phi = (DIFFERENCE[self.letter] - self.law,)
         return Statement(phi, (self.letter,), reaction, I.bind(self.i) | J.bind(self.j))
 

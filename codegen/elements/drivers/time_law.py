@@ -2,16 +2,15 @@
 
 import sympy
 
-from codegen.declare.symbols import Coordinate, kinds, t
+from codegen.declare.symbols import KINDS, Coordinate, kinds, t
 
-COMPONENTS = {
-    "x": ("fx", "N"),
-    "y": ("fy", "N"),
-    "phi": ("torque", "N m"),
-    "alpha": ("torque", "N m"),
-    "beta": ("torque", "N m"),
-}
-"""Letter of what is driven → name and unit of what the driver exerts along it."""
+
+def component(letter: str) -> tuple[str, str]:
+    """Name and unit of what a driver exerts along a coordinate of that letter."""
+    kind = KINDS[letter]
+    if kind.unit == "m":
+        return f"f{letter}", kind.force_unit
+    return ("torque" if kind.unit == "rad" else "force"), kind.force_unit
 
 
 def law_problems(where: str, law: sympy.Expr) -> list[str]:

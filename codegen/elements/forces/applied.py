@@ -34,15 +34,13 @@ class AppliedForce:
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
         """The generalized forces on x, y and φ."""
         body, fx, fy = self.point.body, self.fx, self.fy
-        x, y, phi = body.pose
+        (x, y), (c, s) = body.position, body.rotation
         if self.frame == "body":
             torque = self.point.sx * fy - self.point.sy * fx
-            c, s = sympy.cos(phi), sympy.sin(phi)
             fx, fy = c * fx - s * fy, s * fx + c * fy
         else:
             torque = (self.point.x - x) * fy - (self.point.y - y) * fx
-        turning = {} if torque == 0 else {body.phi: torque}
-        return {body.x: fx, body.y: fy, **turning}
+        return {body.x: fx, body.y: fy, **({} if torque == 0 else body.torque(torque))}
 
     def problems(self) -> list[str]:
         """The ground cannot be pushed."""
@@ -71,8 +69,8 @@ class AppliedTorque:
         return None
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
-        """Q_φ."""
-        return {self.body.phi: self.value}
+        """Q_φ, or what does the same work."""
+        return self.body.torque(self.value)
 
     def problems(self) -> list[str]:
         """The ground cannot be turned."""

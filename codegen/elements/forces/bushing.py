@@ -51,9 +51,8 @@ class Bushing:
     @property
     def displacements(self) -> Triple:
         """Along x' and y' of body i, m, and about the normal, rad."""
-        x, y, phi = self.i.body.pose
+        (x, y), (c, s) = self.i.body.position, self.i.body.rotation
         dx, dy = self.j.x - x, self.j.y - y  # from the centre: point i is fixed in its axes
-        c, s = sympy.cos(phi), sympy.sin(phi)
         angle = turn(self.i.body, self.j.body) - self.free_angle
         return c * dx + s * dy - self.i.sx, c * dy - s * dx - self.i.sy, angle
 

@@ -26,8 +26,7 @@ def gap_between(
     ux, uy = direction
     size = sympy.sqrt(ux**2 + uy**2)
     ux, uy = ux / size, uy / size
-    x, y, phi = i.body.pose
-    c, s = sympy.cos(phi), sympy.sin(phi)
+    (x, y), (c, s) = i.body.position, i.body.rotation
     dx, dy = j.x - x, j.y - y  # from the centre: what point i adds along u is constant
     gap: sympy.Expr = (ux * c - uy * s) * dx + (ux * s + uy * c) * dy
     return gap - (ux * i.sx + uy * i.sy + free_length)

@@ -91,7 +91,7 @@ class JointFriction:
             along = turn(joint.i.body, joint.j.body)
             return FrictionLaw(joint.name, mu * self.radius, self.creep, along, (pressing,), "N m")
         ux, uy = joint.axis
-        c, s = (f(joint.i.body.pose[2]) for f in (sympy.cos, sympy.sin))
+        c, s = joint.i.body.rotation
         dx, dy = Line(joint.i, joint.j).d
         size = sympy.sqrt(ux**2 + uy**2)
         along = ((ux * c - uy * s) * dx + (ux * s + uy * c) * dy) / size

@@ -13,8 +13,13 @@ def rate(s: sympy.Expr) -> sympy.Expr:
 
 
 def without_angle(where: str, *bodies: Body) -> list[str]:
-    """Particles among the bodies, which nothing can turn."""
+    """Particles among the bodies, which nothing can turn, and bodies that count no angle."""
     return [
+        f"{where} needs the angle of '{body.name}', which has none: it is oriented by "
+        f"{', '.join(q.letter for q in body.coordinates)}. Use an element that asks for points."
+        for body in bodies
+        if body.angle is None
+    ] + [
         f"{where} turns '{body.name}', which is a particle and has no angle; use a body."
         for body in bodies
         if not body.turns

@@ -12,9 +12,9 @@ from codegen.elements.registry import element
 
 
 def turn(i: Body, j: Body) -> sympy.Expr:
-    """θ = φ_j - φ_i, rad, counted through full turns."""
-    angle: sympy.Expr = j.pose[2] - i.pose[2]
-    return angle
+    """θ = φ_j - φ_i, rad, counted through full turns; `without_angle` refuses other bodies."""
+    phi_i, phi_j = (sympy.S.Zero if b.angle is None else b.angle for b in (i, j))
+    return phi_j - phi_i
 
 
 @element

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import cos, sin
+from math import atan2, cos, sin
 from typing import ClassVar
 
 import numpy as np
@@ -65,7 +65,9 @@ class CamFlatFollower:
 
     def near(self, numbers: Mapping[sympy.Symbol, float]) -> dict[Coordinate, float]:
         """The contact for a rough pose: where the cam reaches farthest towards the follower."""
-        tilt = float((self.face.body.pose[2] - self.cam.body.pose[2]).subs(numbers))
+        ends = (body.rotation for body in (self.cam.body, self.face.body))
+        cam, face = (atan2(*(float(a.subs(numbers)) for a in (s, c))) for c, s in ends)
+        tilt = face - cam
         ux, uy = (float(a.subs(numbers)) for a in self.axis)
         towards = np.array([-uy * cos(tilt) - ux * sin(tilt), ux * cos(tilt) - uy * sin(tilt)])
         reach = places(self.cam.at(alpha).subs(numbers)) @ towards

@@ -1,6 +1,7 @@
 """The kernel of accelerations and multipliers, by the elimination that costs least."""
 
 from codegen.declare.symbols import Parameter
+from codegen.derive.inertia import neutral
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.kernels.corrections import least_changes
 from codegen.lower.kernels.friction import with_friction
@@ -28,11 +29,11 @@ def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Str
     if scene.driven:
         return _kinematics(scene), "square"
     strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
-    if not scene.equations.masses:
+    if not scene.mass:
         strategies = ("schur",)
     trials = []
     for strategy in strategies:
-        massive = bool(scene.equations.masses)
+        massive = bool(scene.mass)
         kernel = _dynamics(scene, strategy, rows) if massive else _kinematics(scene)
         program = with_constants(scene.graph, (kernel,), len(scene.equations.parameters))
         trials.append((cost(program, program.kernels[-1]), kernel, strategy))
@@ -43,13 +44,14 @@ def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Str
 
 
 def _spread(scene: SceneGraph) -> float:
-    """Largest ratio of two masses, or of two moments of inertia, as declared."""
+    """Largest ratio of two masses, or of two moments of inertia, as declared, neutral pose."""
+    coordinates = scene.equations.coordinates
     declared = {Parameter(p.name, real=True): p.value for p in scene.equations.parameters}
     sizes: dict[str, list[float]] = {}
-    for q, mass in zip(scene.equations.coordinates, scene.equations.masses, strict=False):
-        size = float(mass.subs(declared))
+    for i, k, mass in scene.equations.mass:
+        size = float(mass.subs(declared).subs(neutral(coordinates))) if i == k else 0.0
         if size > 0.0:
-            sizes.setdefault(q.unit, []).append(size)
+            sizes.setdefault(coordinates[k].unit, []).append(size)
     return max((max(found) / min(found) for found in sizes.values()), default=1.0)
 
 
@@ -60,7 +62,7 @@ def _dynamics(
     refine: bool = False,
 ) -> Kernel:
     n, graph = scene.n, scene.graph
-    entries = {(k, k): mass for k, mass in enumerate(scene.masses) if mass != graph.zero}
+    entries = {place: mass for place, mass in scene.mass.items() if mass != graph.zero}
     references: dict[int, int] = {}
     lengths = {k for k, q in enumerate(scene.equations.coordinates) if q.unit == "m"}
     with_lengths = {i for i, k in scene.jacobian if k in lengths}
@@ -72,14 +74,14 @@ def _dynamics(
             entries[n + i, k] = entries[k, n + i] = entry
             if (k, k) not in entries:
                 continue
-            part = graph.div(graph.mul(entry, entry), scene.masses[k])
+            part = graph.div(graph.mul(entry, entry), scene.mass[k, k])
             references[n + i] = graph.add(references.get(n + i, graph.zero), part)
         for i, size in references.items():
             labels.add(size, labels.of("size", i))
         system = Elimination(
             graph,
             entries,
-            [scene.applied + scene.gamma, *_pushes(scene)],
+            [scene.forces + scene.gamma, *_pushes(scene)],
             frozenset(range(n, n + scene.m)),
             references,
             located,

@@ -77,7 +77,7 @@ def lower(equations: Equations) -> Lowered:
     if not resting:
         kernels.append(correction(scene))
     powers: list[tuple[str, str, int]] = []
-    if equations.masses:
+    if equations.mass:
         powers = [row for row in _powers(scene) if wanted.power(row[0])] + _works(scene, wanted)
         kernels += _dynamic_kernels(scene, wanted, powers)
     elif _reported(scene, wanted):
@@ -123,13 +123,13 @@ def _dynamic_kernels(
             "mass",
             "Structural non-zeros of M, at MASS_ROWS, MASS_COLUMNS.",
             ("q", "p", "values"),
-            store("values", scene.masses, coordinates),
+            store("values", list(scene.mass.values()), _mass_notes(scene)),
         ),
         Kernel(
             "applied_forces",
-            "Generalized forces Q = ΣQ_e - ∂V/∂q of the effects, without friction from reactions.",
+            _meaning_of_forces(scene),
             (*STATE, "modes", "Q"),
-            store("Q", scene.applied, coordinates),
+            store("Q", scene.forces, coordinates),
         ),
     ]
     if resting or wanted.energy():
@@ -149,7 +149,11 @@ def _dynamic_kernels(
         ]
     if wanted.energy() and not resting:
         energies = [
-            graph.mul(mass, graph.mul(v, v)) for mass, v in zip(scene.masses, scene.v, strict=True)
+            graph.mul(mass, graph.mul(scene.v[i], scene.v[k]))
+            if i == k
+            else graph.mul(graph.constant(2.0), graph.mul(mass, graph.mul(scene.v[i], scene.v[k])))
+            for (i, k), mass in scene.mass.items()
+            if i <= k
         ]
         kinetic = graph.mul(graph.constant(0.5), graph.total(energies))
         kernels.append(
@@ -172,6 +176,18 @@ def _dynamic_kernels(
     if _reported(scene, wanted) or wanted.outputs is None:
         kernels.append(_reactions(scene, wanted))
     return kernels
+
+
+def _mass_notes(scene: SceneGraph) -> list[str]:
+    names = [q.name for q in scene.equations.coordinates]
+    return [names[i] if i == k else f"{names[i]}, {names[k]}" for i, k in scene.mass]
+
+
+def _meaning_of_forces(scene: SceneGraph) -> str:
+    known = "without friction from reactions"
+    if scene.equations.inertia_force:
+        return f"Generalized forces Q = ΣQ_e - ∂V/∂q, {known}, and of inertia, Q_v."
+    return f"Generalized forces Q = ΣQ_e - ∂V/∂q of the effects, {known}."
 
 
 def _reactions(scene: SceneGraph, wanted: Wanted) -> Kernel:

@@ -22,7 +22,7 @@ class Wanted:
         # A run holds a friction in a joint that sticks against its limit in each position.
         self._needed = {e.name for e in equations.effects if _limited(e.terms.friction)}
         self._needed |= set(tracked_points(equations))
-        self._massive = bool(equations.masses)
+        self._massive = bool(equations.mass)
 
     def energy(self) -> bool:
         """Whether kinetic and potential energy are."""

@@ -8,10 +8,11 @@ The unknowns of dynamics solve
 Eliminating all accelerations first leaves S = Φ_q M⁻¹ Φ_qᵀ, to be factored LDLᵀ. That is one of
 the orders tried. Another uses that many constraints give a coordinate outright: where an entry
 of Φ_q is a number, the pair (coordinate, constraint) is a pivot of two rows that is as good as a
-substitution, and what is left shrinks to the closures of the loops. No pivot vanishes in any
-position where the constraints are independent, as M is positive definite: a coordinate's pivot
-is positive, a constraint's negative, and a pair's determinant at most -b², with b at least a
-tenth of the largest number in its row of Φ_q. So the cheapest order may be taken.
+substitution, and what is left shrinks to the closures of the loops. M is positive definite
+(`codegen.derive.inertia` makes it so where bodies have equations of their own). So no pivot
+vanishes in any position where the constraints are independent: a coordinate's pivot is positive, a
+constraint's negative, and a pair's determinant at most -b², with b at least a tenth of the largest
+number in its row of Φ_q. The cheapest order may be taken.
 """
 
 from dataclasses import dataclass, field

@@ -166,7 +166,7 @@ def _scales(
     )
     units = [best.series(name)[1] for name in series]
     whole = [group_magnitude(best, name) for name in series]
-    length = float(sizes[~description.is_angle].max(initial=0.0)) or 1.0
+    length = float(sizes[description.is_length].max(initial=0.0)) or 1.0
     return scales(series, units, description, sizes, values, whole), length
 
 
