@@ -1,4 +1,4 @@
-"""Cholesky factors of small normal equations, and what they make orthonormal, in compiled code.
+"""Cholesky factors of small normal equations, and orthonormal columns by them, in compiled code.
 
 Vectors are columns of a matrix (count, width) with width ≪ count. (G. H. Golub and C. F. Van Loan,
 Matrix Computations, sections 4.2 and 5.2.)

@@ -31,7 +31,7 @@ def factor_fully(dense: Matrix, row_order: Integers, column_order: Integers, lea
     ----------
     dense : (m, n) float64
         Overwritten: rows and columns in the order of pivots; U on the diagonal and right of it, L
-        below; behind the pivots what is left.
+        below; behind the pivots the part that is left.
     row_order, column_order : (m,), (n,) int64
         Out: rows and columns in the order of pivots, then the others.
 
