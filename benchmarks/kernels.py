@@ -91,10 +91,10 @@ def differences(module: ModuleType) -> dict[str, float]:
 def measure(count: int, repeats: int) -> tuple[Row, ...]:
     """All twins, timed in one run."""
     with tempfile.TemporaryDirectory() as folder:
-        return _measure(generated(Path(folder) / "generated"), count, repeats)
+        return measure_twins(generated(Path(folder) / "generated"), count, repeats)
 
 
-def _measure(module: ModuleType, count: int, repeats: int) -> tuple[Row, ...]:
+def measure_twins(module: ModuleType, count: int, repeats: int) -> tuple[Row, ...]:
     p = parameters(module)
     q, v, modes = turn_of_the_crank(STATES, p[1])
     out, a, lam = np.zeros(32), np.zeros(9), np.zeros(8)

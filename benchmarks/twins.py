@@ -13,7 +13,7 @@ from benchmarks import kernel_timing
 from benchmarks.operation_counts import cost, operations
 from codegen import Model
 from codegen.artefact import import_generated
-from codegen.driver import Clock, origin, read_model, translate, valid_scenes
+from codegen.driver import GENERATOR, Clock, origin, read_model, translate, valid_scenes
 from codegen.emit.module import module_text
 from codegen.generated_files.generated_file import write_if_changed
 from codegen.lower import operation_count as ledger
@@ -104,19 +104,19 @@ class Row:
 
 
 def generate(model: Model | str, scene: str, kernels: Sequence[str], folder: Path) -> Generated:
-    """The kernels asked for, and no others, so that nothing is compiled that is not measured."""
+    """The named kernels alone, so that nothing is compiled that is not measured."""
     file = read_model(model)
     chosen = valid_scenes(file.model, scene)[0]
     equations, lowered, _ = translate(file.model, chosen, Clock({}, lambda message: None, ""))
     program = lowered.program
-    wanted = tuple(k for k in program.kernels if k.name in ("constants", *kernels))
+    measured = tuple(k for k in program.kernels if k.name in ("constants", *kernels))
     path = folder / f"{file.model.name}__{scene}__measured.py"
     text = module_text(
-        replace(lowered, program=replace(program, kernels=wanted)),
-        origin(file, equations, path, {}),
+        replace(lowered, program=replace(program, kernels=measured)),
+        origin(GENERATOR, file, equations, path, {}),
     )
     write_if_changed(path, text)
-    counts = {k.name: (ledger.operations(program, k), ledger.cost(program, k)) for k in wanted}
+    counts = {k.name: (ledger.operations(program, k), ledger.cost(program, k)) for k in measured}
     return Generated(import_generated(path), counts)
 
 

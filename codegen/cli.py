@@ -24,7 +24,7 @@ errors = Console(stderr=True, soft_wrap=True, highlight=False)
 output = Console(soft_wrap=True, highlight=False)
 
 PAPER = 1000
-"""A table takes the width that its columns need, whatever the terminal's."""
+"""Columns of a table that is as wide as its content, whatever the terminal."""
 
 ModelArgument = Annotated[str, typer.Argument(help="Path, or a bare name for models/NAME.py.")]
 SceneOption = Annotated[str | None, typer.Option(help="One scene; all by default.")]
@@ -32,7 +32,7 @@ JsonOption = Annotated[bool, typer.Option("--json", help="One JSON object on std
 
 
 def answers_errors(command: Callable[..., None]) -> Callable[..., None]:
-    """Wrong input: every problem on a line of stderr, and exit status 2."""
+    """Report wrong input: every problem on a line of stderr, and exit status 2."""
 
     @wraps(command)
     def guarded(*arguments: Any, **options: Any) -> None:
@@ -82,17 +82,16 @@ def build(
         bool,
         typer.Option(
             "--tangents",
-            help="Also the exact derivatives that implicit methods (bdf, radau) take, in files of "
-            "their own; without it only those that exist are brought up to date.",
+            help="Also the exact derivatives that implicit methods (bdf, radau) need, in files of "
+            "their own; without this option only existing ones are updated.",
         ),
     ] = False,
     reduced: Annotated[
         bool,
         typer.Option(
             "--reduced",
-            help="Also the equations in reduced coordinates that simulate --formulation reduced "
-            "takes, in files of their own; without it only those that exist are brought up to "
-            "date.",
+            help="Also the equations in reduced coordinates for simulate --formulation reduced, in "
+            "files of their own; without this option only existing ones are updated.",
         ),
     ] = False,
     check: Annotated[
@@ -121,7 +120,7 @@ def build(
         _print_build(done, check)
     for path in done.stale:
         errors.print(
-            f"[bold red]stale:[/] {escaped(str(path))} is missing or not what the model gives; "
+            f"[bold red]stale:[/] {escaped(str(path))} is missing or out of date; "
             f"run: python -m codegen build {escaped(model)}"
             f"{f' --out {escaped(str(out))}' if out else ''}{' --tangents' if tangents else ''}"
             f"{' --reduced' if reduced else ''}"
@@ -171,12 +170,14 @@ def explain(
         bool | None,
         typer.Option(
             help="Compile the parts of accelerations and time them, some seconds a scene; "
-            "done unless all scenes are asked for."
+            "the default for one scene or a comparison."
         ),
     ] = None,
     run: Annotated[
         float | None,
-        typer.Option(help="Also run the scene for so many seconds, and share out what it took."),
+        typer.Option(
+            help="Also run the scene for this many seconds; its time is shared among the parts."
+        ),
     ] = None,
     kernels: Annotated[
         bool, typer.Option("--kernels", help="Also the operations of every kernel, a wide table.")
@@ -186,7 +187,7 @@ def explain(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """What is compiled into a scene, what is left out and why, and what each part costs."""
+    """Explain a scene: the parts compiled into it or left out, why, and the cost of each."""
     from codegen.explain.command import one_question, save, show
     from codegen.explain.ledger import explain as ledgers_of
     from codegen.explain.scene_comparison import compare as side_by_side
@@ -215,11 +216,9 @@ def explain(
 @answers_errors
 def elements(
     kind: Annotated[
-        str | None, typer.Argument(help="A kind of element, as listed without one.")
+        str | None, typer.Argument(help="A kind of element; without it, all are listed.")
     ] = None,
-    model: Annotated[
-        str | None, typer.Option(help="A model file with elements of your own.")
-    ] = None,
+    model: Annotated[str | None, typer.Option(help="A model file with your own elements.")] = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder to write the pages into, as docs/elements.")
     ] = None,
@@ -227,7 +226,7 @@ def elements(
         bool, typer.Option("--check", help="Write nothing; fail if a page is out of date.")
     ] = False,
 ) -> None:
-    """The joints, drivers and forces: a list, the page of one kind, or all pages as files."""
+    """Joints, drivers and forces: a list, the page of one kind, or all pages as files."""
     from codegen.model_file import read_model
     from codegen.reference.page import page
     from codegen.reference.pages import chosen_kinds, find_kind, write
@@ -236,7 +235,7 @@ def elements(
     only = find_kind(kind) if kind else None
     folder = out or (Path("docs/elements") if check else None)
     if folder is None and only is None:
-        table = Table("kind", "role", "what it is")
+        table = Table("kind", "role", "summary")
         for name, registered in chosen_kinds(declared).items():
             table.add_row(name, registered.role, escaped(registered.summary))
         Console(width=PAPER, highlight=False).print(table)
@@ -246,7 +245,7 @@ def elements(
         done = write(folder, declared, only, check=check)
         for path in done.stale if check else ():
             errors.print(
-                f"[bold red]stale:[/] {escaped(str(path))} is missing, not what the library gives, "
+                f"[bold red]stale:[/] {escaped(str(path))} is missing, out of date, "
                 f"or of no kind; run: python -m codegen elements --out {escaped(str(folder))}"
             )
         if check and done.stale:

@@ -39,7 +39,7 @@ from codegen.generated_files.parameter_overrides import with_settings, without_o
 from codegen.generated_files.provenance import default_folder, file_name, origin
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.model import Model
-from codegen.model_file import read_model
+from codegen.model_file import ModelFile, read_model
 
 GENERATOR = f"linkwright {codegen.__version__}"
 
@@ -108,18 +108,10 @@ def build(
     for kind in COMPANIONS:
         if requested[kind.name]:
             kind.refuse(declared.name, [e for e, *_ in prepared], named=scene is not None)
-    files: list[File] = []
-    for equations, lowered, _, clock in prepared:
-        path = folder / file_name(file.stem, equations, settings or {})
-        with clock("emit"):
-            text = module_text(lowered, origin(GENERATOR, file, equations, path, settings or {}))
-        files.append(File(path, text, clock))
-        for kind in COMPANIONS:
-            if kind.is_due(equations, path, requested[kind.name]):
-                provenance = origin(
-                    GENERATOR, file, equations, path, settings or {}, f" --{kind.name}"
-                )
-                files[-1].companions[kind.name] = kind.file(lowered, provenance, files[-1])
+    files = [
+        _emit(file, equations, lowered, clock, folder, settings or {}, requested)
+        for equations, lowered, _, clock in prepared
+    ]
     every = [f for main in files for f in (main, *main.companions.values())]
     for f in every:
         f.changed = not is_current(f.path, f.text) if check else write_if_changed(f.path, f.text)
@@ -131,6 +123,27 @@ def build(
         for (equations, lowered, findings, _), written in zip(prepared, files, strict=True)
     )
     return BuildReport(tuple(reports), tuple(f.path for f in every if check and f.changed))
+
+
+def _emit(
+    file: ModelFile,
+    equations: Equations,
+    lowered: Lowered,
+    clock: Clock,
+    folder: Path,
+    settings: Mapping[str, float],
+    requested: Mapping[str, bool],
+) -> File:
+    """The file of a scene, with those companions that are requested or exist."""
+    path = folder / file_name(file.stem, equations, settings)
+    with clock("emit"):
+        text = module_text(lowered, origin(GENERATOR, file, equations, path, settings))
+    main = File(path, text, clock)
+    for kind in COMPANIONS:
+        if kind.is_due(equations, path, requested[kind.name]):
+            provenance = origin(GENERATOR, file, equations, path, settings, f" --{kind.name}")
+            main.companions[kind.name] = kind.file(lowered, provenance, main)
+    return main
 
 
 def _compile(files: list[File]) -> None:

@@ -1,4 +1,4 @@
-"""A model file → the `Model` in it, and the files that it is made of."""
+"""Model file → the `Model` that it declares, and the local source files."""
 
 import ast
 import contextlib
@@ -30,7 +30,7 @@ class ModelFile:
 
     @property
     def stem(self) -> str:
-        """What the names of the generated files begin with."""
+        """Beginning of the names of the generated files."""
         return self.path.stem if self.path else self.model.name
 
 
@@ -40,10 +40,10 @@ def library_folder() -> Path:
 
 
 def find_model_file(model: str | Path) -> Path:
-    """The file that MODEL means: a path, or a name for ``models/NAME.py``.
+    """The file of a model: a path, or a name for ``models/NAME.py``.
 
-    A name may have folders in it: ``hard/pendulum`` is ``models/hard/pendulum.py``, where there is
-    no file of that path itself.
+    A name may contain folders: ``hard/pendulum`` is ``models/hard/pendulum.py``, unless there is a
+    file of that path itself.
 
     Raises
     ------
@@ -68,7 +68,7 @@ def find_model_file(model: str | Path) -> Path:
 
 
 def read_model(model: str | Path | Model) -> ModelFile:
-    """The model that a path or bare name means; a `Model` means itself.
+    """Read the model of a path or bare name; a `Model` is returned as it is.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def read_model(model: str | Path | Model) -> ModelFile:
 
 
 def execute_model_file(path: Path) -> ModelFile:
-    """Run a model file and take the model that it declares.
+    """Execute a model file and return the model that it declares.
 
     Raises
     ------
@@ -109,9 +109,9 @@ def file_hash(path: Path) -> str:
 
 
 def local_files(path: Path) -> list[Path]:
-    """The file itself, then what it imports, directly or not, and is not installed.
+    """The file itself, then the files that it imports, directly or not, unless they are installed.
 
-    To be asked while the imported modules are loaded.
+    The imported modules must still be loaded.
     """
     found: dict[Path, None] = {}
     waiting = [path.resolve()]
@@ -128,10 +128,10 @@ def local_files(path: Path) -> list[Path]:
 
 
 def _package(path: Path) -> str:
-    """The package of the loaded module that a resolved file is; "" where it is none.
+    """The package of the loaded module of a resolved file; "" where there is none.
 
-    Thousands of modules may be loaded, and to resolve a path asks the disk: names are compared
-    before.
+    Thousands of modules may be loaded, and resolving a path accesses the disk: names are compared
+    first.
     """
     found = ""
     for module in list(sys.modules.values()):
@@ -149,13 +149,13 @@ def _is_local(file: Path) -> bool:
 
 @cache
 def _installed() -> tuple[Path, ...]:
-    """Where packages lie."""
+    """Folders of installed packages."""
     folders = sysconfig.get_paths()
     return tuple(Path(folders[key]) for key in ("stdlib", "purelib", "platlib"))
 
 
 def _imported_names(path: Path, package: str) -> list[str]:
-    """Full names of all modules, and packages above them, that a file of `package` asks for."""
+    """Full names of all modules, and packages above them, that a file of `package` imports."""
     names = []
     for node in ast.walk(ast.parse(path.read_bytes())):
         if isinstance(node, ast.Import):
@@ -172,7 +172,7 @@ def _imported_names(path: Path, package: str) -> list[str]:
 
 
 def _execute(path: Path) -> tuple[dict[str, object], list[Path]]:
-    """What a model file defines, and the files that it is made of."""
+    """The names that a model file defines, and its local source files."""
     spec = importlib.util.spec_from_file_location(f"_linkwright_model_{path.stem}", path)
     assert spec is not None
     assert spec.loader is not None
@@ -196,10 +196,10 @@ def _execute(path: Path) -> tuple[dict[str, object], list[Path]]:
 
 @contextlib.contextmanager
 def _fresh_imports(folder: Path) -> Iterator[None]:
-    """Local files are imported as they are now, those of `folder` first, and forgotten afterwards.
+    """Import local files as they are now, those of `folder` first, and forget them afterwards.
 
-    Byte code is neither kept, as it is dated to the second, nor are modules: another folder may
-    hold another file of the same name, and this one may be edited before the next build.
+    Byte code is not kept, as its date is in seconds, nor are modules: another folder may hold
+    another file of the same name, and this one may be edited before the next build.
     """
     before, writes = set(sys.modules), sys.dont_write_bytecode
     sys.path.insert(0, str(folder))

@@ -1,4 +1,4 @@
-"""What a scene could do without, or take less finely: scenes that differ from it by one thing."""
+"""Variants of a scene: scenes that differ from it by one effect left out or one other fidelity."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,10 +19,10 @@ class Variant:
     Attributes
     ----------
     name, kind
-        The effect, coupler, body or group of alternatives that is changed, and what it is.
+        The effect, coupler, body or group of alternatives that changes, and its kind.
     word
-        The fidelity in which it is taken; ``"none"`` of an effect that is left out, ``"link"`` of a
-        body for which a joint without mass stands in.
+        Its new fidelity; ``"none"`` for an effect that is left out, ``"link"`` for a body that a
+        massless joint replaces.
     """
 
     name: str
@@ -55,9 +55,9 @@ def declared(model: str | Path | Model, scene: str | Scene | None) -> tuple[Mode
 
 
 def variants(model: Model, scene: Scene, *, fidelities: bool = True) -> tuple[Variant, ...]:
-    """Each effect left out; then, if wanted, each other fidelity of what has more than one.
+    """Each effect left out; then, with `fidelities`, each other fidelity where there are several.
 
-    A kinematic scene has no effects that act, but bodies that a link may stand for.
+    In a kinematic scene no effect acts, but a link may replace a body.
     """
     found: list[Variant] = []
     acting = {} if scene.analysis == "kinematics" else model.acting(scene)

@@ -58,7 +58,7 @@ def load(
         except SupersededError:
             if attempt == _ATTEMPTS - 1:
                 raise
-    from runtime.core.kernels import gather
+    from runtime.core.kernel_abi import gather
     from runtime.machine import Machine
     from runtime.mechanism.companion_modules import Origin
     from runtime.mechanism.description import describe

@@ -46,11 +46,11 @@ def _imports(tableau: Tableau) -> Iterator[str]:
     limited = tableau.stability_edge is not None
     names = f"COORDINATES, DENSE, ERROR, {'PROPOSE, ' if limited else ''}STAGES"
     yield from ("import numpy as np", "")
+    yield "from runtime.core.array_types import Integers"
     yield "from runtime.core.dense_output import hermite_rows"
     yield f"from runtime.core.function_table import {names}"
     yield "from runtime.core.jit import addressed"
     yield "from runtime.core.rhs import slope"
-    yield "from runtime.core.signatures import Integers"
     dense = "F, " if tableau.dense else ""
     yield f"from runtime.core.workspace import ATOL, STAGE, Y0, Y1, {dense}K, row_of"
     if limited:

@@ -9,7 +9,7 @@ from numba import njit
 
 from codegen.errors import AnalysisError
 from runtime.core.jit import OPTIONS
-from runtime.core.kernels import SIGNATURES, Kernels
+from runtime.core.kernel_abi import SIGNATURES, Kernels
 from runtime.integrate.method import EXPLICIT, IMPLICIT, alternatives
 from runtime.integrate.problem import Correction
 from runtime.linalg.rank_revealing import solve_least_norm, solve_motion
@@ -90,7 +90,7 @@ def minimum_norm_kernels(kernels: Kernels, description: Description, count: int)
     n, m = len(description.coordinates), len(description.constraints)
     accelerations = _accelerations(kernels, description, n, m, m - count)
     correction = _correction(kernels, description, n, m, count)
-    return kernels._replace(accelerations=accelerations, correction=correction)
+    return replace(kernels, accelerations=accelerations, correction=correction)
 
 
 def _accelerations(kernels: Kernels, description: Description, n: int, m: int, spare: int) -> Any:

@@ -7,9 +7,10 @@ steps, where the partition may be singular, are projected in the metric of the m
 
 import numpy as np
 
-from runtime.core.function_table import COORDINATES, CORRECT, correction_of, parameters_of
+from runtime.core.array_types import Integers
+from runtime.core.function_table import COORDINATES, CORRECT, parameters_of
 from runtime.core.jit import addressed
-from runtime.core.signatures import Integers
+from runtime.core.kernel_abi import correction_of
 from runtime.core.workspace import (
     DELTA,
     SIZE,

@@ -9,10 +9,8 @@ Mechanical Design 104, 1982.)
 
 import numpy as np
 
-from runtime.core.jit import compiled, inner
-from runtime.core.signatures import (
+from runtime.core.array_types import (
     Integers,
-    Jacobian,
     Kernel,
     Matrix,
     Vector,
@@ -22,6 +20,8 @@ from runtime.core.signatures import (
     matrix,
     vector,
 )
+from runtime.core.jit import compiled, inner
+from runtime.core.kernel_abi import TYPES
 from runtime.linalg.full_pivoting import factor_fully
 from runtime.linalg.rank_policy import NO_PIVOT
 
@@ -62,7 +62,7 @@ def order_by_pivots(
 
 @compiled(
     i8(
-        Jacobian,
+        TYPES["jacobian"],
         f8,
         vector,
         vector,

@@ -3,14 +3,13 @@
 import numpy as np
 
 from runtime.constraints.partitioning import choose_independent, column_norm
+from runtime.core.array_types import Integers
 from runtime.core.function_table import (
     COORDINATES,
     REPARTITION,
     column_order_of,
-    correction_of,
     dense_jacobian_of,
     jacobian_columns_of,
-    jacobian_of,
     jacobian_rows_of,
     jacobian_values_of,
     log_sets_of,
@@ -19,8 +18,8 @@ from runtime.core.function_table import (
     row_order_of,
 )
 from runtime.core.jit import addressed, inner
+from runtime.core.kernel_abi import correction_of, jacobian_of
 from runtime.core.run_record import run_record
-from runtime.core.signatures import Integers
 from runtime.core.workspace import (
     DELTA,
     PARTITION,

@@ -30,22 +30,20 @@ from runtime.continuation.pivot_monitor import (
     restore_look,
     suspicious,
 )
+from runtime.core.array_types import f8, integer_matrix, integers, matrix, vector
 from runtime.core.jit import ADDRESSES, compiled, inner
-from runtime.core.kernels import FETCH, MATRIX, MODE_ROWS, MODES, SCALAR, TYPES, VECTOR
+from runtime.core.kernel_abi import TYPES, accelerations_of, correction_of, jacobian_of
 
 DONE, STUCK, SUSPECT, ARRIVED = 0, 1, 2, 3
 
 # measured: scaled error of a prediction up to which it is trusted to name the branch
 _PREDICTED = 0.05
 _TRAVEL = 0.5  # measured: scaled motion of the longest step
-correction_of = FETCH["correction"]
-accelerations_of = FETCH["accelerations"]
-jacobian_of = FETCH["jacobian"]
 
 
 @compiled(
     types.int64(
-        TYPES["correction"], SCALAR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR
+        TYPES["correction"], f8, vector, vector, vector, vector, vector, vector, vector, vector
     ),
 )
 def settle(
@@ -124,8 +122,8 @@ def attempt(
 
 
 @compiled(types.int64(
-    ADDRESSES, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, MODES, VECTOR, MATRIX,
-    MATRIX, VECTOR, MATRIX, MODE_ROWS, VECTOR, MATRIX, MATRIX, MODE_ROWS,
+    ADDRESSES, vector, vector, vector, vector, vector, vector, vector, integers, vector, matrix,
+    matrix, vector, matrix, integer_matrix, vector, matrix, matrix, integer_matrix,
 ))  # fmt: skip
 def advance(
     kernels: Any, times: Any, p: Any, w: Any, scale: Any, q: Any, v: Any, a: Any, modes: Any,

@@ -5,9 +5,9 @@ Differential Equations I, section II.6): with x the fraction of the step, the po
 F0 + x (F1 + (1 - x) (F2 + x (F3 + ...))).
 """
 
+from runtime.core.array_types import Integers
 from runtime.core.function_table import COORDINATES
 from runtime.core.jit import inner
-from runtime.core.signatures import Integers
 from runtime.core.workspace import Y0, Y1, F, K, row_of
 
 

@@ -4,26 +4,7 @@
 part that needs something rare thus costs the others nothing.
 """
 
-from runtime.core.signatures import (
-    ACCELERATIONS,
-    ACCELERATIONS_TANGENT,
-    APPLIED_FORCES,
-    CORRECTION,
-    CORRECTION_TANGENT,
-    JACOBIAN,
-    MASS,
-    REACTIONS,
-    RIGHT_SIDE,
-    STATE_RIGHT_SIDE,
-    SWITCHED_REACTIONS,
-    SWITCHING,
-    SWITCHING_RATES,
-    f8,
-    i8,
-    integers,
-    none,
-    vector,
-)
+from runtime.core.array_types import f8, i8, integers, none, vector
 from runtime.core.table_layout import TableLayout
 
 TABLE = TableLayout()
@@ -58,24 +39,6 @@ STABILIZED = TABLE.number("stabilized")  # 1: constraints are stabilized by Baum
 EACH_STAGE = TABLE.number("each_stage")  # 1: every stage returns onto the constraints
 CORRECTING = TABLE.number("correcting")  # how a step returns onto them
 
-# Kernels of the machine.
-accelerations_of = TABLE.function("accelerations", ACCELERATIONS)
-correction_of = TABLE.function("correction", CORRECTION)
-jacobian_of = TABLE.function("jacobian", JACOBIAN)
-switching_of = TABLE.function("switching", SWITCHING)
-switching_rates_of = TABLE.function("switching_rates", SWITCHING_RATES)
-constraints_of = TABLE.function("constraints", RIGHT_SIDE)
-velocity_rhs_of = TABLE.function("velocity_rhs", RIGHT_SIDE)
-acceleration_rhs_of = TABLE.function("acceleration_rhs", STATE_RIGHT_SIDE)
-mass_of = TABLE.function("mass", MASS)
-applied_forces_of = TABLE.function("applied_forces", APPLIED_FORCES)
-gap_accelerations_of = TABLE.function("gap_accelerations", SWITCHING_RATES)
-reactions_of = TABLE.function("reactions", REACTIONS)
-switched_reactions_of = TABLE.function("switched_reactions", SWITCHED_REACTIONS)
-accelerations_tangent_of = TABLE.function("accelerations_tangent", ACCELERATIONS_TANGENT)
-correction_tangent_of = TABLE.function("correction_tangent", CORRECTION_TANGENT)
-dead_centres_of = TABLE.function("dead_centres", SWITCHING)
-
 # The method. Arguments are in the comments.
 STAGES = i8(integers, f8, f8)  # context t h; Newton iterations, negative where one failed
 ERROR = f8(integers, f8, f8)  # context h rtol; over the tolerance, root mean square
@@ -91,6 +54,7 @@ accepted_of = TABLE.function("accepted", HOOK)
 restart_of = TABLE.function("restart", HOOK)
 
 # Parts of the loop.
+PART = i8(integers)  # context; what follows, see `integrate.signals`
 CORRECT = i8(integers, f8, i8, i8)  # context t row weighing
 ATTEMPT = i8(integers, f8, f8)  # context t h
 REPARTITION = i8(integers, f8, i8)  # context t state

@@ -1,10 +1,10 @@
 """The right side of the equations of motion, as the methods call it."""
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import (
     COORDINATES,
     EACH_STAGE,
     MODIFIED,
-    accelerations_of,
     bent_of,
     bent_slope_of,
     modes_of,
@@ -12,7 +12,7 @@ from runtime.core.function_table import (
     parameters_of,
 )
 from runtime.core.jit import inlined
-from runtime.core.signatures import Integers, Vector
+from runtime.core.kernel_abi import accelerations_of
 from runtime.core.workspace import position_rates, positions, velocities, velocity_rates
 
 

@@ -1,6 +1,7 @@
 """The record of a run: where it stands, how it steps, and what it has counted."""
 
 from collections.abc import Callable
+from enum import IntEnum
 from typing import Any, cast
 
 import numpy as np
@@ -8,8 +9,8 @@ from numba import from_dtype
 from numba.extending import intrinsic
 from numba.np import arrayobj
 
+from runtime.core.array_types import Integers
 from runtime.core.function_table import RECORD
-from runtime.core.signatures import Integers
 from runtime.core.table_layout import word
 
 _arrays: Any = arrayobj
@@ -48,6 +49,10 @@ _FLOATS = [
     "look_at",  # instant at which the constraints are looked at again
     "quiet",  # instant until which a singular position is not looked for
     "usual",  # length of the last accepted step of free choice
+    "length",  # of the trial step, up to an event where one lies in it
+    "end",  # instant at which it ends
+    "reach",  # its length without the event
+    "next_length",  # of the step after it
     "foresight",  # change of the coordinates, in their sizes, over which one is looked for
     "lent_until",  # instant from which a method that was lent is not needed
 ]
@@ -91,8 +96,25 @@ _INTEGERS = [
     "blamed",  # switching function for which no mode is consistent, or -1
     "index",  # function or constraint that an outcome concerns
     "lent",  # 1: another method steps near a singular position than elsewhere
+    "planned",  # 1: a plan sets the end of this step
+    "announced",  # 1: a singular configuration lies ahead of it
+    "crossing",  # switching function of the event at which it ends, or -1
+    "dense_ready",  # 1: its dense output is there
+    "changed",  # events that were logged at its end
+    "due",  # 1: another method is due
     "plan",  # what is planned about a singular position, one of the below
 ]
+
+
+class ConstraintReturn(IntEnum):
+    """When and how a step returns onto the constraints: the number CORRECTING of the table."""
+
+    NEVER = 0
+    BY_PARTITION = 1
+    BY_PROJECTION = 2
+    IF_DRIFTED = 3
+
+
 FREE, APPROACHING, CROSSING, LEAVING, MISSING = 0, 1, 2, 3, 4
 """What is planned about singular positions: nothing; to come to where a step across begins; that
 step; to get away; to follow the bend in which the motion misses one."""

@@ -15,8 +15,9 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np import arrayobj
 
+from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.jit import at
-from runtime.core.signatures import IntegerMatrix, Integers, Matrix, Vector
+from runtime.core.kernel_abi import KERNELS
 
 _ALIGNED = 8  # layout: words of a cache line, in which an array of its own begins
 _arrays: Any = arrayobj
@@ -37,11 +38,11 @@ class ArraySlot(NamedTuple):
 
 
 class TableLayout:
-    """Slots of one kind of table, in the order in which they are declared."""
+    """Slots of one kind of table: those of the kernels, then the others as they are declared."""
 
     def __init__(self) -> None:
-        self.size = 0
-        self.slots: dict[str, int] = {}
+        self.slots: dict[str, int] = {name: slot for slot, name in enumerate(KERNELS)}
+        self.size = len(KERNELS)
         self.arrays: dict[str, ArraySlot] = {}
 
     def _next(self, name: str) -> int:

@@ -13,8 +13,8 @@ from numba import types
 from numba.extending import intrinsic
 from numba.np import arrayobj
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import COORDINATES, SWITCHES, TABLE
-from runtime.core.signatures import Integers, Vector
 from runtime.core.table_layout import word
 
 _arrays: Any = arrayobj

@@ -6,30 +6,32 @@ import numpy as np
 import numpy.typing as npt
 from numba import types
 
+from runtime.core.array_types import integer_matrix, integers, matrix, vector
 from runtime.core.jit import ADDRESSES, compiled
-from runtime.core.kernels import FETCH, MATRIX, MODE_ROWS, MODES, VECTOR
+from runtime.core.kernel_abi import (
+    accelerations_of,
+    constraints_of,
+    jacobian_of,
+    kinetic_energy_of,
+    potential_of,
+    powers_of,
+    reactions_of,
+    switched_reactions_of,
+    switching_of,
+    switching_rates_of,
+    velocity_rhs_of,
+)
 from runtime.mechanism.mechanism import Mechanism
 from runtime.results.samples import Samples
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 ENERGIES = ("kinetic_energy", "potential")
-accelerations_of = FETCH["accelerations"]
-constraints_of = FETCH["constraints"]
-jacobian_of = FETCH["jacobian"]
-velocity_rhs_of = FETCH["velocity_rhs"]
-reactions_of = FETCH["reactions"]
-switched_reactions_of = FETCH["switched_reactions"]
-powers_of = FETCH["powers"]
-kinetic_energy_of = FETCH["kinetic_energy"]
-potential_of = FETCH["potential"]
-switching_of = FETCH["switching"]
-switching_rates_of = FETCH["switching_rates"]
 
 
 @compiled(types.none(
-    ADDRESSES, VECTOR, VECTOR, MATRIX, MATRIX, MODE_ROWS, MODES, MODES, MATRIX, MATRIX, MATRIX,
-    MATRIX, MATRIX, MATRIX, MODES, VECTOR, VECTOR,
+    ADDRESSES, vector, vector, matrix, matrix, integer_matrix, integers, integers, matrix, matrix,
+    matrix, matrix, matrix, matrix, integers, vector, vector,
 ))  # fmt: skip
 def _evaluate(
     kernels: Any, times: Any, p: Any, q: Any, v: Any, modes: Any, rows: Any, columns: Any, a: Any,
@@ -73,7 +75,7 @@ def _evaluate(
 
 
 @compiled(types.none(
-    ADDRESSES, VECTOR, VECTOR, MATRIX, MATRIX, MODE_ROWS, VECTOR, VECTOR, VECTOR, VECTOR,
+    ADDRESSES, vector, vector, matrix, matrix, integer_matrix, vector, vector, vector, vector,
 ))  # fmt: skip
 def _find_modes(
     kernels: Any, times: Any, p: Any, q: Any, v: Any, modes: Any, a: Any, lam: Any, g: Any,

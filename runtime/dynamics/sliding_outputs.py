@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import types
 
+from runtime.core.array_types import integer_matrix, integers, matrix, vector
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
     SLIDING_COUNT,
@@ -21,7 +22,7 @@ from runtime.core.function_table import (
     unit_multipliers_of,
 )
 from runtime.core.jit import ADDRESSES, allocating
-from runtime.core.kernels import FETCH, MATRIX, MODE_ROWS, MODES, VECTOR
+from runtime.core.kernel_abi import powers_of
 from runtime.hybrid.mode_consistency import hold
 from runtime.hybrid.mode_reactions import mix
 from runtime.hybrid.sliding_modes import HELD_MODE
@@ -31,12 +32,11 @@ from runtime.mechanism.mechanism import Mechanism
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
-powers_of = FETCH["powers"]
 
 
 @allocating(types.none(
-    ADDRESSES, ADDRESSES, MODES, VECTOR, VECTOR, MATRIX, MATRIX, MODE_ROWS, MATRIX, MATRIX, MATRIX,
-    MATRIX, MATRIX, VECTOR, VECTOR,
+    ADDRESSES, ADDRESSES, integers, vector, vector, matrix, matrix, integer_matrix, matrix, matrix,
+    matrix, matrix, matrix, vector, vector,
 ))  # fmt: skip
 def _mix_rows(
     context: Any, kernels: Any, rows: Any, times: Any, p: Any, q: Any, v: Any, modes: Any, a: Any,

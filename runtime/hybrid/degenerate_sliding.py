@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import SLIDING_COUNT, response_of, rigid_of, sliding_functions_of
 from runtime.core.jit import inner
-from runtime.core.signatures import Integers, Vector
 from runtime.linalg.lu import equilibrate
 from runtime.linalg.rank_policy import SAME_HOLD
 

@@ -6,11 +6,11 @@ output evaluated: at equal distances, and between them at the lowest points, so 
 crossings is not stepped over.
 """
 
+from runtime.core.array_types import Integers
 from runtime.core.dense_output import interpolate
 from runtime.core.function_table import LOCATE, SAMPLED, SWITCHES, crossed_of, modes_of, sampled_of
 from runtime.core.jit import addressed, inner
 from runtime.core.rounding import EPS
-from runtime.core.signatures import Integers
 from runtime.core.workspace import (
     BAND,
     BETWEEN,

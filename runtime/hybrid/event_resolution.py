@@ -9,10 +9,10 @@ near, the step is too long.
 
 import numpy as np
 
+from runtime.core.array_types import Integers
 from runtime.core.function_table import COORDINATES, SWITCHES, WATCH, modes_of
 from runtime.core.jit import addressed, inner
 from runtime.core.run_record import run_record
-from runtime.core.signatures import Integers
 from runtime.core.workspace import (
     BETWEEN,
     G0,

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
 from runtime.core.function_table import (
     COORDINATES,
@@ -12,7 +13,6 @@ from runtime.core.function_table import (
     SWITCHES,
     base_accelerations_of,
     base_response_of,
-    gap_accelerations_of,
     modes_of,
     parameters_of,
     response_column_of,
@@ -26,12 +26,10 @@ from runtime.core.function_table import (
     share_of,
     sliding_functions_of,
     stiction_place_of,
-    switching_of,
-    switching_rates_of,
     unit_accelerations_of,
 )
 from runtime.core.jit import addressed, inner
-from runtime.core.signatures import Integers, Vector
+from runtime.core.kernel_abi import gap_accelerations_of, switching_of, switching_rates_of
 from runtime.core.workspace import (
     ATOL,
     LARGEST,

@@ -11,20 +11,13 @@ once the turn is resolved.
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.array_views import view
-from runtime.core.function_table import (
-    LOOPS,
-    PASSED,
-    dead_centres_of,
-    loop_nearness_of,
-    loop_rows_of,
-    parameters_of,
-)
+from runtime.core.function_table import LOOPS, PASSED, loop_nearness_of, loop_rows_of, parameters_of
 from runtime.core.jit import addressed
-from runtime.core.outcome_codes import SINGULAR
+from runtime.core.kernel_abi import dead_centres_of
 from runtime.core.outcomes import Outcome
 from runtime.core.run_record import run_record
-from runtime.core.signatures import Integers, Matrix, Vector
 from runtime.core.system import System
 from runtime.core.workspace import Y0, Y1, positions, velocities
 
@@ -97,7 +90,7 @@ def passed(context: Integers, t: float, h: float) -> int:
         return 0
     if over or first <= _AT_ONCE * r.usual:
         r.index, r.turn = row, t + first
-        return SINGULAR
+        return Outcome.SINGULAR
     r.rejected += 1
     r.rejected_before = 1
     r.h = _SHORT_OF * first

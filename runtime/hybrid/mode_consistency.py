@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import (
     COORDINATES,
     MODIFIED,
@@ -20,11 +21,10 @@ from runtime.core.function_table import (
     signs_of,
     sliding_functions_of,
     sticks_of,
-    switching_of,
 )
 from runtime.core.jit import inner
+from runtime.core.kernel_abi import switching_of
 from runtime.core.rhs import field
-from runtime.core.signatures import Integers, Vector
 from runtime.core.workspace import (
     DELTA,
     LARGEST,

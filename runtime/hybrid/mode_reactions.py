@@ -4,6 +4,7 @@ Rows of reactions that a mode decides mix as the accelerations do, each mode wit
 multipliers; the others follow from the mixed multipliers.
 """
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
     LIMIT,
@@ -17,15 +18,13 @@ from runtime.core.function_table import (
     multipliers_of,
     parameters_of,
     reaction_of,
-    reactions_of,
     share_of,
     sliding_functions_of,
-    switched_reactions_of,
     unit_multipliers_of,
     unit_reaction_of,
 )
 from runtime.core.jit import addressed, inner
-from runtime.core.signatures import Integers, Vector
+from runtime.core.kernel_abi import reactions_of, switched_reactions_of
 from runtime.hybrid.stiction_force import engage, exert, release
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from runtime.core.array_types import Integers
 from runtime.core.function_table import (
     SWITCHES,
     candidate_modes_of,
@@ -14,7 +15,6 @@ from runtime.core.function_table import (
     sticks_of,
 )
 from runtime.core.jit import inner
-from runtime.core.signatures import Integers
 from runtime.core.workspace import BAND, PREFERRED, switch_row
 from runtime.hybrid.mode_consistency import CONSISTENT, GIVEN, contradicted, hold
 from runtime.hybrid.sliding_modes import HELD_MODE

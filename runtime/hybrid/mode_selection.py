@@ -10,6 +10,7 @@ both fields must push onto the surface.
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import (
     COORDINATES,
     SETTLE,
@@ -21,12 +22,10 @@ from runtime.core.function_table import (
     rigid_of,
     sticks_of,
     stiction_place_of,
-    switching_of,
-    switching_rates_of,
 )
 from runtime.core.jit import addressed, inner
+from runtime.core.kernel_abi import switching_of, switching_rates_of
 from runtime.core.rhs import field
-from runtime.core.signatures import Integers, Vector
 from runtime.core.workspace import (
     BAND,
     DELTA,

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import (
     COORDINATES,
     SLIDING_COUNT,
@@ -21,14 +22,12 @@ from runtime.core.function_table import (
     share_high_of,
     share_low_of,
     share_of,
-    switching_of,
-    switching_rates_of,
 )
 from runtime.core.jit import addressed, inner
+from runtime.core.kernel_abi import switching_of, switching_rates_of
 from runtime.core.rhs import field
 from runtime.core.rounding import EPS
 from runtime.core.run_record import run_record
-from runtime.core.signatures import Integers, Vector
 from runtime.core.workspace import (
     BAND,
     DELTA,

@@ -15,17 +15,16 @@ effects add up, so that the accelerations of one changed mode each are enough.
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
     COORDINATES,
     RIGID_COUNT,
     SWITCHES,
-    accelerations_of,
     base_accelerations_of,
     base_multipliers_of,
     base_response_of,
-    gap_accelerations_of,
     kernel_modes_of,
     parameters_of,
     response_column_of,
@@ -41,13 +40,12 @@ from runtime.core.function_table import (
     sliding_functions_of,
     stiction_place_of,
     stiction_units_of,
-    switching_rates_of,
     unit_accelerations_of,
     unit_multipliers_of,
 )
 from runtime.core.jit import inner
+from runtime.core.kernel_abi import accelerations_of, gap_accelerations_of, switching_rates_of
 from runtime.core.rounding import EPS
-from runtime.core.signatures import Integers, Vector
 from runtime.hybrid.degenerate_sliding import least
 from runtime.hybrid.stiction_force import (
     FREE_MODE,

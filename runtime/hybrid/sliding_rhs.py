@@ -6,6 +6,7 @@ with α = β = 1/τ). Accelerations depend on the right side of Φ_q q̈ = γ by
 corrections of `correction` in the metric of the masses on theirs, so no kernel is needed for it.
 """
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
@@ -15,11 +16,9 @@ from runtime.core.function_table import (
     SLIDING_COUNT,
     SLOPE,
     STABILIZED,
-    accelerations_of,
     base_accelerations_of,
     base_multipliers_of,
     correct_of,
-    correction_of,
     modes_of,
     parameters_of,
     settings_of,
@@ -30,8 +29,8 @@ from runtime.core.function_table import (
     weights_of,
 )
 from runtime.core.jit import addressed, inner
+from runtime.core.kernel_abi import accelerations_of, correction_of
 from runtime.core.rhs import field
-from runtime.core.signatures import Integers, Vector
 from runtime.core.workspace import PARTITION, position_rates, positions, velocities, velocity_rates
 from runtime.hybrid.sliding_modes import CANCELLED, shares, units
 from runtime.hybrid.stiction_force import exert

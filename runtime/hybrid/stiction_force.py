@@ -9,9 +9,9 @@ is for its limit to say, μ_s N.
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import (
     SWITCHES,
-    accelerations_of,
     base_multipliers_of,
     kernel_modes_of,
     limits_of,
@@ -19,15 +19,13 @@ from runtime.core.function_table import (
     multipliers_of,
     parameters_of,
     reaction_of,
-    reactions_of,
     share_of,
     sliding_functions_of,
     stiction_place_of,
     stiction_units_of,
-    switched_reactions_of,
 )
 from runtime.core.jit import inner
-from runtime.core.signatures import Integers, Vector
+from runtime.core.kernel_abi import accelerations_of, reactions_of, switched_reactions_of
 
 FREE_MODE = 3
 """Of a friction whose force is sought: it exerts none, and is not held."""

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
 from runtime.core.function_table import (
     COORDINATES,
@@ -19,11 +20,9 @@ from runtime.core.function_table import (
     share_high_of,
     share_low_of,
     share_of,
-    switching_of,
-    switching_rates_of,
 )
 from runtime.core.jit import addressed, inlined, inner
-from runtime.core.signatures import Integers, Vector
+from runtime.core.kernel_abi import switching_of, switching_rates_of
 from runtime.core.workspace import (
     DELTA,
     SAMPLE,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED, WEAK
-from runtime.core import outcome_codes as codes
+from runtime.core.array_types import Integers, i8
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
     COORDINATES,
@@ -23,12 +23,12 @@ from runtime.core.function_table import (
     sample_times_of,
     settings_of,
     spreads_of,
-    switching_rates_of,
 )
 from runtime.core.jit import ADDRESSES, compiled, inner
+from runtime.core.kernel_abi import switching_rates_of
+from runtime.core.outcomes import Outcome
 from runtime.core.rhs import field
 from runtime.core.run_record import FREE, run_record
-from runtime.core.signatures import Integers, i8
 from runtime.core.workspace import (
     BAND,
     G0,
@@ -123,11 +123,11 @@ def start(context: Integers) -> int:
         r.repartitions = 0
         if r.rank < context[RANK]:
             r.index = row_order_of(context)[r.rank]
-            return codes.SINGULAR
+            return Outcome.SINGULAR
         result = correct_of(context)(context, t, Y0, PARTITION)
         r.newton += 1
         if result == FAILED:
-            return codes.NEWTON_FAILED
+            return Outcome.NEWTON_FAILED
         r.corrections += result % WEAK
     q = positions(context, Y0)
     v = velocities(context, Y0)
@@ -141,8 +141,8 @@ def start(context: Integers) -> int:
         weak = field(context, t, q, v, modes, a)
         if weak > 0:
             r.index = weak - 1
-            return codes.SINGULAR
-    outcome = codes.OK
+            return Outcome.SINGULAR
+    outcome = Outcome.OK
     if s > 0:
         # A run of no length has modes too; they are judged as if it went on for a second.
         longest = r.h_max if r.h_max > 0.0 else 1.0
@@ -162,7 +162,7 @@ def start(context: Integers) -> int:
         settled = begin_of(context)(context, 0, t, LOOK_AHEAD * h, Y0, G0)
         if settled != CONSISTENT:
             r.index = settled
-            outcome = codes.INCONSISTENT
+            outcome = Outcome.INCONSISTENT
         field(context, t, q, v, modes, a)
         measure(context, t, Y0, K, G0)
         for k in range(s):
@@ -173,9 +173,9 @@ def start(context: Integers) -> int:
     if not finite(a):
         jammed = jams(context, t, q, v, a)
         if jammed == CONSISTENT:
-            return codes.NOT_FINITE
+            return Outcome.NOT_FINITE
         r.index = jammed
-        return codes.INCONSISTENT
+        return Outcome.INCONSISTENT
     if r.fixed == 0 and not r.h > 0.0:
         r.h = first_step(context, t, r.h_max, r.rtol, r.order)
         r.rhs += 1

@@ -11,7 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from runtime.core.signatures import Integers
+    from runtime.core.array_types import Integers
 
     Stages = Callable[[Integers, float, float], int]
     Error = Callable[[Integers, float, float], float]

@@ -5,7 +5,7 @@ from typing import Literal
 
 from numpy.typing import ArrayLike
 
-from runtime.core.signatures import Vector
+from runtime.core.array_types import Vector
 
 Correction = Literal["step", "stage", "projection", "baumgarte", "hybrid"]
 Formulation = Literal["cartesian", "reduced"]

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.function_table import EVENT_ROWS, OUT_ROWS, SAMPLE_TIMES
-from runtime.core.signatures import IntegerMatrix, Integers, Matrix, Vector
 from runtime.integrate.trajectory import Events, Partitions
 from runtime.integrate.wiring import Wiring, place
 

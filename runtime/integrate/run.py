@@ -6,9 +6,10 @@ from collections.abc import Callable
 import numpy as np
 
 from runtime.constraints.repartitioning import GROWTH_LIMIT
+from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import CORRECTING, EACH_STAGE, MODIFIED, STABILIZED
 from runtime.core.outcomes import Outcome
-from runtime.core.signatures import Integers, Vector
+from runtime.core.run_record import ConstraintReturn
 from runtime.core.system import System
 from runtime.core.workspace import (
     ATOL,
@@ -26,15 +27,15 @@ from runtime.hybrid.mode_search import MOST
 from runtime.hybrid.mode_transition import HELD, IMPACT
 from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.hybrid.sliding_rhs import TIME_SCALE
-from runtime.integrate import loop as driver
-from runtime.integrate import step as attempt
 from runtime.integrate.initialization import start
 from runtime.integrate.interrupts import Interrupts
+from runtime.integrate.loop import LOG_MARGIN, advance
 from runtime.integrate.method import Method, find_method
 from runtime.integrate.method_change import change_method, fill_method
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.recording import Gathered
 from runtime.integrate.sampling import INTERVAL, QUADRATURE, STEP_ENDS
+from runtime.integrate.signals import UNFINISHED, Signal
 from runtime.integrate.singular_crossing.crossing import Crossings
 from runtime.integrate.trajectory import Statistics, Trajectory
 from runtime.integrate.validation import check
@@ -48,11 +49,11 @@ _LONGEST_CHUNK = 16384  # safety: steps before an interrupt is heard, at most
 _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress and interrupts
 _FOLLOWED = 2.0  # measured: of Baumgarte's time; in longer steps the stabilisation oscillates
 _CORRECTING = {
-    "step": attempt.BY_PARTITION,
-    "stage": attempt.BY_PARTITION,
-    "projection": attempt.BY_PROJECTION,
-    "baumgarte": attempt.NEVER,
-    "hybrid": attempt.IF_DRIFTED,
+    "step": ConstraintReturn.BY_PARTITION,
+    "stage": ConstraintReturn.BY_PARTITION,
+    "projection": ConstraintReturn.BY_PROJECTION,
+    "baumgarte": ConstraintReturn.NEVER,
+    "hybrid": ConstraintReturn.IF_DRIFTED,
 }
 
 
@@ -117,7 +118,7 @@ class _Run:
         t_eval = options.t_eval
         t_eval = None if t_eval is None else np.ascontiguousarray(t_eval, dtype=np.float64)
         p = np.ascontiguousarray(problem.p, dtype=np.float64)
-        self.wiring = wire(system, options.method, p, 4 * driver.LOG_MARGIN)
+        self.wiring = wire(system, options.method, p, 4 * LOG_MARGIN)
         table, arrays = self.wiring.table, self.wiring.arrays
         self.table, self.p = table, p
         self.modes: Integers = arrays["modes"]
@@ -204,19 +205,19 @@ class _Run:
         with Interrupts() as interrupts:
             code = self.start()
             if code == Outcome.OK:
-                code = driver.GOING
+                code = Signal.GOING
             chunk = self.options.chunk or _FIRST_CHUNK
-            while code == driver.GOING:
+            while code == Signal.GOING:
                 self.gathered.make_room(chunk)
                 before = time.perf_counter()
-                code = driver.advance(self.table, chunk)
+                code = advance(self.table, chunk)
                 took = time.perf_counter() - before
                 self.gathered.flush(self.r)
-                if code in driver.UNFINISHED:
+                if code in UNFINISHED:
                     interrupts.watch()
-                if code == driver.CHANGE:
+                if code == Signal.CHANGE:
                     change_method(self)
-                    code = driver.GOING
+                    code = Signal.GOING
                 if self.options.chunk is None and took < 0.5 * _CHUNK_SECONDS:
                     chunk = min(2 * chunk, _LONGEST_CHUNK)
                 if progress is not None:
@@ -224,9 +225,9 @@ class _Run:
                         progress(float(self.r["t"]), int(self.r["steps"]))
                     except KeyboardInterrupt:
                         interrupts.seen = True
-                if code == driver.LOOK:
+                if code == Signal.LOOK:
                     code = self.crossings.look()
-                if interrupts.seen and code == driver.GOING:
+                if interrupts.seen and code == Signal.GOING:
                     code = Outcome.INTERRUPTED
         return self._result(Outcome(code), time.thread_time() - began)
 

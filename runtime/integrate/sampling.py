@@ -3,6 +3,7 @@
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED, WEAK
+from runtime.core.array_types import Integers
 from runtime.core.dense_output import interpolate
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
@@ -23,7 +24,6 @@ from runtime.core.function_table import (
 )
 from runtime.core.jit import addressed, inner
 from runtime.core.run_record import run_record
-from runtime.core.signatures import Integers
 from runtime.core.workspace import PROJECTION, SAMPLE, Y1, row_of
 
 STEP_ENDS, QUADRATURE = 1, 2

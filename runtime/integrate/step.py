@@ -1,9 +1,12 @@
 """One trial step: stages, return onto the constraints, derivative at the end, error."""
 
+from enum import IntEnum
+
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED, WEAK
 from runtime.constraints.repartitioning import is_poorly_chosen
+from runtime.core.array_types import Integers
 from runtime.core.array_views import (
     view,
 )
@@ -13,7 +16,6 @@ from runtime.core.function_table import (
     COORDINATES,
     CORRECTING,
     SLIDING_COUNT,
-    constraints_of,
     correct_of,
     error_of,
     modes_of,
@@ -24,9 +26,9 @@ from runtime.core.function_table import (
     stages_of,
 )
 from runtime.core.jit import addressed, inner
+from runtime.core.kernel_abi import constraints_of
 from runtime.core.rhs import field
-from runtime.core.run_record import FREE, MISSING, run_record
-from runtime.core.signatures import Integers
+from runtime.core.run_record import FREE, MISSING, ConstraintReturn, run_record
 from runtime.core.workspace import (
     ATOL,
     DELTA,
@@ -45,13 +47,16 @@ from runtime.core.workspace import (
 )
 from runtime.hybrid.sliding_rhs import STEP
 
-DONE = 0
-NEWTON = 1
-NOT_FINITE = 2
-TOO_LARGE = 3  # the error is over the tolerance
 
-NEVER, BY_PARTITION, BY_PROJECTION, IF_DRIFTED = 0, 1, 2, 3
-"""When and how a step is brought back onto the constraints: the number CORRECTING of the table."""
+class TrialStep(IntEnum):
+    """How a trial step ended."""
+
+    DONE = 0
+    NEWTON_FAILED = 1
+    NOT_FINITE = 2
+    TOO_LARGE = 3
+    """The error is over the tolerance."""
+
 
 SAME = 0  # no result of `correct`: no coordinates are better
 
@@ -83,17 +88,17 @@ def projected(context: Integers, t: float) -> int:
     predicted = row_of(context, PREDICTED)
     r = run_record(context)
     length = 2 * context[COORDINATES]
-    if context[CORRECTING] == IF_DRIFTED and not drifted(context, t, r.rtol):
-        return DONE
+    if context[CORRECTING] == ConstraintReturn.IF_DRIFTED and not drifted(context, t, r.rtol):
+        return TrialStep.DONE
     result = correct_of(context)(context, t, Y1, PROJECTION)
     r.newton += 1
     if result == FAILED:
-        return NEWTON
+        return TrialStep.NEWTON_FAILED
     r.corrections += result % WEAK
     for j in range(length // 2):
         moved = abs(y1[j] - predicted[j])
         r.largest_dq = max(r.largest_dq, moved)
-    return DONE
+    return TrialStep.DONE
 
 
 @inner
@@ -131,17 +136,17 @@ def returned(context: Integers, t: float) -> int:
         predicted[j] = y1[j]
         finite = finite and np.isfinite(y1[j])
     if not finite:
-        return NOT_FINITE
-    if context[CORRECTING] != BY_PARTITION:
+        return TrialStep.NOT_FINITE
+    if context[CORRECTING] != ConstraintReturn.BY_PARTITION:
         return projected(context, t)
     if FREE < r.plan < MISSING:
         # No coordinates are independent at a singular position, and near it none are good.
         result = correct(context, t, Y1, PROJECTION)
         r.newton += 1
         if result == FAILED:
-            return NEWTON
+            return TrialStep.NEWTON_FAILED
         r.corrections += result % WEAK
-        return DONE
+        return TrialStep.DONE
     if is_poorly_chosen(context, t) != 0:
         repartition_of(context)(context, t, Y1)
     result = correct(context, t, Y1, PARTITION)
@@ -151,11 +156,11 @@ def returned(context: Integers, t: float) -> int:
         if again != SAME:
             result = again
     if result == FAILED:
-        return NEWTON
+        return TrialStep.NEWTON_FAILED
     r.corrections += result % WEAK
     for j in range(n):
         r.largest_dq = max(r.largest_dq, abs(y1[j] - predicted[j]))
-    return DONE
+    return TrialStep.DONE
 
 
 @inner
@@ -169,7 +174,7 @@ def strained(context: Integers, t: float) -> int:
     """
     r = run_record(context)
     implicit = r.stage_calls == 0
-    if implicit or context[CORRECTING] != BY_PARTITION or FREE < r.plan < MISSING:
+    if implicit or context[CORRECTING] != ConstraintReturn.BY_PARTITION or FREE < r.plan < MISSING:
         return 0
     length = 2 * context[COORDINATES]
     y1 = row_of(context, Y1)
@@ -211,32 +216,32 @@ def judged(context: Integers, t: float, h: float) -> None:
 def attempt(context: Integers, t: float, h: float) -> int:
     """Step from Y0 over `h` to Y1, corrected, with its derivative and the error `run.error`.
 
-    Returns `DONE`, or why the step cannot be accepted.
+    Returns `TrialStep.DONE`, or why the step cannot be accepted.
     """
     r = run_record(context)
     settings_of(context)[STEP] = h
     taken = stages_of(context)(context, t, h)
     r.rhs += r.stage_calls
     if taken < 0:
-        return NEWTON
+        return TrialStep.NEWTON_FAILED
     r.corrections += taken
-    if context[CONSTRAINT_COUNT] > 0 and context[CORRECTING] != NEVER:
+    if context[CONSTRAINT_COUNT] > 0 and context[CORRECTING] != ConstraintReturn.NEVER:
         code = returned(context, t + h)
-        if code != DONE:
+        if code != TrialStep.DONE:
             return code
     if context[SLIDING_COUNT] != 0:
         return_held_of(context)(context, t + h, Y1)
     judged(context, t + h, h)
     if not np.isfinite(r.error):
-        return NOT_FINITE
+        return TrialStep.NOT_FINITE
     if r.error > r.permitted and r.fixed == 0:
-        return TOO_LARGE
+        return TrialStep.TOO_LARGE
     if context[CONSTRAINT_COUNT] > 0 and context[SLIDING_COUNT] == 0:
         again = strained(context, t + h)
         if again == FAILED:
-            return NEWTON
+            return TrialStep.NEWTON_FAILED
         if again == 1:
             judged(context, t + h, h)
             if not np.isfinite(r.error):
-                return NOT_FINITE
-    return DONE
+                return TrialStep.NOT_FINITE
+    return TrialStep.DONE

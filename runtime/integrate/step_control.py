@@ -7,11 +7,11 @@ section II.4.
 
 import numpy as np
 
+from runtime.core.array_types import Integers
 from runtime.core.function_table import COORDINATES, FIRST_STEP, PROPOSE, modes_of
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.rhs import field
 from runtime.core.run_record import FREE, run_record
-from runtime.core.signatures import Integers
 from runtime.core.workspace import (
     ATOL,
     DELTA,

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.outcomes import Outcome
-from runtime.core.signatures import IntegerMatrix, Integers, Matrix, Vector
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from codegen.errors import InputError
-from runtime.core.signatures import no_accelerations_tangent
+from runtime.core.kernel_abi import find_stand_in
 from runtime.core.system import System
 from runtime.integrate.method import EXPLICIT, IMPLICIT, METHODS, alternatives
 from runtime.integrate.problem import Options, Problem
@@ -57,7 +57,9 @@ def _of_choices(options: Options) -> list[str]:
 
 
 def _of_derivatives(system: System, options: Options) -> list[str]:
-    if options.method in IMPLICIT and system.accelerations_tangent is no_accelerations_tangent:
+    if options.method in IMPLICIT and system.accelerations_tangent is find_stand_in(
+        "accelerations_tangent"
+    ):
         without = (
             f"method {options.method!r} needs the derivatives of the kernels, and this system has "
             f"none: give it accelerations_tangent and correction_tangent, which "

@@ -7,6 +7,7 @@ import numpy as np
 
 from runtime.constraints import repartitioning as repartition
 from runtime.constraints.newton_return import return_to_constraints
+from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
     COORDINATES,
@@ -29,8 +30,8 @@ from runtime.core.function_table import (
     WORKSPACE_SIZE,
 )
 from runtime.core.jit import addresses
+from runtime.core.kernel_abi import KERNELS
 from runtime.core.run_record import RUN
-from runtime.core.signatures import Integers, Vector
 from runtime.core.system import System
 from runtime.core.workspace import ROWS, SWITCH_ROWS
 from runtime.hybrid import event_location as events
@@ -49,13 +50,10 @@ from runtime.integrate.method import find_method
 from runtime.linalg.elimination_plan import plan_capacity
 from runtime.singularity.detection import PIVOT_ROWS, predict_vanishing_pivot
 
-_KERNEL_SLOTS = slice(TABLE.slots["accelerations"], TABLE.slots["stages"])
 METHOD_SLOTS = slice(TABLE.slots["stages"], TABLE.slots["correct"])
 """Slots of the method's functions."""
 
 _LOOP_SLOTS = slice(TABLE.slots["correct"], TABLE.slots["passed"] + 1)
-KERNELS = tuple(TABLE.slots)[_KERNEL_SLOTS]
-"""Names of the kernels in the function table."""
 
 
 class Wiring(NamedTuple):
@@ -102,7 +100,7 @@ def function_table(name: str) -> Integers:
 @cache
 def _kernels(system: System) -> Integers:
     """Addresses of a machine's kernels, in the order of the function table."""
-    return addresses(getattr(system, name) for name in KERNELS)
+    return system.table()
 
 
 def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
@@ -118,7 +116,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     n, m, s = system.coordinates, system.constraint_count, system.switches
     nonzeros, loops = len(system.jacobian_rows), len(system.loop_rows)
     table = np.zeros(TABLE.size, np.int64)
-    table[_KERNEL_SLOTS] = _kernels(system)
+    table[: len(KERNELS)] = _kernels(system)
     table[METHOD_SLOTS] = function_table(name)
     table[_LOOP_SLOTS] = _loop()
     memory, notes = find_method(name).memory(n)

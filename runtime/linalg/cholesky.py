@@ -1,11 +1,11 @@
-"""Cholesky factors of small normal equations, and what they make orthonormal, in compiled code.
+"""Cholesky factors of small normal equations, and orthonormal columns by them, in compiled code.
 
 Vectors are columns of a matrix (count, width) with width ≪ count. (G. H. Golub and C. F. Van Loan,
 Matrix Computations, sections 4.2 and 5.2.)
 """
 
+from runtime.core.array_types import Matrix, Vector
 from runtime.core.jit import inner
-from runtime.core.signatures import Matrix, Vector
 
 
 @inner

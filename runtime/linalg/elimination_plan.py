@@ -12,8 +12,8 @@ from the end. (T. A. Davis, Direct Methods for Sparse Linear Systems, chapters 3
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Kernel, Matrix, Vector
 from runtime.core.jit import inner
-from runtime.core.signatures import Integers, Kernel, Matrix, Vector
 from runtime.linalg.rank_policy import REDUNDANT
 
 

@@ -5,8 +5,8 @@ a Jacobian, whose rows have few entries, that is the case for a few of them at e
 Golub and C. F. Van Loan, Matrix Computations, section 3.4.)
 """
 
+from runtime.core.array_types import Integers, Matrix, Vector, f8, i8, integers, matrix, vector
 from runtime.core.jit import compiled, inner
-from runtime.core.signatures import Integers, Matrix, Vector, f8, i8, integers, matrix, vector
 
 _TIED = 1e-9  # safety: entries that differ by no more than this part are equal
 
@@ -31,7 +31,7 @@ def factor_fully(dense: Matrix, row_order: Integers, column_order: Integers, lea
     ----------
     dense : (m, n) float64
         Overwritten: rows and columns in the order of pivots; U on the diagonal and right of it, L
-        below; behind the pivots what is left.
+        below; behind the pivots the part that is left.
     row_order, column_order : (m,), (n,) int64
         Out: rows and columns in the order of pivots, then the others.
 

@@ -1,4 +1,4 @@
-"""Elimination in a given order, as far as the leading block, and what follows from its factors.
+"""Elimination of the leading block of a matrix: Schur complement, left vectors, null vectors.
 
 The matrix A stands in the order of its pivots: those of the first r rows are on the diagonal. Their
 elimination leaves U in the first rows, L below the diagonal, and behind both the Schur complement
@@ -7,8 +7,8 @@ of the rows behind; null vectors z, which the first rows take to zero, have 1 in
 behind. (G. H. Golub and C. F. Van Loan, Matrix Computations, section 3.2.)
 """
 
+from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.jit import inner
-from runtime.core.signatures import Integers, Matrix, Vector
 
 _ROUNDING = 1e-14  # safety: of vectors with a component 1, below which it is 0, to keep them sparse
 
@@ -22,7 +22,7 @@ def eliminate_leading(a: Matrix, r: int, right: Vector, least: float) -> bool:
     a : (m, n)
         Overwritten by the factors and the Schur complement.
     right : (m,)
-        Overwritten: L⁻¹ times the right side; behind r, what elimination leaves of it.
+        Overwritten: L⁻¹ times the right side; behind r, the part that is left.
     least
         A pivot no larger than this ends the elimination.
 

@@ -5,8 +5,8 @@ freedom, so nothing is blocked; nothing is allocated. (G. H. Golub and C. F. Van
 Computations, section 3.4.)
 """
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import inlined, inner
-from runtime.core.signatures import Integers, Vector
 
 
 @inlined

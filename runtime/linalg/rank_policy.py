@@ -4,12 +4,12 @@ The matrices are Jacobians Φ_q, and small ones made from them, with rows divide
 largest entries and columns multiplied by typical changes of the coordinates. A pivot is then about
 the distance of its row from the rows before it, the smallest singular value the distance from a
 matrix of less rank (Eckart and Young, 1936): pure numbers from 0 to 1. An exact zero comes out as
-large as the noise of the matrix, and a tolerance is a multiple of that noise. What differs between
-the constants below is the noise, which is that of the position at which the matrix is known.
+large as the noise of the matrix, and a tolerance is a multiple of that noise. The constants below
+differ in the noise, which is that of the position at which the matrix is known.
 
 The size of the matrix does not enter. The rows have few non-zeros, and elimination with pivots
-chosen by size adds up few roundings: pivots of redundant rows along a run of n/3 parallel cranks
-were at most 5e-16 with n = 15, 5e-16 with n = 27 and 1e-15 with n = 51.
+chosen by size adds up few roundings: along runs of 4, 8 and 16 parallel cranks (n = 15, 27 and 51)
+the pivot that ought to be zero was at most 5e-16, 5e-16 and 1e-15.
 """
 
 NO_PIVOT = 1e-10

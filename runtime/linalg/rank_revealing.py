@@ -9,8 +9,8 @@ of least norm are given.
 import numpy as np
 from numba import types
 
+from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, matrix, none, vector
 from runtime.core.jit import allocating, inner
-from runtime.core.signatures import Integers, Matrix, Vector, i8, integers, matrix, none, vector
 from runtime.linalg.cholesky import factor_cholesky, multiply_gram, solve_cholesky
 from runtime.linalg.full_pivoting import factor_fully
 from runtime.linalg.leading_block import complete_solution, null_vectors
@@ -43,7 +43,7 @@ def solve_least_norm(
     """Solve Φ_q d = right for the d that are least in dᵀ W⁻¹ d, W = diag(w).
 
     d = W Φ_qᵀ μ with Φ_q W Φ_qᵀ μ = right. Rounding of that matrix is the square of a distance of
-    rows: what the tolerance of its pivots says of them is its root.
+    rows, so that in terms of distances the tolerance of its pivots is the root of `NO_PIVOT`.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def scale_symmetrically(matrix: Matrix, n: int, scale: Vector) -> None:
 
 @allocating(none(matrix, vector))
 def minimise_norm(free: Matrix, lam: Vector) -> None:
-    """Take off λ what it has of the columns of `free`, (m, k), which may be added to it."""
+    """Subtract from λ its part along the columns of `free`, (m, k), which is not determined."""
     m, count = free.shape
     gram, share = np.zeros((count, count)), np.zeros(count)
     multiply_gram(free, gram)

@@ -7,8 +7,8 @@ positions announces a singular one in between: their product is the determinant 
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Kernel, Matrix, Vector
 from runtime.core.jit import inner
-from runtime.core.signatures import Integers, Kernel, Matrix, Vector
 from runtime.linalg.rank_policy import REDUNDANT
 
 

@@ -4,13 +4,13 @@ import numpy as np
 import numpy.typing as npt
 from numba import types
 
+from runtime.core.array_types import f8, matrix, vector
 from runtime.core.jit import ADDRESSES, allocating, at
-from runtime.core.kernels import MATRIX, SCALAR, VECTOR
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
-_EXPAND = types.FunctionType(types.none(SCALAR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR))
+_EXPAND = types.FunctionType(types.none(f8, vector, vector, vector, vector, vector, vector))
 _expand = at(_EXPAND, 0)
 # measured: rad, or part of a length's size, between two positions at which angles are followed
 _STRIDE = 0.5
@@ -20,8 +20,8 @@ _TURN = 2.0 * np.pi
 
 
 @allocating(types.none(
-    ADDRESSES, types.int64[::1], SCALAR, VECTOR, VECTOR, VECTOR, MATRIX, MATRIX, VECTOR, VECTOR,
-    MATRIX, MATRIX,
+    ADDRESSES, types.int64[::1], f8, vector, vector, vector, matrix, matrix, vector, vector,
+    matrix, matrix,
 ))  # fmt: skip
 def follow(
     table: IntArray,

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError
-from runtime.core.kernels import Kernels
+from runtime.core.kernel_abi import Kernels
 from runtime.core.system import System
 from runtime.mechanism.companion_modules import Kind, Origin, has_companion, load_companion
 from runtime.mechanism.description import Description

@@ -7,9 +7,9 @@ from types import ModuleType
 import numpy as np
 import numpy.typing as npt
 
-from runtime.core import kernels
+from runtime.core import kernel_abi as kernels
+from runtime.core.array_types import Kernel
 from runtime.core.jit import addresses
-from runtime.core.kernels import Kernel
 from runtime.core.system import System
 from runtime.mechanism.description import Description
 from runtime.mechanism.system import Tangents, common_system, gather_tangents

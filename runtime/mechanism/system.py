@@ -3,8 +3,8 @@
 from types import ModuleType
 from typing import NamedTuple
 
-from runtime.core.kernels import Kernel, Kernels
-from runtime.core.signatures import Integers
+from runtime.core.array_types import Integers, Kernel
+from runtime.core.kernel_abi import Kernels
 from runtime.core.system import System
 from runtime.mechanism.description import Description
 
@@ -49,24 +49,12 @@ def common_system(
     """
     rows, columns = jacobian
     return System(
-        accelerations=kernels.accelerations,
-        correction=kernels.correction,
-        jacobian=kernels.jacobian,
+        **vars(kernels),
         jacobian_rows=rows,
         jacobian_columns=columns,
         coordinates=coordinates,
         constraint_count=constraints,
         switches=len(description.switches),
-        switching=kernels.switching,
-        switching_rates=kernels.switching_rates,
-        constraints=kernels.constraints,
-        velocity_rhs=kernels.velocity_rhs,
-        acceleration_rhs=kernels.acceleration_rhs,
-        mass=kernels.mass,
-        applied_forces=kernels.applied_forces,
-        gap_accelerations=kernels.gap_accelerations,
-        holds=kernels.holds,
-        restitution=kernels.restitution,
         rigid=tuple(contact.switch for contact in description.rigid),
         sticking=tuple(k for k, row in enumerate(description.switches) if row.kind == "friction"),
     )

@@ -3,7 +3,7 @@
 from html import escape
 from pathlib import Path
 
-from runtime.core.kernels import Kernels
+from runtime.core.kernel_abi import Kernels
 from runtime.mechanism.description import (
     Constraint,
     Coordinate,

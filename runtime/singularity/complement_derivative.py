@@ -6,9 +6,9 @@ In a direction d it is uᵀ J'(d) z between the left vectors u and the null vect
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Matrix, Vector, f8, i8, integers, matrix, vector
 from runtime.core.array_views import view
 from runtime.core.jit import compiled, inner
-from runtime.core.signatures import Integers, Matrix, Vector, f8, i8, integers, matrix, vector
 from runtime.linalg.cholesky import factor_cholesky, multiply_gram, solve_cholesky
 from runtime.singularity.search_table import (
     ROWS,

@@ -8,6 +8,7 @@ pivot that changes sign in between announces a singular position.
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
@@ -17,7 +18,6 @@ from runtime.core.function_table import (
     elimination_plan_of,
     flat_jacobian_of,
     jacobian_columns_of,
-    jacobian_of,
     jacobian_rows_of,
     jacobian_values_of,
     parameters_of,
@@ -26,9 +26,9 @@ from runtime.core.function_table import (
     pivots_of,
 )
 from runtime.core.jit import addressed, inner
+from runtime.core.kernel_abi import jacobian_of
 from runtime.core.rounding import EPS
 from runtime.core.run_record import run_record
-from runtime.core.signatures import Integers, Vector
 from runtime.core.workspace import (
     PARTITION,
     SAMPLE,

@@ -7,8 +7,8 @@ for Nonlinear Problems, section 4.3.)
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Matrix, Vector, f8, integers, matrix, vector
 from runtime.core.jit import compiled
-from runtime.core.signatures import Integers, Matrix, Vector, f8, integers, matrix, vector
 from runtime.linalg.cholesky import orthonormalise, solve_cholesky
 from runtime.linalg.leading_block import complete_solution
 from runtime.singularity.complement_derivative import factor_normal_equations

@@ -1,13 +1,14 @@
 """The motion of a machine near an instant: its coordinates as a polynomial in time."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from runtime.core.array_types import f8, matrix, none, vector
 from runtime.core.jit import compiled, inner
-from runtime.core.signatures import f8, matrix, none, vector
 
 FloatArray = NDArray[np.float64]
 
@@ -82,13 +83,20 @@ def interpolate(
     ----------
     G. G. Lorentz, K. Jetter, S. D. Riemenschneider, Birkhoff Interpolation, 1983, chapter 1.
     """
+    units = unit ** np.array(orders)[:, None]
+    coefficients = _fit(tuple(nodes), tuple(orders)) @ (values * units)
+    return Motion(t, coefficients / unit ** np.arange(len(nodes))[:, None])
+
+
+@lru_cache(maxsize=8)
+def _fit(nodes: tuple[float, ...], orders: tuple[int, ...]) -> FloatArray:
+    """The matrix that makes coefficients of derivatives; most fits share a few of them."""
     x, order, power = np.array(nodes)[:, None], np.array(orders)[:, None], np.arange(len(nodes))
     factors = np.ones((len(nodes), len(nodes)))
-    for d in range(order.max(initial=0)):
+    for d in range(max(orders, default=0)):
         factors *= np.where(d < order, np.maximum(power - d, 0), 1)
-    matrix = factors * x ** np.maximum(power - order, 0)
-    coefficients = np.linalg.solve(matrix, values * unit**order)
-    return Motion(t, coefficients / unit ** power[:, None])
+    inverse: FloatArray = np.linalg.inv(factors * x ** np.maximum(power - order, 0))
+    return inverse
 
 
 @inner

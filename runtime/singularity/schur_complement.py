@@ -7,8 +7,8 @@ M. Golubitsky and D. G. Schaeffer, Singularities and Groups in Bifurcation Theor
 VII.)
 """
 
+from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, matrix
 from runtime.core.jit import compiled, inner
-from runtime.core.signatures import Integers, Matrix, Vector, i8, integers, matrix
 from runtime.linalg.cholesky import factor_cholesky, multiply_gram
 from runtime.linalg.leading_block import eliminate_leading, left_vectors, null_vectors
 from runtime.linalg.rank_policy import NO_DIVISOR

@@ -8,19 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Kernel, Vector, f8, integers, none, vector
 from runtime.core.array_views import view
 from runtime.core.jit import addresses, compiled, inner
-from runtime.core.signatures import (
-    JACOBIAN,
-    RIGHT_SIDE,
-    Integers,
-    Kernel,
-    Vector,
-    f8,
-    integers,
-    none,
-    vector,
-)
+from runtime.core.kernel_abi import constraints_of, jacobian_of, velocity_rhs_of
 from runtime.core.table_layout import TableLayout
 
 TABLE = TableLayout()
@@ -32,10 +23,6 @@ ROWS = TABLE.number("rows")  # of these, that follow from no others
 NONZEROS = TABLE.number("nonzeros")  # of Φ_q
 ENTRIES = TABLE.number("entries")  # nnz + m, with Φ_t
 PARAMETER_COUNT = TABLE.number("parameter_count")
-
-constraints_of = TABLE.function("constraints", RIGHT_SIDE)
-jacobian_of = TABLE.function("jacobian", JACOBIAN)
-velocity_rhs_of = TABLE.function("velocity_rhs", RIGHT_SIDE)
 
 parameters_of = TABLE.floats("parameters", PARAMETER_COUNT, allotted=False)
 scale_of = TABLE.floats("scale", COORDINATES, allotted=False)

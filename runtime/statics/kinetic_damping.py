@@ -11,8 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
+from runtime.core.array_types import f8, integers, matrix, vector
 from runtime.core.jit import ADDRESSES, compiled, inner
-from runtime.core.kernels import FETCH, MATRIX, MODES, SCALAR, VECTOR
+from runtime.core.kernel_abi import accelerations_of, correction_of, kinetic_energy_of, switching_of
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import Progress
 from runtime.statics.energy_minimisation import AWAY
@@ -30,10 +31,6 @@ _CHUNKS = 300  # safety: such chunks before the search is given up
 
 # Places in the record.
 STEP, LIMIT, SINCE, ENERGY, HIGHEST, PEAKS, STEPS, RECORD = 0, 1, 2, 3, 4, 5, 6, 7
-accelerations_of = FETCH["accelerations"]
-correction_of = FETCH["correction"]
-switching_of = FETCH["switching"]
-kinetic_energy_of = FETCH["kinetic_energy"]
 
 
 @inner
@@ -94,8 +91,8 @@ def return_to_constraints(
 
 
 @compiled(types.int64(
-    ADDRESSES, SCALAR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, MODES, VECTOR, VECTOR, VECTOR,
-    MATRIX, types.int64,
+    ADDRESSES, f8, vector, vector, vector, vector, vector, integers, vector, vector, vector,
+    matrix, types.int64,
 ))  # fmt: skip
 def relax(
     kernels: Any, t: Any, p: Any, w: Any, scale: Any, q: Any, v: Any, modes: Any, g: Any, lam: Any,

@@ -106,7 +106,7 @@ def test_results_are_written_with_their_versions(tmp_path: Path) -> None:
 
 
 def test_measurement_reports_all_twins(module: object) -> None:
-    rows = kernels._measure(module, 2_000, 1)
+    rows = kernels.measure_twins(module, 2_000, 1)
     assert [row.generated for row in rows] == ["jacobian", "acceleration_rhs", "accelerations"]
     assert all(row.difference < 1e-12 for row in rows)
     assert [row.operations for row in rows] == [dict(module.OPERATIONS)[r.generated] for r in rows]

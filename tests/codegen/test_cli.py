@@ -83,7 +83,7 @@ def test_json_is_one_object_alone_on_stdout(model: Path, tmp_path: Path, root: P
 def test_check(model: Path, run: object, tmp_path: Path) -> None:
     stale = run("build", model, "--check")
     assert stale.exit_code == 1
-    assert "clock__swing.py is missing or not what the model gives" in stale.stderr
+    assert "clock__swing.py is missing or out of date" in stale.stderr
     assert not (tmp_path / "generated").exists()
     assert run("build", model).exit_code == 0
     fresh = run("build", model, "--check")

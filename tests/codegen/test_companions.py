@@ -145,7 +145,7 @@ def test_command_line(
     assert run("--check").exit_code == 0
     stale = run("--check", "--tangents")
     assert stale.exit_code == 1
-    assert "clock__moon__tangents.py is missing or not what the model gives" in stale.stderr
+    assert "clock__moon__tangents.py is missing or out of date" in stale.stderr
     assert "clock.py --tangents" in stale.stderr
     refused = run("--scene", "turning", "--tangents")
     assert refused.exit_code == 2

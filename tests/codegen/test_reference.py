@@ -230,7 +230,7 @@ def test_check_finds_what_is_stale_missing_or_of_no_kind(
     done = run("--out", tmp_path, "--check")
     assert done.exit_code == 1
     for name in ("weld.md", "torque.md", "belt.md"):
-        assert f"{name} is missing, not what the library gives, or of no kind" in done.stderr
+        assert f"{name} is missing, out of date, or of no kind" in done.stderr
     assert weld.read_text() == "something else"
     run("--out", tmp_path)
     assert weld.read_bytes() == before

@@ -13,8 +13,8 @@ from codegen.artefact import tangents_path
 from codegen.errors import AnalysisError, GeneratedFileError, SupersededError
 from codegen.model_file import read_model
 from runtime import load
-from runtime.core.function_table import accelerations_tangent_of, correction_tangent_of
 from runtime.core.jit import ADDRESSES, compiled
+from runtime.core.kernel_abi import accelerations_tangent_of, correction_tangent_of
 from runtime.integrate.wiring import wire
 from runtime.machine import Machine
 from runtime.mechanism.system import Tangents

@@ -15,10 +15,10 @@ Ordinary Differential Equations II, section IV.2), who detect stiffness by them.
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import COORDINATES, HOOK, memory_of
 from runtime.core.jit import compiled, inner
 from runtime.core.run_record import run_record
-from runtime.core.signatures import Integers, Vector
 from runtime.core.workspace import SIZE, STAGE, Y1, row_of
 from runtime.integrate.step_control import propose
 

@@ -1,8 +1,8 @@
 """Hooks of a method without memory: nothing is done after a step, or at a new start."""
 
+from runtime.core.array_types import Integers
 from runtime.core.function_table import HOOK
 from runtime.core.jit import compiled
-from runtime.core.signatures import Integers
 
 
 @compiled(HOOK)

@@ -14,6 +14,7 @@ this is solved.
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED
+from runtime.core.array_types import Integers
 from runtime.core.function_table import (
     COORDINATES,
     ERROR,
@@ -26,7 +27,6 @@ from runtime.core.function_table import (
 )
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.run_record import run_record
-from runtime.core.signatures import Integers
 from runtime.core.workspace import STAGE, Y1, K, row_of
 from runtime.integrate.implicit.bdf_history import (
     AHEAD,

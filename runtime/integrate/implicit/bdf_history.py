@@ -9,11 +9,11 @@ from fractions import Fraction
 
 import numpy as np
 
+from runtime.core.array_types import Integers
 from runtime.core.array_views import view
 from runtime.core.function_table import COORDINATES, DENSE, memory_of, notes_of
 from runtime.core.jit import addressed, inner
 from runtime.core.run_record import run_record
-from runtime.core.signatures import Integers
 from runtime.core.workspace import Y0, Y1, F, K, row_of
 from runtime.integrate.explicit.newton_form import newton_form_matrix
 from runtime.integrate.implicit.method_memory import (

@@ -3,11 +3,11 @@
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED
+from runtime.core.array_types import Integers
 from runtime.core.array_views import view
 from runtime.core.function_table import COORDINATES, memory_of, notes_of
 from runtime.core.jit import inner
 from runtime.core.run_record import run_record
-from runtime.core.signatures import Integers
 from runtime.core.workspace import Y1, K, row_of, velocity_rates
 from runtime.integrate.implicit.bdf_history import (
     AHEAD,

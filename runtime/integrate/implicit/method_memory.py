@@ -1,9 +1,9 @@
 """Where an implicit method keeps what it must remember: the arrays MEMORY and NOTES of a run."""
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
 from runtime.core.function_table import memory_of, notes_of
 from runtime.core.jit import fetched
-from runtime.core.signatures import Integers, Vector
 
 # MEMORY: numbers, then rows of length 2 n, then matrices.
 C_FACTORED = 0  # the c for which a matrix is factored

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
 from runtime.core.function_table import COORDINATES, memory_of, notes_of
 from runtime.core.jit import inner
 from runtime.core.rounding import EPS
-from runtime.core.signatures import Integers, Vector
 from runtime.core.workspace import ATOL, PARTITION, SIZE, Y0, row_of
 from runtime.integrate.implicit.method_memory import (
     COUNTS,

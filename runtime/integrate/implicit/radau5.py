@@ -12,6 +12,7 @@ therefore mapped: what the estimate is held to is `share` times what was asked.
 """
 
 from runtime.constraints.newton_return import FAILED
+from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
 from runtime.core.function_table import (
     COORDINATES,
@@ -26,7 +27,6 @@ from runtime.core.function_table import (
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.rounding import EPS
 from runtime.core.run_record import run_record
-from runtime.core.signatures import Integers
 from runtime.core.workspace import Y0, Y1, F, K, row_of
 from runtime.integrate.implicit.method_memory import (
     C_FACTORED,

@@ -1,10 +1,10 @@
 """The error of a Radau IIA step, from an embedded formula of order 3."""
 
 from runtime.constraints.newton_return import FAILED
+from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import COORDINATES, memory_of, notes_of
 from runtime.core.jit import inner
 from runtime.core.run_record import run_record
-from runtime.core.signatures import Integers, Vector
 from runtime.core.workspace import STAGE, Y0, K, row_of
 from runtime.integrate.implicit.method_memory import (
     COUNTS,

@@ -10,6 +10,7 @@ from constraints, all coordinates are unknowns.
 """
 
 from runtime.constraints.newton_return import FAILED, WEAK
+from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
@@ -17,18 +18,16 @@ from runtime.core.function_table import (
     CORRECTING,
     DIFFERENTIATE,
     MODIFIED,
-    accelerations_tangent_of,
     correct_of,
-    correction_tangent_of,
     memory_of,
     modes_of,
     notes_of,
     parameters_of,
 )
 from runtime.core.jit import compiled, inner
+from runtime.core.kernel_abi import accelerations_tangent_of, correction_tangent_of
 from runtime.core.rhs import field
-from runtime.core.run_record import FREE, MISSING, run_record
-from runtime.core.signatures import Integers, Vector
+from runtime.core.run_record import FREE, MISSING, ConstraintReturn, run_record
 from runtime.core.workspace import (
     PARTITION,
     SIZE,
@@ -55,7 +54,6 @@ from runtime.integrate.implicit.method_memory import (
 )
 from runtime.integrate.implicit.stiffness_estimate import take_spectrum
 
-BY_PARTITION = 1  # the number CORRECTING of a machine whose steps are corrected by partitioning
 # accuracy: relative change by which a right-hand side in sliding modes is differenced
 _DIFFERENCE = 1e-7
 
@@ -70,7 +68,9 @@ def unknowns(context: Integers) -> int:
     notes = notes_of(context)
     partition = row_of(context, PARTITION)
     n = context[COORDINATES]
-    by_partition = context[CONSTRAINT_COUNT] > 0 and context[CORRECTING] == BY_PARTITION
+    by_partition = (
+        context[CONSTRAINT_COUNT] > 0 and context[CORRECTING] == ConstraintReturn.BY_PARTITION
+    )
     singular = FREE < run_record(context).plan < MISSING
     notes[PARTITIONED] = 1 if by_partition and not singular else 0
     f = 0

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from runtime.core.array_types import Integers
 from runtime.core.function_table import COORDINATES, memory_of, notes_of
 from runtime.core.jit import inner
 from runtime.core.run_record import run_record
-from runtime.core.signatures import Integers
 from runtime.core.workspace import SIZE, row_of
 from runtime.integrate.implicit.method_memory import (
     CALM,

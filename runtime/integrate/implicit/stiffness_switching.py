@@ -11,10 +11,10 @@ method is due, and the run changes over; see `successor`.
 
 from dataclasses import replace
 
+from runtime.core.array_types import Integers
 from runtime.core.function_table import COORDINATES, HOOK, STAGES, memory_of, notes_of
 from runtime.core.jit import addressed, compiled
 from runtime.core.run_record import run_record
-from runtime.core.signatures import Integers
 from runtime.core.workspace import SIZE, Y0, K, row_of
 from runtime.integrate.explicit.generated import dop853
 from runtime.integrate.implicit.method_memory import EQUAL, STIFF, STIFFNESS, memory

@@ -15,18 +15,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from runtime.core.array_types import Vector
+from runtime.core.kernel_abi import find_stand_in
 from runtime.core.outcomes import Outcome
 from runtime.core.run_record import APPROACHING, CROSSING, FREE, LEAVING, MISSING
-from runtime.core.signatures import Vector, no_right_side
 from runtime.core.system import System
 from runtime.core.workspace import Y0, Y1, K
-from runtime.integrate import loop as driver
+from runtime.integrate.loop import WEAK_STATES
 from runtime.integrate.method import Method
 from runtime.integrate.problem import Problem
+from runtime.integrate.signals import Signal
 from runtime.integrate.singular_crossing.crossing_step import Leap, Leaps
 from runtime.integrate.singular_crossing.extrapolated_accelerations import Continuity
 from runtime.integrate.singular_crossing.method_handover import Lending
-from runtime.integrate.step import TOO_LARGE
+from runtime.integrate.step import TrialStep
 from runtime.integrate.trajectory import Crossing
 from runtime.singularity.local_motion import Motion, hermite, taylor
 from runtime.singularity.scaled_constraints import ScaledConstraints
@@ -64,7 +66,7 @@ class Crossings:
         self.leaps = Leaps(self.scale, float(self.r["rtol"]), method)
         self.lending = Lending(run, self.leaps)
         self.continuity = Continuity(system, run.p, run.modes, self.scale)
-        if system.constraints is no_right_side or system.constraint_count == 0:
+        if system.constraints is find_stand_in("constraints") or system.constraint_count == 0:
             self.r["quiet"] = np.inf  # nothing tells a position that is passed from one missed
         self.passed: list[Crossing] = []
         self.note = ""
@@ -85,7 +87,7 @@ class Crossings:
         r = self.r
         if r["plan"] == FREE and r["lent"] and r["t"] >= r["lent_until"]:
             self.lending.end()
-            return driver.GOING
+            return Signal.GOING
         if r["plan"] == APPROACHING:
             return self.cross()
         if r["plan"] == CROSSING:
@@ -129,23 +131,23 @@ class Crossings:
         found = self.positions.find(motion, s)
         self.tries = 0
         usual = self._usual()
-        if (found is None or not found.rate > 0.0) and r["weak"] >= driver.WEAK_STATES:
+        if (found is None or not found.rate > 0.0) and r["weak"] >= WEAK_STATES:
             return int(Outcome.SINGULAR)
         r["weak"] = 0
         if found is None or not found.rate > 0.0:
             # The step that was tried may be taken; the look at the next one is another.
             r["quiet"] = motion.t + max(0.5 * abs(s), 0.5 * usual, 1.001 * r["tried"])
-            return driver.GOING
+            return Signal.GOING
         if found.gap > self.leaps.rounding(motion.q):
             return self._missed(found)
         ahead = found.t - motion.t
         if ahead < 0.0 and self.leaps.noise(found) * usual < -(ahead**3):
             r["quiet"] = motion.t + usual  # it lies behind, and far enough
-            return driver.GOING
+            return Signal.GOING
         self.found = found
         if self.lending.lend(found, ahead, usual):
-            return driver.GOING
-        return driver.GOING if self._approached(found, ahead) else self.cross()
+            return Signal.GOING
+        return Signal.GOING if self._approached(found, ahead) else self.cross()
 
     def _approached(self, found: Singularity, ahead: float) -> bool:
         """Whether to come nearer first, to where the best step across begins."""
@@ -164,7 +166,7 @@ class Crossings:
         again = self.positions.find_again(motion, found)
         if again is None or again.gap > self.leaps.rounding(motion.q):
             r["plan"] = FREE
-            return self._plan(found.t - motion.t) if self.tries < _TRIES else driver.GOING
+            return self._plan(found.t - motion.t) if self.tries < _TRIES else Signal.GOING
         self.found = found = again
         leap = self.leaps.from_here(found, found.t - motion.t, usual)
         noisy = self.leaps.noise(found) * leap.h > abs(leap.lead) ** 3
@@ -179,7 +181,7 @@ class Crossings:
         r["permitted"] = 2.0 * leap.method + _ALLOWANCE * (leap.rounding + leap.start)
         blind = np.sqrt(self.leaps.noise(found))
         r["blind_from"], r["blind_to"] = found.t - blind, found.t + blind
-        return driver.GOING
+        return Signal.GOING
 
     def _crossed(self) -> int:
         """The step across was accepted, or not."""
@@ -197,20 +199,20 @@ class Crossings:
             r["permitted"] = 1.0
             self.tries = 0
             r["h"] = self._usual()
-            return driver.GOING
+            return Signal.GOING
         self.tries += 1
         error = float(r["error"])
         leap = self.leap
-        rounded = r["reason"] == TOO_LARGE and leap.rounding + leap.start > leap.method
+        rounded = r["reason"] == TrialStep.TOO_LARGE and leap.rounding + leap.start > leap.method
         if rounded and error < _SLACK * r["permitted"]:
             r["permitted"] = 1.01 * error  # rounding again: another step would fare no better
-            return driver.GOING
+            return Signal.GOING
         if self.tries > _TRIES:
             r["index"] = int(found.rows.argmax())
             self.note = f"The step across errs by {error:.1e} times the tolerance; loosen rtol."
             return int(Outcome.SINGULAR)
         ahead = found.t - float(r["t"])
-        return driver.GOING if self._approached(found, ahead) else self.cross()
+        return Signal.GOING if self._approached(found, ahead) else self.cross()
 
     def _missed(self, found: Singularity) -> int:
         """The machine misses the position by a gap: its motion bends away, within the width τ.
@@ -234,7 +236,7 @@ class Crossings:
         r["quiet"] = r["t"] + 0.5 * ahead
         if ahead < width:
             r["quiet"] = max(found.t + 3.0 * width, r["t"] - 0.5 * ahead)
-        return driver.GOING
+        return Signal.GOING
 
     def _continued(self, motion: Motion, found: Singularity) -> bool:
         """Write the derivative at the step's start, by continuity; false where there is none."""

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from runtime.core.array_types import f8, matrix, none, vector
 from runtime.core.jit import compiled, inner
 from runtime.core.rounding import EPS
-from runtime.core.signatures import f8, matrix, none, vector
 from runtime.integrate.method import Method
 from runtime.singularity.singular_position import Singularity
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from runtime.core.signatures import Integers, Vector
+from runtime.core.array_types import Integers, Vector
 from runtime.core.system import System
 from runtime.singularity.local_motion import Motion, interpolate, taylor
 

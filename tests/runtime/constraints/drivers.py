@@ -3,8 +3,9 @@
 import numpy as np
 
 from runtime.constraints import newton_return, partitioning, repartitioning
+from runtime.core.array_types import Vector, f8, i8, integers, none, vector
 from runtime.core.jit import compiled
-from runtime.core.signatures import CORRECTION, Correction, Vector, f8, i8, integers, none, vector
+from runtime.core.kernel_abi import SIGNATURES, TYPES
 from runtime.core.system import System
 from runtime.core.workspace import PARTITION, PROJECTION, ROWS, SIZE
 from runtime.integrate.wiring import Wiring, wire
@@ -26,19 +27,21 @@ def is_poorly_chosen(context, t):
     return int(repartitioning.is_poorly_chosen(context, t))
 
 
-@compiled(none(Correction, f8, vector, vector, vector, vector, vector, vector))
+@compiled(none(TYPES["correction"], f8, vector, vector, vector, vector, vector, vector))
 def driven_velocities(correction, t, q, p, weights, probe, dq, dv):
     partitioning.driven_velocities(correction, t, q, p, weights, probe, dq, dv)
 
 
-@compiled(f8(Correction, f8, i8, vector, vector, vector, vector, vector, vector, vector, vector))
+@compiled(
+    f8(TYPES["correction"], f8, i8, vector, vector, vector, vector, vector, vector, vector, vector)
+)
 def column_norm(correction, t, independent, q, p, weights, scale, probe, dq, dv, driven):
     return partitioning.column_norm(
         correction, t, independent, q, p, weights, scale, probe, dq, dv, driven
     )
 
 
-@compiled(CORRECTION)
+@compiled(SIGNATURES["correction"])
 def lever(t, q, v, p, w, dq, dv):
     """Coordinates a, b, c with b = 2 a - 0.5 c + 3 t, of which b is dependent."""
     dq[0], dq[1], dq[2] = 0.0, 2.0 * q[0] - 0.5 * q[2] + 3.0 * t - q[1], 0.0

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from runtime.core.signatures import ACCELERATIONS, ACCELERATIONS_TANGENT, CORRECTION_TANGENT
+from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.system import System
 from runtime.integrate.problem import Problem
 from tests.runtime.integrate.systems import (
@@ -17,13 +17,13 @@ from tests.runtime.integrate.systems import (
 )
 
 
-@kernel(CORRECTION_TANGENT)
+@kernel(SIGNATURES["correction_tangent"])
 def free_correction_tangent(t, q, v, p, w, dq_in, dv_in, dq, dv):
     dq[:] = 0.0
     dv[:] = 0.0
 
 
-@kernel(ACCELERATIONS_TANGENT)
+@kernel(SIGNATURES["accelerations_tangent"])
 def relay_tangent(t, q, v, p, modes, dq, dv, da):
     da[0] = p[1] * dq[0] + p[2] * dv[0]
     for k in range(modes.size):
@@ -39,7 +39,7 @@ def smooth_relay(*switches, **coefficients):
     ), p
 
 
-@kernel(ACCELERATIONS_TANGENT)
+@kernel(SIGNATURES["accelerations_tangent"])
 def pendulum_accelerations_tangent(t, q, v, p, modes, dq, dv, da):
     m, J, L, g = p[0], p[1], p[2], p[3]
     c, s = np.cos(q[2]), np.sin(q[2])
@@ -60,7 +60,7 @@ def pendulum_accelerations_tangent(t, q, v, p, modes, dq, dv, da):
     )
 
 
-@kernel(CORRECTION_TANGENT)
+@kernel(SIGNATURES["correction_tangent"])
 def pendulum_correction_tangent(t, q, v, p, w, dq_in, dv_in, dq, dv):
     # A central difference: 1e-10 of the kernel that it differentiates.
     step = 1e-5
@@ -82,13 +82,13 @@ SMOOTH_PENDULUM = replace(
 # Van der Pol's oscillator, a = mu (1 - q^2) v - q; p = mu.
 
 
-@kernel(ACCELERATIONS)
+@kernel(SIGNATURES["accelerations"])
 def van_der_pol_accelerations(t, q, v, p, modes, a, lam):
     a[0] = p[0] * (1.0 - q[0] * q[0]) * v[0] - q[0]
     return 0
 
 
-@kernel(ACCELERATIONS_TANGENT)
+@kernel(SIGNATURES["accelerations_tangent"])
 def van_der_pol_tangent(t, q, v, p, modes, dq, dv, da):
     da[0] = p[0] * (1.0 - q[0] * q[0]) * dv[0] - (2.0 * p[0] * q[0] * v[0] + 1.0) * dq[0]
 
@@ -110,13 +110,13 @@ VAN_DER_POL = System(
 # Mathematics of Computation 28, 1974): a = -sin t - k (q - sin t) - d (v - cos t); p = k, d.
 
 
-@kernel(ACCELERATIONS)
+@kernel(SIGNATURES["accelerations"])
 def drawn_accelerations(t, q, v, p, modes, a, lam):
     a[0] = -np.sin(t) - p[0] * (q[0] - np.sin(t)) - p[1] * (v[0] - np.cos(t))
     return 0
 
 
-@kernel(ACCELERATIONS_TANGENT)
+@kernel(SIGNATURES["accelerations_tangent"])
 def drawn_tangent(t, q, v, p, modes, dq, dv, da):
     da[0] = -p[0] * dq[0] - p[1] * dv[0]
 

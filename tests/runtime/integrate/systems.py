@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from runtime.core.signatures import ACCELERATIONS, CORRECTION, JACOBIAN, SWITCHING, SWITCHING_RATES
+from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.system import System
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
@@ -19,7 +19,7 @@ def kernel(signature):
 PENDULUM_P = np.array([1.0, 0.0, 1.0, 9.81])
 
 
-@kernel(ACCELERATIONS)
+@kernel(SIGNATURES["accelerations"])
 def pendulum_accelerations(t, q, v, p, modes, a, lam):
     m, J, L, g = p[0], p[1], p[2], p[3]
     c, s = np.cos(q[2]), np.sin(q[2])
@@ -33,7 +33,7 @@ def pendulum_accelerations(t, q, v, p, modes, a, lam):
     return 0
 
 
-@kernel(CORRECTION)
+@kernel(SIGNATURES["correction"])
 def pendulum_correction(t, q, v, p, w, dq, dv):
     L = p[2]
     c, s = np.cos(q[2]), np.sin(q[2])
@@ -65,7 +65,7 @@ def pendulum_correction(t, q, v, p, w, dq, dv):
     return weak
 
 
-@kernel(JACOBIAN)
+@kernel(SIGNATURES["jacobian"])
 def pendulum_jacobian(t, q, p, values):
     values[0] = 1.0
     values[1] = p[2] * np.sin(q[2])
@@ -109,7 +109,7 @@ def pendulum_residuals(result, p=PENDULUM_P):
 # p = p0, p1, p2, then for each k: f, c, d, al, be, ga, de.
 
 
-@kernel(ACCELERATIONS)
+@kernel(SIGNATURES["accelerations"])
 def relay_accelerations(t, q, v, p, modes, a, lam):
     a[0] = p[0] + p[1] * q[0] + p[2] * v[0]
     for k in range(modes.size):
@@ -119,24 +119,24 @@ def relay_accelerations(t, q, v, p, modes, a, lam):
     return 0
 
 
-@kernel(CORRECTION)
+@kernel(SIGNATURES["correction"])
 def free_correction(t, q, v, p, w, dq, dv):
     return 0
 
 
-@kernel(JACOBIAN)
+@kernel(SIGNATURES["jacobian"])
 def free_jacobian(t, q, p, values):
     return
 
 
-@kernel(SWITCHING)
+@kernel(SIGNATURES["switching"])
 def relay_switching(t, q, v, p, g):
     for k in range(g.size):
         i = 6 + 7 * k
         g[k] = p[i] * q[0] + p[i + 1] * v[0] + p[i + 2] * t + p[i + 3]
 
 
-@kernel(SWITCHING_RATES)
+@kernel(SIGNATURES["switching_rates"])
 def relay_rates(t, q, v, a, p, rate):
     for k in range(rate.size):
         i = 6 + 7 * k

@@ -14,6 +14,7 @@ from runtime.integrate.implicit.bdf_history import GAMMA, KAPPA, PAST
 from runtime.integrate.implicit.method_memory import H_BASE, LINES, NEXT_ORDER, NUMBERS, STEP_ORDER
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import _Run, integrate
+from runtime.integrate.signals import Signal
 from runtime.integrate.step import attempt
 from tests.runtime.integrate.stiff import DRAWN, SMOOTH_PENDULUM, one, smooth_relay
 from tests.runtime.integrate.systems import pendulum_problem, run_relay
@@ -111,8 +112,8 @@ def test_a_change_of_partition_costs_neither_order_nor_restart():
     problem = pendulum_problem(0.3, 12.0, 20.0)
     run = _Run(SMOOTH_PENDULUM, problem, Options(method="bdf", rtol=1e-8, t_eval=[20.0]))
     notes, before, orders = run.wiring.arrays["notes"], 0, []
-    code = driver.GOING if run.start() == Outcome.OK else None
-    while code == driver.GOING:
+    code = Signal.GOING if run.start() == Outcome.OK else None
+    while code == Signal.GOING:
         code = driver.advance(run.table, 1)
         run.gathered.flush(run.r)
         if run.r["repartitions"] > before:

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.outcomes import Outcome
-from runtime.core.signatures import ACCELERATIONS, SWITCHING, SWITCHING_RATES
 from runtime.core.system import System
 from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.integrate.method import EXPLICIT
@@ -122,7 +122,7 @@ def test_a_hold_is_let_go_downwards(method):
 # an instant on another. p = F, w, k, r1, r2, t_on, F_on.
 
 
-@kernel(ACCELERATIONS)
+@kernel(SIGNATURES["accelerations"])
 def carts_accelerations(t, q, v, p, modes, a, lam):
     f1 = -p[3] if modes[0] != 0 else p[3]
     f2 = -p[4] if modes[1] != 0 else p[4]
@@ -133,12 +133,12 @@ def carts_accelerations(t, q, v, p, modes, a, lam):
     return 0
 
 
-@kernel(SWITCHING)
+@kernel(SIGNATURES["switching"])
 def carts_switching(t, q, v, p, g):
     g[0], g[1], g[2] = v[0], v[1], t - p[5]
 
 
-@kernel(SWITCHING_RATES)
+@kernel(SIGNATURES["switching_rates"])
 def carts_rates(t, q, v, a, p, rate):
     rate[0], rate[1], rate[2] = a[0], a[1], 1.0
 
@@ -146,9 +146,18 @@ def carts_rates(t, q, v, a, p, rate):
 def run_carts(p, t_end, **options):
     none = np.zeros(0, np.int64)
     system = System(
-        carts_accelerations, free_correction, free_jacobian, none, none, 2, 0, 3,
-        carts_switching, carts_rates, sticking=(0, 1),
-    )  # fmt: skip
+        accelerations=carts_accelerations,
+        correction=free_correction,
+        jacobian=free_jacobian,
+        jacobian_rows=none,
+        jacobian_columns=none,
+        coordinates=2,
+        constraint_count=0,
+        switches=3,
+        switching=carts_switching,
+        switching_rates=carts_rates,
+        sticking=(0, 1),
+    )
     problem = Problem(0.0, t_end, np.zeros(2), np.zeros(2), np.array(p), np.ones(2))
     return integrate(system, problem, Options(**options))
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.outcomes import Outcome
-from runtime.core.signatures import SWITCHING, SWITCHING_RATES
 from runtime.core.system import System
 from runtime.integrate.method import EXPLICIT
 from tests.runtime.integrate.systems import (
@@ -23,36 +23,36 @@ TOLERANCES = (1e-3, 1e-6, 1e-8, 1e-10, 1e-12)
 # the accelerations of `relay`.
 
 
-@kernel(SWITCHING)
+@kernel(SIGNATURES["switching"])
 def wave(t, q, v, p, g):
     for k in range(g.size):
         i = 6 + 7 * k
         g[k] = np.sin(p[i] * q[0] + p[i + 2] * t + p[i + 3]) - p[i + 1]
 
 
-@kernel(SWITCHING_RATES)
+@kernel(SIGNATURES["switching_rates"])
 def wave_rates(t, q, v, a, p, rate):
     for k in range(rate.size):
         i = 6 + 7 * k
         rate[k] = np.cos(p[i] * q[0] + p[i + 2] * t + p[i + 3]) * (p[i] * v[0] + p[i + 2])
 
 
-@kernel(SWITCHING)
+@kernel(SIGNATURES["switching"])
 def kinked(t, q, v, p, g):
     g[0] = abs(q[0])
 
 
-@kernel(SWITCHING_RATES)
+@kernel(SIGNATURES["switching_rates"])
 def kinked_rates(t, q, v, a, p, rate):
     rate[0] = v[0] if q[0] > 0.0 else -v[0]
 
 
-@kernel(SWITCHING)
+@kernel(SIGNATURES["switching"])
 def rounded(t, q, v, p, g):
     g[0] = (1e-9 * q[0] + 1e6) - 1e6  # nine different values
 
 
-@kernel(SWITCHING_RATES)
+@kernel(SIGNATURES["switching_rates"])
 def rounded_rates(t, q, v, a, p, rate):
     rate[0] = 1e-9 * v[0]
 
@@ -62,9 +62,17 @@ def watched(functions, *switches, **terms):
     _, p = relay(*switches, **terms)
     none = np.zeros(0, np.int64)
     system = System(
-        relay_accelerations, free_correction, free_jacobian, none, none, 1, 0,
-        len(switches), *functions,
-    )  # fmt: skip
+        accelerations=relay_accelerations,
+        correction=free_correction,
+        jacobian=free_jacobian,
+        jacobian_rows=none,
+        jacobian_columns=none,
+        coordinates=1,
+        constraint_count=0,
+        switches=len(switches),
+        switching=functions[0],
+        switching_rates=functions[1],
+    )
     return system, p
 
 

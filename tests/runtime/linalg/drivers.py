@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from runtime.core.array_types import f8, i8, integers, matrix, none, vector
 from runtime.core.jit import allocating, compiled
-from runtime.core.signatures import JACOBIAN, Jacobian, f8, i8, integers, matrix, none, vector
+from runtime.core.kernel_abi import SIGNATURES, TYPES
 from runtime.linalg import cholesky, elimination_plan, leading_block, lu, row_elimination
 
 
@@ -55,14 +56,14 @@ def both_vectors(a, r, row_order, column_order, left, null):
     leading_block.null_vectors(a, r, column_order, null)
 
 
-@compiled(JACOBIAN)
+@compiled(SIGNATURES["jacobian"])
 def entries_linear_in_time(t, q, p, values):
     """A Jacobian whose values are the first half of p, and change at the rates in the second."""
     for k in range(values.size):
         values[k] = p[k] + t * p[values.size + k]
 
 
-@compiled(none(Jacobian, f8, vector, vector, vector, integers, integers, vector, matrix))
+@compiled(none(TYPES["jacobian"], f8, vector, vector, vector, integers, integers, vector, matrix))
 def fill_unit_rows(jacobian, t, q, p, scale, rows, columns, values, dense):
     row_elimination.fill_unit_rows(jacobian, t, q, p, scale, rows, columns, values, dense)
 
@@ -81,7 +82,8 @@ def write_plan(order, rows, columns, values, scale, dense, plan, lengths):
 
 @compiled(
     i8(
-        Jacobian, f8, vector, vector, vector, integers, integers, vector, vector, integers, vector,
+        TYPES["jacobian"], f8, vector, vector, vector, integers, integers, vector, vector, integers,
+        vector,
         vector,
     )
 )  # fmt: skip

@@ -10,8 +10,9 @@ kernel of the constraints notes each place where it is called.
 
 import numpy as np
 
+from runtime.core.array_types import Matrix, Vector, f8, integers, none, vector
 from runtime.core.jit import compiled
-from runtime.core.signatures import JACOBIAN, RIGHT_SIDE, Matrix, Vector, f8, integers, none, vector
+from runtime.core.kernel_abi import SIGNATURES
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.search_table import unit_residuals
 
@@ -20,7 +21,7 @@ ROWS = np.array([0, 0, 0, 1, 1, 1])
 COLUMNS = np.array([0, 1, 2, 0, 1, 2])
 
 
-@compiled(RIGHT_SIDE)
+@compiled(SIGNATURES["constraints"])
 def constraints(t: float, q: Vector, p: Vector, phi: Vector) -> None:
     x, y, u = q[0], q[1], q[2]
     phi[0] = u + x * y
@@ -31,14 +32,14 @@ def constraints(t: float, q: Vector, p: Vector, phi: Vector) -> None:
         p[CALLS] += 1.0
 
 
-@compiled(JACOBIAN)
+@compiled(SIGNATURES["jacobian"])
 def jacobian(t: float, q: Vector, p: Vector, values: Vector) -> None:
     x, y = q[0], q[1]
     values[0], values[1], values[2] = y, x, 1.0
     values[3], values[4], values[5] = 2 * x + 3 * p[K] * x**2 + p[D] * t, -2 * y, p[C]
 
 
-@compiled(RIGHT_SIDE)
+@compiled(SIGNATURES["constraints"])
 def velocity_rhs(t: float, q: Vector, p: Vector, nu: Vector) -> None:
     nu[0], nu[1] = 0.0, -p[D] * q[0]
 

@@ -1,7 +1,7 @@
 """Ways in from Python to searches that only compiled code calls; numba keeps them on disk."""
 
+from runtime.core.array_types import f8, i8, integers, matrix, vector
 from runtime.core.jit import compiled
-from runtime.core.signatures import f8, i8, integers, matrix, vector
 from runtime.singularity import complement_derivative, schur_complement
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from runtime.core.array_types import f8, i8, integers
 from runtime.core.jit import compiled
-from runtime.core.signatures import f8, i8, integers
 from runtime.core.system import System
 from runtime.core.workspace import Y0, Y1, K
 from runtime.singularity import detection

@@ -11,11 +11,11 @@ the derivative at the end of the step and the first of the next.
 
 import numpy as np
 
+from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
 from runtime.core.function_table import COORDINATES, DENSE, ERROR, STAGES
 from runtime.core.jit import addressed
 from runtime.core.rhs import slope
-from runtime.core.signatures import Integers
 from runtime.core.workspace import ATOL, STAGE, Y0, Y1, F, K, row_of
 from runtime.integrate.explicit.stateless import accepted, restart
 from runtime.integrate.method import Method

@@ -15,11 +15,11 @@ than a thousandth: at looser tolerances accuracy alone does not keep a vibration
 
 import numpy as np
 
+from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
 from runtime.core.function_table import COORDINATES, DENSE, ERROR, PROPOSE, STAGES
 from runtime.core.jit import addressed
 from runtime.core.rhs import slope
-from runtime.core.signatures import Integers
 from runtime.core.workspace import ATOL, STAGE, Y0, Y1, F, K, row_of
 from runtime.integrate.explicit.stability_limit import (
     memory,

@@ -1,0 +1,206 @@
+"""The kernels of a machine, declared once: names, arguments, types, and stand-ins.
+
+Kernels reach compiled loops by their addresses, as values of a `numba.types.FunctionType`, so that
+a loop is compiled once for these types and never again for another model. A kernel fits when it
+was compiled with exactly the signature that follows from its line in `Kernels`.
+"""
+# ruff: noqa: RUF009  (`_kernel` answers with a field of the dataclass)
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from functools import cache, partial
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numba import types
+
+from runtime.core.array_types import Integers, Kernel, f8, i8, integers, none, vector
+from runtime.core.jit import addresses, at, compiled
+
+
+def _signature(arguments: str, returns: Any) -> Any:
+    """The type of a kernel: t is a number, modes are integers, all else is an array of floats."""
+    kinds = {"t": f8, "modes": integers}
+    return returns(*(kinds.get(name, vector) for name in arguments.split()))
+
+
+SIGNATURES: dict[str, Any] = {}
+"""Kernel → the signature that it is compiled for."""
+
+_STAND_INS: dict[str, Kernel] = {}
+
+
+def _kernel(name: str, arguments: str, stand_in: Kernel, returns: Any = none) -> Kernel:
+    SIGNATURES[name] = _signature(arguments, returns)
+    _STAND_INS[name] = stand_in
+    made: Kernel = field(default_factory=partial(find_stand_in, name))
+    return made
+
+
+@cache
+def find_stand_in(name: str) -> Kernel:
+    """What takes the place of a kernel that a scene or a method has no use for."""
+    return compiled(SIGNATURES[name])(_STAND_INS[name])
+
+
+def _skip_3(q: Any, p: Any, out: Any) -> None:
+    return
+
+
+def _skip_4(t: Any, q: Any, p: Any, out: Any) -> None:
+    return
+
+
+def _skip_5(t: Any, q: Any, v: Any, p: Any, out: Any) -> None:
+    return
+
+
+def _skip_6(t: Any, q: Any, v: Any, p: Any, a: Any, out: Any) -> None:
+    return
+
+
+def _skip_7(t: Any, q: Any, v: Any, p: Any, modes: Any, lam: Any, out: Any) -> None:
+    return
+
+
+def _skip_8(t: Any, q: Any, v: Any, p: Any, modes: Any, dq: Any, dv: Any, da: Any) -> None:
+    return
+
+
+def _skip_9(
+    t: Any, q: Any, v: Any, p: Any, w: Any, dq_in: Any, dv_in: Any, dq: Any, dv: Any
+) -> None:
+    return
+
+
+def _no_constants(p: Any) -> None:
+    return
+
+
+def _undefined_gamma(t: Any, q: Any, v: Any, p: Any, gamma: Any) -> None:
+    gamma[:] = np.nan
+
+
+def _undefined_motion(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
+    a[:] = np.nan
+    lam[:] = np.nan
+    return 0
+
+
+def _undefined_correction(t: Any, q: Any, v: Any, p: Any, w: Any, dq: Any, dv: Any) -> int:
+    dq[:] = np.nan
+    dv[:] = np.nan
+    return 0
+
+
+def _no_forces(t: Any, q: Any, v: Any, p: Any, modes: Any, force: Any) -> None:
+    force[:] = 0.0
+
+
+def _no_potential(t: Any, q: Any, p: Any, modes: Any) -> float:
+    return 0.0
+
+
+def _no_gradient(t: Any, q: Any, p: Any, modes: Any, gradient: Any) -> None:
+    gradient[:] = 0.0
+
+
+def _no_energy(q: Any, v: Any, p: Any) -> float:
+    return 0.0
+
+
+def _full_shares(p: Any, low: Any, high: Any) -> None:
+    low[:] = 0.0
+    high[:] = 1.0
+
+
+def _no_contacts(p: Any, out: Any) -> None:
+    return
+
+
+@dataclass(frozen=True, eq=False)
+class Kernels:
+    """The compiled functions of a scene, SI units; those that it has no use for are stand-ins.
+
+    In sliding modes the acceleration is q̈₀ + α (q̈₁ - q̈₀), q̈₀ and q̈₁ being those of modes 0 and 1.
+    `holds` gives the bounds of α, (s,) each: [0, 1] but for static friction. `gap_accelerations`
+    are d²g/dt² of the rigid contacts, (r,), in order of RIGID, `restitution` their e,
+    `contact_scale` F0 in N, a contact's reaction in mode 0: with α = 1 - α' it is α' F0, α' from 0
+    to infinity.
+    `switched_reactions` fills the rows of REACTIONS that modes decide, `reactions` the others of
+    the same array; between modes they mix as q̈ and λ do. A switch in SOUGHT has a mode 2: its
+    friction exerts the force that stands in p behind the parameters, in the order of SOUGHT.
+    `dead_centres` are x² and its rate of each loop that is closed in closed form.
+    """
+
+    constants: Kernel = _kernel("constants", "p", _no_constants)
+    constraints: Kernel = _kernel("constraints", "t q p phi", _skip_4)
+    jacobian: Kernel = _kernel("jacobian", "t q p values", _skip_4)
+    velocity_rhs: Kernel = _kernel("velocity_rhs", "t q p nu", _skip_4)
+    acceleration_rhs: Kernel = _kernel("acceleration_rhs", "t q v p gamma", _undefined_gamma)
+    mass: Kernel = _kernel("mass", "q p values", _skip_3)
+    applied_forces: Kernel = _kernel("applied_forces", "t q v p modes force", _no_forces)
+    accelerations: Kernel = _kernel("accelerations", "t q v p modes a lam", _undefined_motion, i8)
+    correction: Kernel = _kernel("correction", "t q v p w dq dv", _undefined_correction, i8)
+    potential: Kernel = _kernel("potential", "t q p modes", _no_potential, f8)
+    potential_gradient: Kernel = _kernel("potential_gradient", "t q p modes gradient", _no_gradient)
+    kinetic_energy: Kernel = _kernel("kinetic_energy", "q v p", _no_energy, f8)
+    powers: Kernel = _kernel("powers", "t q v p modes lam out", _skip_7)
+    reactions: Kernel = _kernel("reactions", "t q v p lam out", _skip_6)
+    switching: Kernel = _kernel("switching", "t q v p g", _skip_5)
+    switching_rates: Kernel = _kernel("switching_rates", "t q v a p rate", _skip_6)
+    holds: Kernel = _kernel("holds", "p low high", _full_shares)
+    gap_accelerations: Kernel = _kernel("gap_accelerations", "t q v a p out", _skip_6)
+    restitution: Kernel = _kernel("restitution", "p out", _no_contacts)
+    contact_scale: Kernel = _kernel("contact_scale", "p out", _no_contacts)
+    switched_reactions: Kernel = _kernel("switched_reactions", "t q v p modes lam out", _skip_7)
+    accelerations_tangent: Kernel = _kernel(
+        "accelerations_tangent", "t q v p modes dq dv da", _skip_8
+    )
+    correction_tangent: Kernel = _kernel(
+        "correction_tangent", "t q v p w dq_in dv_in dq dv", _skip_9
+    )
+    dead_centres: Kernel = _kernel("dead_centres", "t q v p out", _skip_5)
+
+    def table(self) -> Integers:
+        """Addresses in the order of the fields, with which every function table begins."""
+        return addresses(getattr(self, name) for name in KERNELS)
+
+
+KERNELS = tuple(declared.name for declared in fields(Kernels))
+"""Names of the kernels, in the order of their slots in every function table."""
+
+TYPES = {name: types.FunctionType(SIGNATURES[name]) for name in KERNELS}
+"""Kernel → its type as an argument of compiled code."""
+
+
+def _fetcher(name: str) -> Callable[[Any], Any]:
+    return at(TYPES[name], KERNELS.index(name))
+
+
+# What takes a kernel out of a function table, inside compiled code.
+constraints_of = _fetcher("constraints")
+jacobian_of = _fetcher("jacobian")
+velocity_rhs_of = _fetcher("velocity_rhs")
+acceleration_rhs_of = _fetcher("acceleration_rhs")
+mass_of = _fetcher("mass")
+applied_forces_of = _fetcher("applied_forces")
+accelerations_of = _fetcher("accelerations")
+correction_of = _fetcher("correction")
+potential_of = _fetcher("potential")
+kinetic_energy_of = _fetcher("kinetic_energy")
+powers_of = _fetcher("powers")
+reactions_of = _fetcher("reactions")
+switching_of = _fetcher("switching")
+switching_rates_of = _fetcher("switching_rates")
+gap_accelerations_of = _fetcher("gap_accelerations")
+switched_reactions_of = _fetcher("switched_reactions")
+accelerations_tangent_of = _fetcher("accelerations_tangent")
+correction_tangent_of = _fetcher("correction_tangent")
+dead_centres_of = _fetcher("dead_centres")
+
+
+def gather(module: ModuleType) -> Kernels:
+    """Take the kernels out of a loaded module."""
+    return Kernels(**{name: getattr(module, name) for name in KERNELS if hasattr(module, name)})
