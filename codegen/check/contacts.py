@@ -22,14 +22,14 @@ def hold_problems(model: Model, scene: Scene) -> list[str]:
         return []
     values = {p.name: p.value for p in model.parameters.values()} | dict(scene.parameters)
     numbers = {Parameter(name, real=True): value for name, value in values.items()}
-    found: list[str] = []
+    problems: list[str] = []
     for effect, (_, terms) in zip(chosen, named, strict=True):
         where = f"scene '{scene.name}': {effect.kind} '{effect.name}'"
         if isinstance(terms.hold, Sticking):
-            found += _friction(where, terms.hold, numbers)
+            problems += _friction(where, terms.hold, numbers)
         elif isinstance(terms.hold, Rigid):
-            found += _contact(where, terms.hold, numbers)
-    return [*found, *_shared(scene, named)]
+            problems += _contact(where, terms.hold, numbers)
+    return [*problems, *_shared(scene, named)]
 
 
 Numbers = dict[sympy.Symbol, float]

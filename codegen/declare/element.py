@@ -55,13 +55,13 @@ class Frame:
     def bind(self, point: Point) -> dict[sympy.Symbol, sympy.Expr]:
         """Placeholders of this frame → what they are for a point of a body in a model."""
         body, (sx, sy) = point.body, self.s
-        found = {self.x: body.position[0], self.y: body.position[1]}
+        bindings = {self.x: body.position[0], self.y: body.position[1]}
         if body.angle is None:  # a statement that asks for the angle itself is refused
             ends = sympy.cos(self.phi), sympy.sin(self.phi)
-            found |= dict(zip(ends, body.rotation, strict=True))
+            bindings |= dict(zip(ends, body.rotation, strict=True))
         else:
-            found[self.phi] = body.angle
-        return found | {sx: sympy.sympify(point.sx), sy: sympy.sympify(point.sy)}
+            bindings[self.phi] = body.angle
+        return bindings | {sx: sympy.sympify(point.sx), sy: sympy.sympify(point.sy)}
 
 
 I, J = Frame("i"), Frame("j")  # noqa: E741 (Haug's names for the two bodies of a joint)
@@ -255,8 +255,8 @@ def friction_law(effect: "Effect") -> FrictionLaw | None:
 def hold(effect: "Effect", bodies: tuple[Body, ...]) -> Sticking | Rigid | None:
     """How an effect holds on to its surface, if it is one that does."""
     answer = getattr(effect, "hold", None)
-    found: Sticking | Rigid | None = answer(bodies) if answer is not None else None
-    return found
+    law: Sticking | Rigid | None = answer(bodies) if answer is not None else None
+    return law
 
 
 def pulling(
@@ -268,15 +268,17 @@ def pulling(
     `SPEED`, the rate of s.
     """
     answer = getattr(effect, "pulls", None)
-    found: tuple[tuple[sympy.Expr, sympy.Expr], ...] = answer(bodies) if answer is not None else ()
-    return found
+    pairs: tuple[tuple[sympy.Expr, sympy.Expr], ...] = answer(bodies) if answer is not None else ()
+    return pairs
 
 
 def reported(effect: "Effect", bodies: tuple[Body, ...]) -> tuple[tuple[str, str, sympy.Expr], ...]:
     """(component, unit, value) of what an effect reports beside the reactions of joints."""
     answer = getattr(effect, "reported", None)
-    found: tuple[tuple[str, str, sympy.Expr], ...] = answer(bodies) if answer is not None else ()
-    return found
+    components: tuple[tuple[str, str, sympy.Expr], ...] = (
+        answer(bodies) if answer is not None else ()
+    )
+    return components
 
 
 @runtime_checkable

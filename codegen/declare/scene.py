@@ -10,7 +10,7 @@ Pairs = tuple[tuple[str, float], ...]
 
 
 @dataclass(frozen=True)
-class Asked:
+class Request:
     """The words of a scene, by name, before they are worked out: what others build on.
 
     Attributes
@@ -34,7 +34,7 @@ class Asked:
     analysis: Analysis = "dynamics"
     outputs: tuple[str, ...] | None = None
 
-    def extended(self, by: "Asked", given: frozenset[str]) -> "Asked":
+    def extended(self, by: "Request", explicit: frozenset[str]) -> "Request":
         """These words with those of an extension over them.
 
         Parameters
@@ -44,7 +44,7 @@ class Asked:
         """
         taken = {*by.effects, *by.drivers}
         gone = tuple(name for name in self.without if name not in taken)
-        changes = {name: getattr(by, name) for name in given}
+        changes = {name: getattr(by, name) for name in explicit}
         return replace(
             self,
             effects=tuple(dict.fromkeys((*self.effects, *by.effects))),
@@ -115,7 +115,7 @@ class Scene:
     frozen: bool
     analysis: Analysis
     outputs: tuple[str, ...] | None = None
-    asked: Asked = field(default=Asked(), repr=False, compare=False)
+    request: Request = field(default=Request(), repr=False, compare=False)
     owner: Owner | None = field(default=None, repr=False, compare=False)
     spelled: str = field(default="", repr=False, compare=False)
     root: "Scene | None" = field(default=None, repr=False, compare=False)
@@ -167,14 +167,14 @@ class Scene:
         gone = [
             n for n in (*before.effects, *before.drivers) if n not in self.effects + self.drivers
         ]
-        gone += [n for n in self.asked.without if n not in gone]
+        gone += [n for n in self.request.without if n not in gone]
         lines += [f"  left out    {', '.join(gone)}"] if gone else []
         lines += [f"  start       {_values(self.start)}"] if self.start else []
         lines += [f"  near        {_values(self.guess)}"] if self.guess else []
         lines += [f"  parameters  {_values(self.parameters)}"] if self.parameters else []
         lines += ["  parameters are fixed"] if self.frozen else []
-        told = "all that there is" if self.outputs is None else ", ".join(self.outputs)
-        return "\n".join([*lines, f"  reported    {told or 'the motion alone'}"])
+        outputs = "all that there is" if self.outputs is None else ", ".join(self.outputs)
+        return "\n".join([*lines, f"  reported    {outputs or 'the motion alone'}"])
 
 
 def _values(pairs: Pairs) -> str:

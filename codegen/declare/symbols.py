@@ -151,5 +151,5 @@ def given(name: str) -> Given:
 
 def kinds(expression: sympy.Basic, *classes: type[Any]) -> list[Any]:
     """Symbols of the given classes in an expression, in the order of their names."""
-    found = [s for s in expression.free_symbols if isinstance(s, classes)]
-    return sorted(found, key=lambda s: s.name)
+    symbols = [s for s in expression.free_symbols if isinstance(s, classes)]
+    return sorted(symbols, key=lambda s: s.name)

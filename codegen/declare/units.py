@@ -71,10 +71,10 @@ def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
         return value
     target = registry().parse_units(pint_form(unit)) if unit else registry().dimensionless
     if not value.is_compatible_with(target):
-        wanted = unit or "a pure number"
+        needed = unit or "a pure number"
         problems.append(
-            f"{where}: {value} has the dimension {value.dimensionality}, but {wanted} is needed; "
-            f"give a quantity that converts to {wanted}."
+            f"{where}: {value} has the dimension {value.dimensionality}, but {needed} is needed; "
+            f"give a quantity that converts to {needed}."
         )
         return 1.0
     magnitude = value.to(target).magnitude

@@ -264,9 +264,11 @@ class Contacts(Declarations):
         )
         return mu, rest, speed
 
-    def _direction(self, where: str, word: str, given: Any) -> tuple[sympy.Expr, sympy.Expr] | None:
+    def _direction(
+        self, where: str, word: str, vector: Any
+    ) -> tuple[sympy.Expr, sympy.Expr] | None:
         """Two components that are not both zero."""
-        ux, uy = self._read.pair(given, "", f"{word} of {where}")
+        ux, uy = self._read.pair(vector, "", f"{word} of {where}")
         if ux == 0 and uy == 0:
             self._note(f"{where}: the {word} (0, 0) points nowhere; give another.")
             return None

@@ -199,8 +199,8 @@ class Forces(Declarations):
         """A body, where a point means nothing."""
         if isinstance(body, Body):
             return body
-        what = f"Point of '{body.body.name}'" if isinstance(body, Point) else repr(body)
-        self._note(f"{where}: {what} is no body; a torsion spring turns two bodies.")
+        label = f"Point of '{body.body.name}'" if isinstance(body, Point) else repr(body)
+        self._note(f"{where}: {label} is no body; a torsion spring turns two bodies.")
         return self.ground
 
 

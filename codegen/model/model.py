@@ -54,9 +54,9 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
         if isinstance(element, Constraint):
             _ = self._driver(element) if role(element.kind) == "driver" else self._joint(element)
             return element
-        given: object = element
-        if isinstance(given, Effect):
-            self._effect(given)
+        candidate: object = element
+        if isinstance(candidate, Effect):
+            self._effect(candidate)
             return element
         self._note(
             f"model.add({element!r}): neither a Body, a Constraint nor an Effect; it needs kind, "
