@@ -1,4 +1,4 @@
-"""Everything that can be wrong with a model and a scene, found before anything is derived.
+"""Checks of a model and a scene before their equations are derived.
 
 Each finding is a sentence that names the element, shows the numbers and says what to do. All of
 them are reported together.
@@ -125,7 +125,7 @@ def _all_effects(model: Model) -> list[Effect]:
 
 
 def _words(element: Constraint | Effect) -> Iterator[str]:
-    """Texts of a user's own element that go into the generated module as they are."""
+    """Check the texts of a user-defined element that appear in the generated module."""
     where = f"element {element.name!r}"
     if not WORDS.fullmatch(str(element.kind)):
         yield f"{where}: its kind {element.kind!r} must be a few words of ASCII letters."
@@ -263,7 +263,7 @@ def _unknown(model: Model, element: Constraint | Effect, symbol: sympy.Symbol) -
 
 
 def _masses(model: Model) -> dict[str, list[str]]:
-    """Body → what is wrong with its mass and inertia."""
+    """Body → problems of its mass and inertia."""
     problems = {body.name: list(_mass_problems(model, body)) for body in model.bodies.values()}
     return {name: sentences for name, sentences in problems.items() if sentences}
 

@@ -1,4 +1,4 @@
-"""Whether expressions can be compiled, asked of a declaration before anything is derived."""
+"""Checks that expressions of a declaration can be compiled."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -21,7 +21,7 @@ UNDEFINED = f"contains nan{FINITE}"
 
 
 def constraint_problems(constraint: Constraint) -> Iterator[str]:
-    """What in a joint's or driver's equations is not an equation of positions and time."""
+    """Problems of a constraint: its equations contain coordinates, parameters and time only."""
     where = f"{constraint.kind} '{constraint.name}'"
     statement = constraint.statement()
     fixed = {k: v for k, v in statement.bindings.items() if isinstance(k, Given)}
@@ -44,14 +44,14 @@ def constraint_problems(constraint: Constraint) -> Iterator[str]:
 
 
 def all_problems(where: str, expressions: Iterable[sympy.Basic], may_switch: bool) -> list[str]:
-    """What is wrong with expressions; an undefined number only where nothing else explains it."""
+    """Problems of expressions; an undefined number only where nothing else explains it."""
     problems = [p for e in expressions for p in expression_problems(where, e, may_switch)]
     explained = [problem for problem in problems if not problem.endswith(UNDEFINED)]
     return explained or problems
 
 
 def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -> Iterator[str]:
-    """What in an expression has no smooth pieces, or no meaning to a compiler."""
+    """Parts of an expression without smooth pieces, or unknown to the compiler."""
     stack: list[Any] = [expression]
     while stack:
         node = stack.pop()

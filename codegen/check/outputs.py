@@ -1,4 +1,4 @@
-"""What is wrong with the outputs that one scene asks for."""
+"""Checks of the outputs of a scene."""
 
 from collections.abc import Iterator
 
@@ -11,7 +11,7 @@ from codegen.model.outputs import ONE
 
 
 def output_problems(model: Model, scene: Scene) -> Iterator[str]:
-    """Outputs that need what the scene leaves out; each says what, and how to have it."""
+    """Outputs that need elements which the scene leaves out, and how to get them."""
     where = f"scene '{scene.name}'"
     joints = active_joints(model, scene)
     for word in scene.outputs or ():

@@ -25,7 +25,7 @@ PROBES = 3
 
 
 class Findings(NamedTuple):
-    """What is to be said about a scene's constraints.
+    """Findings about the constraints of a scene.
 
     Attributes
     ----------

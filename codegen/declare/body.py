@@ -84,7 +84,7 @@ class Body:
         """Entries M_ab(q) of the body's mass block, for a pair of coordinates in one order.
 
         M must be positive definite on the velocities that `equations` allow; it may be singular
-        beside them, as that of Euler parameters is.
+        besides them, as with Euler parameters.
         """
         pairs = zip(self.coordinates, self.masses, strict=True)
         return {(q, q): mass for q, mass in pairs}

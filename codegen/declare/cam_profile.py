@@ -16,11 +16,11 @@ ALPHAS = tuple(2 * math.pi * k / SAMPLES for k in range(SAMPLES + 1))
 # accuracy: gap, corner or stop of a profile, in parts of its size, that rounding explains
 TOLERANCE = 1e-9
 UNDEFINED = (ArithmeticError, ValueError, TypeError, NameError)
-"""What functions of numbers say where they have no value, or no meaning."""
+"""Errors that functions of numbers raise outside their domain."""
 
 
 def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Iterator[str]:
-    """What is wrong with x'(α), y'(α), m; numbers only, so parameters have their defaults.
+    """Problems of x'(α), y'(α), m, with parameters at their default values.
 
     Only a closed curve has a range of α that is known, and is looked at along all of it.
     """

@@ -1,4 +1,4 @@
-"""A scene: which bodies, effects and drivers of a machine take part in a question asked of it."""
+"""Scenes: the bodies, effects and drivers of a machine that take part in a question."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -11,7 +11,7 @@ Pairs = tuple[tuple[str, float], ...]
 
 @dataclass(frozen=True)
 class Request:
-    """The words of a scene, by name, before they are worked out: what others build on.
+    """The request of a scene, by name and unresolved; an extension builds on it.
 
     Attributes
     ----------
@@ -20,7 +20,7 @@ class Request:
     fidelity
         Effect, coupler or group of alternatives → how it is taken.
     outputs
-        What is computed beside the motion; None: all that there is.
+        The outputs computed in addition to the motion; None means all.
     """
 
     effects: tuple[str, ...] = ()
@@ -35,12 +35,12 @@ class Request:
     outputs: tuple[str, ...] | None = None
 
     def extended(self, by: "Request", explicit: frozenset[str]) -> "Request":
-        """These words with those of an extension over them.
+        """The request, overridden by that of an extension.
 
         Parameters
         ----------
-        given
-            Which of `frozen`, `analysis` and `outputs` the extension says anything about.
+        explicit
+            The ones of `frozen`, `analysis` and `outputs` that the extension states.
         """
         taken = {*by.effects, *by.drivers}
         gone = tuple(name for name in self.without if name not in taken)
@@ -59,7 +59,7 @@ class Request:
 
 
 class Owner(Protocol):
-    """What declared a scene, and can vary it."""
+    """The model that declared a scene, and can vary it."""
 
     @property
     def name(self) -> str:
@@ -71,7 +71,7 @@ class Owner(Protocol):
 
 @dataclass(frozen=True)
 class Scene:
-    """What is compiled together; everything by name.
+    """The elements that are compiled together, by name.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class Scene:
     bodies
         The bodies that take part, in the order of their declaration.
     effects, drivers
-        What acts; joints act where all their bodies take part.
+        The effects and drivers that act; joints act where all their bodies take part.
     opened
         Joints that do not act although their bodies take part.
     fidelity
@@ -96,11 +96,11 @@ class Scene:
     analysis
         ``"kinematics"`` compiles no mass and no force, ``"equilibrium"`` nothing of motion.
     outputs
-        What is computed beside the motion; None: all that there is.
-    asked, owner
-        The words that it was made from, and who declared it.
+        The outputs computed in addition to the motion; None means all.
+    request, owner
+        The request that the scene resolves, and the model that declared it.
     spelled, root, problems
-        Of a scene made by `without` and `with_`: how, from which declared one, and what is wrong.
+        Of a scene varied by `without` and `with_`: its expression, the declared scene, its faults.
     """
 
     name: str
@@ -124,8 +124,7 @@ class Scene:
     def without(self, *elements: Any) -> "Scene":
         """The scene with effects, drivers, joints or bodies left out, by name or object.
 
-        The scene that it answers is not declared; ``build`` and ``load`` take it as it is. What is
-        wrong with it they say.
+        The new scene is not declared; ``build`` and ``load`` accept it and report its problems.
         """
         return self._owner().varied(self, out=elements, taken=())
 

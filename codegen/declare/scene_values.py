@@ -1,4 +1,4 @@
-"""What a scene names: elements, start values, parameters; near misses are noted with a hint."""
+"""Elements, start values and parameters that a scene names; unknown names get a hint."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -20,7 +20,7 @@ NamedValues = tuple[tuple[str, float], ...]
 def named(
     read: Reader, where: str, kind: str, names: Names, known: Mapping[str, Any]
 ) -> tuple[str, ...]:
-    """The wanted ones of the known elements, in the order of their declaration."""
+    """The known elements among `names`, in the order of their declaration."""
     chosen = []
     for item in (names,) if isinstance(names, str) else names:
         name = item if isinstance(item, str) else item.name
@@ -57,7 +57,7 @@ def dotted(symbol: sympy.Symbol) -> str:
 def overrides(
     read: Reader, where: str, parameters: Mapping[str, ParameterDeclaration], values: Values
 ) -> tuple[tuple[str, float], ...]:
-    """Values of parameters in their own units."""
+    """Values of parameters in their declared units."""
     read_values = {}
     for key, value in values.items():
         name = key if isinstance(key, str) else key.name

@@ -1,4 +1,4 @@
-"""Functions given by points, as SymPy functions that can be differentiated and compiled."""
+"""Functions through points, as SymPy functions that can be differentiated and compiled."""
 
 import math
 from collections.abc import Iterator
@@ -75,7 +75,7 @@ class Interpolant(sympy.Function):  # type: ignore[misc]
 
 
 class TableFunction:
-    """What a modeller holds: called with an expression, it answers the table's value there."""
+    """A table as a function: called with an expression, it returns the table's value there."""
 
     def __init__(self, table: Table) -> None:
         self.table = table

@@ -53,7 +53,7 @@ class FrictionTerms:
 
     joint: str
     slip: sympy.Expr
-    coefficient: sympy.Expr
+    grip: sympy.Expr
     direction: tuple[tuple[Coordinate, sympy.Expr], ...]
     contacts: tuple[Pressing, ...]
     unit: str
@@ -63,21 +63,21 @@ class FrictionTerms:
 
 @dataclass(frozen=True)
 class EffectTerms:
-    """What one effect brings.
+    """The terms of one effect.
 
     Attributes
     ----------
     potential
         V, J; None without one.
     loads
-        (coordinate, Q) of what is stated as generalized forces.
+        (coordinate, Q) of forces stated as generalized forces.
     pulls
         (s, f) of the forces that tend to make a scalar s(q, t) smaller, Q = -f s_q, with `SPEED`
         in f for ṡ.
     friction
         The force that follows from a joint's reaction, if this is one.
     hold
-        How the effect holds on to its surface, if it does.
+        How the effect keeps its switching function at zero, if it does.
     reported
         (component, unit, value) of the forces that it reports.
     weights
@@ -162,10 +162,10 @@ def _friction(effect: Effect, law_at_rest: Sticking | Rigid | None) -> FrictionT
     direction = tuple((q, derivative(law.along, q)) for q in kinds(law.along, Coordinate))
     slip = sympy.Add(*(slope * q.rate for q, slope in direction), derivative(law.along, t))
     direction_of_slip = side(effect.name) if law.creep is None else sympy.tanh(slip / law.creep)
-    coefficient, limit = law.strength * direction_of_slip, None
+    grip, limit = law.strength * direction_of_slip, None
     if isinstance(law_at_rest, Sticking) and law.creep is None:
         more = 1 if law_at_rest.static is None else law_at_rest.static / law_at_rest.kinetic
         limit = law.strength * more
     return FrictionTerms(
-        law.joint, slip, coefficient, direction, law.contacts, law.unit, law.creep is None, limit
+        law.joint, slip, grip, direction, law.contacts, law.unit, law.creep is None, limit
     )

@@ -254,7 +254,7 @@ class SceneGraph:
         """The force itself, from the multipliers as inputs, its power, and what solves for it."""
         graph = self.graph
         columns = {q: k for k, q in enumerate(self.equations.coordinates)}
-        coefficient = self.translate(terms.coefficient)
+        coefficient = self.translate(terms.grip)
         direction = {columns[q]: self.translate(slope) for q, slope in terms.direction}
         loads = tuple(
             tuple(self._load(terms.joint, entry) for entry in contact) for contact in terms.contacts

@@ -1,4 +1,4 @@
-"""Fidelities: what is declared once, and taken by each scene as finely as its question needs."""
+"""Fidelities: an element is declared once; each scene takes it as finely as its question needs."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -73,7 +73,7 @@ class Fidelities(Couplers):
     def _read_fidelities(
         self, read: Reader, where: str, mapping: Any, couplers: Any
     ) -> tuple[tuple[str, str], ...]:
-        """What a scene says of fidelities, by name; what cannot be is noted."""
+        """The fidelities that a scene names; impossible ones are noted as problems."""
         if couplers is not None and not isinstance(couplers, Mapping):
             read.problems.append(
                 f"{where}: couplers={couplers!r} is no mapping; write {{'rod': 'link'}}."
@@ -135,7 +135,7 @@ class Fidelities(Couplers):
         return f"'{name}' as '{word}' {lacking}" if isinstance(lacking, str) else None
 
     def choice(self, group: str, how: Mapping[str, str], effects: Iterable[str]) -> str:
-        """Which of its alternatives a scene takes; effects that are named decide as its word does.
+        """The alternative that a scene takes, by its fidelity or by the effects that it names.
 
         Parameters
         ----------

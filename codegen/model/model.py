@@ -43,9 +43,9 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
             self.gravity("gravity", gravity)
 
     def add(self, element: Element) -> Element:
-        """An element of one's own: what answers `Constraint` or `Effect`, or a kind of `Body`.
+        """Declare a user-defined element: a `Constraint`, an `Effect` or a kind of `Body`.
 
-        A body is made with ``model.token`` for its `model`.
+        A body takes ``model.token`` as its `model`.
         """
         if isinstance(element, Body):
             if self._claim("body", element.name):

@@ -1,4 +1,4 @@
-"""What a scene reports beside the motion: the words of ``outputs=``."""
+"""The outputs of a scene in addition to the motion: the words of ``outputs=``."""
 
 import re
 from collections.abc import Iterable
@@ -11,7 +11,7 @@ from codegen.declare.value_reader import Reader
 from codegen.model.base import Declarations
 
 ALL = ("reactions", "energy", "powers")
-"""What a scene reports that names no output."""
+"""Outputs of a scene that names none."""
 GROUPS = (*ALL, "paths", "works")
 ONE = re.compile(r"(reaction|power|path|work)\((\w+)\)\Z")
 
@@ -32,7 +32,7 @@ class Outputs(Declarations):
         return element
 
     def _brought(self, outputs: tuple[str, ...] | None, bodies: Iterable[str]) -> tuple[str, ...]:
-        """Points whose paths are asked for: all on the bodies that take part, or those named."""
+        """Points whose paths are outputs: all on the bodies that take part, or the named ones."""
         points = tracked(self.effects.values())
         words, present = outputs or (), set(bodies)
         reachable = [n for n in points if {b.name for b in self.effects[n].bodies} <= present]

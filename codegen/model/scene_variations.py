@@ -1,4 +1,4 @@
-"""Scenes made on the fly: another scene with elements out or in, under a name that says so."""
+"""Variations of scenes: elements left out or taken in, under a name that says so."""
 
 import hashlib
 from dataclasses import replace
@@ -10,7 +10,7 @@ from codegen.declare.value_reader import Reader
 from codegen.model.scenes import Scenes
 
 WIDEST = 100
-"""Letters of a name; a longer one is cut and told apart by a hash, as it names a file."""
+"""Letters of a name; a longer one is cut and distinguished by a hash, as it names a file."""
 
 CHANGES = ("couplers", "start", "guess", "parameters", "frozen", "analysis", "outputs")
 
@@ -21,7 +21,7 @@ class Variations(Scenes):
     def varied(
         self, scene: Scene, *, out: Any, taken: Any, fidelity: Any = None, **changes: Any
     ) -> Scene:
-        """`scene` with elements out and in, and other words changed; it is not declared.
+        """`scene` with elements left out or taken in; it is not declared.
 
         Parameters
         ----------
@@ -77,7 +77,7 @@ class Variations(Scenes):
         return replace(variation, problems=tuple(dict.fromkeys(problems)))
 
     def _without_traces(self, request: Request, gone: tuple[str, ...]) -> Request:
-        """The words without what was said of effects and drivers that are out now."""
+        """The request without effects and drivers that are left out now."""
         chosen = {
             n for choices in self.groups.values() for names in choices.values() for n in names
         }
@@ -100,7 +100,7 @@ class Variations(Scenes):
         return replace(variation, problems=(*scene.problems, *read.problems))
 
     def _variation_name(self, root: Scene, request: Request) -> str:
-        """A name that follows from what differs from the scene it all began with."""
+        """A name from the differences to the root scene."""
         before = root.request
         old, new = dict(before.fidelity), dict(request.fidelity)
         inside = {*before.effects, *before.drivers} - {*before.without}
@@ -125,7 +125,7 @@ class Variations(Scenes):
         return name if len(name) <= WIDEST else f"{name[: WIDEST - 9].rstrip('_')}_{_hash(name)}"
 
     def _inherited(self, root: Scene, request: Request) -> Request:
-        """The words of the root as they would be with the same elements out and in."""
+        """The request of the root with the same elements left out and taken in."""
         same = replace(
             root.request,
             effects=request.effects,

@@ -28,7 +28,7 @@ from codegen.model.outputs import Outputs
 
 
 class Scenes(Fidelities, Outputs):
-    """What takes part in the questions asked of a machine."""
+    """The scenes of a declaration."""
 
     def scene(
         self,
@@ -47,7 +47,7 @@ class Scenes(Fidelities, Outputs):
         analysis: Analysis | None = None,
         outputs: Names | None = None,
     ) -> Scene:
-        """Name what takes part in a question asked of the machine.
+        """Declare a scene: the elements that take part in a question.
 
         With the name alone it answers the scene that was declared under it, to be varied:
         ``model.scene("compressor").without("gas").with_("rub", fidelity="sticking")``.
@@ -57,7 +57,7 @@ class Scenes(Fidelities, Outputs):
         name
             An identifier.
         effects, drivers
-            What acts, by name or by the object that its declaration returned.
+            Elements that act, by name or by the object that their declaration returned.
         extends
             Another scene: it has all that this one has, but for what is said here.
         without
@@ -82,7 +82,7 @@ class Scenes(Fidelities, Outputs):
             ``"dynamics"`` unless given. ``"kinematics"`` compiles neither masses nor forces,
             ``"equilibrium"`` nothing that only a motion needs.
         outputs
-            What is computed beside the motion: ``"reactions"``, ``"energy"``, ``"powers"``, or
+            Outputs in addition to the motion: ``"reactions"``, ``"energy"``, ``"powers"``, or
             those of one element, ``"reaction(A)"``, ``"power(gas)"``; all unless given, which
             ``"all"`` says in an extension. And what has to be named: ``"paths"`` of tracked points,
             ``"path(tip)"``; ``"works"``, ``"work(gas)"``, integrated along a simulation.
@@ -112,7 +112,7 @@ class Scenes(Fidelities, Outputs):
     def _read_request(
         self, read: Reader, where: str, effects: Names, drivers: Names, **words: Any
     ) -> tuple[Request, frozenset[str]]:
-        """The words of a scene, read; and which of those with a default were given."""
+        """The request of a scene, and its explicit keywords among those with a default."""
         known = self.bodies | self.joints | self.effects | self.drivers
         coordinates = self._coordinates()
         plain = {"frozen": False, "analysis": "dynamics", "outputs": None}
@@ -158,7 +158,7 @@ class Scenes(Fidelities, Outputs):
         return self._drop_unused_starts(inherited.extended(request, explicit), request)
 
     def _drop_unused_starts(self, merged: Request, mine: Request) -> Request:
-        """Without the start values that were inherited for what no longer takes part."""
+        """Drop inherited start values of elements that no longer take part."""
         scratch = self._compose(Reader(), "scratch", merged)
         present = {*scratch.bodies, *self.joints} - {*scratch.opened, *merged.without}
         renewed = {name for name, _ in (*mine.start, *mine.guess)}
@@ -173,7 +173,7 @@ class Scenes(Fidelities, Outputs):
         return replace(merged, start=fits(merged.start), guess=fits(merged.guess))
 
     def _compose(self, read: Reader, name: str, request: Request, **about: Any) -> Scene:
-        """The scene that the words mean."""
+        """Resolve a request to its scene."""
         where = f"scene '{name}'"
         how = dict(request.fidelity)
         wanted = tuple(e for e in request.effects if e not in request.without)

@@ -115,7 +115,7 @@ def _friction(terms: FrictionTerms) -> Iterator[tuple[str, sympy.Expr]]:
         sympy.sqrt(sympy.Add(*(_load(load) ** 2 for load in contact))) for contact in terms.contacts
     )
     yield "N", sympy.Add(*sizes)
-    yield "f", -terms.coefficient * given("N")
+    yield "f", -terms.grip * given("N")
     for q, slope in terms.direction:
         yield rf"Q_{{{latex(q)}}}", given("f") * slope
 

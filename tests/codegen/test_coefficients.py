@@ -33,7 +33,7 @@ def vanishes(effect: EffectEquations, zero: dict[sympy.Symbol, sympy.Expr]) -> b
     terms = effect.terms
     forces = [slope for _, slope in (*terms.gradient, *terms.forces)]
     if terms.friction is not None:
-        forces.append(terms.friction.coefficient)
+        forces.append(terms.friction.grip)
     marks = {side(effect.name): sympy.Symbol("sigma")}
     return bool(forces) and all(f.subs(marks).subs(zero) == 0 for f in forces)
 
