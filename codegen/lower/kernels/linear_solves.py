@@ -24,7 +24,7 @@ def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Str
     Parameters
     ----------
     rows
-        The constraints whose multipliers are selection.
+        The constraints whose multipliers the kernel returns.
     """
     if scene.driven:
         return _kinematics(scene), "square"
@@ -52,7 +52,7 @@ def _spread(scene: SceneGraph) -> float:
         size = float(mass.subs(declared).subs(neutral(coordinates))) if i == k else 0.0
         if size > 0.0:
             sizes.setdefault(coordinates[k].unit, []).append(size)
-    return max((max(exponents) / min(exponents) for exponents in sizes.values()), default=1.0)
+    return max((max(group) / min(group) for group in sizes.values()), default=1.0)
 
 
 def _dynamics(
