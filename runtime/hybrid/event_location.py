@@ -85,7 +85,7 @@ def find_dip(
     k: int,
     dense_rows: int,
 ) -> float:
-    """A point between `low` and `high` with side * g_k < -band by golden section, or `NOT_FOUND`."""
+    """A point between `low` and `high` with side * g_k < -band, or `NOT_FOUND`; golden section."""
     sample = ft.sample_function_of(context)
     x1 = low + _GOLDEN * (high - low)
     x2 = high - _GOLDEN * (high - low)
@@ -172,7 +172,8 @@ def find_crossing_at_end(context: Integers, t: float) -> int:
 def locate_event(context: Integers, t: float, h: float, dense_rows: int) -> float:
     """Fraction of the step at which a marked function first crosses, or `NOT_FOUND`.
 
-    The dense output must have been computed. The first of `crossed_of` receives the function's index.
+    The dense output must have been computed. `crossed_of(context)[0]` receives its
+    function.
     """
     trial = ws.switch_row(context, ws.TRIAL)
     scan = ws.switch_row(context, ws.SCAN)
@@ -199,7 +200,7 @@ def locate_event(context: Integers, t: float, h: float, dense_rows: int) -> floa
             continue
         side = 1.0 if modes[k] != 0 else -1.0
         band = band_row[k]
-        # Rounding of the dense output is no crossing; the end has none.
+        # Rounding of the dense output is no crossing; that of the end point counts.
         noise = max(band, _NOISE * largest[k])
         low, high, away = NOT_FOUND, NOT_FOUND, NOT_FOUND
         for i in range(1, ws.SUBDIVISIONS + 1):
