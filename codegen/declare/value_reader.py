@@ -43,6 +43,10 @@ class Reader:
             first, second = 1, 0
         return self.value(first, unit, where), self.value(second, unit, where)
 
+    def axis(self, value: Any, name: str) -> tuple[sympy.Expr, sympy.Expr]:
+        """The components of an axis, m; anything but a pair is noted and read as (1, 0)."""
+        return self.pair(value, "m", f"axis of '{name}'", "axis=(1, 0)")
+
     def gated(self, value: Any, unit: str, where: str, when: Any) -> Any:
         """A value while the condition `when` holds, else zero; None holds always."""
         force = self.value(value, unit, where)

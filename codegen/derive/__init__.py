@@ -1,1 +1,1 @@
-"""Elements → the equations of a scene: Φ, Φ_q, ν, γ, M, Q, V and what follows from them."""
+"""Elements → the equations of a scene: Φ, Φ_q, ν, γ, M, Q, V and switching functions."""

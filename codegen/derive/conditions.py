@@ -1,4 +1,4 @@
-"""Conditions → switching functions: every smooth piece of a force gets a mode of its own.
+"""Conditions → switching functions: every smooth piece of a force gets a mode.
 
 `Abs`, `Max`, `Min`, `sign` and `Heaviside` are written as pieces first, so that each step of an
 integration sees a smooth function.
@@ -25,7 +25,7 @@ def as_pieces(expression: sympy.Expr) -> sympy.Expr:
 
 
 def _alternatives(condition: Boolean, yes: Boolean, no: Boolean) -> Boolean:
-    """What SymPy makes of a kink inside a condition, in terms of And, Or and Not."""
+    """SymPy's form of a kink inside a condition, in terms of And, Or and Not."""
     return sympy.Or(sympy.And(condition, yes), sympy.And(sympy.Not(condition), no))
 
 

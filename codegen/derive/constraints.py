@@ -17,7 +17,7 @@ from codegen.derive.zero_test import is_zero
 
 @dataclass(frozen=True)
 class ConstraintTerms:
-    """What one element brings, in placeholders or in coordinates of the model.
+    """The terms of one constraint, in placeholders or in coordinates of the model.
 
     The kernels take the derivatives of Φ from its values (`codegen.lower.differentiation.gradient`,
     `codegen.lower.differentiation.directional`); those here

@@ -1,4 +1,4 @@
-"""Derivatives of what elements state, by the rules of calculus and nothing else.
+"""Derivatives of the expressions of elements, by the rules of calculus alone.
 
 SymPy differentiates a power as if its exponent might vary, with the logarithm of its base, and asks
 a page of questions about the sign of that; half the time of a build went there. Sums, products and

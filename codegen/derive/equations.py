@@ -10,14 +10,20 @@ from codegen.declare.parameter import ParameterDeclaration
 from codegen.declare.path_points import TRACKED
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter
-from codegen.derive.constraints import ConstraintTerms, constraint_terms, statement_terms
-from codegen.derive.effects import EffectTerms, effect_terms
+from codegen.derive.constraints import (
+    ConstraintTerms,
+    constraint_terms,
+    derived_statements,
+    statement_terms,
+)
+from codegen.derive.effects import EffectTerms, derived_effects, effect_terms
 from codegen.derive.inertia import inertia
 from codegen.derive.switching_functions import (
     HeldSide,
     RigidContact,
     Switch,
     held_sides,
+    rate,
     rigid_contacts,
     stiction,
     switches,
@@ -54,7 +60,7 @@ OWN = "body"
 
 @dataclass(frozen=True)
 class Equations:
-    """Everything that a scene is made of; nothing downstream looks at the declaration.
+    """The equations of a scene; nothing downstream reads the declaration.
 
     Attributes
     ----------
@@ -64,9 +70,9 @@ class Equations:
     inertia_force
         (column, Q_v) of the forces quadratic in velocities, where M depends on q.
     sides
-        What the modes make of the symbols in which frictions and contacts are written.
-    sought
-        (effect, switch) of the frictions in joints whose force at rest a run seeks by itself.
+        The values, by mode, of the symbols in which frictions and contacts are written.
+    stiction
+        (effect, switch) of the frictions in joints whose stiction force a run determines.
     parameters, unused
         Those that something which takes part depends on, and names of the others.
     """
@@ -89,7 +95,7 @@ class Equations:
 
 
 def tracked_points(equations: Equations) -> tuple[str, ...]:
-    """Names of the points that take part: they do where their paths are asked for."""
+    """Names of the tracked points that take part, those whose paths are outputs."""
     return tuple(e.name for e in equations.effects if e.kind == TRACKED)
 
 
@@ -110,7 +116,7 @@ def active_joints(model: Model, scene: Scene) -> dict[str, Constraint]:
 
 
 def body_equations(body: Body) -> ConstraintEquations:
-    """The equations between a body's own coordinates, which exert nothing that is reported."""
+    """The equations between the coordinates of a body, whose reactions are not reported."""
     words, phi = zip(*body.equations, strict=True)
     statement = Statement(phi, words, None)
     return ConstraintEquations(body.name, OWN, False, statement, statement_terms(statement))
@@ -173,7 +179,7 @@ def _symbols(
     constraints: tuple[ConstraintEquations, ...],
     effects: tuple[EffectEquations, ...],
 ) -> frozenset[str]:
-    """Names of the parameters in what takes part."""
+    """Names of the parameters of the elements that take part."""
     symbols: set[sympy.Basic] = set()
     stack: list[object] = [inertial, effects]
     for constraint in constraints:
@@ -187,3 +193,8 @@ def _symbols(
         elif is_dataclass(part):
             stack += vars(part).values()
     return frozenset(s.name for s in symbols if isinstance(s, Parameter))
+
+
+def derivations() -> int:
+    """Statements, potentials, forces and switching functions that SymPy has worked on so far."""
+    return derived_statements() + derived_effects() + rate.cache_info().misses

@@ -1,4 +1,4 @@
-"""M(q) and Q_v of all bodies, with blocks that their bodies' own equations make definite.
+"""M(q) and Q_v of all bodies, with blocks that the equations of their bodies make definite.
 
 Coordinates with equations Φ_b = 0 between them, such as Euler parameters, may have a mass block M_b
 that is singular: the velocity along their gradient n = Φ_b,qᵀ moves nothing. Every solution obeys

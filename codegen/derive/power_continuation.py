@@ -26,7 +26,7 @@ _EPSILON_SQUARED = sympy.Float(1e-200)
 _MOVING = (Coordinate, Velocity, Time, Speed)
 
 Facts = tuple[sympy.Expr, ...]
-"""What is not negative where an expression's value counts."""
+"""Expressions that are not negative where the value of another is used."""
 
 
 def continued(expression: sympy.Expr) -> sympy.Expr:
@@ -49,7 +49,7 @@ def _continue(node: sympy.Basic, facts: Facts) -> sympy.Basic:
     if isinstance(node, sympy.Piecewise):
         return _pieces(node, facts)
     if isinstance(node, Relational):
-        facts = Facts()  # what tells the pieces apart is asked for in all of them
+        facts = Facts()  # a condition is evaluated in all pieces
     elif isinstance(node, sympy.Pow) and _ends_at_zero(node):
         return _power(node, facts)
     elif isinstance(node, sympy.Mul):
@@ -64,7 +64,7 @@ def _rebuild(node: sympy.Basic, parts: list[sympy.Basic]) -> sympy.Basic:
 
 
 def _pieces(node: sympy.Piecewise, facts: Facts) -> sympy.Expr:
-    """Every piece by what holds in it."""
+    """Every piece by the facts that hold in it."""
     pairs = tuple(
         (_continue(piece, (*facts, *here)), _continue(condition, Facts()))
         for (piece, condition), here in zip(node.args, _facts_of_pieces(node), strict=True)
@@ -76,7 +76,7 @@ def _pieces(node: sympy.Piecewise, facts: Facts) -> sympy.Expr:
 
 
 def _facts_of_pieces(node: sympy.Piecewise) -> list[Facts]:
-    """What holds in each piece: its own condition, and none of those before it."""
+    """The facts of each piece: its condition holds, and none of those before it."""
     facts: list[Facts] = []
     before: list[tuple[Boolean, bool]] = []
     for _, condition in node.args:
@@ -86,7 +86,7 @@ def _facts_of_pieces(node: sympy.Piecewise) -> list[Facts]:
 
 
 def _conclude(conditions: list[tuple[Boolean, bool]]) -> Facts:
-    """What is not negative where conditions hold or, as told, do not.
+    """Expressions that are not negative where conditions hold or, as stated, do not.
 
     Of several, one of which is not negative, the largest is: ``Max(0, x, y)`` has x where one of
     x and y is not negative, and x > y.
@@ -122,7 +122,7 @@ def _alternatives(condition: Boolean, holds: bool) -> list[Facts]:
 
 
 def _facts_of_cofactors(factor: sympy.Expr, product: sympy.Mul) -> Facts:
-    """What holds where the factors beside it are not zero, as in ``Heaviside(x) * x**1.5``."""
+    """The facts where the other factors are not zero, as in ``Heaviside(x) * x**1.5``."""
     facts = Facts()
     for other in product.args:
         if isinstance(other, sympy.Piecewise) and other != factor:

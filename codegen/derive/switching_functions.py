@@ -60,7 +60,7 @@ class RigidContact:
     effect, switch
         Its name, and the number of its switch.
     moving
-        Whether the gap changes by itself with the time, so that the contact does work.
+        Whether the gap depends on the time, so that the contact does work.
     acceleration
         d²g/dt² along the motion.
     restitution, scale
@@ -86,7 +86,7 @@ def rate(g: sympy.Expr) -> sympy.Expr:
 
 
 def switches(effects: Iterable[Named]) -> tuple[Switch, ...]:
-    """Those of the effects of a scene, (name, terms) each.
+    """The switching functions of the effects of a scene, (name, terms) each.
 
     One switch a condition: a condition and its opposite share it, and so does a friction whose
     slip changes sign with them. A contact has its own, since a reaction scales its force alone.
@@ -133,10 +133,10 @@ def held_sides(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[Hel
 
 
 def stiction(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[tuple[str, int], ...]:
-    """(effect, switch) of the frictions in joints whose force at rest is sought by itself.
+    """(effect, switch) of the frictions in joints whose stiction force a run determines.
 
-    They are those that have their switch for themselves: where a condition or another friction
-    changes with the same slip, all of them are what lies between their two modes.
+    Their switch belongs to them alone: where a condition or another friction changes with the
+    same slip, all of them follow Filippov's combination of the two modes.
     """
     effects = tuple(effects)
     others = [s for s in among if s.kind != "contact"]

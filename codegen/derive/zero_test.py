@@ -16,7 +16,7 @@ class _Sized(NamedTuple):
 
 
 class _UnknownError(Exception):
-    """The expression holds something that has no number here."""
+    """The expression contains a function that is not evaluated here."""
 
 
 def is_zero(expr: sympy.Expr) -> bool:

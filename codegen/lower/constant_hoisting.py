@@ -1,4 +1,4 @@
-"""What parameters alone determine is moved out of the kernels, into one that runs once a run."""
+"""Constant hoisting: values of parameters alone move into a kernel that runs once a run."""
 
 from collections import Counter
 from dataclasses import replace
@@ -13,7 +13,7 @@ rad.
 
 
 def with_constants(graph: Graph, kernels: tuple[Kernel, ...], declared: int) -> Program:
-    """The program with all that parameters alone determine moved into a kernel of its own.
+    """The program with all values of parameters alone in a separate kernel.
 
     These values stand in ``p`` behind the declared parameters and are computed once a run. Before
     them stand the forces of what is held, which a run sets as it goes.

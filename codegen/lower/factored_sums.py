@@ -2,7 +2,7 @@
 
 A derivative along a motion is a sum of products of rates, ω_i² a + 2 ω_i b + ω_j² c. By hand one
 writes a, b and c as sums over components and multiplies by the rates at the end; `Parts` keeps the
-three apart until the sum is asked for as one value. Equal values are one in the graph, so that a
+three apart until the sum is needed as one value. Equal values are one in the graph, so that a
 part that another equation has too is not computed again.
 """
 

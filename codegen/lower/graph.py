@@ -136,7 +136,7 @@ class Graph(Numbering):
         return self._add(Op.MUL, (a, b))
 
     def _inside(self, choice: int, factor: int) -> int | None:
-        """A product with what is zero on one side, as a choice: it is computed on the other."""
+        """A product with a choice that is zero on one side, computed on the other only."""
         if self.values[choice].op is not Op.SELECT:
             return None
         condition, yes, no = self.values[choice].args
@@ -145,7 +145,7 @@ class Graph(Numbering):
         return None
 
     def div(self, a: int, b: int) -> int:
-        """a / b; a division by what is known before the run becomes a product."""
+        """a / b; a division by a value known before the run becomes a product."""
         x, y = self.number(a), self.number(b)
         if x is not None and y is not None and y != 0.0:
             return self.constant(x / y, "/", x, y)

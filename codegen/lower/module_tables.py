@@ -1,4 +1,4 @@
-"""What a generated module says about itself: tables of plain values, for the runtime and people."""
+"""The tables of a generated module: plain values, for the runtime and for readers."""
 
 from dataclasses import dataclass
 
@@ -28,11 +28,11 @@ class Description:
         (name, default, unit, sign rule) of those that a run may change, and of those that a frozen
         scene holds as numbers.
     effects, left_out
-        (name, kind) of what acts, and of what is declared but does not.
+        (name, kind) of the effects that act, and of declared elements that do not.
     unused
         Parameters on which nothing that takes part depends.
     outputs
-        What is asked for beside the motion; None: all that there is.
+        The outputs in addition to the motion; None means all.
     recovered
         Constraints whose multipliers `accelerations` answers.
     drivers
@@ -42,7 +42,7 @@ class Description:
     rigid
         (effect, number of its switch) of each rigid contact.
     sought
-        (effect, number of its switch) of each friction whose force at rest a run seeks; these
+        (effect, number of its switch) of each friction whose stiction force a run determines; these
         forces stand in ``p`` behind the parameters.
     reactions
         (element, component, unit) of each entry of the kernel `reactions`.

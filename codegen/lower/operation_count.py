@@ -1,4 +1,4 @@
-"""What a program costs: operations a kernel, and the element that each of them serves."""
+"""The cost of a program: operations of each kernel, and the element that each serves."""
 
 from collections import Counter
 

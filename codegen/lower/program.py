@@ -13,7 +13,7 @@ from codegen.cubic_spline import Table
 
 
 class Op(Enum):
-    """What a value can be."""
+    """The operations."""
 
     CONST = "const"
     INPUT = "input"
@@ -119,7 +119,7 @@ class Value:
 
 
 class Output(NamedTuple):
-    """Store `value` in slot `slot` of the argument `array`; `note` says what it is."""
+    """Store `value` in slot `slot` of the argument `array`; `note` is its comment."""
 
     array: str
     slot: int

@@ -61,8 +61,8 @@ class SceneGraph:
     powers
         (effect, power) of the effects without a potential.
     working
-        Effect → power of all that it exerts, what has a potential included, where its work is
-        asked for.
+        Effect → power of all its forces, those of a potential included, where its work is an
+        output.
     frictions
         The forces that follow from reactions.
     """
@@ -176,7 +176,7 @@ class SceneGraph:
         self.jacobian = dict(sorted(self.jacobian.items()))
 
     def _row(self, phi: int, still: bool) -> None:
-        """Φ of one constraint, and what follows from it."""
+        """Add Φ, Φ_q, ν and γ of one constraint."""
         graph = self.graph
         slopes = self.slopes.gradient({phi: graph.one})
         for k, q in enumerate(self.q):
@@ -224,7 +224,7 @@ class SceneGraph:
         """Add all forces of an effect to `forces`; the power of those without a potential.
 
         Those of the potential and those along scalars are gathered in one walk back: a spring and
-        the damper beside it pull along one line.
+        the damper parallel to it pull along one line.
         """
         graph = self.graph
         columns = {q: k for k, q in enumerate(self.equations.coordinates)}
@@ -251,7 +251,7 @@ class SceneGraph:
                 totals[k] = self.graph.add(totals[k], slopes[q])
 
     def _friction(self, name: str, terms: FrictionTerms) -> None:
-        """The force itself, from the multipliers as inputs, its power, and what solves for it."""
+        """Add a friction: its force from the multipliers as inputs, its power, and its equation."""
         graph = self.graph
         columns = {q: k for k, q in enumerate(self.equations.coordinates)}
         coefficient = self.translate(terms.grip)
@@ -259,7 +259,7 @@ class SceneGraph:
         loads = tuple(
             tuple(self._load(terms.joint, entry) for entry in contact) for contact in terms.contacts
         )
-        is_stuck, stiction = self._sought(name)
+        is_stuck, stiction = self._stiction(name)
         self.frictions.append(Friction(coefficient, direction, loads, is_stuck, stiction))
         sizes = [self.size([self.along(entry, self.lam) for entry in load]) for load in loads]
         pressing = graph.total(sizes)
@@ -276,8 +276,8 @@ class SceneGraph:
         self.powers.append((name, power))
         self.working[name] = power
 
-    def _sought(self, name: str) -> tuple[int, int] | tuple[None, None]:
-        """Whether the friction `name` is held, and the force that holds it, if a run seeks this."""
+    def _stiction(self, name: str) -> tuple[int, int] | tuple[None, None]:
+        """Whether the friction `name` sticks, and its stiction force, if a run determines that."""
         for place, (effect, switch) in enumerate(self.equations.stiction):
             if effect == name:
                 return self.graph.held(switch), self.graph.input("held", place, f"held_{name}")

@@ -1,7 +1,7 @@
-"""Values built anew with others in the place of some: substitution in a graph.
+"""Substitution in a graph: values are rebuilt with others in the place of some.
 
-Every operation is asked of the graph again, so that what a substitution makes constant is folded,
-what it makes zero annihilates, and what it makes equal is one value. A sine of a sum whose second
+Every operation is built by the graph again, so that new constants fold, new zeros annihilate,
+and values that become equal are one. A sine of a sum whose second
 term does not move, such as the angle of a body that is fixed to another, becomes the sum of
 products of what is known and the sine and cosine of the first.
 """
@@ -13,7 +13,7 @@ from codegen.lower.program import Lookup, Op, Value
 
 
 def reached(graph: Graph, roots: Iterable[int], stop: Mapping[int, object] = {}) -> set[int]:
-    """Numbers of the values that the roots are made of, not looking below those in `stop`."""
+    """Numbers of the values that the roots depend on, not below those in `stop`."""
     stack, numbers = list(roots), set[int]()
     while stack:
         number = stack.pop()
@@ -30,7 +30,7 @@ def rebuilt(graph: Graph, outputs: Sequence[int], replaced: Mapping[int, int]) -
     Parameters
     ----------
     replaced
-        Number of a value, an input or a function of one, → what stands in its place.
+        Number of a value, an input or a function of one, → its replacement.
     """
     known = dict(replaced)
     for number in sorted(reached(graph, outputs, replaced)):
@@ -62,7 +62,7 @@ def _again(graph: Graph, value: Value, args: tuple[int, ...]) -> int:
 
 
 def turned(graph: Graph, op: Op, angle: int) -> int:
-    """sin or cos of an angle; of a sum with a constant angle by the angle's own."""
+    """sin or cos of an angle; of a sum with a constant angle by the addition theorems."""
     value = graph.values[angle]
     if value.op is Op.NEG:
         same = turned(graph, op, value.args[0])

@@ -59,7 +59,7 @@ class Translator:
         self._ranks: dict[int, int] = {}
 
     def scoped(self, bindings: Mapping[sympy.Expr, sympy.Expr | int]) -> "Translator":
-        """A translator that knows, beside the model's symbols, an element's placeholders."""
+        """A translator that knows an element's placeholders in addition to the model's symbols."""
         inner = Translator(self.graph, self.environment, self.switches)
         for place, meaning in bindings.items():
             inner.environment[place] = meaning if isinstance(meaning, int) else self(meaning)

@@ -1,4 +1,4 @@
-"""Value numbering: leaves and operations, each once, and what each depends on."""
+"""Value numbering: leaves and operations, each once, and the inputs that each depends on."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -114,7 +114,7 @@ class Numbering:
         return self._add(Op.MODE, (), index)
 
     def held(self, index: int) -> int:
-        """Whether switching function `index` is held, by a force that the caller gives."""
+        """Whether switching function `index` is kept at zero by a force of the caller."""
         return self._add(Op.HELD, (self.mode(index),))
 
     def number(self, a: int) -> float | None:

@@ -15,7 +15,6 @@ from codegen.declare.table_function import FEWEST, TableFunction
 from codegen.elements.joints.cam_flat_follower import CamFlatFollower
 from codegen.elements.joints.cam_follower import CamFollower
 from codegen.elements.joints.point_follower import PointFollower
-from codegen.model.axis import read_axis
 from codegen.model.base import Declarations
 
 # accuracy: first and last point of a path that agree to this part of its size are one
@@ -44,7 +43,7 @@ class Cams(Declarations):
         ``joint.alpha`` begins where the cam reaches farthest into the follower.
         """
         profile = self._curve(name, cam, closed=True, convex=True)
-        line = read_axis(self._read, axis, name)
+        line = self._read.axis(axis, name)
         element = CamFlatFollower(name, profile, self._point(name, face), line)
         self._joint(element)
         return element

@@ -14,7 +14,6 @@ from codegen.elements.drivers.distance import DistanceDriver
 from codegen.elements.drivers.point import PointDriver
 from codegen.elements.drivers.relative import RelativeDriver
 from codegen.elements.drivers.translation import TranslationDriver
-from codegen.model.axis import read_axis
 from codegen.model.base import Declarations
 
 Letter = Literal["x", "y", "phi"]
@@ -57,7 +56,7 @@ class Drivers(Declarations):
         axis: tuple[Any, Any] = (1, 0),
     ) -> Constraint:
         """How far `j` is ahead of `i` along `axis` of body `i` follows `law`: a driven slider."""
-        line = read_axis(self._read, axis, name)
+        line = self._read.axis(axis, name)
         right = self._law(name, law, "m")
         return self._driver(TranslationDriver(name, *self._pair(name, i, j), line, right))
 

@@ -17,7 +17,6 @@ from codegen.elements.joints.revolute_translational import RevoluteTranslational
 from codegen.elements.joints.translational import Translational
 from codegen.elements.joints.user_expression import ExpressionConstraint
 from codegen.elements.joints.weld import Weld
-from codegen.model.axis import read_axis
 from codegen.model.base import Declarations
 
 
@@ -47,7 +46,7 @@ class Joints(Declarations):
         angle
             φ_j - φ_i, rad.
         """
-        line = read_axis(self._read, axis, name)
+        line = self._read.axis(axis, name)
         offset = self._read.value(angle, "rad", f"angle of '{name}'")
         return self._joint(Translational(name, *self._pair(name, i, j), line, offset))
 
@@ -86,7 +85,7 @@ class Joints(Declarations):
             The slide block that the joint stands for: the joint acts in those scenes that leave
             this body out.
         """
-        line = read_axis(self._read, axis, name)
+        line = self._read.axis(axis, name)
         offset = self._read.value(distance, "m", f"distance of '{name}'")
         pair = self._pair(name, i, j)
         return self._joint(RevoluteTranslational(name, *pair, line, offset, instead_of))
@@ -150,7 +149,7 @@ class Joints(Declarations):
             How far along `axis` the centre lies from `rack`, m, where both bodies have the same φ.
         """
         size = self._read.value(radius, "m", f"radius of '{name}'")
-        line = read_axis(self._read, axis, name)
+        line = self._read.axis(axis, name)
         start = self._read.value(offset, "m", f"offset of '{name}'")
         pair = self._pair(name, pinion, rack)
         return self._joint(RackAndPinion(name, *pair, size, line, start))

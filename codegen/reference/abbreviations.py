@@ -11,7 +11,7 @@ from codegen.reference.latex import latex, width
 from codegen.reference.letters import lettered, scaled, used
 
 LONG = 9
-"""Characters from which a sum that occurs again is given a name."""
+"""Characters from which a repeated sum gets a name."""
 
 WIDE = 56
 """Characters from which a sum inside a product is: lines are broken between terms alone."""
@@ -54,7 +54,7 @@ class Abbreviations:
         return short
 
     def definitions(self) -> list[tuple[str, sympy.Expr]]:
-        """(name in LaTeX, meaning) of all that has been used, each before what it is used in."""
+        """(name in LaTeX, meaning) of the abbreviations in use, each before its first use."""
         pairs: dict[sympy.Symbol, sympy.Expr] = {}
 
         def define(names: set[sympy.Symbol]) -> None:

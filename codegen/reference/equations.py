@@ -26,7 +26,7 @@ HELD = {
         "{g} = 0, σ is the number from 0 to infinity that keeps it so."
     ),
 }
-"""What the symbol of a friction or contact is."""
+"""The meaning of the symbol of a friction or contact."""
 
 SIZE = r"\left|\sigma\right|_{\max}"
 
@@ -67,7 +67,7 @@ def constraint_sections(element: Constraint) -> Iterator[str]:
 
 
 def effect_sections(equations: Equations, element: Effect) -> Iterator[str]:
-    """V and Q of a force, and what switches it."""
+    """V and Q of a force, and its switching functions."""
     (terms,) = (e.terms for e in equations.effects if e.name == element.name)
     switches_of_effect = [s for s in equations.switches if s.effect == element.name]
     switches = [s.g for s in switches_of_effect]
@@ -153,7 +153,7 @@ def _place(q: Coordinate) -> tuple[str, int]:
 
 
 def _placeholders(statement: Statement, terms: ConstraintTerms) -> Iterator[str]:
-    """What the letters are that stand for neither coordinates nor points."""
+    """The meanings of the letters that stand for neither coordinates nor points."""
     seen = set(kinds(sympy.Tuple(*terms.phi, *(e for _, _, e in terms.reactions)), Given))
     letters_shown = []
     for place, value in statement.bindings.items():

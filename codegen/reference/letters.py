@@ -1,4 +1,4 @@
-"""The letters of the book for what a pair of bodies has: s_i = A_i s'_i, u_i = A_i u'_i, d_ij.
+"""The letters of the book for quantities of a pair of bodies: s_i = A_i s'_i, u_i = A_i u'_i, d_ij.
 
 An element's equations are compiled component by component, so that s'_ix cos φ_i - s'_iy sin φ_i
 stands there for s_ix. A page puts the letter back: by factoring it out of sums, which changes

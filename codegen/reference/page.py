@@ -1,4 +1,4 @@
-"""The page of one kind: what it is, how it is declared, its equations, its reaction, its cost."""
+"""The page of one kind: its description, declaration, equations, reaction and cost."""
 
 import inspect
 from collections.abc import Iterator

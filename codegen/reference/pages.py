@@ -1,4 +1,4 @@
-"""All pages of the reference as files in a folder, and whether they are what they should be."""
+"""All pages of the reference as files in a folder, and whether they are up to date."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ def find_kind(name: str) -> str:
 
 
 def chosen_kinds(model: Model | None = None, only: str | None = None) -> dict[str, Kind]:
-    """The kinds that have pages: the library's, and a user's own that `model` has an example of."""
+    """The kinds that have pages: the library's, and a user's with an example in `model`."""
     elements = () if model is None else (*model.joints.values(), *model.effects.values())
     in_model = {element.kind for element in elements}
     return {

@@ -6,8 +6,7 @@ import pytest
 
 from codegen.derive import constraints, effects
 from codegen.derive import switching_functions as switches
-from codegen.derive.counting import derivations
-from codegen.derive.equations import derive
+from codegen.derive.equations import derivations, derive
 from codegen.driver import valid_scenes
 from codegen.model_file import read_model
 from tests.codegen.workbench import Interpreted

@@ -92,7 +92,7 @@ class Direction:
         return Jet(first, second)
 
     def _jet(self, first: Parts, terms: Terms) -> Jet:
-        """A jet whose second derivative is a sum, which is formed if it is asked for."""
+        """A jet whose second derivative is a sum, formed on demand."""
         second = self._nothing.second
         if self.order > 1:
             for number, part in terms():

@@ -16,7 +16,7 @@ from codegen.lower.program import Op
 from codegen.lower.substitution import reached
 
 PLANE = frozenset({Op.CONST, Op.INPUT, Op.ADD, Op.SUB, Op.NEG, Op.MUL, Op.SIN, Op.COS})
-"""What vectors in a plane are made of."""
+"""Operations of which vectors in a plane consist."""
 
 BREAKING = frozenset({Op.DIV, Op.SQRT, Op.POW, Op.LOG, Op.TAN, Op.ASIN, Op.ACOS, Op.ATAN2})
 """Operations that have no finite value or slope everywhere."""

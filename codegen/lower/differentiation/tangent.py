@@ -63,7 +63,7 @@ def tangents(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]) -> 
 
 
 def _reached(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]) -> list[int]:
-    """What the outputs need, in order, less the seeds, leaves and conditions."""
+    """Values that the outputs depend on, in order, without seeds, leaves and conditions."""
     needed = reached(graph, outputs, seeds) - seeds.keys()
     return sorted(k for k in needed if graph.values[k].args and graph.values[k].op not in LOGICAL)
 

@@ -1,4 +1,4 @@
-"""Kernels of what holds on to its surface: frictions that stick, and rigid contacts."""
+"""Kernels of sticking frictions and rigid contacts: bounds of α, gaps, restitution."""
 
 import sys
 
@@ -11,7 +11,7 @@ UNBOUNDED = sys.float_info.max
 
 
 def hold_kernels(scene: SceneGraph, selection: Selection) -> list[Kernel]:
-    """Those that the scene needs."""
+    """The kernels of sticking frictions and rigid contacts that a scene needs."""
     kernels = []
     if any(s.kind == "contact" or s.ratio is not None for s in scene.equations.switches):
         kernels.append(_holds(scene))
@@ -57,7 +57,7 @@ def switched_reactions(scene: SceneGraph) -> list[int]:
 
 
 def reaction_note(scene: SceneGraph, k: int) -> str:
-    """What stands in a row of REACTIONS."""
+    """The element, component and unit of a row of REACTIONS."""
     element, part, unit, _ = scene.reactions[k]
     return f"{element} {part}, {unit}" if unit else f"{element} {part}"
 

@@ -118,7 +118,7 @@ def least_changes(
 
 
 def _solutions(task: Task) -> list[Solution]:
-    """All that is worth a comparison, the one that keeps more digits first."""
+    """The solutions to compare, the most accurate first."""
     graph, right = task.graph, task.right
     if len(right[0]) == len(task.weights) > 0:
         labels = task.labels(task.unknowns)
@@ -126,17 +126,17 @@ def _solutions(task: Task) -> list[Solution]:
         solutions = square.solve()
         if solutions is not None:
             return [(solutions, tuple(square.checks), labels)]
-    solutions_found = []
-    labels = Labels(task.names, solution=task.unknowns)
+    candidates = []
+    labels = Labels(task.names, stemmed(task.stems, task.rows), task.unknowns)
     space = NullSpace(graph, task.jacobian, right, task.weights, labels, task.rows)
     changes = space.solve()
     if changes is not None:
-        solutions_found.append((changes, tuple(space.checks), labels))
-    return [*solutions_found, _by_multipliers(task)]
+        candidates.append((changes, tuple(space.checks), labels))
+    return [*candidates, _by_multipliers(task)]
 
 
 def _by_multipliers(task: Task) -> Solution:
-    """d = W Φ_qᵀ μ with Φ_q W Φ_qᵀ μ = r, but for coordinates that a constraint gives outright."""
+    """d = W Φ_qᵀ μ with Φ_q W Φ_qᵀ μ = r, after coordinates that one constraint determines."""
     graph, weights = task.graph, task.weights
     rows: dict[int, dict[int, int]] = {i: {} for i in range(len(task.right[0]))}
     for (i, k), entry in sorted(task.jacobian.items()):
@@ -183,7 +183,7 @@ def _give_determined(
     weights: list[int],
     solutions: list[list[int]],
 ) -> list[Check]:
-    """Take out rows with one unknown and a number before it; no weight has a part in these."""
+    """Solve rows with one unknown and a constant coefficient; the weights do not matter there."""
     checks: list[Check] = []
     while True:
         numbers = {i: [graph.number(x) for x in row.values()] for i, row in rows.items()}

@@ -1,4 +1,4 @@
-"""Friction from reactions: the accelerations and multipliers that agree with their own friction.
+"""Friction from reactions: accelerations and multipliers consistent with the friction they cause.
 
 Without friction the solution is x₀; a unit force of friction j adds x_j. With the force -g_j S_j,
 S_j the sum of the sizes of its loads, every load is linear in the solution, and the sums obey
@@ -9,13 +9,13 @@ The right side is convex, so Newton's steps from 0 rise to the smallest solution
 load keeps its sign, in a step more for each sign that changes. Several frictions take a step each
 in turn, a fixed number of times, so that the kernel stays one straight line.
 
-A friction that is held at rest has no such equation: what it exerts is given, and the run seeks
-the force that keeps it at rest. It does not matter then whether sliding would jam. In the place of
--g_j S_j it has the given force times 1.
+A friction that sticks has no such equation: its force is an input, which the run determines so
+that the slip stays zero. Whether sliding would jam does not matter then. The force stands in the
+place of -g_j S_j.
 
-The kernel watches what came out: a slope 1 - d/dS Σ|c + e S| that is not positive means that no
-friction holds what it brings about: the joint jams, and the answer is no number. A remainder means
-that the steps did not suffice, and is told with the joint's name.
+The kernel checks the solution. Where the slope 1 - d/dS Σ|c + e S| is not positive no friction
+balances the loads that it causes: the joint jams, and the result is nan. A remainder means that
+the steps did not suffice; it is reported with the joint's name.
 """
 
 from codegen.lower.program import Check
@@ -25,7 +25,7 @@ ALONE, SWEEPS = 6, 12
 """Steps for a single friction; sweeps over several."""
 
 AGREED = 1e-7
-"""accuracy: remainder of the equation of the loads, in parts of the loads, that is let pass."""
+"""accuracy: remainder of the equation of the loads, in parts of the loads, that is accepted."""
 
 TINY = 1e-300
 """safety: added to squares under a root, so that a load of zero has the size zero."""
@@ -81,7 +81,7 @@ def with_friction(
 
 
 def _unless_held(scene: SceneGraph, friction: Friction, value: int) -> int:
-    """`value`, and 1 while the friction is held."""
+    """`value`, and 1 while the friction sticks."""
     if friction.is_stuck is None:
         return value
     return scene.graph.select(friction.is_stuck, scene.graph.one, value)

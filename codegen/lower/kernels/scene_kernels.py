@@ -110,7 +110,7 @@ def _note_weights(scene: SceneGraph) -> None:
 
 
 def _reported(scene: SceneGraph, selection: Selection) -> tuple[int, ...]:
-    """Which of the scene's reactions are asked for, in order."""
+    """Numbers of the reactions that the scene reports, in order."""
     return tuple(k for k, (name, *_) in enumerate(scene.reactions) if selection.reaction(name))
 
 
@@ -237,7 +237,7 @@ def _switching_kernels(scene: SceneGraph, resting: bool) -> list[Kernel]:
 def _powers(scene: SceneGraph) -> list[tuple[str, str, int]]:
     """Q·q̇ of each effect; λ Φ_t of each driver (its force -Φ_qᵀ λ on velocities Φ_q q̇ = ν).
 
-    An equation of one's own that contains the time does work as a driver does.
+    A user's equation that contains the time does work as a driver does.
     """
     powers = [(name, "effect", power) for name, power in scene.powers]
     row = 0
@@ -251,7 +251,7 @@ def _powers(scene: SceneGraph) -> list[tuple[str, str, int]]:
 
 
 def _works(scene: SceneGraph, selection: Selection) -> list[tuple[str, str, int]]:
-    """The powers whose integrals are asked for, of effects with all that they exert."""
+    """The powers whose integrals are outputs; those of effects include their potential."""
     whole = [(name, value) for name, _, value in _powers(scene) if name not in scene.working]
     pairs = [*scene.working.items(), *whole]
     return [(f"work({name})", "work", value) for name, value in pairs if selection.work(name)

@@ -1,4 +1,4 @@
-"""What of a scene is asked for: which kernels it has, and which of their rows."""
+"""Selection of the kernels of a scene, and of their rows, by its outputs."""
 
 from codegen.derive.equations import Equations, tracked_points
 from codegen.lower.graph import Graph
@@ -51,7 +51,7 @@ def _limited(friction: object) -> bool:
 
 
 def recovered(scene: SceneGraph, selection: Selection) -> tuple[int, ...]:
-    """Rows whose multipliers something that is asked for depends on; all where all is asked for."""
+    """Constraints whose multipliers an output depends on; all rows where `outputs` is None."""
     rows = range(scene.m)
     if selection.outputs is None:
         return tuple(rows)

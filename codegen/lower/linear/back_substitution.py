@@ -1,4 +1,4 @@
-"""What an elimination leaves: its pivots, through which a right side goes forth and back."""
+"""Forward and back substitution through the pivots of an elimination."""
 
 from dataclasses import dataclass
 
@@ -58,14 +58,14 @@ class Loop:
 
 @dataclass(frozen=True)
 class Substitution:
-    """A symmetric system as it was stated, and the pivots that solve it.
+    """A symmetric system before elimination, and the pivots that solve it.
 
     Attributes
     ----------
     entries, right
         (i, j) → value, both triangles; the right sides, one list a column.
     steps, loop
-        The pivots in order, and what closed the system, if that was a loop.
+        The pivots in order, and the loop that closed the system, if any.
     """
 
     graph: Graph
@@ -84,10 +84,10 @@ class Substitution:
         return self._back(rights, x)
 
     def refined(self, column: int, x: list[int]) -> list[int]:
-        """The unknowns, improved by what the equations as they were stated still lack.
+        """The unknowns after one step of iterative refinement with the original equations.
 
-        One such step makes an elimination in an order that knows nothing of the sizes of masses as
-        accurate as the equations themselves (R. D. Skeel, Mathematics of Computation 35, 1980).
+        One step makes an elimination whose order ignores the sizes of masses as accurate as the
+        equations themselves (R. D. Skeel, Mathematics of Computation 35, 1980).
         """
         graph, lack = self.graph, list(self.right[column])
         for (i, j), entry in self.entries.items():
@@ -96,7 +96,7 @@ class Substitution:
         return [graph.add(value, more) for value, more in zip(x, change, strict=True)]
 
     def _solve(self, right: list[int]) -> list[int]:
-        """The unknowns of another right side, which is used up."""
+        """The unknowns of another right side, which is overwritten."""
         graph = self.graph
         mul, sub = graph.mul, graph.sub
         rights: list[tuple[int, ...]] = []

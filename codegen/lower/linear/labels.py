@@ -26,7 +26,7 @@ class Labels:
     found
         Value → its name and the step that computes it.
     steps
-        What each step does, for a comment.
+        The title of each step, for a comment.
     """
 
     names: Sequence[str] = ()
@@ -37,7 +37,7 @@ class Labels:
     steps: list[str] = field(default_factory=list)
 
     def step(self, title: str) -> None:
-        """Begin a step: `title` says what it does."""
+        """Begin a step with the comment `title`."""
         self.steps.append(title)
 
     def add(self, value: int, name: str) -> None:
@@ -46,7 +46,7 @@ class Labels:
             self.by_value[value] = Label(value, name, len(self.steps) - 1)
 
     def of(self, stem: str, *unknowns: int) -> str:
-        """A name made of a stem and unknowns."""
+        """The name from a stem and unknowns."""
         return "_".join((stem, *(self.names[i] for i in unknowns))) if self.names else stem
 
     def pivot(self, value: int, inverse: int, unknown: int) -> None:

@@ -4,7 +4,7 @@
 
 has the solutions d = d₀ + N z of its constraints, and z from Nᵀ W⁻¹ N z = -Nᵀ W⁻¹ d₀ (Å. Björck,
 Numerical Methods for Least Squares Problems, 1996, section 5.1.3). N is found row by row: a number
-in Φ_q gives its coordinate outright, the weights have no part in it; one row with two unknowns, or
+in Φ_q determines its coordinate, whatever the weights are; one row with two unknowns, or
 two with three, leave one unknown z along n = (v, -u) or n = c₁ × c₂; d₀ is their least solution.
 Neither divides by anything but n·n, which vanishes in singular positions only.
 
@@ -47,7 +47,7 @@ class NullSpace:
     labels, rows
         Names for the text, of coordinates and of constraints.
     checks
-        What is watched; the constraint of a check is a row.
+        Pivots to watch; the constraint of a check is a row.
     """
 
     graph: Graph
@@ -98,6 +98,9 @@ class NullSpace:
         graph = self.graph
         del self._unknowns[k]
         self._eliminated.append((k, slopes, base))
+        for names, start in zip(self.labels.solution, base, strict=False):
+            if k < len(names):
+                self.labels.add(start, f"part_{names[k]}")
         for i, row in self._rows.items():
             if k not in row:
                 continue
@@ -108,6 +111,7 @@ class NullSpace:
                     row[j] = entry
             for column, start in zip(self.right, base, strict=True):
                 column[i] = graph.sub(column[i], graph.mul(factor, start))
+            self.labels.sides(self.right, i)
 
     def _closures(self) -> tuple[int, ...] | None:
         """Fewest rows with one unknown more than they are."""
@@ -136,7 +140,7 @@ class NullSpace:
         graph = self.graph
         mul, total = graph.mul, graph.total
         columns = self._columns(chosen)
-        self._step("Solve, by the least solution and the null space,", *chosen)
+        self._step("Take the least solution and the null space of", *chosen)
         matrix = [[self._rows[i].get(k, graph.zero) for k in columns] for i in chosen]
         rights = [[column[i] for i in chosen] for column in self.right]
         if len(chosen) == 1:
@@ -181,6 +185,10 @@ class NullSpace:
             terms = [graph.mul(weights[k], graph.mul(x, x)) for k, x in row.items() if k in weights]
             reference = graph.mul(reference, graph.total(terms))
         self.checks.append(Check(pivot, reference, max(chosen)))
+        if self.rows:
+            names = "_".join(self.rows[i] for i in chosen)
+            self.labels.add(pivot, f"det_{names}")
+            self.labels.add(reference, f"size_{names}")
 
     # -- the least change --------------------------------------------------------------------
 

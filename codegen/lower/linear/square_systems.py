@@ -1,6 +1,6 @@
 """The linear systems of a driven machine: as many independent constraints as coordinates.
 
-Φ_q x = r has one solution, whatever a norm says of it. Many constraints give a coordinate outright,
+Φ_q x = r has one solution, whatever the norm. Many constraints determine a coordinate
 by a number in Φ_q: these are eliminated first, and the factorization shrinks to the loops, of which
 few are left. There the smallest sets of rows with as many unknowns are solved one after the other,
 up to three rows by their adjugate, larger ones by the normal equations of what is left. Where the
@@ -44,7 +44,7 @@ class Square:
     labels, coordinates
         Names for the text, of rows and of the unknowns.
     checks
-        What is held against its size; the constraint of a check is a row.
+        Pivots to watch; the constraint of a check is a row.
     """
 
     graph: Graph
@@ -85,7 +85,7 @@ class Square:
             start = self.graph.sub(start, self.graph.mul(factor, known[j]))
         return start
 
-    # -- what a constraint gives outright ----------------------------------------------------
+    # -- coordinates that one constraint determines ------------------------------------------
 
     def _substitute(self, i: int, k: int) -> None:
         graph = self.graph
