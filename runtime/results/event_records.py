@@ -7,8 +7,6 @@ import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
 
-CROSSED, LOCKED = 3, 4
-_WORDS = {1: "began", -1: "ceased", 0: "holds", 2: "impact", CROSSED: "crossed", LOCKED: "locked"}
 
 
 class Event(NamedTuple):
@@ -39,7 +37,7 @@ class Event(NamedTuple):
     @property
     def what(self) -> str:
         """The direction in a word: began, ceased, holds, impact, crossed or locked."""
-        return _WORDS[self.direction]
+        return Direction(self.direction).name.lower()
 
     @property
     def state(self) -> FloatArray:
