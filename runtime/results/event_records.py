@@ -5,8 +5,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from runtime.core.modes import Direction
 
+FloatArray = npt.NDArray[np.float64]
 
 
 class Event(NamedTuple):
