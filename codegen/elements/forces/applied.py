@@ -73,7 +73,12 @@ class AppliedTorque:
         return self.body.torque(self.value)
 
     def problems(self) -> list[str]:
-        """The ground cannot be turned."""
+        """The ground cannot be turned, and a particle has nothing to turn."""
         if self.body.fixed:
             return [f"torque '{self.name}' acts on the ground; give a moving body."]
+        if not self.body.turns:
+            return [
+                f"torque '{self.name}' turns '{self.body.name}', which is a particle and has no "
+                "angle; use a body."
+            ]
         return []
