@@ -5,9 +5,9 @@ from runtime.core.function_table import (
     COORDINATES,
     EACH_STAGE,
     MODIFIED,
-    bent_of,
-    bent_slope_of,
     modes_of,
+    modified_rhs_of,
+    modified_slope_of,
     multipliers_of,
     parameters_of,
 )
@@ -26,7 +26,7 @@ def field(context: Integers, t: float, q: Vector, v: Vector, modes: Integers, a:
     lam = multipliers_of(context)
     if context[MODIFIED] == 0:
         return int(accelerations_of(context)(t, q, v, p, modes, a, lam))
-    return int(bent_of(context)(context, t, q, v, modes, a, lam))
+    return int(modified_rhs_of(context)(context, t, q, v, modes, a, lam))
 
 
 @inlined
@@ -41,7 +41,7 @@ def slope(context: Integers, t: float, state: int, derivative: int) -> int:
     modes = modes_of(context)
     lam = multipliers_of(context)
     if context[MODIFIED] + context[EACH_STAGE] != 0:
-        return int(bent_slope_of(context)(context, t, state, derivative))
+        return int(modified_slope_of(context)(context, t, state, derivative))
     n = context[COORDINATES]
     q = positions(context, state)
     v = velocities(context, state)

@@ -11,9 +11,9 @@ from runtime.core.function_table import (
     CONSTRAINT_COUNT,
     SLIDING_COUNT,
     base_multipliers_of,
-    bent_of,
     kernel_modes_of,
     limits_of,
+    modified_rhs_of,
     reaction_of,
     share_high_of,
     share_of,
@@ -23,10 +23,10 @@ from runtime.core.function_table import (
 )
 from runtime.core.jit import ADDRESSES, allocating
 from runtime.core.kernel_abi import powers_of
-from runtime.hybrid.mode_consistency import hold
-from runtime.hybrid.mode_reactions import mix
-from runtime.hybrid.sliding_modes import HELD_MODE
-from runtime.hybrid.stiction_force import engage, release
+from runtime.core.modes import SLIDING
+from runtime.hybrid.mode_consistency import count_sliding
+from runtime.hybrid.mode_reactions import mix_reactions
+from runtime.hybrid.stiction_force import apply_unit, remove_unit
 from runtime.integrate.wiring import wire
 from runtime.mechanism.mechanism import Mechanism
 
@@ -42,7 +42,7 @@ def _mix_rows(
     context: Any, kernels: Any, rows: Any, times: Any, p: Any, q: Any, v: Any, modes: Any, a: Any,
     lam: Any, reaction: Any, power: Any, shares: Any, base: Any, other: Any,
 ) -> None:  # fmt: skip
-    field = bent_of(context)
+    field = modified_rhs_of(context)
     powers = powers_of(kernels)
     m = context[CONSTRAINT_COUNT]
     plain = kernel_modes_of(context)
@@ -55,13 +55,13 @@ def _mix_rows(
     multipliers = np.zeros(m)
     for row in rows:
         t = times[row]
-        hold(context, modes[row])
+        count_sliding(context, modes[row])
         field(context, t, q[row], v[row], modes[row], a[row], lam[row])
-        mix(context, t, q[row], v[row], lam[row])
+        mix_reactions(context, t, q[row], v[row], lam[row])
         for i in range(len(mixed_reaction)):
             reaction[row, i] = mixed_reaction[i]
         for c in range(context[SLIDING_COUNT]):
-            release(context, sliding[c])
+            remove_unit(context, sliding[c])
         for i in range(m):
             multipliers[i] = base_multipliers[i]
         powers(t, q[row], v[row], p, plain, multipliers, base)
@@ -76,9 +76,9 @@ def _mix_rows(
                 shares[row, k] = 0.5 - 0.5 * high[k] * force / limit if limit > 0.0 else np.nan
             for i in range(m):
                 multipliers[i] = base_multipliers[i] + unit_multipliers[c * m + i]
-            engage(context, k)
+            apply_unit(context, k)
             powers(t, q[row], v[row], p, plain, multipliers, other)
-            release(context, k)
+            remove_unit(context, k)
             for i in range(len(base)):
                 power[row, i] += share[k] * (other[i] - base[i])
 
@@ -104,7 +104,7 @@ def overwrite_sliding(
         mode 1), NaN elsewhere.
     """
     shares = np.full(modes.shape, np.nan)
-    rows = np.flatnonzero((modes == HELD_MODE).any(axis=1))
+    rows = np.flatnonzero((modes == SLIDING).any(axis=1))
     if len(rows):
         wiring = wire(machine.system, "dopri5", p, 1)
         sources = power.shape[1]

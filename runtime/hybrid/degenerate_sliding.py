@@ -1,38 +1,60 @@
-"""Small systems for what is held at once, also where several hold one freedom."""
+"""Degenerate sliding: shares where several functions in sliding mode act on one freedom."""
 
 import numpy as np
 
+from runtime.core import function_table as ft
 from runtime.core.array_types import Integers, Vector
-from runtime.core.function_table import SLIDING_COUNT, response_of, rigid_of, sliding_functions_of
 from runtime.core.jit import inner
 from runtime.linalg.lu import equilibrate
 from runtime.linalg.rank_policy import SAME_HOLD
 
 
 @inner
-def least(
+def orthogonalize_row(
+    context: Integers, matrix: Vector, right: Vector, count: int, i: int
+) -> float:
+    """Make row `i` orthogonal to the rows before it, those of contacts first; size of its terms."""
+    rigid, sliding = ft.rigid_of(context), ft.sliding_functions_of(context)
+    firm = rigid[sliding[i]] >= 0
+    scale = max(1.0, abs(right[i]))
+    for _ in range(2):
+        for j in range(count):
+            before = j < i if (rigid[sliding[j]] >= 0) == firm else not firm
+            if not before:
+                continue
+            along = 0.0
+            for c in range(count):
+                along += matrix[i * count + c] * matrix[j * count + c]
+            for c in range(count):
+                matrix[i * count + c] -= along * matrix[j * count + c]
+            right[i] -= along * right[j]
+            scale = max(scale, abs(along * right[j]))
+    return float(scale)
+
+
+@inner
+def solve_least(
     context: Integers, matrix: Vector, right: Vector, count: int, reach: Vector, slack: float
 ) -> int:
     """As `solve_equilibrated`, for the smallest of many solutions; 1 where there is none.
 
-    Several frictions of one freedom hold it in many ways, of which the sum of |column| x²/reach is
-    least here: each then bears the same part of its reach, so that they hold whatever can be held,
-    and let go together. Rows are made orthogonal one after the other (Gram and Schmidt, twice);
-    those of which nothing is left follow from the others. Those of contacts come first, and must
-    not follow from each other: contacts can do without one that does what others do.
+    Frictions of one freedom share its force in many ways. This one makes Σ |column| x²/reach least:
+    each bears the same part of its reach, so that they stick as long as possible, and break loose
+    together. Rows are made orthogonal one after the other (Gram and Schmidt, twice); a row without
+    a rest depends on the others. Rows of contacts come first and must be independent: a contact
+    that repeats others may open.
 
     Parameters
     ----------
     matrix, right
-        By rows, of the `count` functions that are held; both are overwritten, `right` with x.
+        By rows, of the `count` functions in sliding mode; both are overwritten, `right` with x.
     reach : (s,)
-        What each x may be at most; overwritten.
+        Largest permitted |x|; overwritten.
     slack
-        By which a row that follows from others may differ from what they say, in parts of its
-        terms.
+        Permitted residual of a dependent row, relative to its terms.
     """
-    rigid = rigid_of(context)
-    held = sliding_functions_of(context)
+    rigid = ft.rigid_of(context)
+    sliding = ft.sliding_functions_of(context)
     if equilibrate(matrix, right, count) != 0:
         return 1
     for c in range(count):
@@ -46,24 +68,13 @@ def least(
             matrix[i * count + c] *= reach[c]
     for turn in range(2):
         for i in range(count):
-            firm = rigid[held[i]] >= 0
+            firm = rigid[sliding[i]] >= 0
             if firm != (turn == 0):
                 continue
-            size, scale = 0.0, max(1.0, abs(right[i]))
+            size = 0.0
             for c in range(count):
                 size += matrix[i * count + c] ** 2
-            for _ in range(2):
-                for j in range(count):
-                    done = j < i if (rigid[held[j]] >= 0) == firm else turn == 1
-                    if not done:
-                        continue
-                    along = 0.0
-                    for c in range(count):
-                        along += matrix[i * count + c] * matrix[j * count + c]
-                    for c in range(count):
-                        matrix[i * count + c] -= along * matrix[j * count + c]
-                    right[i] -= along * right[j]
-                    scale = max(scale, abs(along * right[j]))
+            scale = orthogonalize_row(context, matrix, right, count, i)
             rest = 0.0
             for c in range(count):
                 rest += matrix[i * count + c] ** 2
@@ -89,15 +100,15 @@ def least(
 
 
 @inner
-def same(context: Integers, k: int, other: int) -> bool:
-    """Whether what holds two of the held functions acts on one freedom; after `bent`."""
-    count = context[SLIDING_COUNT]
-    held = sliding_functions_of(context)
-    matrix = response_of(context)
+def share_freedom(context: Integers, k: int, other: int) -> bool:
+    """Whether two functions in sliding mode act on one freedom; after `evaluate_rhs`."""
+    count = context[ft.SLIDING_COUNT]
+    sliding = ft.sliding_functions_of(context)
+    matrix = ft.response_of(context)
     c, d = 0, 0
     for i in range(count):
-        c = i if held[i] == k else c
-        d = i if held[i] == other else d
+        c = i if sliding[i] == k else c
+        d = i if sliding[i] == other else d
     product = matrix[c * count + c] * matrix[d * count + d]
     crossed = matrix[c * count + d] * matrix[d * count + c]
     return bool(abs(product - crossed) <= SAME_HOLD * abs(product))

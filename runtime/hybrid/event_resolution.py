@@ -1,51 +1,35 @@
-"""Whether a step sees the switching functions well enough to tell what crossed in it.
+"""Event resolution: a step is short enough to see all crossings of switching functions.
 
 The length of a step follows the error of the motion. Where the motion is simple, an accepted step
-may span many periods of a switching function, and its ends say nothing of what lies between. So
-the functions are evaluated at three points between, on the motion's cubic through both ends, which
-takes no accelerations, and compared there with their own cubics. Where the two disagree and zero is
+may span many periods of a switching function, and its ends say nothing of the crossings between.
+Therefore g is evaluated at three points inside, on the cubic of the motion through both ends, which
+takes no accelerations, and compared there with its own cubic. Where the two disagree and zero is
 near, the step is too long.
 """
 
 import numpy as np
 
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
-from runtime.core.function_table import COORDINATES, SWITCHES, WATCH, modes_of
 from runtime.core.jit import addressed, inner
 from runtime.core.run_record import run_record
-from runtime.core.workspace import (
-    BETWEEN,
-    G0,
-    G1,
-    LARGEST,
-    MISMATCH,
-    PREDICTED,
-    R0,
-    R1,
-    SAMPLE,
-    STAGE,
-    Y0,
-    Y1,
-    K,
-    row_of,
-    switch_row,
-)
-from runtime.hybrid.event_location import suspects
-from runtime.hybrid.switching_functions import functions, measure
+from runtime.hybrid.event_location import mark_suspects
+from runtime.hybrid.switching_functions import evaluate_switching, evaluate_switching_and_rates
 
-UNRESOLVED = -1  # the step is too long to tell
+UNRESOLVED = -1  # the step is too long to see all crossings
 
-# measured: of the variation of g over the step; difference of the two cubics that is let pass
+# measured: of the variation of g over the step; largest accepted difference of the two cubics
 _RESOLVED = 0.2
-_NEAR = 3.0  # measured: differences, at most variations, from zero within which that matters
+_NEAR = 3.0  # measured: differences, at most variations, from zero within which it matters
 _ROUNDING = 1e-11  # accuracy: of the largest |g|; a difference of this size is rounding
-_FINEST = 1e-10  # safety: of the run; steps of this length are never too long
-_COARSER = 4.0  # measured: growth of that length at a step that stays unresolved
+_FINEST = 1e-10  # safety: of the run; shorter steps are never rejected here
+_COARSER = 4.0  # measured: growth of that length at an unresolved step
 _FINER = 0.8  # measured: its change at other steps
 
 # Formula: weights of the cubic through y0, y1 with slopes k0, k1 at the fraction x of a step:
 # y0 + RISE (y1 - y0) + h (LEAVE k0 + ARRIVE k1). The fractions are no ratios of small numbers, so
-# that a period which divides the step is not met at the same phase.
+# that a period which divides the step is not sampled at one phase.
 X1, X2, X3 = 0.1732050807568877, 0.4142135623730951, 0.7307704011542153
 RISE1, LEAVE1, ARRIVE1 = X1 * X1 * (3 - 2 * X1), X1 * (1 - X1) ** 2, X1 * X1 * (X1 - 1)
 RISE2, LEAVE2, ARRIVE2 = X2 * X2 * (3 - 2 * X2), X2 * (1 - X2) ** 2, X2 * X2 * (X2 - 1)
@@ -53,52 +37,49 @@ RISE3, LEAVE3, ARRIVE3 = X3 * X3 * (3 - 2 * X3), X3 * (1 - X3) ** 2, X3 * X3 * (
 
 
 @inner
-def between(context: Integers, t: float, h: float, last: int) -> None:
-    """Fill the three rows at BETWEEN with the functions at points between the ends of the step.
-
-    The states there lie on the cubics through both ends.
-    """
-    length = 2 * context[COORDINATES]
-    y0 = row_of(context, Y0)
-    y1 = row_of(context, Y1)
-    k0 = row_of(context, K)
-    k1 = row_of(context, last)
-    z1 = row_of(context, STAGE)
-    z2 = row_of(context, SAMPLE)
-    z3 = row_of(context, PREDICTED)
+def sample_between(context: Integers, t: float, h: float, last: int) -> None:
+    """Fill the three rows at BETWEEN with g on the cubics of the motion through both ends."""
+    length = 2 * context[ft.COORDINATES]
+    y0 = ws.row_of(context, ws.Y0)
+    y1 = ws.row_of(context, ws.Y1)
+    k0 = ws.row_of(context, ws.K)
+    k1 = ws.row_of(context, last)
+    z1 = ws.row_of(context, ws.STAGE)
+    z2 = ws.row_of(context, ws.SAMPLE)
+    z3 = ws.row_of(context, ws.PREDICTED)
     for j in range(length):
         start, change = y0[j], y1[j] - y0[j]
         leave, arrive = h * k0[j], h * k1[j]
         z1[j] = start + RISE1 * change + LEAVE1 * leave + ARRIVE1 * arrive
         z2[j] = start + RISE2 * change + LEAVE2 * leave + ARRIVE2 * arrive
         z3[j] = start + RISE3 * change + LEAVE3 * leave + ARRIVE3 * arrive
-    functions(context, t + X1 * h, STAGE, BETWEEN)
-    functions(context, t + X2 * h, SAMPLE, BETWEEN + 1)
-    functions(context, t + X3 * h, PREDICTED, BETWEEN + 2)
+    evaluate_switching(context, t + X1 * h, ws.STAGE, ws.BETWEEN)
+    evaluate_switching(context, t + X2 * h, ws.SAMPLE, ws.BETWEEN + 1)
+    evaluate_switching(context, t + X3 * h, ws.PREDICTED, ws.BETWEEN + 2)
 
 
 @inner
-def bearable(context: Integers, h: float) -> float:
-    """Ratio to this step's length of the longest step that the functions allow; infinite if any.
+def bound_step(context: Integers, h: float) -> float:
+    """Longest step that resolves all functions, as a ratio to this one; infinite if all do.
 
-    Row MISMATCH receives the differences found.
+    Row MISMATCH receives the differences of g from its cubics.
     """
-    modes = modes_of(context)
-    g0_row = switch_row(context, G0)
-    g1_row = switch_row(context, G1)
-    between = switch_row(context, BETWEEN)
-    r0 = switch_row(context, R0)
-    r1 = switch_row(context, R1)
-    mismatch = switch_row(context, MISMATCH)
-    largest = switch_row(context, LARGEST)
-    s = context[SWITCHES]
+    modes = ft.modes_of(context)
+    g0_row = ws.switch_row(context, ws.G0)
+    g1_row = ws.switch_row(context, ws.G1)
+    between = ws.switch_row(context, ws.BETWEEN)
+    r0 = ws.switch_row(context, ws.R0)
+    r1 = ws.switch_row(context, ws.R1)
+    mismatch = ws.switch_row(context, ws.MISMATCH)
+    largest = ws.switch_row(context, ws.LARGEST)
+    s = context[ft.SWITCHES]
     allowed = np.inf
     for k in range(s):
         side = 1.0 if modes[k] != 0 else -1.0
         g0, g1 = side * g0_row[k], side * g1_row[k]
         a1 = side * between[k]
-        a2 = side * switch_row(context, BETWEEN + 1)[k]
-        a3 = side * switch_row(context, BETWEEN + 2)[k]
+        a2 = side * ws.switch_row(context, ws.BETWEEN + 1)[k]
+        a3 = side * ws.switch_row(context, ws.BETWEEN + 2)[k]
         change = g1 - g0
         leave, arrive = h * side * r0[k], h * side * r1[k]
         b1 = g0 + RISE1 * change + LEAVE1 * leave + ARRIVE1 * arrive
@@ -122,17 +103,16 @@ def bearable(context: Integers, h: float) -> float:
     return allowed
 
 
-@addressed(WATCH)
-def watch(context: Integers, t: float, h: float, t1: float) -> int:
-    """Evaluate the functions over the step and count those that may cross in it.
+@addressed(ft.SCREEN_STEP)
+def screen_step(context: Integers, t: float, h: float, t1: float) -> int:
+    """Count the functions that may cross in the step; `UNRESOLVED` where it is too long to see.
 
-    Returns `UNRESOLVED` where the step is too long to tell. `run.stretch` is the ratio of the next
-    step's length to this one's that the functions allow.
+    `run.stretch` receives the ratio of the next step's length to this one's that they allow.
     """
     r = run_record(context)
-    measure(context, t1, Y1, K + r.last, G1)
-    between(context, t, h, K + r.last)
-    allowed = bearable(context, h)
+    evaluate_switching_and_rates(context, t1, ws.Y1, ws.K + r.last, ws.G1)
+    sample_between(context, t, h, ws.K + r.last)
+    allowed = bound_step(context, h)
     r.stretch = np.inf if r.fixed != 0 else 0.9 * allowed
     if r.fixed == 0:
         finest = _FINEST * r.duration
@@ -143,7 +123,7 @@ def watch(context: Integers, t: float, h: float, t1: float) -> int:
             r.stretch = 0.25 if again else max(0.1, min(0.5, r.stretch))
             return UNRESOLVED
         else:
-            # A jump, a kink or rounding: shorter steps would tell no more.
+            # A jump, a kink or rounding: shorter steps would show no more.
             r.finest = _COARSER * max(finest, r.finest)
             r.stretch = _COARSER
-    return int(suspects(context, h))
+    return int(mark_suspects(context, h))

@@ -1,49 +1,16 @@
-"""Rigid contacts in an instant: impacts, the end of bouncing, and the return onto what is held."""
+"""Rigid contacts: impacts, the end of bouncing, and the return onto switching surfaces."""
 
 import numpy as np
 
+from runtime.core import function_table as ft
+from runtime.core import kernel_abi as abi
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
-from runtime.core.function_table import (
-    COORDINATES,
-    IMPACT,
-    RETURN_HELD,
-    RIGID_COUNT,
-    SLIDING_COUNT,
-    SWITCHES,
-    base_accelerations_of,
-    base_response_of,
-    modes_of,
-    parameters_of,
-    response_column_of,
-    response_copy_of,
-    response_gaps_of,
-    response_of,
-    response_rates_of,
-    restitution_of,
-    right_side_of,
-    rigid_of,
-    share_of,
-    sliding_functions_of,
-    stiction_place_of,
-    unit_accelerations_of,
-)
 from runtime.core.jit import addressed, inner
-from runtime.core.kernel_abi import gap_accelerations_of, switching_of, switching_rates_of
-from runtime.core.workspace import (
-    ATOL,
-    LARGEST,
-    NOW,
-    RATE_NOW,
-    RESERVE,
-    positions,
-    row_of,
-    switch_row,
-    velocities,
-)
-from runtime.hybrid.degenerate_sliding import least
-from runtime.hybrid.sliding_modes import CANCELLED, HELD_MODE, shares, units
-from runtime.hybrid.stiction_force import FREE_MODE
+from runtime.core.modes import FREE, SLIDING
+from runtime.hybrid.degenerate_sliding import solve_least
+from runtime.hybrid.sliding_modes import CANCELLED, evaluate_units, solve_shares
 from runtime.linalg.lu import solve_equilibrated
 from runtime.linalg.rank_policy import SAME_HOLD
 
@@ -53,7 +20,7 @@ _SWEEPS = 200  # safety: sweeps over all contacts with rebound, and as many agai
 # accuracy: of the fastest approach; change by a sweep at which impulses have converged
 _AGREED = 1e-14
 _ROUNDING = 1e-15  # accuracy: of the largest velocity; the same
-# accuracy: of the fastest approach; change that sweeps without convergence still make
+# accuracy: of the fastest approach; larger changes mean no convergence
 _HOPELESS = 1e-6
 # accuracy: of the tolerance of a position; flights that rise no higher have ended
 _LOW_FLIGHT = 0.01
@@ -62,101 +29,81 @@ _UNSEEN = 2e-12
 
 
 @inner
-def largest_gap(context: Integers, k: int) -> float:
-    """Running maximum of the gap of contact `k`, also while it is closed."""
-    modes = modes_of(context)
-    reserve = switch_row(context, RESERVE)
-    largest = switch_row(context, LARGEST)
-    return float(reserve[k] if modes[k] == HELD_MODE else largest[k])
+def find_largest_gap(context: Integers, k: int) -> float:
+    """Running maximum of the gap of contact `k`, open or closed."""
+    modes = ft.modes_of(context)
+    reserve = ws.switch_row(context, ws.RESERVE)
+    largest = ws.switch_row(context, ws.LARGEST)
+    return float(reserve[k] if modes[k] == SLIDING else largest[k])
 
 
 @inner
-def free_gap(context: Integers, t: float, q: Vector, v: Vector, first: int) -> float:
+def evaluate_free_gap(context: Integers, t: float, q: Vector, v: Vector, first: int) -> float:
     """Second derivative of the gap of contact `first` under `modes`, in which it is open."""
-    p = parameters_of(context)
-    modes = modes_of(context)
-    n, s = context[COORDINATES], context[SWITCHES]
-    rigid = rigid_of(context)
+    p = ft.parameters_of(context)
+    modes = ft.modes_of(context)
+    n, s = context[ft.COORDINATES], context[ft.SWITCHES]
+    rigid = ft.rigid_of(context)
     count = 0
     for k in range(s):
-        count += 1 if modes[k] == HELD_MODE else 0
-    context[SLIDING_COUNT] = count
-    units(context, t, q, v, modes)
-    a = base_accelerations_of(context)
+        count += 1 if modes[k] == SLIDING else 0
+    context[ft.SLIDING_COUNT] = count
+    evaluate_units(context, t, q, v, modes)
+    a = ft.base_accelerations_of(context)
     if count > 0:
-        shares(context, t, q, v, count)
-        share = share_of(context)
-        held = sliding_functions_of(context)
+        solve_shares(context, t, q, v, count)
+        share = ft.share_of(context)
+        sliding = ft.sliding_functions_of(context)
         for c in range(count):
-            unit = view(unit_accelerations_of(context), c * n, n)
+            unit = view(ft.unit_accelerations_of(context), c * n, n)
             for j in range(n):
-                a[j] += share[held[c]] * unit[j]
-    gaps = response_gaps_of(context)
-    gap_accelerations_of(context)(t, q, v, a, p, gaps)
+                a[j] += share[sliding[c]] * unit[j]
+    gaps = ft.response_gaps_of(context)
+    abi.gap_accelerations_of(context)(t, q, v, a, p, gaps)
     return float(gaps[rigid[first]])
 
 
-@addressed(IMPACT)
-def impact(context: Integers, first: int, t: float, state: int) -> float:
-    """Change the velocities in row `state` by the impact of rigid contact `first`.
-
-    Newton's law, ġ⁺ = -e ġ⁻, with impulses that only push, and with those that hold the other
-    contacts that touch: v⁺ = v⁻ + Σ P_i d_i, P_i ≥ 0, ġ_i⁺ ≥ -e_i ġ_i⁻, one of the two an
-    equality, by projected Gauss-Seidel sweeps; without rebound where no such velocities exist. The
-    directions d_i are those in which the forces of the contacts accelerate the machine.
-
-    Where the flight that follows would rise no higher than what a tolerance lets pass, bouncing
-    ends: all further flights, each e times as long as the one before, take T/(1 - e) together,
-    and the contact closes. Then `modes` says that it is held.
-
-    Returns the time T of the next flight, T/(1 - e) negative where it is the last, infinite where
-    the contact does not return by itself.
-    """
-    p = parameters_of(context)
-    modes = modes_of(context)
-    atol = row_of(context, ATOL)
-    n, s = context[COORDINATES], context[SWITCHES]
-    q, v = positions(context, state), velocities(context, state)
-    rigid = rigid_of(context)
-    restitution = restitution_of(context)
-    held = sliding_functions_of(context)
-    rates, now = switch_row(context, RATE_NOW), switch_row(context, NOW)
-    before, holding = modes[first], context[SLIDING_COUNT]
-    # All contacts that touch as held, and nothing else: friction gives no impulse.
-    gaps, sought = right_side_of(context), stiction_place_of(context)
-    switching_of(context)(t, q, v, p, gaps)
-    for k in range(s):
-        touches = abs(gaps[k]) <= ON_SURFACE * largest_gap(context, k)
-        now[k] = modes[k]
-        if rigid[k] < 0 and modes[k] == HELD_MODE:
-            modes[k] = FREE_MODE if sought[k] >= 0 else 0
+@inner
+def close_contacts(context: Integers, first: int, t: float, q: Vector, v: Vector) -> None:
+    """Close `first` and all contacts that touch, and open all else: friction gives no impulse."""
+    modes, rigid = ft.modes_of(context), ft.rigid_of(context)
+    gaps, places = ft.right_side_of(context), ft.stiction_place_of(context)
+    abi.switching_of(context)(t, q, v, ft.parameters_of(context), gaps)
+    for k in range(context[ft.SWITCHES]):
+        touches = abs(gaps[k]) <= ON_SURFACE * find_largest_gap(context, k)
+        if rigid[k] < 0 and modes[k] == SLIDING:
+            modes[k] = FREE if places[k] >= 0 else 0
         elif rigid[k] >= 0 and touches:
-            modes[k] = HELD_MODE
-    modes[first] = HELD_MODE
-    units(context, t, q, v, modes)
-    count = 0
-    for k in range(s):
-        count += 1 if modes[k] == HELD_MODE else 0
-    any_a = base_accelerations_of(context)  # the rate of a gap does not depend on it
-    impulse = right_side_of(context)
-    target = response_column_of(context)
-    switching_rates_of(context)(t, q, v, any_a, p, rates)
+            modes[k] = SLIDING
+    modes[first] = SLIDING
+
+
+@inner
+def sweep_impulses(context: Integers, t: float, q: Vector, v: Vector, count: int) -> None:
+    """Change v by the impulses of the `count` closed contacts, by projected Gauss-Seidel sweeps."""
+    p = ft.parameters_of(context)
+    n = context[ft.COORDINATES]
+    rigid, closed = ft.rigid_of(context), ft.sliding_functions_of(context)
+    restitution, rates = ft.restitution_of(context), ws.switch_row(context, ws.RATE_NOW)
+    any_a = ft.base_accelerations_of(context)  # the rate of a gap does not depend on it
+    impulse, target = ft.right_side_of(context), ft.response_column_of(context)
+    matrix = ft.response_of(context)
+    abi.switching_rates_of(context)(t, q, v, any_a, p, rates)
     fastest = 0.0
     for c in range(count):
-        k = held[c]
+        k = closed[c]
         impulse[c] = 0.0
         target[c] = -restitution[rigid[k]] * min(rates[k], 0.0)
         fastest = max(fastest, abs(rates[k]))
-    matrix = response_of(context)
     quickest = 0.0
     for j in range(n):
         quickest = max(quickest, abs(v[j]))
     for sweep in range(2 * _SWEEPS):
         moved = 0.0
         for c in range(count):
-            k = held[c]
-            unit = view(unit_accelerations_of(context), c * n, n)
-            switching_rates_of(context)(t, q, v, any_a, p, rates)
+            k = closed[c]
+            unit = view(ft.unit_accelerations_of(context), c * n, n)
+            abi.switching_rates_of(context)(t, q, v, any_a, p, rates)
             gain = -matrix[c * count + c]
             more = max((target[c] - rates[k]) / gain, -impulse[c]) if gain > 0.0 else 0.0
             for j in range(n):
@@ -171,62 +118,95 @@ def impact(context: Integers, first: int, t: float, state: int) -> float:
             # Bodies without clearance cannot rebound from each other.
             for c in range(count):
                 target[c] = 0.0
+
+
+@addressed(ft.IMPACT)
+def apply_impact(context: Integers, first: int, t: float, state: int) -> float:
+    """Change the velocities in row `state` by the impact of rigid contact `first`.
+
+    Newton's law, ġ⁺ = -e ġ⁻, with impulses that only push, and with those that hold the other
+    contacts that touch: v⁺ = v⁻ + Σ P_i d_i, P_i ≥ 0, ġ_i⁺ ≥ -e_i ġ_i⁻, one of the two an
+    equality, by projected Gauss-Seidel sweeps; without rebound where no such velocities exist. The
+    directions d_i are those in which the forces of the contacts accelerate the machine.
+
+    Where the next flight would rise no higher than tolerances resolve, bouncing ends: all further
+    flights, each e times as long as the one before, take T/(1 - e) together, and the contact
+    closes: its mode becomes SLIDING.
+
+    Returns the time T of the next flight, T/(1 - e) negative where it is the last, infinite where
+    the contact does not return by itself.
+    """
+    modes = ft.modes_of(context)
+    atol = ws.row_of(context, ws.ATOL)
+    n, s = context[ft.COORDINATES], context[ft.SWITCHES]
+    q, v = ws.positions(context, state), ws.velocities(context, state)
+    rates, former = ws.switch_row(context, ws.RATE_NOW), ws.switch_row(context, ws.NOW)
+    before, sliding_count = modes[first], context[ft.SLIDING_COUNT]
     for k in range(s):
-        modes[k] = int(now[k])
-    switching_rates_of(context)(t, q, v, any_a, p, rates)
+        former[k] = modes[k]
+    close_contacts(context, first, t, q, v)
+    evaluate_units(context, t, q, v, modes)
+    count = 0
+    for k in range(s):
+        count += 1 if modes[k] == SLIDING else 0
+    sweep_impulses(context, t, q, v, count)
+    for k in range(s):
+        modes[k] = int(former[k])
+    any_a = ft.base_accelerations_of(context)
+    abi.switching_rates_of(context)(t, q, v, any_a, ft.parameters_of(context), rates)
     leaving = rates[first]
-    # How the gap goes on without this contact.
+    # The motion of the gap after the contact has opened.
     modes[first] = 1
-    fall = free_gap(context, t, q, v, first)
+    fall = evaluate_free_gap(context, t, q, v, first)
     modes[first] = before
-    context[SLIDING_COUNT] = holding
+    context[ft.SLIDING_COUNT] = sliding_count
     if not fall < 0.0:
         return np.inf
     flight = -2.0 * leaving / fall
-    share = restitution[rigid[first]]
+    share = ft.restitution_of(context)[ft.rigid_of(context)[first]]
     lowest = np.inf
     for j in range(n):
         lowest = min(lowest, atol[j])
-    unseen = max(_LOW_FLIGHT * lowest, _UNSEEN * largest_gap(context, first))
+    unseen = max(_LOW_FLIGHT * lowest, _UNSEEN * find_largest_gap(context, first))
     if -0.5 * leaving * leaving / fall > unseen or share >= 1.0:
-        # What still closes was let no jump by the constraints.
+        # Where the gap still closes, constraints permitted no jump.
         return float(flight) if flight > 0.0 else np.inf
-    modes[first] = HELD_MODE
+    modes[first] = SLIDING
     return -float(max(flight, 1e-300) / (1.0 - share))
 
 
-@addressed(RETURN_HELD)
-def return_held(context: Integers, t: float, state: int) -> int:
-    """Bring the state in row `state` back onto the surfaces of what is held.
+@addressed(ft.RETURN_TO_SURFACES)
+def return_to_surfaces(context: Integers, t: float, state: int) -> int:
+    """Return the state in row `state` onto the surfaces of functions in sliding mode.
 
-    It moves in the directions in which the forces that hold act. These leave the constraints as
-    they are in the velocities; in the positions, but for the square of what was to be corrected.
+    It moves along the accelerations by their forces. These keep the constraints of velocities, and
+    those of positions up to the square of the correction.
     """
-    p = parameters_of(context)
-    modes = modes_of(context)
-    unit_accelerations = unit_accelerations_of(context)
-    n = context[COORDINATES]
-    r = context[RIGID_COUNT]
-    q, v = positions(context, state), velocities(context, state)
-    count = context[SLIDING_COUNT]
-    rigid = rigid_of(context)
-    held = sliding_functions_of(context)
-    matrix = response_of(context)
-    rates = response_rates_of(context)
-    right = right_side_of(context)
-    values = base_response_of(context)
-    reach = response_column_of(context)
-    copy = response_copy_of(context)
-    units(context, t, q, v, modes)
+    p = ft.parameters_of(context)
+    modes = ft.modes_of(context)
+    unit_accelerations = ft.unit_accelerations_of(context)
+    n = context[ft.COORDINATES]
+    r = context[ft.RIGID_COUNT]
+    q, v = ws.positions(context, state), ws.velocities(context, state)
+    count = context[ft.SLIDING_COUNT]
+    rigid = ft.rigid_of(context)
+    sliding = ft.sliding_functions_of(context)
+    matrix = ft.response_of(context)
+    rates = ft.response_rates_of(context)
+    right = ft.right_side_of(context)
+    values = ft.base_response_of(context)
+    reach = ft.response_column_of(context)
+    copy = ft.response_copy_of(context)
+    evaluate_units(context, t, q, v, modes)
     for level in range(2):
         # First the gaps, then the velocities.
         if level == 0 and r == 0:
             continue
-        switching_of(context)(t, q, v, p, values)
-        switching_rates_of(context)(t, q, v, base_accelerations_of(context), p, rates)
+        abi.switching_of(context)(t, q, v, p, values)
+        abi.switching_rates_of(context)(t, q, v, ft.base_accelerations_of(context), p, rates)
         for attempt in range(2):
             for i in range(count):
-                k = held[i]
+                k = sliding[i]
                 closed = rigid[k] >= 0
                 right[i] = rates[k] if level == 1 and closed else values[k]
                 if level == 0 and not closed:
@@ -240,8 +220,8 @@ def return_held(context: Integers, t: float, state: int) -> int:
             if attempt == 1:
                 for c in range(count):
                     reach[c] = 1.0
-                # What surfaces that depend on each other ask for differs by rounding.
-                if least(context, copy, right, count, reach, np.inf) != 0:
+                # Dependent surfaces contradict each other by rounding.
+                if solve_least(context, copy, right, count, reach, np.inf) != 0:
                     return 1
         for j in range(n):
             total, largest = 0.0, 0.0

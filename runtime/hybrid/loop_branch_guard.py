@@ -1,8 +1,8 @@
-"""Dead centres of the loops that kernels close in closed form.
+"""Guard of loop branches: no step passes a dead centre of a loop in closed form.
 
-There the two branches of a loop meet: its ρ, the derivative of the loop by its angle, vanishes. The
-motion passes with ρ̇ ≠ 0 onto the other branch, but kernels know ρ² alone and would go on on the
-one that they are on. So a step that may have passed a dead centre is not taken. At its start ρ
+At a dead centre both branches of a loop meet: its ρ, the derivative by its angle, vanishes. The
+motion passes with ρ̇ ≠ 0 onto the other branch, but kernels know ρ² alone and would stay on their
+branch. A step that may have passed a dead centre is therefore rejected. At its start ρ
 falls and would vanish after ρ/|ρ̇|, at its end it grows and would have vanished ρ/ρ̇ before: where ρ
 goes through zero these two times add up to the step. Where a motion turns back before,
 ρ² = ρ_m² + c² τ², they add up to the step and (ρ_m/c)² (1/τ₀ + 1/τ₁), three times a step or more
@@ -11,38 +11,38 @@ once the turn is resolved.
 
 import numpy as np
 
+from runtime.core import function_table as ft
+from runtime.core import kernel_abi as abi
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.array_views import view
-from runtime.core.function_table import LOOPS, PASSED, loop_nearness_of, loop_rows_of, parameters_of
 from runtime.core.jit import addressed
-from runtime.core.kernel_abi import dead_centres_of
 from runtime.core.outcomes import Outcome
 from runtime.core.run_record import run_record
 from runtime.core.system import System
-from runtime.core.workspace import Y0, Y1, positions, velocities
 
-AGAIN = -1
-_ADDED = 2.0  # measured: steps; sum of both times below which a loop has passed its dead centre
+SHORTEN = -1
+_ADDED = 2.0  # measured: steps; with a smaller sum of both times a loop has passed its dead centre
 # Of the largest ρ² so far:
 _LEAST = 1e-14  # accuracy: of the largest ρ² so far; rounding
 # measured: of the largest ρ² so far; below it steps become shorter on the way to a dead centre
 _NEAR = 1e-2
-_AT_ONCE = 1e-3  # measured: of a usual step; how near to a dead centre a run comes that ends there
-_SHORT_OF = 0.9  # measured: of the way to a dead centre that the next step may go
-# accuracy: of the last step from further away; a shorter one is asked for by rounding
+_AT_ONCE = 1e-3  # measured: of a usual step; a run ends at a dead centre this near
+_SHORT_OF = 0.9  # measured: of the time to a dead centre; longest next step
+# accuracy: of the last step from further away; shorter ones follow rounding
 _SHORT = 1e-4
 
-MET = (
+DEAD_CENTRE_NOTE = (
     "At t = {:.9g} s its loop is at a dead centre, where both ways to close it meet, and reduced "
     'coordinates follow one of them; take formulation="cartesian", which goes on from there.'
 )
-"""What a run that ends so says, of the instant."""
+"""Message to the user about a run that ends there, at an instant."""
 
 _ENDS = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
 
 
-@addressed(PASSED)
-def passed(context: Integers, t: float, h: float) -> int:
+@addressed(ft.GUARD_BRANCHES)
+def guard_branches(context: Integers, t: float, h: float) -> int:
     """Judge a step from Y0 to Y1: 0, `AGAIN` and shorter, or the code of an outcome.
 
     It is 0 where no loop passes its dead centre. Where the run ends, `run.index` and `run.turn` say
@@ -50,15 +50,15 @@ def passed(context: Integers, t: float, h: float) -> int:
     τ before it they err by their rounding over τ³: no step control comes there, so steps much
     shorter than those further away end a run too.
     """
-    p = parameters_of(context)
+    p = ft.parameters_of(context)
     r = run_record(context)
-    count = context[LOOPS]
-    rows = loop_rows_of(context)
-    numbers = loop_nearness_of(context)
+    count = context[ft.LOOPS]
+    rows = ft.loop_rows_of(context)
+    numbers = ft.loop_nearness_of(context)
     before, after = view(numbers, 0, 2 * count), view(numbers, 2 * count, 2 * count)
     largest = view(numbers, 4 * count, count)
-    nearness = dead_centres_of(context)
-    nearness(t + h, positions(context, Y1), velocities(context, Y1), p, after)
+    nearness = abi.dead_centres_of(context)
+    nearness(t + h, ws.positions(context, ws.Y1), ws.velocities(context, ws.Y1), p, after)
     known, away = False, True
     stuck = h < _SHORT * numbers[5 * count]
     first, over, row = np.inf, False, -1
@@ -74,7 +74,7 @@ def passed(context: Integers, t: float, h: float) -> int:
             left = h - 2.0 * square / rate
         elif 2.0 * square < rate * h:
             if not known:
-                nearness(t, positions(context, Y0), velocities(context, Y0), p, before)
+                nearness(t, ws.positions(context, ws.Y0), ws.velocities(context, ws.Y0), p, before)
                 known = True
             start, fall = before[2 * k], -before[2 * k + 1]
             if fall > 0.0:
@@ -94,16 +94,16 @@ def passed(context: Integers, t: float, h: float) -> int:
     r.rejected += 1
     r.rejected_before = 1
     r.h = _SHORT_OF * first
-    return AGAIN
+    return SHORTEN
 
 
-def on_the_way(
+def find_dead_centre(
     system: System, t: float, state: Matrix, p: Vector, numbers: Vector, outcome: Outcome
 ) -> int | None:
-    """Which loop's dead centre stopped a run that came to no further step, if one did.
+    """The loop whose dead centre stopped a run that found no further step, or None.
 
-    `state` holds q and v, (2, n), `numbers` what was kept. Where the coordinates that are
-    integrated turn back, their accelerations grow beyond all bounds there.
+    `state` holds q and v, (2, n), `numbers` the record of `guard_branches`. Where the integrated
+    coordinates turn back, their accelerations grow beyond all bounds there.
     """
     count = len(system.loop_rows)
     if not count or outcome not in _ENDS:

@@ -1,147 +1,126 @@
-"""Whether modes agree with the motion that follows from them, in a short look ahead."""
+"""Consistency of modes: the motion that follows from them agrees, in a short look-ahead."""
 
 import numpy as np
 
+from runtime.core import function_table as ft
+from runtime.core import kernel_abi as abi
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers, Vector
-from runtime.core.function_table import (
-    COORDINATES,
-    MODIFIED,
-    SLIDING_COUNT,
-    STABILIZED,
-    SWITCHES,
-    limited_of,
-    limits_of,
-    members_of,
-    parameters_of,
-    response_of,
-    rigid_of,
-    share_high_of,
-    share_low_of,
-    share_of,
-    signs_of,
-    sliding_functions_of,
-    sticks_of,
-)
-from runtime.core.jit import inner
-from runtime.core.kernel_abi import switching_of
+from runtime.core.jit import inlined, inner
+from runtime.core.modes import SLIDING, Mode
 from runtime.core.rhs import field
-from runtime.core.workspace import (
-    DELTA,
-    LARGEST,
-    NOW,
-    PREFERRED,
-    SAMPLE,
-    TRIAL,
-    positions,
-    row_of,
-    second_half,
-    switch_row,
-    velocities,
-)
-from runtime.hybrid.sliding_modes import HELD_MODE
 
 CONSISTENT = -1
-GIVEN = 4  # is added to a preferred mode that is known to be right, and needs no look-ahead
+_KNOWN = len(Mode)
 _SIGNIFICANT = 1e-14  # accuracy: change of g over its maximum that is more than rounding
 _FIRST = 1e-7  # measured: first look-ahead over the last
-MISSED = 1e-9  # accuracy: amount by which a share may miss its bounds at an event
+MISSED = 1e-9  # accuracy: distance by which a share may miss its bounds at an event
+
+
+@inlined
+def mark_known(mode: int) -> int:
+    """The entry of row PREFERRED for a mode that is known to be right and needs no look-ahead."""
+    return mode + _KNOWN
+
+
+@inlined
+def preferred_mode(entry: float) -> int:
+    """The mode in an entry of row PREFERRED, known or not."""
+    return int(entry) % _KNOWN
 
 
 @inner
-def carry(context: Integers, t: float, d: float, state: int) -> None:
-    """Write into row TRIAL of `sw` the functions after a time `d` at constant acceleration.
-
-    The acceleration is the second half of row DELTA.
-    """
-    p = parameters_of(context)
-    n = context[COORDINATES]
-    y = row_of(context, state)
-    a = second_half(context, DELTA)
-    z = row_of(context, SAMPLE)
+def look_ahead(context: Integers, t: float, d: float, state: int) -> None:
+    """Write g after a time `d`, at the acceleration in row DELTA, into row TRIAL of `sw`."""
+    p = ft.parameters_of(context)
+    n = context[ft.COORDINATES]
+    y = ws.row_of(context, state)
+    a = ws.second_half(context, ws.DELTA)
+    z = ws.row_of(context, ws.SAMPLE)
     for j in range(n):
         z[j] = y[j] + d * (y[n + j] + 0.5 * d * a[j])
         z[n + j] = y[n + j] + d * a[j]
-    q, v = positions(context, SAMPLE), velocities(context, SAMPLE)
-    switching_of(context)(t + d, q, v, p, switch_row(context, TRIAL))
+    q, v = ws.positions(context, ws.SAMPLE), ws.velocities(context, ws.SAMPLE)
+    abi.switching_of(context)(t + d, q, v, p, ws.switch_row(context, ws.TRIAL))
 
 
 @inner
-def hold(context: Integers, modes: Integers) -> None:
-    """Make the field that of `modes`: count what is held."""
+def count_sliding(context: Integers, modes: Integers) -> None:
+    """Count the functions in sliding mode, so that the right-hand side is that of `modes`."""
     count = 0
     for k in range(modes.size):
-        count += 1 if modes[k] == HELD_MODE else 0
-    context[SLIDING_COUNT] = count
-    context[MODIFIED] = count + context[STABILIZED]
+        count += 1 if modes[k] == SLIDING else 0
+    context[ft.SLIDING_COUNT] = count
+    context[ft.MODIFIED] = count + context[ft.STABILIZED]
 
 
 @inner
-def loose(context: Integers, t: float, q: Vector, v: Vector, s: int) -> int:
-    """First function that is said to be held and that nothing holds, else `CONSISTENT`.
+def find_unsupported(context: Integers, t: float, q: Vector, v: Vector, s: int) -> int:
+    """First function in sliding mode whose share is out of bounds, else `CONSISTENT`.
 
-    To be called after the field was evaluated.
+    The right-hand side must just have been evaluated.
     """
-    matrix = response_of(context)
-    share = share_of(context)
-    low, high = share_low_of(context), share_high_of(context)
-    count = context[SLIDING_COUNT]
-    held = sliding_functions_of(context)
+    matrix = ft.response_of(context)
+    share = ft.share_of(context)
+    low, high = ft.share_low_of(context), ft.share_high_of(context)
+    count = context[ft.SLIDING_COUNT]
+    sliding = ft.sliding_functions_of(context)
     for c in range(count):
-        k = int(held[c])
+        k = int(sliding[c])
         inside = low[k] - MISSED <= share[k] <= high[k] + MISSED
-        if limits_of(context)[2 * k] >= 0:
-            inside = limited_of(context)(context, t, q, v, k) >= -MISSED
+        if ft.limits_of(context)[2 * k] >= 0:
+            inside = ft.friction_margin_of(context)(context, t, q, v, k) >= -MISSED
         if not inside or not matrix[c * count + c] < 0.0:
             return k
     return CONSISTENT
 
 
 @inner
-def contradicted(
+def find_contradiction(
     context: Integers, t: float, d: float, state: int, candidate: Integers, count: int
 ) -> int:
     """First of the `count` members that does not go to the side that its candidate mode claims.
 
-    Returns `CONSISTENT` where all do. `signs` receives where each goes: -1, 0 or 1.
+    Returns `CONSISTENT` where all do. `signs` receives the direction of each: -1, 0 or 1.
     """
-    members = members_of(context)
-    signs = signs_of(context)
-    s = context[SWITCHES]
-    g = switch_row(context, NOW)
-    ahead = switch_row(context, TRIAL)
-    largest = switch_row(context, LARGEST)
-    preferred = switch_row(context, PREFERRED)
-    rigid, sticks = rigid_of(context), sticks_of(context)
-    q = positions(context, state)
-    v = velocities(context, state)
-    hold(context, candidate)
-    field(context, t, q, v, candidate, second_half(context, DELTA))
-    if context[SLIDING_COUNT] != 0:
-        k = loose(context, t, q, v, s)
+    members = ft.members_of(context)
+    signs = ft.signs_of(context)
+    s = context[ft.SWITCHES]
+    g = ws.switch_row(context, ws.NOW)
+    ahead = ws.switch_row(context, ws.TRIAL)
+    largest = ws.switch_row(context, ws.LARGEST)
+    preferred = ws.switch_row(context, ws.PREFERRED)
+    rigid, sticks = ft.rigid_of(context), ft.sticks_of(context)
+    q = ws.positions(context, state)
+    v = ws.velocities(context, state)
+    count_sliding(context, candidate)
+    field(context, t, q, v, candidate, ws.second_half(context, ws.DELTA))
+    if context[ft.SLIDING_COUNT] != 0:
+        k = find_unsupported(context, t, q, v, s)
         if k != CONSISTENT:
             return k
     open_members = 0
     for i in range(count):
         signs[i] = 0
-        open_members += 1 if candidate[members[i]] != HELD_MODE else 0
+        open_members += 1 if candidate[members[i]] != SLIDING else 0
     distance = d * _FIRST
     while open_members > 0 and distance <= 1.5 * d:
-        carry(context, t, distance, state)
+        look_ahead(context, t, distance, state)
         for i in range(count):
             k = members[i]
             change = ahead[k] - g[k]
             significant = abs(change) > _SIGNIFICANT * max(largest[k], abs(g[k]))
-            if signs[i] == 0 and significant and candidate[k] != HELD_MODE:
+            if signs[i] == 0 and significant and candidate[k] != SLIDING:
                 signs[i] = 1 if change > 0.0 else -1
                 open_members -= 1
         distance *= 10.0
     for i in range(count):
         k = int(members[i])
-        if candidate[k] == HELD_MODE:
+        if candidate[k] == SLIDING:
             continue
         if not np.isfinite(ahead[k]):
             return k
-        if int(preferred[k]) == candidate[k] + GIVEN:
+        if int(preferred[k]) == mark_known(candidate[k]):
             continue
         # A contact that others keep closed may touch without a force of its own; friction at rest
         # may exert any force within its bounds, also those at their ends.

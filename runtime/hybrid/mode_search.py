@@ -1,102 +1,97 @@
-"""Which modes are tried, where several functions are on their surface: in turn, or all of them."""
+"""Mode search: candidate modes of several functions on their surfaces, by pivots or all."""
 
 import numpy as np
 
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
-from runtime.core.function_table import (
-    SWITCHES,
-    candidate_modes_of,
-    members_of,
-    modes_of,
-    rigid_of,
-    share_high_of,
-    share_low_of,
-    share_of,
-    sticks_of,
-)
 from runtime.core.jit import inner
-from runtime.core.workspace import BAND, PREFERRED, switch_row
-from runtime.hybrid.mode_consistency import CONSISTENT, GIVEN, contradicted, hold
-from runtime.hybrid.sliding_modes import HELD_MODE
+from runtime.core.modes import SLIDING
+from runtime.hybrid.mode_consistency import (
+    CONSISTENT,
+    count_sliding,
+    find_contradiction,
+    preferred_mode,
+)
 
-MOST = 10  # safety: functions whose modes are tried in all combinations
-MOST_THREE = 6  # safety: of those that may also slide; more are first settled in turn
+MOST_COMBINED = 10  # safety: functions of which all combinations of modes are tried
+MOST_WITH_SLIDING = 6  # safety: the same where all may slide; more are first searched by pivots
 
 
 @inner
-def alternative(rigid: int, preferred: int, choice: int) -> int:
+def choose_mode(rigid: int, preferred: int, choice: int) -> int:
     """The mode that stands for `choice`, 0 being the preferred one; -1 where there is none.
 
-    A rigid contact is open (1) or held; others are 0, 1 or held, and are held last.
+    A rigid contact is open (1) or closed; others are 0, 1 or sliding, and sliding comes last.
     """
     if choice == 0:
         return preferred
     if rigid >= 0:
-        return (HELD_MODE if preferred == 1 else 1) if choice == 1 else -1
-    if preferred == HELD_MODE:
+        return (SLIDING if preferred == 1 else 1) if choice == 1 else -1
+    if preferred == SLIDING:
         return choice - 1
-    return 1 - preferred if choice == 1 else HELD_MODE
+    return 1 - preferred if choice == 1 else SLIDING
 
 
 @inner
-def flipped(context: Integers, k: int, mode: int, preferred: int) -> int:
-    """What function `k` is to try next, whose `mode` is contradicted.
+def flip_mode(context: Integers, k: int, mode: int, preferred: int) -> int:
+    """The next mode of function `k`, whose `mode` is contradicted.
 
-    What nothing holds goes where the force that would hold it exceeds what it may be.
+    From sliding mode it goes to the side of the bound that its share exceeds.
     """
-    if mode == HELD_MODE:
-        share = share_of(context)[k]
-        low, high = share_low_of(context)[k], share_high_of(context)[k]
-        if rigid_of(context)[k] >= 0 or not np.isfinite(share):
+    if mode == SLIDING:
+        share = ft.share_of(context)[k]
+        low, high = ft.share_low_of(context)[k], ft.share_high_of(context)[k]
+        if ft.rigid_of(context)[k] >= 0 or not np.isfinite(share):
             return 1
         return 1 if share > 0.5 * (low + high) else 0
-    freely = rigid_of(context)[k] < 0 and sticks_of(context)[k] == 0
-    return 1 - mode if freely and mode == preferred else HELD_MODE
+    freely = ft.rigid_of(context)[k] < 0 and ft.sticks_of(context)[k] == 0
+    return 1 - mode if freely and mode == preferred else SLIDING
 
 
 @inner
-def in_turn(context: Integers, t: float, d: float, state: int, count: int) -> int:
+def search_by_pivots(context: Integers, t: float, d: float, state: int, count: int) -> int:
     """Modes by changing the first that is contradicted, again and again, as Murty's pivots do.
 
     (K. G. Murty, Note on a Bard-type scheme for solving the complementarity problem, Opsearch 11,
-    1974.) Functions that know nothing of each other settle one after the other. Where friction or a
-    surface that repels makes it run in circles, it gives up: each function has three
-    modes, and may be met again once for each of the others.
+    1974.) Independent functions are settled one after the other. As friction or a repelling surface
+    may make pivots cycle, their number is bounded: each function has three modes, and may return
+    once for each of the others.
     """
-    modes = modes_of(context)
-    members = members_of(context)
-    band = switch_row(context, BAND)
-    preferred_row = switch_row(context, PREFERRED)
-    s = context[SWITCHES]
-    candidate = candidate_modes_of(context)
+    modes = ft.modes_of(context)
+    members = ft.members_of(context)
+    band = ws.switch_row(context, ws.BAND)
+    preferred_row = ws.switch_row(context, ws.PREFERRED)
+    s = context[ft.SWITCHES]
+    candidate = ft.candidate_modes_of(context)
     for k in range(s):
         candidate[k] = modes[k]
     for i in range(count):
-        candidate[members[i]] = int(preferred_row[members[i]]) % GIVEN
+        candidate[members[i]] = preferred_mode(preferred_row[members[i]])
     wrong = CONSISTENT
     for _ in range(3 * count * count):
-        wrong = contradicted(context, t, d, state, candidate, count)
+        wrong = find_contradiction(context, t, d, state, candidate, count)
         if wrong == CONSISTENT:
             for k in range(s):
                 modes[k] = candidate[k]
-            hold(context, modes)
+            count_sliding(context, modes)
             break
         if not band[wrong] > 0.0:
             break
-        preferred = int(preferred_row[wrong]) % GIVEN
-        candidate[wrong] = flipped(context, wrong, int(candidate[wrong]), preferred)
+        preferred = preferred_mode(preferred_row[wrong])
+        candidate[wrong] = flip_mode(context, wrong, int(candidate[wrong]), preferred)
     return wrong
 
 
 @inner
-def exhaustively(context: Integers, t: float, d: float, state: int, tried: int, count: int) -> int:
-    """Modes by trying all combinations for the first `tried` members; result as of `settle`."""
-    modes = modes_of(context)
-    members = members_of(context)
-    s = context[SWITCHES]
-    candidate = candidate_modes_of(context)
-    preferred, rigid = switch_row(context, PREFERRED), rigid_of(context)
-    choices = 3 if tried <= MOST_THREE else 2
+def search_all(context: Integers, t: float, d: float, state: int, tried: int, count: int) -> int:
+    """Modes by trying all combinations of the first `tried` members; result as `select_modes`."""
+    modes = ft.modes_of(context)
+    members = ft.members_of(context)
+    s = context[ft.SWITCHES]
+    candidate = ft.candidate_modes_of(context)
+    preferred, rigid = ws.switch_row(context, ws.PREFERRED), ft.rigid_of(context)
+    choices = 3 if tried <= MOST_WITH_SLIDING else 2
     combinations = choices**tried
     blamed = CONSISTENT
     for changes in range(tried + 1):
@@ -111,18 +106,18 @@ def exhaustively(context: Integers, t: float, d: float, state: int, tried: int, 
                     changed += 1 if choice > 0 else 0
                     late += 1 if choice == 2 else 0
                     k = members[i]
-                    mode = alternative(rigid[k], int(preferred[k]) % GIVEN, choice)
+                    mode = choose_mode(rigid[k], preferred_mode(preferred[k]), choice)
                     known = known and mode >= 0
                     candidate[k] = mode
                 if changed != changes or late != holds or not known:
                     continue
-                wrong = contradicted(context, t, d, state, candidate, count)
+                wrong = find_contradiction(context, t, d, state, candidate, count)
                 if wrong == CONSISTENT:
                     for k in range(s):
                         modes[k] = candidate[k]
-                    hold(context, modes)
+                    count_sliding(context, modes)
                     return CONSISTENT
                 if blamed == CONSISTENT:
                     blamed = wrong
-    hold(context, modes)
+    count_sliding(context, modes)
     return blamed

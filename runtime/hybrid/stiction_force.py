@@ -1,94 +1,76 @@
-"""Friction in a joint that sticks: the force that holds it is sought by itself.
+"""The stiction force: the unknown force that keeps a joint with friction at rest.
 
-What lies between the fields of sliding to either side holds the joint as well, but where one of
-them jams there is no such field. So the kernels are asked, in mode 2, for the field with a given
-force in the place of this friction: none, which is the base, and one unit. Everything is linear in
-the force, so that any unit serves which rounding lets pass; whether the friction can bear the force
-is for its limit to say, μ_s N.
+A combination of the fields of sliding to either side would keep it at rest as well, but where one
+of them jams, that field does not exist. Therefore kernels in mode 2 take a given force in the place
+of this friction: zero, which is the base, and one unit. Everything is linear in the force, so that
+any unit serves which rounding permits; whether friction can bear the force is decided by its limit,
+μ_s N.
 """
 
 import numpy as np
 
+from runtime.core import function_table as ft
+from runtime.core import kernel_abi as abi
 from runtime.core.array_types import Integers, Vector
-from runtime.core.function_table import (
-    SWITCHES,
-    base_multipliers_of,
-    kernel_modes_of,
-    limits_of,
-    modes_of,
-    multipliers_of,
-    parameters_of,
-    reaction_of,
-    share_of,
-    sliding_functions_of,
-    stiction_place_of,
-    stiction_units_of,
-)
 from runtime.core.jit import inner
-from runtime.core.kernel_abi import accelerations_of, reactions_of, switched_reactions_of
+from runtime.core.modes import SLIDING
 
-FREE_MODE = 3
-"""Of a friction whose force is sought: it exerts none, and is not held."""
-
-GIVEN_MODE = 2
-"""Of such a friction, as the kernels take it: the force is what stands in p."""
+PRESCRIBED = SLIDING
+"""The mode in which kernels take the stiction force from p."""
 
 # accuracy: units in a force above which their rounding would show; another unit is taken
 _COARSE = 8.0
 
 
 @inner
-def engage(context: Integers, k: int) -> None:
-    """Have the kernels exert one unit of what holds function `k`: its mode 1, or a unit of force.
-
-    The unit acts against g, as friction does in mode 1.
-    """
-    p = parameters_of(context)
-    place = stiction_place_of(context)[k]
+def apply_unit(context: Integers, k: int) -> None:
+    """Apply mode 1 of function `k`, or a unit of its stiction force, which acts against g."""
+    p = ft.parameters_of(context)
+    place = ft.stiction_place_of(context)[k]
     if place >= 0:
-        p[place] = -stiction_units_of(context)[k]
+        p[place] = -ft.stiction_units_of(context)[k]
     else:
-        kernel_modes_of(context)[k] = 1
+        ft.kernel_modes_of(context)[k] = 1
 
 
 @inner
-def release(context: Integers, k: int) -> None:
-    """Have the kernels exert nothing of what holds function `k`: its mode 0, or no force."""
-    p = parameters_of(context)
-    place = stiction_place_of(context)[k]
+def remove_unit(context: Integers, k: int) -> None:
+    """Return function `k` to mode 0, or to a stiction force of zero."""
+    p = ft.parameters_of(context)
+    place = ft.stiction_place_of(context)[k]
     if place >= 0:
         p[place] = 0.0
     else:
-        kernel_modes_of(context)[k] = 0
+        ft.kernel_modes_of(context)[k] = 0
 
 
 @inner
-def exert(context: Integers, count: int) -> None:
-    """Leave in `p` the forces that hold, for kernels that are called with the mode 2."""
-    p = parameters_of(context)
-    held = sliding_functions_of(context)
-    sought, share = stiction_place_of(context), share_of(context)
-    unit = stiction_units_of(context)
+def write_forces(context: Integers, count: int) -> None:
+    """Write the stiction forces into `p`, for kernels in mode 2."""
+    p = ft.parameters_of(context)
+    sliding = ft.sliding_functions_of(context)
+    places, share = ft.stiction_place_of(context), ft.share_of(context)
+    unit = ft.stiction_units_of(context)
     for c in range(count):
-        if sought[held[c]] >= 0:
-            p[sought[held[c]]] = -share[held[c]] * unit[held[c]]
+        if places[sliding[c]] >= 0:
+            p[places[sliding[c]]] = -share[sliding[c]] * unit[sliding[c]]
 
 
 @inner
-def at_rest(context: Integers) -> None:
-    """Have the kernels exert nothing of all frictions whose force is sought, by `modes`."""
-    p = parameters_of(context)
-    modes = modes_of(context)
-    sought = stiction_place_of(context)
-    for k in range(context[SWITCHES]):
-        if sought[k] >= 0:
-            p[sought[k]] = 0.0
-            modes[k] = GIVEN_MODE
+def suspend_friction(context: Integers) -> None:
+    """Set all frictions whose stiction force is sought to a force of zero, by `modes`."""
+    p = ft.parameters_of(context)
+    modes = ft.modes_of(context)
+    places = ft.stiction_place_of(context)
+    for k in range(context[ft.SWITCHES]):
+        if places[k] >= 0:
+            p[places[k]] = 0.0
+            modes[k] = PRESCRIBED
 
 
 @inner
-def finite(a: Vector) -> bool:
-    """Whether all of `a` are numbers."""
+def is_finite(a: Vector) -> bool:
+    """Whether all of `a` are finite."""
     found = True
     for j in range(a.size):
         found = found and np.isfinite(a[j])
@@ -96,66 +78,66 @@ def finite(a: Vector) -> bool:
 
 
 @inner
-def jams(context: Integers, t: float, q: Vector, v: Vector, a: Vector) -> int:
-    """A friction that slides, without which, and those before it, there are accelerations; or -1.
+def find_jamming_friction(context: Integers, t: float, q: Vector, v: Vector, a: Vector) -> int:
+    """The friction that jams in sliding: without it, and those before it, `a` is finite; or -1.
 
-    To be called where there are none under `modes`; `a` and `lam` are overwritten.
+    For states without accelerations under `modes`; `a` and `lam` are overwritten.
     """
-    p = parameters_of(context)
-    modes = modes_of(context)
-    lam = multipliers_of(context)
-    s = context[SWITCHES]
-    sought = stiction_place_of(context)
-    plain = kernel_modes_of(context)
+    p = ft.parameters_of(context)
+    modes = ft.modes_of(context)
+    lam = ft.multipliers_of(context)
+    s = context[ft.SWITCHES]
+    places = ft.stiction_place_of(context)
+    kernel_modes = ft.kernel_modes_of(context)
     for k in range(s):
-        plain[k] = modes[k]
+        kernel_modes[k] = modes[k]
     for k in range(s):
-        if sought[k] < 0 or modes[k] == GIVEN_MODE:
+        if places[k] < 0 or modes[k] == PRESCRIBED:
             continue
-        p[sought[k]] = 0.0
-        plain[k] = GIVEN_MODE
-        accelerations_of(context)(t, q, v, p, plain, a, lam)
-        if finite(a):
+        p[places[k]] = 0.0
+        kernel_modes[k] = PRESCRIBED
+        abi.accelerations_of(context)(t, q, v, p, kernel_modes, a, lam)
+        if is_finite(a):
             return k
     return -1
 
 
 @inner
 def choose_units(context: Integers, t: float, q: Vector, v: Vector, count: int) -> None:
-    """Fill UNIT: the units of the forces that are sought, and what they bear in the base.
+    """Fill the units of the stiction forces, and the friction limits in the base.
 
-    The one is taken for the other: it has the size of the forces in the machine.
+    The limit serves as the unit: it has the size of the forces in the machine.
     """
-    p = parameters_of(context)
-    s = context[SWITCHES]
-    plain = kernel_modes_of(context)
-    held, sought = sliding_functions_of(context), stiction_place_of(context)
-    limits, unit = limits_of(context), stiction_units_of(context)
-    any_sought = False
+    p = ft.parameters_of(context)
+    s = context[ft.SWITCHES]
+    kernel_modes = ft.kernel_modes_of(context)
+    sliding, places = ft.sliding_functions_of(context), ft.stiction_place_of(context)
+    limits, unit = ft.limits_of(context), ft.stiction_units_of(context)
+    any_place = False
     for c in range(count):
-        any_sought = any_sought or sought[held[c]] >= 0
-    if not any_sought:
+        any_place = any_place or places[sliding[c]] >= 0
+    if not any_place:
         return
-    room, lam = reaction_of(context), base_multipliers_of(context)
-    reactions_of(context)(t, q, v, p, lam, room)
-    switched_reactions_of(context)(t, q, v, p, plain, lam, room)
+    room, lam = ft.reaction_of(context), ft.base_multipliers_of(context)
+    abi.reactions_of(context)(t, q, v, p, lam, room)
+    abi.switched_reactions_of(context)(t, q, v, p, kernel_modes, lam, room)
     for c in range(count):
-        k = held[c]
-        if sought[k] >= 0:
+        k = sliding[c]
+        if places[k] >= 0:
             bears = room[limits[2 * k + 1]]
             unit[s + k] = bears
             unit[k] = bears if bears > 0.0 and np.isfinite(bears) else 1.0
 
 
 @inner
-def outgrown(context: Integers, k: int) -> bool:
-    """Whether function `k` is held by a force of which its unit is too small a part; then it grows.
+def enlarge_unit(context: Integers, k: int) -> bool:
+    """Enlarge the unit of function `k` where it is too small a part of its force; whether it was.
 
-    A share that is no number may come from a unit that is lost in the rounding of the base.
+    A share of NaN may come from a unit that is lost in the rounding of the base.
     """
-    if stiction_place_of(context)[k] < 0:
+    if ft.stiction_place_of(context)[k] < 0:
         return False
-    unit, share = stiction_units_of(context), share_of(context)[k]
+    unit, share = ft.stiction_units_of(context), ft.share_of(context)[k]
     if not np.isfinite(share):
         lost = unit[k] < 1.0
         unit[k] = max(unit[k], 1.0)

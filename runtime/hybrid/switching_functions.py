@@ -1,115 +1,95 @@
-"""Switching functions along a run: g itself, or how far what holds g at zero is from letting go."""
+"""Switching functions g along a run; in sliding modes their margins stand in their place."""
 
 import numpy as np
 
+from runtime.core import function_table as ft
+from runtime.core import kernel_abi as abi
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
-from runtime.core.function_table import (
-    COORDINATES,
-    MARGINS,
-    SLIDING_COUNT,
-    SWITCHES,
-    bent_of,
-    limited_of,
-    limits_of,
-    margins_of,
-    modes_of,
-    multipliers_of,
-    parameters_of,
-    settings_of,
-    share_high_of,
-    share_low_of,
-    share_of,
-)
 from runtime.core.jit import addressed, inlined, inner
-from runtime.core.kernel_abi import switching_of, switching_rates_of
-from runtime.core.workspace import (
-    DELTA,
-    SAMPLE,
-    first_half,
-    positions,
-    row_of,
-    switch_row,
-    velocities,
-    velocity_rates,
-)
-from runtime.hybrid.sliding_modes import HELD_MODE
+from runtime.core.modes import SLIDING
 from runtime.hybrid.sliding_rhs import STEP
 
 _AHEAD = 1e-4  # accuracy: of a step; the distance over which the rate of a margin is differenced
-UNBOUNDED = -1e300  # code: a lower bound below this is none
+UNBOUNDED = -1e300  # code: lower bounds below it mean none
 
 
 @inlined
-def functions(context: Integers, t: float, state: int, slot: int) -> None:
+def evaluate_switching(context: Integers, t: float, state: int, slot: int) -> None:
     """Write g at the state in row `state` of the workspace into row `slot` of `sw`.
 
-    In the place of a function that is held stands its margin, which is positive as long as its
-    share lies between its bounds.
+    In sliding mode the margin stands in the place of g. It is positive as long as the share lies
+    between its bounds.
     """
-    p = parameters_of(context)
-    q, v = positions(context, state), velocities(context, state)
-    switching_of(context)(t, q, v, p, switch_row(context, slot))
-    if context[SLIDING_COUNT] != 0:
-        margins_of(context)(context, t, state, slot)
+    p = ft.parameters_of(context)
+    q, v = ws.positions(context, state), ws.velocities(context, state)
+    abi.switching_of(context)(t, q, v, p, ws.switch_row(context, slot))
+    if context[ft.SLIDING_COUNT] != 0:
+        ft.margins_of(context)(context, t, state, slot)
 
 
 @inner
-def margin(context: Integers, t: float, q: Vector, v: Vector, s: int, k: int) -> float:
-    """How far what holds function `k` is from letting go: zero where it does, negative beyond.
+def compute_margin(context: Integers, t: float, q: Vector, v: Vector, s: int, k: int) -> float:
+    """Margin of function `k` in sliding mode: positive inside, zero where it leaves its surface.
 
-    That is the share's distance from its bounds, or what is left of the force that friction bears.
+    It is the distance of the share from its bounds, or the part of the friction limit that is left.
     """
-    if limits_of(context)[2 * k] >= 0:
-        return float(limited_of(context)(context, t, q, v, k))
-    share = share_of(context)[k]
-    low, high = share_low_of(context)[k], share_high_of(context)[k]
+    if ft.limits_of(context)[2 * k] >= 0:
+        return float(ft.friction_margin_of(context)(context, t, q, v, k))
+    share = ft.share_of(context)[k]
+    low, high = ft.share_low_of(context)[k], ft.share_high_of(context)[k]
     room = high - share
     if low >= UNBOUNDED:
         room *= (share - low) / (high - low)
     return float(room) if np.isfinite(room) else -1.0
 
 
-@addressed(MARGINS)
-def margins(context: Integers, t: float, state: int, slot: int) -> None:
-    """Write the margins of what is held over its functions in row `slot` of `sw`."""
-    s = context[SWITCHES]
-    modes, lam = modes_of(context), multipliers_of(context)
-    q, v = positions(context, state), velocities(context, state)
-    bent_of(context)(context, t, q, v, modes, first_half(context, DELTA), lam)
+@addressed(ft.MARGINS)
+def write_margins(context: Integers, t: float, state: int, slot: int) -> None:
+    """Write the margins of functions in sliding mode over their g in row `slot` of `sw`."""
+    s = context[ft.SWITCHES]
+    modes, lam = ft.modes_of(context), ft.multipliers_of(context)
+    q, v = ws.positions(context, state), ws.velocities(context, state)
+    ft.modified_rhs_of(context)(context, t, q, v, modes, ws.first_half(context, ws.DELTA), lam)
     for k in range(s):
-        if modes[k] == HELD_MODE:
-            switch_row(context, slot)[k] = margin(context, t, q, v, s, k)
+        if modes[k] == SLIDING:
+            ws.switch_row(context, slot)[k] = compute_margin(context, t, q, v, s, k)
 
 
 @inner
-def measure(context: Integers, t: float, state: int, derivative: int, slot: int) -> None:
-    """Write g into row `slot` of `sw` and dg/dt into the next, for two rows of the workspace.
+def evaluate_switching_and_rates(
+    context: Integers, t: float, state: int, derivative: int, slot: int
+) -> None:
+    """Write g into row `slot` of `sw` and dg/dt into the next.
 
-    The rate of a margin is a difference along the motion.
+    The workspace holds the state in row `state`, its derivative in row `derivative`. The rate of a
+    margin is a difference along the motion.
     """
-    p = parameters_of(context)
-    modes = modes_of(context)
-    lam = multipliers_of(context)
-    n = context[COORDINATES]
-    s = context[SWITCHES]
-    functions(context, t, state, slot)
-    q, v = positions(context, state), velocities(context, state)
-    a = velocity_rates(context, derivative)
-    rates = switch_row(context, slot + 1)
-    switching_rates_of(context)(t, q, v, a, p, rates)
-    if context[SLIDING_COUNT] == 0:
+    p = ft.parameters_of(context)
+    modes = ft.modes_of(context)
+    lam = ft.multipliers_of(context)
+    n = context[ft.COORDINATES]
+    s = context[ft.SWITCHES]
+    evaluate_switching(context, t, state, slot)
+    q, v = ws.positions(context, state), ws.velocities(context, state)
+    a = ws.velocity_rates(context, derivative)
+    rates = ws.switch_row(context, slot + 1)
+    abi.switching_rates_of(context)(t, q, v, a, p, rates)
+    if context[ft.SLIDING_COUNT] == 0:
         return
-    y = row_of(context, state)
-    z = row_of(context, SAMPLE)
-    ahead = _AHEAD * settings_of(context)[STEP]
+    y = ws.row_of(context, state)
+    z = ws.row_of(context, ws.SAMPLE)
+    ahead = _AHEAD * ft.settings_of(context)[STEP]
     for j in range(n):
         z[j] = y[j] + ahead * (y[n + j] + 0.5 * ahead * a[j])
         z[n + j] = y[n + j] + ahead * a[j]
     z_q, z_v = view(z, 0, n), view(z, n, n)
-    bent_of(context)(context, t + ahead, z_q, z_v, modes, first_half(context, DELTA), lam)
+    ft.modified_rhs_of(context)(
+        context, t + ahead, z_q, z_v, modes, ws.first_half(context, ws.DELTA), lam
+    )
     for k in range(s):
-        if modes[k] == HELD_MODE:
+        if modes[k] == SLIDING:
             rates[k] = (
-                margin(context, t + ahead, z_q, z_v, s, k) - switch_row(context, slot)[k]
+                compute_margin(context, t + ahead, z_q, z_v, s, k) - ws.switch_row(context, slot)[k]
             ) / ahead

@@ -13,15 +13,15 @@ from runtime.core.function_table import (
     dense_of,
     locate_of,
     modes_of,
-    watch_of,
+    screen_step_of,
 )
 from runtime.core.jit import addressed, inner
 from runtime.core.outcomes import Outcome
 from runtime.core.run_record import run_record
 from runtime.core.workspace import BAND, G0, G1, LARGEST, R0, R1, Y0, Y1, K, row_of, switch_row
-from runtime.hybrid.event_location import INSTANT, last_due
+from runtime.hybrid.event_location import INSTANT, find_crossing_at_end
 from runtime.hybrid.event_resolution import UNRESOLVED
-from runtime.hybrid.switching_functions import measure
+from runtime.hybrid.switching_functions import evaluate_switching_and_rates
 from runtime.integrate.signals import Signal, reject
 from runtime.integrate.step import TrialStep
 
@@ -46,7 +46,7 @@ def find_event(context: Integers, suspects: int) -> None:
             r.length = x * h
             r.dense_ready = 0
     if r.crossing < 0 and r.end >= r.t_end:
-        r.crossing = last_due(context, r.end)
+        r.crossing = find_crossing_at_end(context, r.end)
         if r.crossing >= 0:
             r.reach = h
             r.dense_ready = 0
@@ -96,7 +96,7 @@ def retake(context: Integers) -> int:
         r.retakes += 1
         if code != TrialStep.DONE:
             break
-        measure(context, r.end, Y1, K + r.last, G1)
+        evaluate_switching_and_rates(context, r.end, Y1, K + r.last, G1)
         g = g1[crossing]
         if abs(g) <= 4e-16 * largest[crossing] or turn == _RETAKES - 1:
             break
@@ -128,7 +128,7 @@ def end_at_event(context: Integers) -> int:
     r.dense_ready = 0
     if context[SWITCHES] == 0:
         return Signal.PROCEED
-    suspects = watch_of(context)(context, r.t, r.length, r.end)
+    suspects = screen_step_of(context)(context, r.t, r.length, r.end)
     if suspects == UNRESOLVED:
         reject(context, UNRESOLVED, r.stretch * r.length)
         return Signal.RETRY

@@ -10,9 +10,9 @@ from runtime.core.function_table import (
     RANK,
     SAMPLE_TIMES,
     SWITCHES,
-    begin_of,
     correct_of,
     first_step_of,
+    initialize_modes_of,
     modes_of,
     out_modes_of,
     parameters_of,
@@ -26,6 +26,7 @@ from runtime.core.function_table import (
 )
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import switching_rates_of
+from runtime.core.modes import SLIDING
 from runtime.core.outcomes import Outcome
 from runtime.core.rhs import field
 from runtime.core.run_record import FREE, run_record
@@ -51,10 +52,9 @@ from runtime.core.workspace import (
 )
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.hybrid.mode_transition import LOOK_AHEAD
-from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.hybrid.sliding_rhs import STEP
-from runtime.hybrid.stiction_force import at_rest, finite, jams
-from runtime.hybrid.switching_functions import measure
+from runtime.hybrid.stiction_force import find_jamming_friction, is_finite, suspend_friction
+from runtime.hybrid.switching_functions import evaluate_switching_and_rates
 from runtime.integrate.sampling import record
 
 # accuracy: of a function's spread; |g| at which its rounding is some units in the last place
@@ -136,7 +136,7 @@ def start(context: Integers) -> int:
     for j in range(n):
         slope[j] = v[j]
     # Whether the constraints are independent is not for a joint to say that friction jams.
-    at_rest(context)
+    suspend_friction(context)
     if r.plan == FREE:
         weak = field(context, t, q, v, modes, a)
         if weak > 0:
@@ -159,19 +159,19 @@ def start(context: Integers) -> int:
                 largest[k] = size[0]
                 for j in range(n):
                     largest[k] = min(largest[k], size[j])
-        settled = begin_of(context)(context, 0, t, LOOK_AHEAD * h, Y0, G0)
+        settled = initialize_modes_of(context)(context, 0, t, LOOK_AHEAD * h, Y0, G0)
         if settled != CONSISTENT:
             r.index = settled
             outcome = Outcome.INCONSISTENT
         field(context, t, q, v, modes, a)
-        measure(context, t, Y0, K, G0)
+        evaluate_switching_and_rates(context, t, Y0, K, G0)
         for k in range(s):
-            if modes[k] == HELD_MODE:
+            if modes[k] == SLIDING:
                 reserve[k] = largest[k]
                 largest[k], band[k] = 1.0, 0.0
         r.rhs += 2
-    if not finite(a):
-        jammed = jams(context, t, q, v, a)
+    if not is_finite(a):
+        jammed = find_jamming_friction(context, t, q, v, a)
         if jammed == CONSISTENT:
             return Outcome.NOT_FINITE
         r.index = jammed

@@ -19,7 +19,7 @@ from runtime.core.function_table import (
     STABILIZED,
     SWITCHES,
     attempt_of,
-    passed_of,
+    guard_branches_of,
     propose_of,
     repartition_of,
     vanishing_of,
@@ -83,7 +83,7 @@ def try_step(context: Integers) -> int:
     code = attempt_of(context)(context, t, h)
     if code == TrialStep.DONE:
         if context[LOOPS] != 0:
-            passed = passed_of(context)(context, t, h)
+            passed = guard_branches_of(context)(context, t, h)
             if passed > 0:
                 return int(passed)
             if passed < 0:

@@ -8,6 +8,7 @@ import numpy as np
 from runtime.constraints.repartitioning import GROWTH_LIMIT
 from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import CORRECTING, EACH_STAGE, MODIFIED, STABILIZED
+from runtime.core.modes import SLIDING, Direction
 from runtime.core.outcomes import Outcome
 from runtime.core.run_record import ConstraintReturn
 from runtime.core.system import System
@@ -22,10 +23,8 @@ from runtime.core.workspace import (
     SWITCH_ROWS,
     Y0,
 )
-from runtime.hybrid.loop_branch_guard import MET, on_the_way
-from runtime.hybrid.mode_search import MOST
-from runtime.hybrid.mode_transition import HELD, IMPACT
-from runtime.hybrid.sliding_modes import HELD_MODE
+from runtime.hybrid.loop_branch_guard import DEAD_CENTRE_NOTE, find_dead_centre
+from runtime.hybrid.mode_search import MOST_COMBINED
 from runtime.hybrid.sliding_rhs import TIME_SCALE
 from runtime.integrate.initialization import start
 from runtime.integrate.interrupts import Interrupts
@@ -195,7 +194,8 @@ class _Run:
     def _log_first_impacts(self) -> None:
         """The contacts that were struck in the very first instant are events as well."""
         struck = np.flatnonzero(self.switch_rows[STRUCK])
-        kinds = [HELD if self.modes[k] == HELD_MODE else IMPACT for k in struck]
+        closed = self.modes[struck] == SLIDING
+        kinds = np.where(closed, Direction.STAYS_ON_SURFACE, Direction.IMPACT).tolist()
         self.gathered.strike(self.r["t"], struck, kinds, self.state.ravel())
         self.r["events"] += len(struck)
 
@@ -236,11 +236,11 @@ class _Run:
         t, y, modes = self.gathered.samples(r)
         note = ""
         p, kept = self.p, self.wiring.arrays["loop_nearness"]
-        loop = on_the_way(self.system, float(r["t"]), self.state, p, kept, outcome)
+        loop = find_dead_centre(self.system, float(r["t"]), self.state, p, kept, outcome)
         if loop is not None:
             outcome, r["index"], r["turn"] = Outcome.SINGULAR, loop, r["t"]
         if outcome is Outcome.SINGULAR and int(r["index"]) in self.system.loop_rows:
-            note = MET.format(float(r["turn"]))
+            note = DEAD_CENTRE_NOTE.format(float(r["turn"]))
         counts = {
             name: int(r[name])
             for name in Statistics.__dataclass_fields__
@@ -268,9 +268,10 @@ class _Run:
     def _given_up(self, outcome: Outcome) -> str:
         """What to know where more functions were on their surface than can all be tried."""
         count = int(np.count_nonzero(self.switch_rows[BAND] > 0.0))
-        if outcome is not Outcome.INCONSISTENT or count <= MOST:
+        if outcome is not Outcome.INCONSISTENT or count <= MOST_COMBINED:
             return ""
         return (
             f"{count} conditions are on their surface at once; of their combinations only those of "
-            f"{MOST} were all tried, and the search was given up: there may be a state that agrees."
+            f"{MOST_COMBINED} were all tried, and the search was given up: there may be a state "
+            "that agrees."
         )

@@ -19,7 +19,7 @@ from runtime.core.function_table import (
     out_modes_of,
     out_states_of,
     out_times_of,
-    return_held_of,
+    return_to_surfaces_of,
     sample_times_of,
 )
 from runtime.core.jit import addressed, inner
@@ -71,7 +71,7 @@ def sample(context: Integers, t: float, h: float, at: float) -> int:
             return FAILED
         r.corrections += result % WEAK
     if context[SLIDING_COUNT] != 0:
-        return_held_of(context)(context, at, SAMPLE)
+        return_to_surfaces_of(context)(context, at, SAMPLE)
     record(context, at, SAMPLE)
     return 0
 

@@ -21,7 +21,7 @@ from runtime.core.function_table import (
     modes_of,
     parameters_of,
     repartition_of,
-    return_held_of,
+    return_to_surfaces_of,
     settings_of,
     stages_of,
 )
@@ -230,7 +230,7 @@ def attempt(context: Integers, t: float, h: float) -> int:
         if code != TrialStep.DONE:
             return code
     if context[SLIDING_COUNT] != 0:
-        return_held_of(context)(context, t + h, Y1)
+        return_to_surfaces_of(context)(context, t + h, Y1)
     judged(context, t + h, h)
     if not np.isfinite(r.error):
         return TrialStep.NOT_FINITE

@@ -34,15 +34,12 @@ from runtime.core.kernel_abi import KERNELS
 from runtime.core.run_record import RUN
 from runtime.core.system import System
 from runtime.core.workspace import ROWS, SWITCH_ROWS
-from runtime.hybrid import event_location as events
-from runtime.hybrid import event_resolution as watch
-from runtime.hybrid import impact
-from runtime.hybrid import loop_branch_guard as dead_centres
-from runtime.hybrid import mode_reactions as mixing
-from runtime.hybrid import mode_selection as modes
-from runtime.hybrid import mode_transition as transition
-from runtime.hybrid import sliding_rhs as bent
-from runtime.hybrid import switching_functions as surfaces
+from runtime.hybrid import event_location, impact, mode_selection, sliding_rhs
+from runtime.hybrid.event_resolution import screen_step
+from runtime.hybrid.loop_branch_guard import guard_branches
+from runtime.hybrid.mode_reactions import compute_friction_margin
+from runtime.hybrid.mode_transition import change_modes
+from runtime.hybrid.switching_functions import write_margins
 from runtime.integrate import sampling as outputs
 from runtime.integrate import step as attempt
 from runtime.integrate import step_control as control
@@ -53,7 +50,7 @@ from runtime.singularity.detection import PIVOT_ROWS, predict_vanishing_pivot
 METHOD_SLOTS = slice(TABLE.slots["stages"], TABLE.slots["correct"])
 """Slots of the method's functions."""
 
-_LOOP_SLOTS = slice(TABLE.slots["correct"], TABLE.slots["passed"] + 1)
+_LOOP_SLOTS = slice(TABLE.slots["correct"], TABLE.slots["guard_branches"] + 1)
 
 
 class Wiring(NamedTuple):
@@ -71,22 +68,22 @@ def _loop() -> Integers:
             return_to_constraints,
             attempt.attempt,
             repartition.repartition,
-            events.locate,
-            events.sampled,
-            modes.settle,
-            modes.begin,
+            event_location.locate_event,
+            event_location.sample_function,
+            mode_selection.select_modes,
+            mode_selection.initialize_modes,
             control.first_step,
             outputs.emit,
-            watch.watch,
-            bent.bent,
-            bent.bent_slope,
-            impact.impact,
-            impact.return_held,
-            transition.transition,
-            mixing.limited,
-            surfaces.margins,
+            screen_step,
+            sliding_rhs.evaluate_rhs,
+            sliding_rhs.evaluate_slope,
+            impact.apply_impact,
+            impact.return_to_surfaces,
+            change_modes,
+            compute_friction_margin,
+            write_margins,
             predict_vanishing_pivot,
-            dead_centres.passed,
+            guard_branches,
         )
     )
 

@@ -11,8 +11,7 @@ import pytest
 from codegen.errors import InputError
 from runtime.constraints import repartitioning as repartition
 from runtime.core.outcomes import Outcome
-from runtime.hybrid import event_location as events
-from runtime.hybrid import mode_selection as modes
+from runtime.hybrid import event_location, mode_selection
 from runtime.integrate import initialization as start
 from runtime.integrate import loop as driver
 from runtime.integrate import sampling as outputs
@@ -61,8 +60,9 @@ def test_more_events_than_one_buffer_holds():
 
 def test_second_model_compiles_nothing():
     functions = (
-        driver.advance, start.start, attempt.attempt, repartition.repartition, events.locate,
-        modes.settle, modes.begin, outputs.emit, dopri5.stages, dop853.stages,
+        driver.advance, start.start, attempt.attempt, repartition.repartition, outputs.emit,
+        event_location.locate_event, mode_selection.select_modes, mode_selection.initialize_modes,
+        dopri5.stages, dop853.stages,
     )  # fmt: skip
     integrate(PENDULUM, pendulum_problem(np.pi, 0.0, 0.1), Options())
     run_relay(relay(*BALL, constant=-9.81), 1.0, 0.0, 0.1)

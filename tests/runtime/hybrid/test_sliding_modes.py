@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from runtime.core.kernel_abi import SIGNATURES
+from runtime.core.modes import SLIDING
 from runtime.core.outcomes import Outcome
 from runtime.core.system import System
-from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.integrate.method import EXPLICIT
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
@@ -42,7 +42,7 @@ def test_slides_along_a_ramp_of_velocity(method, tolerance):
     on = instants > 2.0 + 1e-9
     np.testing.assert_allclose(r.v[on, 0], 0.5 * instants[on], rtol=0, atol=1e-12)
     np.testing.assert_allclose(r.q[on, 0], 4.0 + (instants[on] ** 2 - 4.0) / 4.0, atol=1e-11)
-    assert set(r.modes[on, 0]) == {HELD_MODE}
+    assert set(r.modes[on, 0]) == {SLIDING}
     assert r.statistics.steps < 40
 
 
@@ -73,7 +73,7 @@ def test_lets_go_where_one_side_does(method, tolerance):
         relay(along_v(-3.0, level=1.0), constant=2.0, stiffness=1.0),
         0.0, 1.0, 4.0, method=method, tolerance=tolerance,
     )  # fmt: skip
-    assert r.modes[1, 0] == HELD_MODE
+    assert r.modes[1, 0] == SLIDING
     assert r.events.direction.tolist() == [-1]
     assert r.events.t[0] == pytest.approx(2.0, abs=1e-12)
     # Then q = 2 + sin(t - 2).
@@ -198,6 +198,6 @@ def test_samples_inside_a_hold_cost_no_accuracy(method):
     plain = run_carts(p, 20.0, method=method, rtol=1e-10)
     dense = run_carts(p, 20.0, method=method, rtol=1e-10, t_eval=np.linspace(0.0, 20.0, 2001))
     assert plain.final_q.tolist() == dense.final_q.tolist()
-    held = dense.modes[:, 0] == HELD_MODE
+    held = dense.modes[:, 0] == SLIDING
     assert held.sum() > 100
     assert np.abs(dense.v[held, 0]).max() < 1e-12

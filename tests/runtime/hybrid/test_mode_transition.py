@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from runtime.core.modes import SLIDING
 from runtime.core.outcomes import Outcome
-from runtime.hybrid.sliding_modes import HELD_MODE
 from runtime.integrate.method import EXPLICIT
 from runtime.integrate.run import initial_modes
 from tests.runtime.integrate.systems import relay, run_relay
@@ -151,7 +151,7 @@ def test_motion_goes_on_along_a_surface_that_attracts(method):
     assert r.outcome == Outcome.OK
     assert r.events.t[0] == pytest.approx(2.0, abs=1e-13)
     assert r.events.direction.tolist() == [0]
-    assert r.final_modes.tolist() == [HELD_MODE]
+    assert r.final_modes.tolist() == [SLIDING]
     assert abs(r.final_v[0]) < 1e-13
     assert r.final_q[0] == pytest.approx(1.0, abs=1e-12)
 
@@ -161,7 +161,7 @@ def test_motion_begins_on_a_surface_that_attracts():
     r = run_relay(system, 0.0, 0.0, 10.0)
     assert r.outcome == Outcome.OK
     assert r.events.t.size == 0
-    assert r.modes[:, 0].tolist() == [HELD_MODE] * r.t.size
+    assert r.modes[:, 0].tolist() == [SLIDING] * r.t.size
     assert np.abs(r.q).max() == 0.0
 
 

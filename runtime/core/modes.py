@@ -1,0 +1,25 @@
+"""Modes of switching functions, and directions of events."""
+
+from enum import IntEnum
+
+
+class Mode(IntEnum):
+    """The mode of a switching function g, frozen within a step; an input of the kernels."""
+
+    OFF = 0  # g ≤ 0
+    ON = 1  # g > 0, or an open rigid contact
+    SLIDING = 2  # motion stays on g = 0: sliding mode, sticking friction, or a closed contact
+    FREE = 3  # of friction whose stiction force is sought: it exerts none, and does not stick
+
+
+class Direction(IntEnum):
+    """What an event does to its switching function."""
+
+    SWITCHED_OFF = -1
+    STAYS_ON_SURFACE = 0
+    SWITCHED_ON = 1
+    IMPACT = 2
+
+
+# Compiled code reads integers of a module.
+SLIDING, FREE = int(Mode.SLIDING), int(Mode.FREE)
