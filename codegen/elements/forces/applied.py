@@ -77,8 +77,6 @@ class AppliedTorque:
         if self.body.fixed:
             return [f"torque '{self.name}' acts on the ground; give a moving body."]
         if not self.body.turns:
-            return [
-                f"torque '{self.name}' turns '{self.body.name}', which is a particle and has no "
-                "angle; use a body."
-            ]
+            name = self.body.name
+            return [f"torque '{self.name}' turns '{name}', which is a particle; use a body."]
         return []
