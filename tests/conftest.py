@@ -1,13 +1,21 @@
 """What every test stands on: no display, reproducible examples, the project's own files."""
 
+import gc
 import os
 import shutil
 import subprocess
+import sys
+import warnings
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pytest
 from hypothesis import settings
+from numba.core.compiler_lock import global_compiler_lock
+
+from codegen import artefact
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 
@@ -42,6 +50,49 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
             return TOGETHER.get(file, file)
 
     return Sharing(config, log)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compilation_apart() -> Iterator[None]:
+    """Generated files compile in a forked process; the tests load the machine code from the cache.
+
+    LLVM never frees what it compiled, 10 to 20 MB a machine, of which the tests load hundreds.
+    """
+    if sys.platform != "linux":  # elsewhere a fork of a process with threads is not safe
+        yield
+        return
+    execute = artefact._execute
+
+    def compile_and_execute(name: str, path: Path) -> ModuleType:
+        if not _has_fresh_cache(path):
+            _in_fork(lambda: execute(name, path))
+        return execute(name, path)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(artefact, "_execute", compile_and_execute)
+        yield
+
+
+def _has_fresh_cache(path: Path) -> bool:
+    written = path.stat().st_mtime
+    indices = (path.parent / "__pycache__").glob(f"{path.stem}.*.nbi")
+    return any(index.stat().st_mtime >= written for index in indices)
+
+
+def _in_fork(work: Callable[[], object]) -> None:
+    """Do `work` in a copy of this process. Its failure is left to the caller, who does it again."""
+    # The thread that forks holds the lock, so its copy does; no other thread compiles meanwhile.
+    with global_compiler_lock, warnings.catch_warnings():
+        # Python 3.12 and later warn of threads: xdist's, which hold no lock that compiling takes.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        child = os.fork()
+    if child == 0:
+        gc.freeze()  # what the collector leaves alone stays shared with the parent
+        try:
+            work()
+        finally:
+            os._exit(0)
+    os.waitpid(child, 0)
 
 
 @pytest.fixture(scope="session")
