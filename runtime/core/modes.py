@@ -9,7 +9,7 @@ class Mode(IntEnum):
     OFF = 0  # g ≤ 0
     ON = 1  # g > 0, or an open rigid contact
     SLIDING = 2  # motion stays on g = 0: sliding mode, sticking friction, or a closed contact
-    FREE = 3  # of friction whose stiction force is sought: it exerts none, and does not stick
+    FREE = 3  # of friction with an unknown stiction force: it exerts none, and does not stick
 
 
 class Direction(IntEnum):

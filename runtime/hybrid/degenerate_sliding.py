@@ -15,11 +15,11 @@ def orthogonalize_row(
 ) -> float:
     """Make row `i` orthogonal to the rows before it, those of contacts first; size of its terms."""
     rigid, sliding = ft.rigid_of(context), ft.sliding_functions_of(context)
-    firm = rigid[sliding[i]] >= 0
+    closed = rigid[sliding[i]] >= 0
     scale = max(1.0, abs(right[i]))
     for _ in range(2):
         for j in range(count):
-            before = j < i if (rigid[sliding[j]] >= 0) == firm else not firm
+            before = j < i if (rigid[sliding[j]] >= 0) == closed else not firm
             if not before:
                 continue
             along = 0.0
@@ -67,8 +67,8 @@ def solve_least(
             matrix[i * count + c] *= reach[c]
     for turn in range(2):
         for i in range(count):
-            firm = rigid[sliding[i]] >= 0
-            if firm != (turn == 0):
+            closed = rigid[sliding[i]] >= 0
+            if closed != (turn == 0):
                 continue
             size = 0.0
             for c in range(count):
@@ -83,7 +83,7 @@ def solve_least(
                     matrix[i * count + c] /= root
                 right[i] /= root
                 continue
-            if firm or not abs(right[i]) <= slack * scale:
+            if closed or not abs(right[i]) <= slack * scale:
                 return 1
             for c in range(count):
                 matrix[i * count + c] = 0.0

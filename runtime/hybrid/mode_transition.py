@@ -43,12 +43,12 @@ def log_event(context: Integers, t: float, k: int, direction: int) -> None:
     event_y, y1 = ft.event_states_of(context), ws.row_of(context, ws.Y1)
     r = run_record(context)
     length = 2 * context[ft.COORDINATES]
-    at = r.logged_events
-    event_t[at] = t
-    event_kind[at, 0] = k
-    event_kind[at, 1] = direction
+    row = r.logged_events
+    event_t[row] = t
+    event_kind[row, 0] = k
+    event_kind[row, 1] = direction
     for j in range(length):
-        event_y[at, j] = y1[j]
+        event_y[row, j] = y1[j]
     r.logged_events += 1
     r.events += 1
 
@@ -128,7 +128,7 @@ def release_together(context: Integers, t: float, letting_go: int, q: Vector, v:
 
 
 @inner
-def side_of_release(context: Integers, k: int) -> int:
+def find_release_mode(context: Integers, k: int) -> int:
     """The mode, 0 or 1, of function `k` after its share has reached a bound."""
     share = ft.share_of(context)[k]
     low, high = ft.share_low_of(context)[k], ft.share_high_of(context)[k]
@@ -244,7 +244,7 @@ def change_modes(context: Integers, crossing: int, t: float, h: float) -> int:
     if modes[crossing] == SLIDING:
         letting_go = crossing
         field(context, t, q, v, modes, ws.first_half(context, ws.DELTA))
-        side = side_of_release(context, crossing)
+        side = find_release_mode(context, crossing)
     hit = ft.rigid_of(context)[crossing] >= 0 and letting_go < 0
     if hit:
         last = collide(context, crossing, t)

@@ -37,7 +37,7 @@ _UNITS = 3  # safety: changes of a unit of the stiction force
 def evaluate_units(context: Integers, t: float, q: Vector, v: Vector, modes: Integers) -> int:
     """Fill the base, in which nothing slides, the change by each sliding function, and responses.
 
-    For friction whose stiction force is sought the change is that by a unit of this force.
+    For friction with an unknown stiction force the change is that by a unit of this force.
     Returns the weak pivot of the base, as `accelerations` does.
     """
     p, s = ft.parameters_of(context), context[ft.SWITCHES]

@@ -57,7 +57,7 @@ def write_forces(context: Integers, count: int) -> None:
 
 @inner
 def suspend_friction(context: Integers) -> None:
-    """Set all frictions whose stiction force is sought to a force of zero, by `modes`."""
+    """Set all frictions with an unknown stiction force to a force of zero, by `modes`."""
     p, modes = ft.parameters_of(context), ft.modes_of(context)
     places = ft.stiction_place_of(context)
     for k in range(context[ft.SWITCHES]):
