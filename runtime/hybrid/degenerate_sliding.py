@@ -19,7 +19,7 @@ def orthogonalize_row(
     scale = max(1.0, abs(right[i]))
     for _ in range(2):
         for j in range(count):
-            before = j < i if (rigid[sliding[j]] >= 0) == closed else not firm
+            before = j < i if (rigid[sliding[j]] >= 0) == closed else not closed
             if not before:
                 continue
             along = 0.0
