@@ -1,1 +1,1 @@
-"""Everything that can be wrong with a declaration, found before it is compiled."""
+"""Checks of a declaration before it is compiled."""

@@ -1,4 +1,4 @@
-"""What is wrong with the frictions that stick and the rigid contacts of one scene."""
+"""Checks of the sticking frictions and rigid contacts of a scene."""
 
 from collections.abc import Iterator
 
@@ -14,7 +14,7 @@ from codegen.model import Model
 
 
 def hold_problems(model: Model, scene: Scene) -> list[str]:
-    """Numbers that the scene's parameters give, and surfaces that two effects claim."""
+    """Check the numbers that parameters give, and surfaces that two effects share."""
     bodies = tuple(model.bodies[name] for name in scene.bodies)
     chosen = [] if scene.analysis == "kinematics" else list(model.acting(scene).values())
     named = [(effect.name, effect_terms(effect, bodies)) for effect in chosen]
@@ -22,14 +22,14 @@ def hold_problems(model: Model, scene: Scene) -> list[str]:
         return []
     values = {p.name: p.value for p in model.parameters.values()} | dict(scene.parameters)
     numbers = {Parameter(name, real=True): value for name, value in values.items()}
-    found: list[str] = []
+    problems: list[str] = []
     for effect, (_, terms) in zip(chosen, named, strict=True):
         where = f"scene '{scene.name}': {effect.kind} '{effect.name}'"
         if isinstance(terms.hold, Sticking):
-            found += _friction(where, terms.hold, numbers)
+            problems += _friction(where, terms.hold, numbers)
         elif isinstance(terms.hold, Rigid):
-            found += _contact(where, terms.hold, numbers)
-    return [*found, *_shared(scene, named)]
+            problems += _contact(where, terms.hold, numbers)
+    return [*problems, *_shared(scene, named)]
 
 
 Numbers = dict[sympy.Symbol, float]
@@ -70,7 +70,7 @@ def _contact(where: str, hold: Rigid, numbers: Numbers) -> Iterator[str]:
 
 
 def _shared(scene: Scene, named: list[Named]) -> Iterator[str]:
-    """A surface g = 0 on which two effects act, where one number cannot say what both do."""
+    """Switching surfaces of two effects whose forces one share α cannot determine."""
     where = f"scene '{scene.name}'"
     met: list[tuple[str, Switch]] = []
     for name, terms in named:
@@ -82,7 +82,7 @@ def _shared(scene: Scene, named: list[Named]) -> Iterator[str]:
                 if switch.kind == known.kind == "contact":
                     yield (
                         f"{where}: {pair} are contacts at the same gap {known.g}, whose reactions "
-                        "no motion tells apart; leave one of them out."
+                        "no motion distinguishes; leave one of them out."
                     )
                 elif "contact" not in (switch.kind, known.kind) and not _equal(
                     switch.ratio, known.ratio
@@ -90,7 +90,7 @@ def _shared(scene: Scene, named: list[Named]) -> Iterator[str]:
                     holds = other if known.ratio is not None else name
                     yield (
                         f"{where}: {pair} both change where {known.g} = 0, and '{holds}' has a "
-                        "static coefficient of its own, which holds both; leave static= out, or "
+                        "static coefficient, which applies to both; leave static= out, or "
                         "give both frictions the same coefficients."
                     )
             met.append((name, switch))

@@ -1,4 +1,4 @@
-"""Everything that can be wrong with a model and a scene, found before anything is derived.
+"""Checks of a model and a scene before their equations are derived.
 
 Each finding is a sentence that names the element, shows the numbers and says what to do. All of
 them are reported together.
@@ -36,16 +36,16 @@ WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
 
 def check_model(model: Model) -> list[str]:
     """Problems of the declaration, whatever the scene."""
-    found = list(model.problems)
+    problems = list(model.problems)
     if not model.bodies:
-        found.append(f"model '{model.name}' has no body; declare one with model.body(...).")
+        problems.append(f"model '{model.name}' has no body; declare one with model.body(...).")
     elements: list[Constraint | Effect] = [*model.joints.values(), *model.drivers.values()]
     effects = _all_effects(model)
     elements += effects
     for element in elements:
-        found += _bodies(model, element)
-        found += element.problems()
-        found += _words(element)
+        problems += _bodies(model, element)
+        problems += element.problems()
+        problems += _words(element)
     masses = _masses(model)
     for constraint in (*model.joints.values(), *model.drivers.values()):
         if constraint.problems():
@@ -53,31 +53,31 @@ def check_model(model: Model) -> list[str]:
         statement = constraint.statement()
         expressions = (*statement.phi, *statement.bindings.values())
         for symbol in _strangers(model, constraint, expressions):
-            found.append(_unknown(model, constraint, symbol))
-        found += constraint_problems(constraint)
-        found += _orientations(constraint)
+            problems.append(_unknown(model, constraint, symbol))
+        problems += constraint_problems(constraint)
+        problems += _orientations(constraint)
     for effect in effects:
         if effect.problems():
             continue
         sound = tuple(body for name, body in model.bodies.items() if name not in masses)
         terms = _effect_expressions(effect, sound)
         for symbol in _strangers(model, effect, terms):
-            found.append(_unknown(model, effect, symbol))
+            problems.append(_unknown(model, effect, symbol))
         where = f"{effect.kind} '{effect.name}'"
-        found += all_problems(where, terms, may_switch=True)
-    found += [sentence for sentences in masses.values() for sentence in sentences]
-    found += filter(None, (p.problem(p.value) for p in model.parameters.values()))
-    found += _collisions(model)
-    return list(dict.fromkeys(found))
+        problems += all_problems(where, terms, may_switch=True)
+    problems += [sentence for sentences in masses.values() for sentence in sentences]
+    problems += filter(None, (p.problem(p.value) for p in model.parameters.values()))
+    problems += _collisions(model)
+    return list(dict.fromkeys(problems))
 
 
 def check_scene(model: Model, scene: Scene) -> list[str]:
     """Problems of one scene of a sound model."""
     where = f"scene '{scene.name}'"
     joints = active_joints(model, scene)
-    found = []
+    problems = []
     if not scene.bodies:
-        found.append(
+        problems.append(
             f"{where}: no body takes part, so there is no coordinate to compute; leave one of "
             f"{', '.join(model.bodies)} in."
         )
@@ -88,14 +88,14 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
             missing = [word for word in words if getattr(body, word) is None]
             if missing:
                 arguments = ", ".join(f"{word}=..." for word in words)
-                found.append(
+                problems.append(
                     f"{where}: body '{name}' has no {' and no '.join(missing)}; give it in "
                     f"model.{'body' if body.turns else 'particle'}('{name}', {arguments}), or "
                     "declare the scene with analysis='kinematics'."
                 )
     for kind, names in (("effect", scene.effects), ("driver", scene.drivers)):
         for name in names:
-            found += [
+            problems += [
                 f"{where}: {kind} '{name}' needs {model.kind(owner)} '{owner}', which takes no "
                 f"part; leave '{name}' out, or take '{owner}' in."
                 for owner in _needed(model, scene, name)
@@ -104,28 +104,28 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
     for name, _ in (*scene.start, *scene.guess):
         owner = name.rpartition(".")[0]
         if owner not in (*scene.bodies, *joints):
-            found.append(
+            problems.append(
                 f"{where}: {name} has a start value, but its {model.kind(owner)} takes no part."
             )
-    found += output_problems(model, scene)
-    found += hold_problems(model, scene)
+    problems += output_problems(model, scene)
+    problems += hold_problems(model, scene)
     for name, value in scene.parameters:
         if problem := model.parameters[name].problem(value):
-            found.append(f"{where}: {problem}")
-    return found
+            problems.append(f"{where}: {problem}")
+    return problems
 
 
 def _all_effects(model: Model) -> list[Effect]:
     """The effects in every fidelity that their declaration has the numbers for."""
-    found = list(model.effects.values())
+    effects = list(model.effects.values())
     for name, forms in model.fidelities.items():
         others = (form for form in forms.values() if form is not model.effects[name])
-        found += [form for form in others if not isinstance(form, str)]
-    return found
+        effects += [form for form in others if not isinstance(form, str)]
+    return effects
 
 
 def _words(element: Constraint | Effect) -> Iterator[str]:
-    """Texts of a user's own element that go into the generated module as they are."""
+    """Check the texts of a user-defined element that appear in the generated module."""
     where = f"element {element.name!r}"
     if not WORDS.fullmatch(str(element.kind)):
         yield f"{where}: its kind {element.kind!r} must be a few words of ASCII letters."
@@ -162,8 +162,8 @@ def _orientations(constraint: Constraint) -> Iterator[str]:
     statement = constraint.statement()
     phi = sympy.Tuple(*statement.phi)
     for frame in (I, J):
-        held = phi.xreplace(dict.fromkeys(frame.s, sympy.S.Zero))
-        if not held.has(frame.phi):
+        centred = phi.xreplace(dict.fromkeys(frame.s, sympy.S.Zero))
+        if not centred.has(frame.phi):
             continue
         at = statement.bindings.get(frame.x)
         body = next((b for b in constraint.bodies if at == b.position[0]), None)
@@ -199,16 +199,16 @@ def _effect_expressions(effect: Effect, bodies: tuple[Body, ...]) -> list[sympy.
     potential = effect.potential(bodies)
     forces = effect.forces(bodies)
     law = friction_law(effect)
-    found: list[sympy.Basic] = [*forces, *forces.values()]
-    found += [e for pair in pulling(effect, bodies) for e in pair]
-    found += [] if potential is None else [potential]
-    found += [value for _, _, value in reported(effect, bodies)]
-    holding = hold(effect, bodies)
-    if holding is not None:
-        found += [e for e in vars(holding).values() if e is not None]
+    expressions: list[sympy.Basic] = [*forces, *forces.values()]
+    expressions += [e for pair in pulling(effect, bodies) for e in pair]
+    expressions += [] if potential is None else [potential]
+    expressions += [value for _, _, value in reported(effect, bodies)]
+    hold_law = hold(effect, bodies)
+    if hold_law is not None:
+        expressions += [e for e in vars(hold_law).values() if e is not None]
     if law is not None:
-        found += [e for e in (law.strength, law.creep, law.along) if e is not None]
-    return found
+        expressions += [e for e in (law.strength, law.creep, law.along) if e is not None]
+    return expressions
 
 
 def _strangers(
@@ -263,9 +263,9 @@ def _unknown(model: Model, element: Constraint | Effect, symbol: sympy.Symbol) -
 
 
 def _masses(model: Model) -> dict[str, list[str]]:
-    """Body → what is wrong with its mass and inertia."""
-    found = {body.name: list(_mass_problems(model, body)) for body in model.bodies.values()}
-    return {name: sentences for name, sentences in found.items() if sentences}
+    """Body → problems of its mass and inertia."""
+    problems = {body.name: list(_mass_problems(model, body)) for body in model.bodies.values()}
+    return {name: sentences for name, sentences in problems.items() if sentences}
 
 
 def _mass_problems(model: Model, body: Body) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Whether expressions can be compiled, asked of a declaration before anything is derived."""
+"""Checks that expressions of a declaration can be compiled."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -21,7 +21,7 @@ UNDEFINED = f"contains nan{FINITE}"
 
 
 def constraint_problems(constraint: Constraint) -> Iterator[str]:
-    """What in a joint's or driver's equations is not an equation of positions and time."""
+    """Problems of a constraint: its equations contain coordinates, parameters and time only."""
     where = f"{constraint.kind} '{constraint.name}'"
     statement = constraint.statement()
     fixed = {k: v for k, v in statement.bindings.items() if isinstance(k, Given)}
@@ -44,34 +44,34 @@ def constraint_problems(constraint: Constraint) -> Iterator[str]:
 
 
 def all_problems(where: str, expressions: Iterable[sympy.Basic], may_switch: bool) -> list[str]:
-    """What is wrong with expressions; an undefined number only where nothing else explains it."""
-    found = [p for e in expressions for p in expression_problems(where, e, may_switch)]
-    telling = [problem for problem in found if not problem.endswith(UNDEFINED)]
-    return telling or found
+    """Problems of expressions; an undefined number only where nothing else explains it."""
+    problems = [p for e in expressions for p in expression_problems(where, e, may_switch)]
+    explained = [problem for problem in problems if not problem.endswith(UNDEFINED)]
+    return explained or problems
 
 
 def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -> Iterator[str]:
-    """What in an expression has no smooth pieces, or no meaning to a compiler."""
-    waiting: list[Any] = [expression]
-    while waiting:
-        node = waiting.pop()
+    """Parts of an expression without smooth pieces, or unknown to the compiler."""
+    stack: list[Any] = [expression]
+    while stack:
+        node = stack.pop()
         if node in NUMBERLESS:
             yield f"{where}: {expression} contains {node}{FINITE}"
         elif isinstance(node, sympy.Piecewise | ExprCondPair):
-            waiting += [a for a in node.args if a not in (sympy.true, sympy.false)]
+            stack += [a for a in node.args if a not in (sympy.true, sympy.false)]
             if isinstance(node, sympy.Piecewise):
                 yield from _piecewise_problems(where, node)
         elif isinstance(node, Relational):
             yield from _condition_problems(where, node, may_switch)
-            waiting += node.args
+            stack += node.args
         elif isinstance(node, sympy.And | sympy.Or | sympy.Not | sympy.ITE):
-            waiting += node.args
+            stack += node.args
         elif node.func in KINKED and not may_switch:
             yield f"{where}: {node} has a kink; constraints and motions are smooth expressions."
         elif isinstance(node, Interpolant):
-            waiting.append(node.at)
+            stack.append(node.at)
         elif node.func in (*FUNCTIONS, *KINKED) or isinstance(node, ARITHMETIC):
-            waiting += node.args
+            stack += node.args
         elif not node.is_number:
             yield f"{where}: {node} cannot be compiled; known are {KNOWN}, powers and Piecewise."
 

@@ -1,4 +1,4 @@
-"""What is wrong with the outputs that one scene asks for."""
+"""Checks of the outputs of a scene."""
 
 from collections.abc import Iterator
 
@@ -11,7 +11,7 @@ from codegen.model.outputs import ONE
 
 
 def output_problems(model: Model, scene: Scene) -> Iterator[str]:
-    """Outputs that need what the scene leaves out; each says what, and how to have it."""
+    """Outputs that need elements which the scene leaves out, and how to get them."""
     where = f"scene '{scene.name}'"
     joints = active_joints(model, scene)
     for word in scene.outputs or ():
@@ -29,18 +29,18 @@ def output_problems(model: Model, scene: Scene) -> Iterator[str]:
         match = ONE.match(word)
         if match is None:
             continue
-        what, name = match.groups()
+        group, name = match.groups()
         if name in (*joints, *scene.drivers, *scene.effects):
-            yield from _nothing_there(model, scene, where, what, name)
+            yield from _nothing_there(model, scene, where, group, name)
             continue
-        if what == "path":
+        if group == "path":
             yield from _no_body(model, scene, where, name)
             continue
         kind = model.kind(name)
-        wanted = f"{kind}s" if kind in ("effect", "driver") else "bodies and joints"
+        group_names = f"{kind}s" if kind in ("effect", "driver") else "bodies and joints"
         yield (
             f"{where}: the output '{word}' needs {kind} '{name}', which the scene leaves out; "
-            f"take '{name}' in among its {wanted}, or leave the output out."
+            f"take '{name}' in among its {group_names}, or leave the output out."
         )
 
 
@@ -55,13 +55,13 @@ def _no_body(model: Model, scene: Scene, where: str, name: str) -> Iterator[str]
     )
 
 
-def _nothing_there(model: Model, scene: Scene, where: str, what: str, name: str) -> Iterator[str]:
+def _nothing_there(model: Model, scene: Scene, where: str, group: str, name: str) -> Iterator[str]:
     """Reactions and powers that an element which acts does not have."""
-    output = f"{what}({name})"
+    output = f"{group}({name})"
     if name not in scene.effects:
         element = model.joints.get(name) or model.drivers[name]
         moving = name in scene.drivers or any(nu != 0 for nu in constraint_terms(element)[1].nu)
-        if what in ("power", "work") and not moving:
+        if group in ("power", "work") and not moving:
             yield (
                 f"{where}: there is no output '{output}', as {element.kind} '{name}' does no work; "
                 "leave it out."
@@ -70,14 +70,14 @@ def _nothing_there(model: Model, scene: Scene, where: str, what: str, name: str)
     effect = model.acting(scene)[name]
     terms = effect_terms(effect, tuple(model.bodies[b] for b in scene.bodies))
     working = bool(terms.loads or terms.pulls or terms.friction)
-    if what == "work" and not (working or terms.potential is not None):
+    if group == "work" and not (working or terms.potential is not None):
         yield f"{where}: there is no output '{output}', as '{name}' exerts nothing; leave it out."
-    if what == "power" and not working:
+    if group == "power" and not working:
         yield (
             f"{where}: there is no output '{output}', as all that {effect.kind} '{name}' does has "
             "a potential; ask for 'energy'."
         )
-    if what == "reaction" and not (terms.reported or terms.friction):
+    if group == "reaction" and not (terms.reported or terms.friction):
         yield (
             f"{where}: there is no output '{output}', as {effect.kind} '{name}' reports no force; "
             "leave it out."

@@ -25,7 +25,7 @@ PROBES = 3
 
 
 class Findings(NamedTuple):
-    """What is to be said about a scene's constraints.
+    """Findings about the constraints of a scene.
 
     Attributes
     ----------
@@ -132,8 +132,8 @@ def _flat(equations: Equations, lowered: Lowered, kernel: str, array: str, q: Ar
         slots = evaluate(lowered.program, kernel, arguments, math).get(array, {})
     except (ZeroDivisionError, ValueError, OverflowError):
         slots = {}
-        (wanted,) = (k for k in lowered.program.kernels if k.name == kernel)
-        return np.full(len(wanted.outputs), np.nan)
+        (outputs,) = (k for k in lowered.program.kernels if k.name == kernel)
+        return np.full(len(outputs.outputs), np.nan)
     return np.array([slots[k] for k in range(len(slots))])
 
 

@@ -1,1 +1,1 @@
-"""What a modeller writes: models, bodies, joints, drivers, effects, scenes."""
+"""The language of a declaration: bodies, elements, symbols, parameters, scenes."""

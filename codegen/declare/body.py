@@ -84,7 +84,7 @@ class Body:
         """Entries M_ab(q) of the body's mass block, for a pair of coordinates in one order.
 
         M must be positive definite on the velocities that `equations` allow; it may be singular
-        beside them, as that of Euler parameters is.
+        besides them, as with Euler parameters.
         """
         pairs = zip(self.coordinates, self.masses, strict=True)
         return {(q, q): mass for q, mass in pairs}
@@ -99,12 +99,12 @@ class Body:
         kinetic = sympy.Add(
             *(m * a.rate * b.rate / (2 if a == b else 1) for (a, b), m in entries.items())
         )
-        found = {}
+        forces = {}
         for q in self.coordinates:
             momentum = sympy.diff(kinetic, q.rate)
             terms = (sympy.diff(momentum, p) * p.rate for p in self.coordinates)
-            found[q] = sympy.expand(sympy.diff(kinetic, q) - sympy.Add(*terms))
-        return {q: force for q, force in found.items() if force != 0}
+            forces[q] = sympy.expand(sympy.diff(kinetic, q) - sympy.Add(*terms))
+        return {q: force for q, force in forces.items() if force != 0}
 
     @property
     def equations(self) -> tuple[tuple[str, sympy.Expr], ...]:

@@ -16,11 +16,11 @@ ALPHAS = tuple(2 * math.pi * k / SAMPLES for k in range(SAMPLES + 1))
 # accuracy: gap, corner or stop of a profile, in parts of its size, that rounding explains
 TOLERANCE = 1e-9
 UNDEFINED = (ArithmeticError, ValueError, TypeError, NameError)
-"""What functions of numbers say where they have no value, or no meaning."""
+"""Errors that functions of numbers raise outside their domain."""
 
 
 def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Iterator[str]:
-    """What is wrong with x'(α), y'(α), m; numbers only, so parameters have their defaults.
+    """Problems of x'(α), y'(α), m, with parameters at their default values.
 
     Only a closed curve has a range of α that is known, and is looked at along all of it.
     """
@@ -44,11 +44,11 @@ def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Itera
         yield f"the profile {tuple(profile)} is not finite everywhere from α = 0 to 2π."
         return
     size = max(abs(c) for point in points for c in point[:2]) or 1.0
-    for what, k in (("does not close", 0), ("has a corner where it closes", 2)):
+    for fault, k in (("does not close", 0), ("has a corner where it closes", 2)):
         gap = max(abs(points[-1][k + i] - points[0][k + i]) for i in (0, 1))
         if gap > TOLERANCE * size:
             yield (
-                f"the profile {what}: its {'ends' if k == 0 else 'tangents'} at α = 0 and 2π "
+                f"the profile {fault}: its {'ends' if k == 0 else 'tangents'} at α = 0 and 2π "
                 f"are {gap:.3g} m apart; give functions of period 2π."
             )
             return
@@ -91,9 +91,9 @@ def in_ground(curve: Curve, numbers: Mapping[sympy.Symbol, float]) -> npt.NDArra
     """Points of a curve in the global frame for coordinates and parameters, samples × 2."""
     x, y = (float(a.subs(numbers)) for a in curve.body.position)
     c, s = (float(a.subs(numbers)) for a in curve.body.rotation)
-    turned = places(curve.at(alpha).subs(numbers)) @ np.array([[c, s], [-s, c]])
-    found: npt.NDArray[np.float64] = turned + np.array([x, y])
-    return found
+    rotated = places(curve.at(alpha).subs(numbers)) @ np.array([[c, s], [-s, c]])
+    points: npt.NDArray[np.float64] = rotated + np.array([x, y])
+    return points
 
 
 def outward(points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
@@ -103,8 +103,8 @@ def outward(points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     x, y = points.T
     turn = np.sign(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))
     normal = turn * np.stack([tangent[:, 1], -tangent[:, 0]], axis=1)
-    found: npt.NDArray[np.float64] = normal / np.linalg.norm(normal, axis=1, keepdims=True)
-    return found
+    normals: npt.NDArray[np.float64] = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    return normals
 
 
 def _sampled(

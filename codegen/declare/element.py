@@ -1,4 +1,4 @@
-"""What every joint, driver and force answers; the library's and a user's own on equal terms."""
+"""The protocols of joints, drivers and forces, the same for the library's and a user's elements."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ from codegen.declare.symbols import Coordinate, given
 
 @dataclass(frozen=True)
 class Frame:
-    """A body inside an element's own equations: its coordinates before any model is known."""
+    """A body in the equations of an element: its coordinates before any model is known."""
 
     name: str
 
@@ -53,15 +53,15 @@ class Frame:
         return self.r + self.A * self.s
 
     def bind(self, point: Point) -> dict[sympy.Symbol, sympy.Expr]:
-        """Placeholders of this frame → what they are for a point of a body in a model."""
+        """Placeholders of this frame → their values for a point of a body in a model."""
         body, (sx, sy) = point.body, self.s
-        found = {self.x: body.position[0], self.y: body.position[1]}
+        bindings = {self.x: body.position[0], self.y: body.position[1]}
         if body.angle is None:  # a statement that asks for the angle itself is refused
             ends = sympy.cos(self.phi), sympy.sin(self.phi)
-            found |= dict(zip(ends, body.rotation, strict=True))
+            bindings |= dict(zip(ends, body.rotation, strict=True))
         else:
-            found[self.phi] = body.angle
-        return found | {sx: sympy.sympify(point.sx), sy: sympy.sympify(point.sy)}
+            bindings[self.phi] = body.angle
+        return bindings | {sx: sympy.sympify(point.sx), sy: sympy.sympify(point.sy)}
 
 
 I, J = Frame("i"), Frame("j")  # noqa: E741 (Haug's names for the two bodies of a joint)
@@ -190,7 +190,7 @@ class Rigid:
     """A contact that yields nothing: g ≥ 0, and a reaction only at g = 0 (Signorini).
 
     The effect writes its force with the symbol ``side(name)``, σ = 0 where g > 0 and σ = 1 where
-    not, as that of the reaction `scale`; a run finds by what multiple of it the gap stays closed.
+    not, as that of the reaction `scale`; a run determines the multiple that keeps the gap closed.
 
     Attributes
     ----------
@@ -208,7 +208,7 @@ class Rigid:
 
 
 class Element(Protocol):
-    """What joints, drivers and effects have in common."""
+    """The common part of joints, drivers and effects."""
 
     kind: ClassVar[str]
 
@@ -221,7 +221,7 @@ class Element(Protocol):
         """The bodies that the element takes hold of; empty: all of the scene (gravity)."""
 
     def problems(self) -> list[str]:
-        """What is wrong with the element by itself; one sentence each."""
+        """Problems of the element alone, one sentence each."""
 
 
 @runtime_checkable
@@ -239,7 +239,7 @@ def own_coordinates(constraint: Constraint) -> tuple[Coordinate, ...]:
 
 @runtime_checkable
 class Located(Protocol):
-    """A joint with coordinates of its own that knows where they are for a rough pose."""
+    """A joint that estimates the coordinates it brings from a rough pose."""
 
     def near(self, numbers: Mapping[sympy.Symbol, float]) -> dict[Coordinate, float]:
         """Its coordinates, from values of the bodies' coordinates and of the parameters."""
@@ -255,8 +255,8 @@ def friction_law(effect: "Effect") -> FrictionLaw | None:
 def hold(effect: "Effect", bodies: tuple[Body, ...]) -> Sticking | Rigid | None:
     """How an effect holds on to its surface, if it is one that does."""
     answer = getattr(effect, "hold", None)
-    found: Sticking | Rigid | None = answer(bodies) if answer is not None else None
-    return found
+    law: Sticking | Rigid | None = answer(bodies) if answer is not None else None
+    return law
 
 
 def pulling(
@@ -268,15 +268,17 @@ def pulling(
     `SPEED`, the rate of s.
     """
     answer = getattr(effect, "pulls", None)
-    found: tuple[tuple[sympy.Expr, sympy.Expr], ...] = answer(bodies) if answer is not None else ()
-    return found
+    pairs: tuple[tuple[sympy.Expr, sympy.Expr], ...] = answer(bodies) if answer is not None else ()
+    return pairs
 
 
 def reported(effect: "Effect", bodies: tuple[Body, ...]) -> tuple[tuple[str, str, sympy.Expr], ...]:
-    """(component, unit, value) of what an effect reports beside the reactions of joints."""
+    """(component, unit, value) of the forces that an effect reports."""
     answer = getattr(effect, "reported", None)
-    found: tuple[tuple[str, str, sympy.Expr], ...] = answer(bodies) if answer is not None else ()
-    return found
+    components: tuple[tuple[str, str, sympy.Expr], ...] = (
+        answer(bodies) if answer is not None else ()
+    )
+    return components
 
 
 @runtime_checkable

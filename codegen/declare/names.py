@@ -1,4 +1,4 @@
-"""Names: what a modeller may call things, and what a near miss might have meant."""
+"""Names of elements: the rules that they obey, and hints for unknown ones."""
 
 import difflib
 import keyword

@@ -1,4 +1,4 @@
-"""A scene: which bodies, effects and drivers of a machine take part in a question asked of it."""
+"""Scenes: the bodies, effects and drivers of a machine that take part in a question."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -10,8 +10,8 @@ Pairs = tuple[tuple[str, float], ...]
 
 
 @dataclass(frozen=True)
-class Asked:
-    """The words of a scene, by name, before they are worked out: what others build on.
+class Request:
+    """The request of a scene, by name and unresolved; an extension builds on it.
 
     Attributes
     ----------
@@ -20,7 +20,7 @@ class Asked:
     fidelity
         Effect, coupler or group of alternatives → how it is taken.
     outputs
-        What is computed beside the motion; None: all that there is.
+        The outputs computed in addition to the motion; None means all.
     """
 
     effects: tuple[str, ...] = ()
@@ -34,17 +34,17 @@ class Asked:
     analysis: Analysis = "dynamics"
     outputs: tuple[str, ...] | None = None
 
-    def extended(self, by: "Asked", given: frozenset[str]) -> "Asked":
-        """These words with those of an extension over them.
+    def extended(self, by: "Request", explicit: frozenset[str]) -> "Request":
+        """The request, overridden by that of an extension.
 
         Parameters
         ----------
-        given
-            Which of `frozen`, `analysis` and `outputs` the extension says anything about.
+        explicit
+            The ones of `frozen`, `analysis` and `outputs` that the extension states.
         """
         taken = {*by.effects, *by.drivers}
         gone = tuple(name for name in self.without if name not in taken)
-        changes = {name: getattr(by, name) for name in given}
+        changes = {name: getattr(by, name) for name in explicit}
         return replace(
             self,
             effects=tuple(dict.fromkeys((*self.effects, *by.effects))),
@@ -59,7 +59,7 @@ class Asked:
 
 
 class Owner(Protocol):
-    """What declared a scene, and can vary it."""
+    """The model that declared a scene, and can vary it."""
 
     @property
     def name(self) -> str:
@@ -71,7 +71,7 @@ class Owner(Protocol):
 
 @dataclass(frozen=True)
 class Scene:
-    """What is compiled together; everything by name.
+    """The elements that are compiled together, by name.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class Scene:
     bodies
         The bodies that take part, in the order of their declaration.
     effects, drivers
-        What acts; joints act where all their bodies take part.
+        The effects and drivers that act; joints act where all their bodies take part.
     opened
         Joints that do not act although their bodies take part.
     fidelity
@@ -96,11 +96,11 @@ class Scene:
     analysis
         ``"kinematics"`` compiles no mass and no force, ``"equilibrium"`` nothing of motion.
     outputs
-        What is computed beside the motion; None: all that there is.
-    asked, owner
-        The words that it was made from, and who declared it.
+        The outputs computed in addition to the motion; None means all.
+    request, owner
+        The request that the scene resolves, and the model that declared it.
     spelled, root, problems
-        Of a scene made by `without` and `with_`: how, from which declared one, and what is wrong.
+        Of a scene varied by `without` and `with_`: its expression, the declared scene, its faults.
     """
 
     name: str
@@ -115,7 +115,7 @@ class Scene:
     frozen: bool
     analysis: Analysis
     outputs: tuple[str, ...] | None = None
-    asked: Asked = field(default=Asked(), repr=False, compare=False)
+    request: Request = field(default=Request(), repr=False, compare=False)
     owner: Owner | None = field(default=None, repr=False, compare=False)
     spelled: str = field(default="", repr=False, compare=False)
     root: "Scene | None" = field(default=None, repr=False, compare=False)
@@ -124,8 +124,7 @@ class Scene:
     def without(self, *elements: Any) -> "Scene":
         """The scene with effects, drivers, joints or bodies left out, by name or object.
 
-        The scene that it answers is not declared; ``build`` and ``load`` take it as it is. What is
-        wrong with it they say.
+        The new scene is not declared; ``build`` and ``load`` accept it and report its problems.
         """
         return self._owner().varied(self, out=elements, taken=())
 
@@ -167,14 +166,14 @@ class Scene:
         gone = [
             n for n in (*before.effects, *before.drivers) if n not in self.effects + self.drivers
         ]
-        gone += [n for n in self.asked.without if n not in gone]
+        gone += [n for n in self.request.without if n not in gone]
         lines += [f"  left out    {', '.join(gone)}"] if gone else []
         lines += [f"  start       {_values(self.start)}"] if self.start else []
         lines += [f"  near        {_values(self.guess)}"] if self.guess else []
         lines += [f"  parameters  {_values(self.parameters)}"] if self.parameters else []
         lines += ["  parameters are fixed"] if self.frozen else []
-        told = "all that there is" if self.outputs is None else ", ".join(self.outputs)
-        return "\n".join([*lines, f"  reported    {told or 'the motion alone'}"])
+        outputs = "all that there is" if self.outputs is None else ", ".join(self.outputs)
+        return "\n".join([*lines, f"  reported    {outputs or 'the motion alone'}"])
 
 
 def _values(pairs: Pairs) -> str:

@@ -1,4 +1,4 @@
-"""What a scene names: elements, start values, parameters; near misses are noted with a hint."""
+"""Elements, start values and parameters that a scene names; unknown names get a hint."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -18,17 +18,17 @@ NamedValues = tuple[tuple[str, float], ...]
 
 
 def named(
-    read: Reader, where: str, kind: str, wanted: Names, known: Mapping[str, Any]
+    read: Reader, where: str, kind: str, names: Names, known: Mapping[str, Any]
 ) -> tuple[str, ...]:
-    """The wanted ones of the known elements, in the order of their declaration."""
-    found = []
-    for item in (wanted,) if isinstance(wanted, str) else wanted:
+    """The known elements among `names`, in the order of their declaration."""
+    chosen = []
+    for item in (names,) if isinstance(names, str) else names:
         name = item if isinstance(item, str) else item.name
         if name in known:
-            found.append(name)
+            chosen.append(name)
         else:
             read.problems.append(f"{where}: no {kind} '{name}'; {nearest(name, known)}")
-    return tuple(name for name in known if name in found)
+    return tuple(name for name in known if name in chosen)
 
 
 def states(
@@ -38,15 +38,15 @@ def states(
     known: dict[str, str] = {}
     for q in coordinates:
         known |= {dotted(q): q.unit, dotted(q.rate): q.measure.rate_unit}
-    found = {}
+    read_values = {}
     for key, value in values.items():
         name = key if isinstance(key, str) else dotted(key)
         if name in known:
-            found[name] = read.finite(value, known[name], f"{where}, {name}")
+            read_values[name] = read.finite(value, known[name], f"{where}, {name}")
         else:
             hint = nearest(name, known)
             read.problems.append(f"{where}: '{name}' is no coordinate or velocity; {hint}")
-    return tuple(found.items())
+    return tuple(read_values.items())
 
 
 def dotted(symbol: sympy.Symbol) -> str:
@@ -57,13 +57,13 @@ def dotted(symbol: sympy.Symbol) -> str:
 def overrides(
     read: Reader, where: str, parameters: Mapping[str, ParameterDeclaration], values: Values
 ) -> tuple[tuple[str, float], ...]:
-    """Values of parameters in their own units."""
-    found = {}
+    """Values of parameters in their declared units."""
+    read_values = {}
     for key, value in values.items():
         name = key if isinstance(key, str) else key.name
         if name in parameters:
             unit = parameters[name].unit
-            found[name] = read.number(value, unit, f"{where}, parameter '{name}'")
+            read_values[name] = read.number(value, unit, f"{where}, parameter '{name}'")
         else:
             read.problems.append(f"{where}: no parameter '{name}'; {nearest(name, parameters)}")
-    return tuple(found.items())
+    return tuple(read_values.items())

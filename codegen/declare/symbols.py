@@ -1,4 +1,4 @@
-"""The symbols that a declaration is written in, told apart by class instead of by name."""
+"""The symbols of a declaration, distinguished by class and not by name."""
 
 from typing import Any, NamedTuple
 
@@ -6,7 +6,7 @@ import sympy
 
 
 class CoordinateKind(NamedTuple):
-    """What a coordinate measures.
+    """The kind of quantity that a coordinate measures.
 
     Attributes
     ----------
@@ -67,12 +67,12 @@ class Coordinate(sympy.Symbol):  # type: ignore[misc]
 
     @property
     def letter(self) -> str:
-        """What it is called there."""
+        """Its letter within the owner."""
         return str(self.name.rpartition("_")[2])
 
     @property
     def measure(self) -> CoordinateKind:
-        """What it measures."""
+        """The kind of quantity that it measures."""
         return KINDS[self.letter]
 
     @property
@@ -118,7 +118,7 @@ class Speed(sympy.Symbol):  # type: ignore[misc]
 
 
 class Given(sympy.Symbol):  # type: ignore[misc]
-    """A placeholder in an element's own equations, bound to a number or parameter in a model."""
+    """A placeholder in the equations of an element, bound to a number or parameter in a model."""
 
 
 class Parameter(sympy.Symbol):  # type: ignore[misc]
@@ -151,5 +151,5 @@ def given(name: str) -> Given:
 
 def kinds(expression: sympy.Basic, *classes: type[Any]) -> list[Any]:
     """Symbols of the given classes in an expression, in the order of their names."""
-    found = [s for s in expression.free_symbols if isinstance(s, classes)]
-    return sorted(found, key=lambda s: s.name)
+    symbols = [s for s in expression.free_symbols if isinstance(s, classes)]
+    return sorted(symbols, key=lambda s: s.name)

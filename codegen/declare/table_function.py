@@ -1,4 +1,4 @@
-"""Functions given by points, as SymPy functions that can be differentiated and compiled."""
+"""Functions through points, as SymPy functions that can be differentiated and compiled."""
 
 import math
 from collections.abc import Iterator
@@ -23,9 +23,9 @@ class TableAtom(sympy.Atom):  # type: ignore[misc]
 
     def __new__(cls, table: Table) -> "TableAtom":
         """Wrap a table."""
-        made: TableAtom = super().__new__(cls)
-        made.table = table
-        return made
+        atom: TableAtom = super().__new__(cls)
+        atom.table = table
+        return atom
 
     def _hashable_content(self) -> tuple[str, str]:
         return (self.table.name, self.table.digest)
@@ -54,8 +54,8 @@ class Interpolant(sympy.Function):  # type: ignore[misc]
     @property
     def table(self) -> Table:
         """The points."""
-        found: Table = self.args[0].table
-        return found
+        table: Table = self.args[0].table
+        return table
 
     @property
     def order(self) -> int:
@@ -75,7 +75,7 @@ class Interpolant(sympy.Function):  # type: ignore[misc]
 
 
 class TableFunction:
-    """What a modeller holds: called with an expression, it answers the table's value there."""
+    """A table as a function: called with an expression, it returns the table's value there."""
 
     def __init__(self, table: Table) -> None:
         self.table = table

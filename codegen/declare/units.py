@@ -29,7 +29,7 @@ def pint_form(unit: str) -> str:
 
 
 def known_unit(unit: str) -> bool:
-    """Whether `unit` is a unit at all (the empty text means a pure number)."""
+    """Whether `unit` is a unit (the empty text means a pure number)."""
     if not UNIT.fullmatch(unit):
         return False
     try:
@@ -40,7 +40,7 @@ def known_unit(unit: str) -> bool:
 
 
 def si_factor(unit: str) -> float:
-    """What one of `unit` is in SI units; 1 for SI units themselves."""
+    """One `unit` in SI units; 1 for SI units themselves."""
     if not unit:
         return 1.0
     one: Any = registry().Quantity(1.0, pint_form(unit)).to_base_units().magnitude
@@ -61,9 +61,9 @@ def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
     value
         A number, a SymPy expression (both are taken to be in `unit`) or a pint quantity.
     unit
-        The SI unit wanted, such as ``"kg m^2"``; empty for a pure number.
+        The SI unit of the result, such as ``"kg m^2"``; empty for a pure number.
     where
-        What the number is for, such as ``"mass of body 'crank'"``; begins the message.
+        The role of the number, such as ``"mass of body 'crank'"``; begins the message.
     problems
         Receives one sentence when the dimension does not fit.
     """
@@ -71,10 +71,10 @@ def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
         return value
     target = registry().parse_units(pint_form(unit)) if unit else registry().dimensionless
     if not value.is_compatible_with(target):
-        wanted = unit or "a pure number"
+        needed = unit or "a pure number"
         problems.append(
-            f"{where}: {value} has the dimension {value.dimensionality}, but {wanted} is needed; "
-            f"give a quantity that converts to {wanted}."
+            f"{where}: {value} has the dimension {value.dimensionality}, but {needed} is needed; "
+            f"give a quantity that converts to {needed}."
         )
         return 1.0
     magnitude = value.to(target).magnitude
@@ -82,7 +82,7 @@ def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
 
 
 def plain_length(value: Any) -> Any:
-    """A length in metres; what is no length stays as it is, to be reported where it is used."""
+    """A length in metres; any other value is returned unchanged and reported where it is used."""
     fits = is_quantity(value) and value.is_compatible_with("m")
     return value.to("m").magnitude if fits else value
 

@@ -1,4 +1,4 @@
-"""Values as a modeller writes them → SymPy expressions in SI units; what is wrong is noted."""
+"""Values of a declaration → SymPy expressions in SI units; problems are collected."""
 
 import math
 from typing import Any
@@ -35,7 +35,7 @@ class Reader:
     def pair(
         self, value: Any, unit: str, where: str, like: str = "two values, (1, 0)"
     ) -> tuple[Any, Any]:
-        """Two values; what is no pair is noted, and read as (1, 0)."""
+        """Two values; anything else is noted as a problem and read as (1, 0)."""
         try:
             first, second = value
         except (TypeError, ValueError):

@@ -57,11 +57,11 @@ def switching_function(condition: Relational) -> sympy.Expr:
 
 def conditions(expressions: Iterable[sympy.Expr]) -> tuple[Relational, ...]:
     """Every inequality in the expressions, each once, in the order of its first appearance."""
-    found: dict[Relational, None] = {}
-    waiting: list[sympy.Basic] = list(expressions)[::-1]
-    while waiting:
-        piece = waiting.pop()
+    relations: dict[Relational, None] = {}
+    stack: list[sympy.Basic] = list(expressions)[::-1]
+    while stack:
+        piece = stack.pop()
         if isinstance(piece, Relational):
-            found[piece] = None
-        waiting += piece.args[::-1]  # SymPy's own traversal takes And and Or by their hashes
-    return tuple(found)
+            relations[piece] = None
+        stack += piece.args[::-1]  # SymPy's own traversal takes And and Or by their hashes
+    return tuple(relations)

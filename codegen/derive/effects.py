@@ -63,21 +63,21 @@ class FrictionTerms:
 
 @dataclass(frozen=True)
 class EffectTerms:
-    """What one effect brings.
+    """The terms of one effect.
 
     Attributes
     ----------
     potential
         V, J; None without one.
     loads
-        (coordinate, Q) of what is stated as generalized forces.
+        (coordinate, Q) of forces stated as generalized forces.
     pulls
         (s, f) of the forces that tend to make a scalar s(q, t) smaller, Q = -f s_q, with `SPEED`
         in f for ṡ.
     friction
         The force that follows from a joint's reaction, if this is one.
     hold
-        How the effect holds on to its surface, if it does.
+        How the effect keeps its switching function at zero, if it does.
     reported
         (component, unit, value) of the forces that it reports.
     weights
@@ -114,13 +114,15 @@ def effect_terms(effect: Effect, bodies: tuple[Body, ...]) -> EffectTerms:
     potential = effect.potential(bodies)
     if potential is not None:
         potential = _conservative(potential)
-    given = sorted(effect.forces(bodies).items(), key=lambda pair: pair[0].name)
-    loads = tuple((q, f) for q, f in ((q, _pieces(force)) for q, force in given) if f != 0)
+    forces = sorted(effect.forces(bodies).items(), key=lambda pair: pair[0].name)
+    loads = tuple((q, f) for q, f in ((q, _pieces(force)) for q, force in forces) if f != 0)
     pulls = tuple((s, _pull(s, f)) for s, f in pulling(effect, bodies) if f != 0)
-    told = tuple((part, unit, _pieces(value)) for part, unit, value in reported(effect, bodies))
-    holding = hold(effect, bodies)
+    components = tuple(
+        (part, unit, _pieces(value)) for part, unit, value in reported(effect, bodies)
+    )
+    law = hold(effect, bodies)
     weights = effect.weights(bodies) if hasattr(effect, "weights") else ()
-    return EffectTerms(potential, loads, pulls, _friction(effect, holding), holding, told, weights)
+    return EffectTerms(potential, loads, pulls, _friction(effect, law), law, components, weights)
 
 
 @cache
@@ -153,16 +155,16 @@ def derived_effects() -> int:
     return _conservative.cache_info().misses + _pieces.cache_info().misses
 
 
-def _friction(effect: Effect, holding: Sticking | Rigid | None) -> FrictionTerms | None:
+def _friction(effect: Effect, law_at_rest: Sticking | Rigid | None) -> FrictionTerms | None:
     law = friction_law(effect)
     if law is None:
         return None
     direction = tuple((q, derivative(law.along, q)) for q in kinds(law.along, Coordinate))
     slip = sympy.Add(*(slope * q.rate for q, slope in direction), derivative(law.along, t))
-    turned = side(effect.name) if law.creep is None else sympy.tanh(slip / law.creep)
-    grip, limit = law.strength * turned, None
-    if isinstance(holding, Sticking) and law.creep is None:
-        more = 1 if holding.static is None else holding.static / holding.kinetic
+    direction_of_slip = side(effect.name) if law.creep is None else sympy.tanh(slip / law.creep)
+    grip, limit = law.strength * direction_of_slip, None
+    if isinstance(law_at_rest, Sticking) and law.creep is None:
+        more = 1 if law_at_rest.static is None else law_at_rest.static / law_at_rest.kinetic
         limit = law.strength * more
     return FrictionTerms(
         law.joint, slip, grip, direction, law.contacts, law.unit, law.creep is None, limit

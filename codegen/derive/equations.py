@@ -19,7 +19,7 @@ from codegen.derive.switching_functions import (
     Switch,
     held_sides,
     rigid_contacts,
-    sought,
+    stiction,
     switches,
 )
 from codegen.model import Model
@@ -82,7 +82,7 @@ class Equations:
     effects: tuple[EffectEquations, ...]
     switches: tuple[Switch, ...]
     sides: tuple[HeldSide, ...]
-    sought: tuple[tuple[str, int], ...]
+    stiction: tuple[tuple[str, int], ...]
     contacts: tuple[RigidContact, ...]
     left_out: tuple[tuple[str, str], ...]
     unused: tuple[str, ...] = ()
@@ -137,7 +137,7 @@ def derive(model: Model, scene: Scene) -> Equations:
         if dynamic or effect.kind == TRACKED
     )
     named = tuple((e.name, e.terms) for e in effects)
-    found = switches(named)
+    surfaces = switches(named)
     overrides = dict(scene.parameters)
     mass, force = inertia(bodies, coordinates) if dynamic else ((), ())
     used = _symbols((mass, force), constraints, effects)
@@ -159,10 +159,10 @@ def derive(model: Model, scene: Scene) -> Equations:
         inertia_force=force,
         constraints=constraints,
         effects=effects,
-        switches=found,
-        sides=held_sides(named, found),
-        sought=sought(named, found) if scene.analysis == "dynamics" else (),
-        contacts=rigid_contacts(named, found),
+        switches=surfaces,
+        sides=held_sides(named, surfaces),
+        stiction=stiction(named, surfaces) if scene.analysis == "dynamics" else (),
+        contacts=rigid_contacts(named, surfaces),
         left_out=tuple((e.name, e.kind) for e in everything if e.name not in taking_part),
         unused=tuple(name for name in model.parameters if name not in used),
     )
@@ -174,16 +174,16 @@ def _symbols(
     effects: tuple[EffectEquations, ...],
 ) -> frozenset[str]:
     """Names of the parameters in what takes part."""
-    found: set[sympy.Basic] = set()
-    waiting: list[object] = [inertial, effects]
+    symbols: set[sympy.Basic] = set()
+    stack: list[object] = [inertial, effects]
     for constraint in constraints:
-        waiting += [constraint.terms, list(constraint.statement.bindings.values())]
-    while waiting:
-        part = waiting.pop()
+        stack += [constraint.terms, list(constraint.statement.bindings.values())]
+    while stack:
+        part = stack.pop()
         if isinstance(part, sympy.Basic):
-            found |= part.free_symbols
+            symbols |= part.free_symbols
         elif isinstance(part, tuple | list):
-            waiting += part
+            stack += part
         elif is_dataclass(part):
-            waiting += vars(part).values()
-    return frozenset(s.name for s in found if isinstance(s, Parameter))
+            stack += vars(part).values()
+    return frozenset(s.name for s in symbols if isinstance(s, Parameter))

@@ -39,33 +39,35 @@ def continued(expression: sympy.Expr) -> sympy.Expr:
     """
     if not expression.has(sympy.Piecewise):
         return expression
-    return _walked(expression, Facts())
+    return _continue(expression, Facts())
 
 
-def _walked(node: sympy.Basic, facts: Facts) -> sympy.Basic:
+def _continue(node: sympy.Basic, facts: Facts) -> sympy.Basic:
     """The node with its powers continued past the ends of the facts."""
-    if not any(map(_ends, node.atoms(sympy.Pow))):
+    if not any(map(_ends_at_zero, node.atoms(sympy.Pow))):
         return node
     if isinstance(node, sympy.Piecewise):
         return _pieces(node, facts)
     if isinstance(node, Relational):
         facts = Facts()  # what tells the pieces apart is asked for in all of them
-    elif isinstance(node, sympy.Pow) and _ends(node):
+    elif isinstance(node, sympy.Pow) and _ends_at_zero(node):
         return _power(node, facts)
     elif isinstance(node, sympy.Mul):
-        return _rebuilt(node, [_walked(f, (*facts, *_beside(f, node))) for f in node.args])
-    return _rebuilt(node, [_walked(part, facts) for part in node.args])
+        return _rebuild(
+            node, [_continue(f, (*facts, *_facts_of_cofactors(f, node))) for f in node.args]
+        )
+    return _rebuild(node, [_continue(part, facts) for part in node.args])
 
 
-def _rebuilt(node: sympy.Basic, parts: list[sympy.Basic]) -> sympy.Basic:
+def _rebuild(node: sympy.Basic, parts: list[sympy.Basic]) -> sympy.Basic:
     return node if tuple(parts) == node.args else node.func(*parts)
 
 
 def _pieces(node: sympy.Piecewise, facts: Facts) -> sympy.Expr:
     """Every piece by what holds in it."""
     pairs = tuple(
-        (_walked(piece, (*facts, *here)), _walked(condition, Facts()))
-        for (piece, condition), here in zip(node.args, _holding(node), strict=True)
+        (_continue(piece, (*facts, *here)), _continue(condition, Facts()))
+        for (piece, condition), here in zip(node.args, _facts_of_pieces(node), strict=True)
     )
     if pairs == tuple(map(tuple, node.args)):
         return node
@@ -73,17 +75,17 @@ def _pieces(node: sympy.Piecewise, facts: Facts) -> sympy.Expr:
     return sympy.Piecewise(*pairs, evaluate=False)
 
 
-def _holding(node: sympy.Piecewise) -> list[Facts]:
+def _facts_of_pieces(node: sympy.Piecewise) -> list[Facts]:
     """What holds in each piece: its own condition, and none of those before it."""
-    found: list[Facts] = []
+    facts: list[Facts] = []
     before: list[tuple[Boolean, bool]] = []
     for _, condition in node.args:
-        found.append(_concluded([*before, (condition, True)]))
+        facts.append(_conclude([*before, (condition, True)]))
         before.append((condition, False))
-    return found
+    return facts
 
 
-def _concluded(told: list[tuple[Boolean, bool]]) -> Facts:
+def _conclude(conditions: list[tuple[Boolean, bool]]) -> Facts:
     """What is not negative where conditions hold or, as told, do not.
 
     Of several, one of which is not negative, the largest is: ``Max(0, x, y)`` has x where one of
@@ -91,7 +93,7 @@ def _concluded(told: list[tuple[Boolean, bool]]) -> Facts:
     """
     facts: dict[sympy.Expr, None] = {}
     open_ones: list[Facts] = []
-    for condition, holds in told:
+    for condition, holds in conditions:
         for alternatives in _alternatives(condition, holds):
             facts.update(dict.fromkeys(alternatives if len(alternatives) == 1 else ()))
             open_ones.append(alternatives)
@@ -119,18 +121,18 @@ def _alternatives(condition: Boolean, holds: bool) -> list[Facts]:
     return []
 
 
-def _beside(factor: sympy.Expr, product: sympy.Mul) -> Facts:
+def _facts_of_cofactors(factor: sympy.Expr, product: sympy.Mul) -> Facts:
     """What holds where the factors beside it are not zero, as in ``Heaviside(x) * x**1.5``."""
     facts = Facts()
     for other in product.args:
         if isinstance(other, sympy.Piecewise) and other != factor:
-            pairs = zip(other.args, _holding(other), strict=True)
+            pairs = zip(other.args, _facts_of_pieces(other), strict=True)
             acting = [here for (piece, _), here in pairs if piece != 0]
             facts += acting[0] if len(acting) == 1 else Facts()
     return facts
 
 
-def _ends(power: sympy.Pow) -> bool:
+def _ends_at_zero(power: sympy.Pow) -> bool:
     """Whether a power has no number where its base is negative, and one where it is zero."""
     e = power.exp
     if not e.is_number:
@@ -146,9 +148,9 @@ def _power(power: sympy.Pow, facts: Facts) -> sympy.Expr:
     pieces = [factor for factor in factors if isinstance(factor, sympy.Piecewise)]
     if len(pieces) == 1:
         # The power of each piece, since the pieces may differ in sign.
-        beside = sympy.Mul(*(factor for factor in factors if factor != pieces[0]))
-        each = sympy.Piecewise(*(((beside * one) ** e, where) for one, where in pieces[0].args))
-        changed = _walked(each, facts)
+        cofactor = sympy.Mul(*(factor for factor in factors if factor != pieces[0]))
+        each = sympy.Piecewise(*(((cofactor * one) ** e, where) for one, where in pieces[0].args))
+        changed = _continue(each, facts)
         if changed != each:
             return changed
     moving = kinds(base, *_MOVING)
@@ -159,9 +161,9 @@ def _power(power: sympy.Pow, facts: Facts) -> sympy.Expr:
         if kinds(share, *_MOVING) or share.is_nonpositive:
             continue
         if share.is_nonnegative:
-            return _past(_walked(base, facts), e)
-        return share**e * _past(_walked(gap, facts), e)
-    return _rebuilt(power, [_walked(base, facts), e])
+            return _past(_continue(base, facts), e)
+        return share**e * _past(_continue(gap, facts), e)
+    return _rebuild(power, [_continue(base, facts), e])
 
 
 def _past(b: sympy.Expr, e: sympy.Expr) -> sympy.Expr:

@@ -116,23 +116,23 @@ def ratio(hold: Sticking) -> sympy.Expr | None:
 
 def held_sides(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[HeldSide, ...]:
     """The sides of the effects that hold, in their order."""
-    found = []
+    sides = []
     for name, terms in effects:
         if isinstance(terms.hold, Rigid):
             number = next(
                 k for k, s in enumerate(among) if s.kind == "contact" and s.effect == name
             )
-            found.append(HeldSide(side(name), number, 0, 1))
+            sides.append(HeldSide(side(name), number, 0, 1))
         elif isinstance(terms.hold, Sticking):
             others = [s for s in among if s.kind != "contact"]
             same = _same(terms.hold.slip, others)
             assert same is not None
             one = -1 if same[1] else 1
-            found.append(HeldSide(side(name), among.index(others[same[0]]), one, -one))
-    return tuple(found)
+            sides.append(HeldSide(side(name), among.index(others[same[0]]), one, -one))
+    return tuple(sides)
 
 
-def sought(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[tuple[str, int], ...]:
+def stiction(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[tuple[str, int], ...]:
     """(effect, switch) of the frictions in joints whose force at rest is sought by itself.
 
     They are those that have their switch for themselves: where a condition or another friction

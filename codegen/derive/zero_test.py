@@ -28,8 +28,8 @@ def is_zero(expr: sympy.Expr) -> bool:
     try:
         for step in _POINTS:
             at = {symbol: 0.5 + math.modf((k + 1) * step)[0] for k, symbol in enumerate(symbols)}
-            found = _number(expr, at)
-            if not abs(found.value) <= _ROUNDING * found.size:
+            sized = _number(expr, at)
+            if not abs(sized.value) <= _ROUNDING * sized.size:
                 return False
     except (_UnknownError, ArithmeticError, ValueError):
         return False

@@ -54,7 +54,7 @@ class Kind:
         return " ".join(self.text.partition("\n\n")[0].split())
 
     @property
-    def own(self) -> bool:
+    def is_user_defined(self) -> bool:
         """Whether a user wrote it, and not the library."""
         return not _of_library(self.element)
 
@@ -107,7 +107,9 @@ def kinds_of_elements() -> dict[str, Kind]:
     """All kinds by name: the library's in the order of their roles and names, then a user's."""
     _load()
     roles = ("joint", "driver", "force")
-    ordered = sorted(_KINDS.values(), key=lambda k: (k.own, roles.index(k.role), k.name))
+    ordered = sorted(
+        _KINDS.values(), key=lambda k: (k.is_user_defined, roles.index(k.role), k.name)
+    )
     return {kind.name: kind for kind in ordered}
 
 
@@ -120,8 +122,8 @@ def role(kind: str) -> Role | None:
 def _load() -> None:
     """Import all modules of the library's elements, which registers them."""
     package = importlib.import_module(LIBRARY)
-    for found in pkgutil.walk_packages(package.__path__, f"{LIBRARY}."):
-        importlib.import_module(found.name)
+    for info in pkgutil.walk_packages(package.__path__, f"{LIBRARY}."):
+        importlib.import_module(info.name)
 
 
 def _of_library(cls: type[Any]) -> bool:
@@ -132,23 +134,27 @@ def _problems(cls: type[Any]) -> list[str]:
     where, kind = f"element class {cls.__qualname__}", getattr(cls, "kind", None)
     if not isinstance(kind, str) or not WORDS.fullmatch(kind):
         return [f'{where}: its kind {kind!r} must be a few ASCII words: kind = "belt".']
-    found = []
+    problems = []
     if not (cls.__doc__ or "").strip() or str(cls.__doc__).startswith(f"{cls.__name__}("):
-        found.append(f"{where} has no docstring; say in one sentence what it holds or exerts.")
+        problems.append(f"{where} has no docstring; say in one sentence what it holds or exerts.")
     declared = {*dir(cls)}.union(*(vars(c).get("__annotations__", ()) for c in cls.__mro__))
-    wanted = CONSTRAINT if "statement" in declared else EFFECT
-    if missing := [word for word in wanted if word not in declared]:
-        found.append(
+    required = CONSTRAINT if "statement" in declared else EFFECT
+    if missing := [word for word in required if word not in declared]:
+        problems.append(
             f"{where} lacks {', '.join(missing)}; a joint or driver answers "
             f"{', '.join(CONSTRAINT)}, a force {', '.join(EFFECT)}."
         )
-    known = _KINDS.get(kind)
-    if known and not (known.own and not _of_library(cls)) and not _same(known.element, cls):
-        found.append(
-            f"{where}: the kind '{kind}' is that of {known.element.__module__}."
-            f"{known.element.__qualname__}; give another."
+    registered = _KINDS.get(kind)
+    if (
+        registered
+        and not (registered.is_user_defined and not _of_library(cls))
+        and not _same(registered.element, cls)
+    ):
+        problems.append(
+            f"{where}: the kind '{kind}' is that of {registered.element.__module__}."
+            f"{registered.element.__qualname__}; give another."
         )
-    return found
+    return problems
 
 
 def _same(one: type[Any], other: type[Any]) -> bool:

@@ -42,8 +42,8 @@ class _Inventory:
 
     def __init__(self, model: Model, scene: Scene) -> None:
         self.model, self.scene = model, scene
-        self.how = dict(scene.asked.fidelity)
-        named = [e for e in scene.asked.effects if e not in scene.asked.without]
+        self.how = dict(scene.request.fidelity)
+        named = [e for e in scene.request.effects if e not in scene.request.without]
         self.choices = {g: model.choice(g, self.how, named) for g in model.groups}
         self.joints = active_joints(model, scene)
 
@@ -103,7 +103,7 @@ class _Inventory:
         return "named by the scene"
 
     def _words(self) -> tuple[str, ...]:
-        return (*self.scene.asked.effects, *self.scene.asked.drivers)
+        return (*self.scene.request.effects, *self.scene.request.drivers)
 
     def _absent(self, name: str) -> str:
         """Why an effect or driver does not act."""
@@ -117,7 +117,7 @@ class _Inventory:
         if lacking:
             kind = self.model.kind(lacking[0])
             return f"unreachable: {kind} '{lacking[0]}' takes no part"
-        if name in self.scene.asked.without:
+        if name in self.scene.request.without:
             return "the scene leaves it out"
         return "the scene does not name it"
 

@@ -102,8 +102,8 @@ def _reduced_missing(equations: Equations) -> str:
             "is not for dynamics: there are no accelerations under forces in it to write in "
             "reduced coordinates; ask for a scene with masses that moves,"
         )
-    if equations.sought:
-        names = ", ".join(dict.fromkeys(name for name, _ in equations.sought))
+    if equations.stiction:
+        names = ", ".join(dict.fromkeys(name for name, _ in equations.stiction))
         return (
             f"has frictions that stick by the force of a reaction ({names}), which reduced "
             "coordinates leave out; give them creep=,"

@@ -20,10 +20,10 @@ def with_constants(graph: Graph, kernels: tuple[Kernel, ...], declared: int) -> 
     """
     bare = Program(turned_about(graph, kernels), kernels, (), WEAK_PIVOT)
     hoisted: dict[int, None] = {}
-    given: set[int] = set()
+    inputs: set[int] = set()
     for kernel in kernels:
         numbers = bare.reachable(kernel)
-        given |= {number for number in numbers if _is_given(graph, number)}
+        inputs |= {number for number in numbers if _is_given(graph, number)}
         needed = {out.value for out in kernel.outputs}
         needed |= {v for check in kernel.checks for v in (check.pivot, check.reference)}
         for number in numbers:
@@ -32,7 +32,7 @@ def with_constants(graph: Graph, kernels: tuple[Kernel, ...], declared: int) -> 
         for number in sorted(needed):
             if graph.settled[number] and graph.values[number].args:
                 hoisted[number] = None
-    forces = tuple(sorted(given, key=lambda number: graph.values[number].literal.slot))  # type: ignore[union-attr]
+    forces = tuple(sorted(inputs, key=lambda number: graph.values[number].literal.slot))  # type: ignore[union-attr]
     declared += len(forces)
     first = Kernel(
         "constants",

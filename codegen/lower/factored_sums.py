@@ -43,17 +43,17 @@ class Parts:
 
     def plus(self, other: "Parts") -> "Parts":
         """The sum; parts with the same factors are added."""
-        found = dict(self.parts)
+        terms = dict(self.parts)
         for factors, value in other.parts.items():
-            found[factors] = self.graph.add(found.get(factors, self.graph.zero), value)
-        return Parts(self.graph, found)
+            terms[factors] = self.graph.add(terms.get(factors, self.graph.zero), value)
+        return Parts(self.graph, terms)
 
     def scaled(self, number: float) -> "Parts":
         """The sum, times a number."""
-        graph, found = self.graph, dict[Factors, int]()
-        for (own, rates), value in self.parts.items():
-            found[own * abs(number), rates] = value if number > 0 else graph.neg(value)
-        return Parts(graph, found if number else {})
+        graph, terms = self.graph, dict[Factors, int]()
+        for (factor_terms, rates), value in self.parts.items():
+            terms[factor_terms * abs(number), rates] = value if number > 0 else graph.neg(value)
+        return Parts(graph, terms if number else {})
 
     def times(self, value: int) -> "Parts":
         """The sum, times a value: one product.
@@ -64,13 +64,13 @@ class Parts:
         graph = self.graph
         if value == graph.one or not self:
             return self
-        (((own, rates), front),) = self.single().parts.items()
+        (((terms, rates), front),) = self.single().parts.items()
         if graph.number(front) is not None:
             number, rest = _split(graph, value)
-            return Parts(graph, {(own * number, rates): graph.mul(front, rest)})
+            return Parts(graph, {(terms * number, rates): graph.mul(front, rest)})
         if not graph.indicates(front):
-            front, own = graph.mul(graph.constant(own), front), 1.0
-        return Parts(graph, {(own, rates): graph.mul(front, value)})
+            front, terms = graph.mul(graph.constant(terms), front), 1.0
+        return Parts(graph, {(terms, rates): graph.mul(front, value)})
 
     def product(self, other: "Parts") -> "Parts":
         """The sum, times another."""
@@ -84,8 +84,8 @@ class Parts:
         """The sum, times a rate that stays outside."""
         if rate == self.graph.one:
             return self
-        found = {(c, tuple(sorted((*r, rate)))): value for (c, r), value in self.parts.items()}
-        return Parts(self.graph, found)
+        terms = {(c, tuple(sorted((*r, rate)))): value for (c, r), value in self.parts.items()}
+        return Parts(self.graph, terms)
 
     def single(self) -> "Parts":
         """The same with one part at the most."""

@@ -126,7 +126,7 @@ def describe(
             for s in equations.switches
         ),
         rigid=tuple((contact.effect, contact.switch) for contact in equations.contacts),
-        sought=equations.sought,
+        sought=equations.stiction,
         reactions=tuple(scene.reactions[k][:3] for k in reported),
         powers=tuple((source, kind) for source, kind, _ in powers),
         start=tuple(start),

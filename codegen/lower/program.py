@@ -199,14 +199,14 @@ class Program:
         hoisted = frozenset(self.constants) if kernel.name != "constants" else frozenset()
         roots = [out.value for out in kernel.outputs]
         roots += [v for check in kernel.checks for v in (check.pivot, check.reference)]
-        found: set[int] = set()
+        numbers: set[int] = set()
         while roots:
             number = roots.pop()
-            if number not in found:
-                found.add(number)
+            if number not in numbers:
+                numbers.add(number)
                 if number not in hoisted:
                     roots.extend(self.values[number].args)
-        return tuple(sorted(found))
+        return tuple(sorted(numbers))
 
 
 STATE = ("t", "q", "v", "p")

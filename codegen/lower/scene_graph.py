@@ -29,11 +29,11 @@ class Friction(NamedTuple):
         run does not seek this force.
     """
 
-    grip: int
+    coefficient: int
     direction: dict[int, int]
     loads: tuple[tuple[dict[int, int], ...], ...]
-    held: int | None = None
-    given: int | None = None
+    is_stuck: int | None = None
+    stiction: int | None = None
 
 
 class SceneGraph:
@@ -85,7 +85,7 @@ class SceneGraph:
         self.nu: list[int] = []
         self.gamma: list[int] = []
         self.jacobian: dict[tuple[int, int], int] = {}
-        self.own: list[tuple[int, int]] = []
+        self.massless: list[tuple[int, int]] = []
         self.reactions: list[tuple[str, str, str, int]] = []
         laws = (e.terms.friction for e in equations.effects)
         self._rubbing = {law.joint for law in laws if law}
@@ -115,17 +115,17 @@ class SceneGraph:
 
     def _environment(self) -> dict[sympy.Symbol, int]:
         graph, equations = self.graph, self.equations
-        found: dict[sympy.Symbol, int] = {t: graph.input("t", 0, "t")}
+        environment: dict[sympy.Symbol, int] = {t: graph.input("t", 0, "t")}
         for k, p in enumerate(equations.parameters):
             frozen = equations.scene.frozen
-            found[Parameter(p.name, real=True)] = (
+            environment[Parameter(p.name, real=True)] = (
                 graph.constant(p.value) if frozen else graph.input("p", k, p.name)
             )
         for k, q in enumerate(equations.coordinates):
-            found[q], found[q.rate] = self.q[k], self.v[k]
+            environment[q], environment[q.rate] = self.q[k], self.v[k]
             rate = Acceleration(f"{q.rate.name}_rate", real=True)
-            found[rate] = graph.input("a", k, rate.name)
-        return found
+            environment[rate] = graph.input("a", k, rate.name)
+        return environment
 
     def _switches(self) -> dict[sympy.Expr, int]:
         switches = enumerate(self.equations.switches)
@@ -156,7 +156,9 @@ class SceneGraph:
                     inner[place.rate] = meaning.rate if meaning in columns else sympy.S.Zero
             first = len(self.phi)
             rows = element.statement.rows
-            self.own += [(first + rows.index(row), columns[q]) for row, q in element.statement.own]
+            self.massless += [
+                (first + rows.index(row), columns[q]) for row, q in element.statement.own
+            ]
             for k, multiplier in enumerate(terms.multipliers):
                 inner[multiplier] = self.lam[first + k]
             with self.graph.serving(element.name):
@@ -193,8 +195,8 @@ class SceneGraph:
         self.powers: list[tuple[str, int]] = []
         self.working: dict[str, int] = {}
         self.frictions: list[Friction] = []
-        asked = {*(equations.scene.outputs or ())}
-        idle = {contact.effect for contact in equations.contacts if not contact.moving}
+        outputs = {*(equations.scene.outputs or ())}
+        workless = {contact.effect for contact in equations.contacts if not contact.moving}
         for effect in equations.effects:
             terms = effect.terms
             with graph.serving(effect.name):
@@ -204,9 +206,9 @@ class SceneGraph:
                     self.potential = graph.add(self.potential, energy)
                     self._gather(self.gradient, {energy: graph.one})
                 power = self._exerted(terms, energy)
-                if (terms.loads or terms.pulls) and effect.name not in idle:
+                if (terms.loads or terms.pulls) and effect.name not in workless:
                     self.powers.append((effect.name, power))
-                if asked & {"works", f"work({effect.name})"}:
+                if outputs & {"works", f"work({effect.name})"}:
                     stored = self.moving.jet(energy).first.value()
                     self.working[effect.name] = graph.sub(power, stored)
                 for part, unit, value in terms.reported:
@@ -252,18 +254,18 @@ class SceneGraph:
         """The force itself, from the multipliers as inputs, its power, and what solves for it."""
         graph = self.graph
         columns = {q: k for k, q in enumerate(self.equations.coordinates)}
-        grip = self.translate(terms.grip)
+        coefficient = self.translate(terms.grip)
         direction = {columns[q]: self.translate(slope) for q, slope in terms.direction}
         loads = tuple(
             tuple(self._load(terms.joint, entry) for entry in contact) for contact in terms.contacts
         )
-        held, given = self._sought(name)
-        self.frictions.append(Friction(grip, direction, loads, held, given))
+        is_stuck, stiction = self._sought(name)
+        self.frictions.append(Friction(coefficient, direction, loads, is_stuck, stiction))
         sizes = [self.size([self.along(entry, self.lam) for entry in load]) for load in loads]
         pressing = graph.total(sizes)
-        force = graph.neg(graph.mul(grip, pressing))
-        if held is not None and given is not None:
-            force = graph.select(held, given, force)
+        force = graph.neg(graph.mul(coefficient, pressing))
+        if is_stuck is not None and stiction is not None:
+            force = graph.select(is_stuck, stiction, force)
         self.reactions.append((name, "force" if terms.unit == "N" else "torque", terms.unit, force))
         if terms.sticks:
             self.reactions.append((name, "normal", "N", pressing))
@@ -276,19 +278,19 @@ class SceneGraph:
 
     def _sought(self, name: str) -> tuple[int, int] | tuple[None, None]:
         """Whether the friction `name` is held, and the force that holds it, if a run seeks this."""
-        for place, (effect, switch) in enumerate(self.equations.sought):
+        for place, (effect, switch) in enumerate(self.equations.stiction):
             if effect == name:
                 return self.graph.held(switch), self.graph.input("held", place, f"held_{name}")
         return None, None
 
     def _load(self, joint: str, entry: tuple[tuple[str, sympy.Expr], ...]) -> dict[int, int]:
         """Row → factor of a sum of components of a joint's reaction."""
-        found: dict[int, int] = {}
+        factors: dict[int, int] = {}
         for component, factor in entry:
             for row, share in self._pressing[joint, component].items():
                 part = self.graph.mul(self.translate(factor), share)
-                found[row] = self.graph.add(found.get(row, self.graph.zero), part)
-        return {row: factor for row, factor in found.items() if factor != self.graph.zero}
+                factors[row] = self.graph.add(factors.get(row, self.graph.zero), part)
+        return {row: factor for row, factor in factors.items() if factor != self.graph.zero}
 
     def along(self, entry: dict[int, int], multipliers: list[int]) -> int:
         """The sum of factors times multipliers."""

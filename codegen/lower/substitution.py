@@ -14,14 +14,14 @@ from codegen.lower.program import Lookup, Op, Value
 
 def reached(graph: Graph, roots: Iterable[int], stop: Mapping[int, object] = {}) -> set[int]:
     """Numbers of the values that the roots are made of, not looking below those in `stop`."""
-    waiting, found = list(roots), set[int]()
-    while waiting:
-        number = waiting.pop()
-        if number not in found:
-            found.add(number)
+    stack, numbers = list(roots), set[int]()
+    while stack:
+        number = stack.pop()
+        if number not in numbers:
+            numbers.add(number)
             if number not in stop:
-                waiting.extend(graph.values[number].args)
-    return found
+                stack.extend(graph.values[number].args)
+    return numbers
 
 
 def rebuilt(graph: Graph, outputs: Sequence[int], replaced: Mapping[int, int]) -> list[int]:

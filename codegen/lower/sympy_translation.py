@@ -76,8 +76,8 @@ class Translator:
     def _translate(self, node: Any) -> int:
         graph = self.graph
         if node.is_Symbol:
-            found: int = self.environment[node]
-            return found
+            number: int = self.environment[node]
+            return number
         if node.is_number:
             return graph.constant(float(node.evalf(25)))
         if node.is_Add:

@@ -76,10 +76,10 @@ class Numbering:
         value = self.values[number]
         if isinstance(value.literal, Input) and not self.settled[number]:
             return 1 << self.place_of(number)
-        found = 0
+        moved = 0
         for a in value.args:
-            found |= self.movers[a]
-        return found
+            moved |= self.movers[a]
+        return moved
 
     def place_of(self, number: int) -> int:
         """The bit of an input in `movers`."""

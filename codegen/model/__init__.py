@@ -1,4 +1,4 @@
-"""`Model`, what a modeller holds: one file a topic."""
+"""`Model`, the declaration of a machine; each file holds one topic."""
 
 from codegen.model.model import Model
 

@@ -1,4 +1,4 @@
-"""What every part of a declaration shares: the elements so far, their names, and the problems."""
+"""The common state of a declaration: its elements, their names and the problems found."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -39,7 +39,7 @@ class Declarations:
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """What is wrong with the declaration so far; one sentence each."""
+        """Problems of the declaration so far, one sentence each."""
         return tuple(self._read.problems)
 
     def _note(self, problem: str) -> None:
@@ -54,7 +54,7 @@ class Declarations:
         return read
 
     def kind(self, name: str) -> str:
-        """What the name was declared as: ``"body"``, ``"joint"``, ``"driver"`` and so on."""
+        """The role of a declared name: ``"body"``, ``"joint"``, ``"driver"`` and so on."""
         return self._kinds.get(name, "element")
 
     def _claim(self, kind: str, name: object) -> bool:
@@ -77,7 +77,7 @@ class Declarations:
         return element
 
     def _effect(self, element: Effect, forms: dict[str, Effect | str] | None = None) -> Effect:
-        """Declare an effect; `forms`: fidelity → what it is then, or what it lacks for it."""
+        """Declare an effect; `forms`: fidelity → its effect, or why it has none."""
         if self._claim("effect", element.name):
             self.effects[element.name] = element
             if forms:

@@ -78,7 +78,7 @@ class Cams(Declarations):
         points
             (x', y') in m or as quantities; at least four, no two that follow each other the same.
         closed
-            A closed curve returns to its first point by itself, where α is 2π; on an open one α
+            A closed curve returns to its first point at α = 2π; on an open one α
             runs from 0 to 1.
         """
         where = f"curve '{name}'"

@@ -19,7 +19,7 @@ FrictionLaw = Literal["sticking", "regularised"]
 
 
 class Contacts(Declarations):
-    """What bodies do to each other where they touch."""
+    """Contacts and friction of a declaration."""
 
     def contact(
         self,
@@ -130,7 +130,7 @@ class Contacts(Declarations):
         static: Any = None,
         fidelity: FrictionLaw | None = None,
     ) -> Effect:
-        """Coulomb friction in a joint, from the joint's own reaction.
+        """Coulomb friction in a joint, from the joint's reaction.
 
         Parameters
         ----------
@@ -139,8 +139,8 @@ class Contacts(Declarations):
         coefficient
             μ.
         creep
-            For a law made smooth at rest: the speed, in m/s or, in a revolute joint, rad/s, below
-            which the joint creeps. Without it the joint sticks.
+            Of a law that is regularised at rest: the speed, in m/s or, in a revolute joint, rad/s,
+            below which the joint creeps. Without it the joint sticks.
         radius
             Of a revolute joint's pin, m.
         length
@@ -149,7 +149,7 @@ class Contacts(Declarations):
             μ_s of a joint that sticks, at least μ; None: μ.
         fidelity
             ``"sticking"`` or ``"regularised"``: the fidelity in a scene that does not say.
-            Without it a friction with a creep speed is made smooth, and one without sticks; with it
+            Without it a friction with a creep speed is regularised, and one without sticks; with it
             a declaration may give the numbers of both.
         """
         where = f"friction '{name}'"
@@ -201,10 +201,10 @@ class Contacts(Declarations):
         static
             μ_s of a friction that sticks, at least μ; None: μ.
         creep
-            For a law made smooth at rest: the speed in m/s below which it creeps.
+            Of a law that is regularised at rest: the speed in m/s below which it creeps.
         fidelity
             ``"sticking"`` or ``"regularised"``: the fidelity in a scene that does not say.
-            Without it a friction with a creep speed is made smooth, and one without sticks; with it
+            Without it a friction with a creep speed is regularised, and one without sticks; with it
             a declaration may give the numbers of both.
         """
         where = f"dry friction '{name}'"
@@ -264,9 +264,11 @@ class Contacts(Declarations):
         )
         return mu, rest, speed
 
-    def _direction(self, where: str, word: str, given: Any) -> tuple[sympy.Expr, sympy.Expr] | None:
+    def _direction(
+        self, where: str, word: str, vector: Any
+    ) -> tuple[sympy.Expr, sympy.Expr] | None:
         """Two components that are not both zero."""
-        ux, uy = self._read.pair(given, "", f"{word} of {where}")
+        ux, uy = self._read.pair(vector, "", f"{word} of {where}")
         if ux == 0 and uy == 0:
             self._note(f"{where}: the {word} (0, 0) points nowhere; give another.")
             return None

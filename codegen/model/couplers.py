@@ -65,8 +65,8 @@ class Couplers(Bodies, Joints):
         absent: list[str] = []
         for name, (rod, *halves) in self.couplers.items():
             form = forms.get(name, "body")
-            held = self.joints.get(f"{name}_link")
-            ends = [] if held is None else [body.name for body in held.bodies]
+            carried = self.joints.get(f"{name}_link")
+            ends = [] if carried is None else [body.name for body in carried.bodies]
             if form != "body":
                 absent.append(rod.name)
                 read.problems += self._lost_joints(where, rod, form, without)

@@ -1,7 +1,7 @@
-"""The drivers of a declaration: what prescribes a motion.
+"""The drivers of a declaration, which prescribe motions.
 
-Each takes its name, what it drives, and the law that this follows: an expression of the time t and
-of parameters. Positions are in m and angles in rad; differences and distances go from `i` to `j`.
+Each takes its name, the driven quantity, and its law: an expression of the time t and of
+parameters. Positions are in m and angles in rad; differences and distances go from `i` to `j`.
 """
 
 from typing import Any, Literal
@@ -21,7 +21,7 @@ Letter = Literal["x", "y", "phi"]
 
 
 class Drivers(Declarations):
-    """What prescribes a motion."""
+    """The drivers of a declaration."""
 
     def driver(self, name: str, driven: Any, law: Any) -> Constraint:
         """A coordinate, or any expression of coordinates, follows `law`, an expression of t."""

@@ -1,4 +1,4 @@
-"""Fidelities: what is declared once, and taken by each scene as finely as its question needs."""
+"""Fidelities: an element is declared once; each scene takes it as finely as its question needs."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -64,36 +64,36 @@ class Fidelities(Couplers):
     def acting(self, scene: Scene) -> dict[str, Effect]:
         """Name → the effects of a scene, in the fidelity that it asks for."""
         how = dict(scene.fidelity)
-        found = {}
+        effects = {}
         for name in scene.effects:
             form = self.fidelities.get(name, {}).get(how.get(name, ""))
-            found[name] = self.effects[name] if form is None or isinstance(form, str) else form
-        return found
+            effects[name] = self.effects[name] if form is None or isinstance(form, str) else form
+        return effects
 
     def _read_fidelities(
-        self, read: Reader, where: str, given: Any, couplers: Any
+        self, read: Reader, where: str, mapping: Any, couplers: Any
     ) -> tuple[tuple[str, str], ...]:
-        """What a scene says of fidelities, by name; what cannot be is noted."""
+        """The fidelities that a scene names; impossible ones are noted as problems."""
         if couplers is not None and not isinstance(couplers, Mapping):
             read.problems.append(
                 f"{where}: couplers={couplers!r} is no mapping; write {{'rod': 'link'}}."
             )
             couplers = None
-        if given is not None and not isinstance(given, Mapping):
+        if mapping is not None and not isinstance(mapping, Mapping):
             read.problems.append(
-                f"{where}: fidelity={given!r} is no mapping; write {{'rub': 'sticking'}}."
+                f"{where}: fidelity={mapping!r} is no mapping; write {{'rub': 'sticking'}}."
             )
-            given = None
-        found: dict[str, str] = {}
+            mapping = None
+        fidelities: dict[str, str] = {}
         for key, form in (couplers or {}).items():
             name = str(getattr(key, "name", key))
             if name in self.couplers:
-                found[name] = read.choice(form, FORMS, f"{where}, coupler '{name}'")
+                fidelities[name] = read.choice(form, FORMS, f"{where}, coupler '{name}'")
             else:
                 read.problems.append(
                     f"{where}: there is no coupler '{name}'; {nearest(name, self.couplers)}"
                 )
-        for key, word in (given or {}).items():
+        for key, word in (mapping or {}).items():
             name = str(getattr(key, "name", key))
             if not isinstance(word, str):
                 words = f"{word!r}"
@@ -102,17 +102,17 @@ class Fidelities(Couplers):
                     "give one word, or declare a scene for each."
                 )
                 continue
-            if name in found and found[name] != word:
+            if name in fidelities and fidelities[name] != word:
                 read.problems.append(
-                    f"{where}: '{name}' is asked for as '{found[name]}' and as '{word}'; "
+                    f"{where}: '{name}' is asked for as '{fidelities[name]}' and as '{word}'; "
                     "give one fidelity."
                 )
                 continue
             if problem := self._fidelity_problem(name, word):
                 read.problems.append(f"{where}: {problem}")
                 continue
-            found[name] = word
-        return tuple(found.items())
+            fidelities[name] = word
+        return tuple(fidelities.items())
 
     def _fidelity_problem(self, name: str, word: str) -> str | None:
         several = self.fidelities | self.groups | dict.fromkeys(self.couplers)
@@ -135,7 +135,7 @@ class Fidelities(Couplers):
         return f"'{name}' as '{word}' {lacking}" if isinstance(lacking, str) else None
 
     def choice(self, group: str, how: Mapping[str, str], effects: Iterable[str]) -> str:
-        """Which of its alternatives a scene takes; effects that are named decide as its word does.
+        """The alternative that a scene takes, by its fidelity or by the effects that it names.
 
         Parameters
         ----------
@@ -155,14 +155,14 @@ class Fidelities(Couplers):
         gone: list[str] = []
         for group, choices in self.groups.items():
             choice = self.choice(group, how, effects)
-            mine = choices[choice]
-            others = [n for names in choices.values() for n in names if n not in mine]
+            members = choices[choice]
+            others = [n for names in choices.values() for n in names if n not in members]
             if clash := [n for n in others if n in effects]:
                 read.problems.append(
                     f"{where}: '{clash[0]}' acts only in another choice of '{group}' than "
                     f"'{choice}', which the scene takes; give fidelity={{'{group}': ...}} and "
                     "leave the other's effects out."
                 )
-            brought += mine if group in how else ()
+            brought += members if group in how else ()
             gone += others
         return tuple(brought), tuple(gone)

@@ -23,7 +23,7 @@ Characteristic = Callable[[sympy.Expr, sympy.Expr], Any]
 
 
 class Forces(Declarations):
-    """What acts on bodies."""
+    """Forces, springs and potentials of a declaration."""
 
     def gravity(self, name: str, g: tuple[Any, Any]) -> Effect:
         """Uniform gravity (g_x, g_y), m/s², on every body of the scene."""
@@ -184,7 +184,7 @@ class Forces(Declarations):
     def _characteristic(
         self, law: Any, s: sympy.Expr, speed: sympy.Expr, word: str, unit: str, where: str
     ) -> sympy.Expr:
-        """What a user's function answers for a length or angle and its rate."""
+        """The value of a user's function of a length or angle and its rate."""
         if law is None:
             return sympy.S.Zero
         if not callable(law):
@@ -199,8 +199,8 @@ class Forces(Declarations):
         """A body, where a point means nothing."""
         if isinstance(body, Body):
             return body
-        what = f"Point of '{body.body.name}'" if isinstance(body, Point) else repr(body)
-        self._note(f"{where}: {what} is no body; a torsion spring turns two bodies.")
+        label = f"Point of '{body.body.name}'" if isinstance(body, Point) else repr(body)
+        self._note(f"{where}: {label} is no body; a torsion spring turns two bodies.")
         return self.ground
 
 

@@ -22,7 +22,7 @@ from codegen.model.base import Declarations
 
 
 class Joints(Declarations):
-    """What holds bodies together."""
+    """The joints of a declaration."""
 
     def revolute(self, name: str, i: Point, j: Point) -> Constraint:
         """Points `i` and `j` of two bodies coincide."""
@@ -81,7 +81,7 @@ class Joints(Declarations):
         axis
             Direction of the line in the frame of body `i`.
         distance
-            What the pin keeps from the line, m; positive to the left of `axis`.
+            Distance of the pin from the line, m; positive to the left of `axis`.
         instead_of
             The slide block that the joint stands for: the joint acts in those scenes that leave
             this body out.

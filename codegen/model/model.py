@@ -43,9 +43,9 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
             self.gravity("gravity", gravity)
 
     def add(self, element: Element) -> Element:
-        """An element of one's own: what answers `Constraint` or `Effect`, or a kind of `Body`.
+        """Declare a user-defined element: a `Constraint`, an `Effect` or a kind of `Body`.
 
-        A body is made with ``model.token`` for its `model`.
+        A body takes ``model.token`` as its `model`.
         """
         if isinstance(element, Body):
             if self._claim("body", element.name):
@@ -54,9 +54,9 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
         if isinstance(element, Constraint):
             _ = self._driver(element) if role(element.kind) == "driver" else self._joint(element)
             return element
-        given: object = element
-        if isinstance(given, Effect):
-            self._effect(given)
+        candidate: object = element
+        if isinstance(candidate, Effect):
+            self._effect(candidate)
             return element
         self._note(
             f"model.add({element!r}): neither a Body, a Constraint nor an Effect; it needs kind, "

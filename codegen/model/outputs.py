@@ -1,4 +1,4 @@
-"""What a scene reports beside the motion: the words of ``outputs=``."""
+"""The outputs of a scene in addition to the motion: the words of ``outputs=``."""
 
 import re
 from collections.abc import Iterable
@@ -11,7 +11,7 @@ from codegen.declare.value_reader import Reader
 from codegen.model.base import Declarations
 
 ALL = ("reactions", "energy", "powers")
-"""What a scene reports that names no output."""
+"""Outputs of a scene that names none."""
 GROUPS = (*ALL, "paths", "works")
 ONE = re.compile(r"(reaction|power|path|work)\((\w+)\)\Z")
 
@@ -31,32 +31,32 @@ class Outputs(Declarations):
         self._effect(element)
         return element
 
-    def _brought(self, wanted: tuple[str, ...] | None, bodies: Iterable[str]) -> tuple[str, ...]:
-        """Points whose paths are asked for: all on the bodies that take part, or those named."""
+    def _brought(self, outputs: tuple[str, ...] | None, bodies: Iterable[str]) -> tuple[str, ...]:
+        """Points whose paths are outputs: all on the bodies that take part, or the named ones."""
         points = tracked(self.effects.values())
-        words, present = wanted or (), set(bodies)
+        words, present = outputs or (), set(bodies)
         reachable = [n for n in points if {b.name for b in self.effects[n].bodies} <= present]
         if "paths" in words:
             return tuple(reachable)
         return tuple(name for name in reachable if f"path({name})" in words)
 
-    def _read_outputs(self, read: Reader, where: str, wanted: Any) -> tuple[str, ...] | None:
+    def _read_outputs(self, read: Reader, where: str, outputs: Any) -> tuple[str, ...] | None:
         """The words in a fixed order, each once; None for all that there is."""
-        if wanted is None or wanted == "all":
+        if outputs is None or outputs == "all":
             return None
-        if not isinstance(wanted, str | Iterable):
+        if not isinstance(outputs, str | Iterable):
             read.problems.append(
-                f"{where}: outputs={wanted!r} is no list; write outputs=['energy', 'power(gas)']."
+                f"{where}: outputs={outputs!r} is no list; write outputs=['energy', 'power(gas)']."
             )
             return None
-        found = []
-        for word in (wanted,) if isinstance(wanted, str) else wanted:
+        words = []
+        for word in (outputs,) if isinstance(outputs, str) else outputs:
             if problem := self._output_problem(word):
                 read.problems.append(f"{where}: {problem}")
             else:
-                found.append(str(word))
-        order = (*GROUPS, *sorted(set(found) - set(GROUPS)))
-        return tuple(word for word in order if word in found)
+                words.append(str(word))
+        order = (*GROUPS, *sorted(set(words) - set(GROUPS)))
+        return tuple(word for word in order if word in words)
 
     def _output_problem(self, word: Any) -> str | None:
         if word in GROUPS:
@@ -66,13 +66,13 @@ class Outputs(Declarations):
         acting = [n for n in (*self.joints, *self.drivers, *self.effects) if n not in points]
         if match is None:
             kinds = ("reaction", "power", "work")
-            words = [*GROUPS, *(f"{what}({n})" for what in kinds for n in acting)]
+            words = [*GROUPS, *(f"{group}({n})" for group in kinds for n in acting)]
             words += [f"path({n})" for n in points]
             return f"no output {word!r}; {nearest(str(word), words)}"
-        what, name = match.groups()
-        if what == "path" and name not in points:
+        group, name = match.groups()
+        if group == "path" and name not in points:
             hint = nearest(name, points) if points else "declare it with model.track(...)."
             return f"no output '{word}', as there is no tracked point '{name}'; {hint}"
-        if what != "path" and name not in acting:
+        if group != "path" and name not in acting:
             return f"no output '{word}', as there is no '{name}'; {nearest(name, acting)}"
         return None

@@ -1,16 +1,16 @@
-"""Scenes made on the fly: another scene with elements out or in, under a name that says so."""
+"""Variations of scenes: elements left out or taken in, under a name that says so."""
 
 import hashlib
 from dataclasses import replace
 from typing import Any
 
 from codegen.declare.names import nearest
-from codegen.declare.scene import Asked, Scene
+from codegen.declare.scene import Request, Scene
 from codegen.declare.value_reader import Reader
 from codegen.model.scenes import Scenes
 
 WIDEST = 100
-"""Letters of a name; a longer one is cut and told apart by a hash, as it names a file."""
+"""Letters of a name; a longer one is cut and distinguished by a hash, as it names a file."""
 
 CHANGES = ("couplers", "start", "guess", "parameters", "frozen", "analysis", "outputs")
 
@@ -21,7 +21,7 @@ class Variations(Scenes):
     def varied(
         self, scene: Scene, *, out: Any, taken: Any, fidelity: Any = None, **changes: Any
     ) -> Scene:
-        """`scene` with elements out and in, and other words changed; it is not declared.
+        """`scene` with elements left out or taken in; it is not declared.
 
         Parameters
         ----------
@@ -53,16 +53,16 @@ class Variations(Scenes):
         ]
         words = {"without": [n for n in gone if n in known], "fidelity": fidelity}
         words |= {key: changes.get(key) for key in CHANGES}
-        asked, given = self._asked(
+        request, explicit = self._read_request(
             read,
             where,
             [n for n in back if n in self.effects],
             [n for n in back if n in self.drivers],
             **words,
         )
-        returned = tuple(n for n in scene.asked.without if n not in back)
-        base = replace(scene.asked, without=returned)
-        merged = self._extension(read, where, replace(scene, asked=base), asked, given)
+        returned = tuple(n for n in scene.request.without if n not in back)
+        base = replace(scene.request, without=returned)
+        merged = self._extend(read, where, replace(scene, request=base), request, explicit)
         merged = self._without_traces(merged, gone)
         spelled = scene.spelled if scene.root else f"{self.name}.scene({scene.name!r})"
         if gone:
@@ -71,23 +71,23 @@ class Variations(Scenes):
             parts = [repr(name) for name in back]
             parts += [f"{k}={v!r}" for k, v in (("fidelity", fidelity), *changes.items()) if v]
             spelled += f".with_({', '.join(parts)})"
-        name = self._variation(root, merged)
-        made = self._composed(read, name, merged, spelled=spelled, root=root)
+        name = self._variation_name(root, merged)
+        variation = self._compose(read, name, merged, spelled=spelled, root=root)
         problems = (*scene.problems, *read.problems)
-        return replace(made, problems=tuple(dict.fromkeys(problems)))
+        return replace(variation, problems=tuple(dict.fromkeys(problems)))
 
-    def _without_traces(self, asked: Asked, gone: tuple[str, ...]) -> Asked:
-        """The words without what was said of effects and drivers that are out now."""
+    def _without_traces(self, request: Request, gone: tuple[str, ...]) -> Request:
+        """The request without effects and drivers that are left out now."""
         chosen = {
             n for choices in self.groups.values() for names in choices.values() for n in names
         }
         forces = {n for n in gone if n in self.effects | self.drivers}
         return replace(
-            asked,
-            effects=tuple(n for n in asked.effects if n not in gone),
-            drivers=tuple(n for n in asked.drivers if n not in gone),
-            without=tuple(n for n in asked.without if n not in forces or n in chosen),
-            fidelity=tuple((n, word) for n, word in asked.fidelity if n not in gone),
+            request,
+            effects=tuple(n for n in request.effects if n not in gone),
+            drivers=tuple(n for n in request.drivers if n not in gone),
+            without=tuple(n for n in request.without if n not in forces or n in chosen),
+            fidelity=tuple((n, word) for n, word in request.fidelity if n not in gone),
         )
 
     def again(self, scene: Scene) -> Scene:
@@ -96,40 +96,44 @@ class Variations(Scenes):
             return scene
         read = Reader()
         about = {"spelled": scene.spelled, "root": scene.root}
-        made = self._composed(read, scene.name, scene.asked, **about)
-        return replace(made, problems=(*scene.problems, *read.problems))
+        variation = self._compose(read, scene.name, scene.request, **about)
+        return replace(variation, problems=(*scene.problems, *read.problems))
 
-    def _variation(self, root: Scene, asked: Asked) -> str:
-        """A name that follows from what differs from the scene it all began with."""
-        before = root.asked
-        old, new = dict(before.fidelity), dict(asked.fidelity)
+    def _variation_name(self, root: Scene, request: Request) -> str:
+        """A name from the differences to the root scene."""
+        before = root.request
+        old, new = dict(before.fidelity), dict(request.fidelity)
         inside = {*before.effects, *before.drivers} - {*before.without}
-        now = {*asked.effects, *asked.drivers} - {*asked.without}
+        now = {*request.effects, *request.drivers} - {*request.without}
         order = [*self.bodies, *self.joints, *self.effects, *self.drivers]
-        gone = [n for n in order if n in {*asked.without} - {*before.without} or n in inside - now]
-        took = [n for n in order if n in now - inside or n in {*before.without} - {*asked.without}]
+        gone = [
+            n for n in order if n in {*request.without} - {*before.without} or n in inside - now
+        ]
+        took = [
+            n for n in order if n in now - inside or n in {*before.without} - {*request.without}
+        ]
         took += [n for n in new if new[n] != old.get(n) and n not in took]
         name = root.name
         if gone:
             name += f"_without_{'_'.join(gone)}"
         if took:
             name += f"_with_{'_'.join(f'{n}_{new[n]}' if n in new else n for n in took)}"
-        rest = [getattr(asked, key) for key in CHANGES if key != "couplers"]
-        if rest != [getattr(self._inherited(root, asked), k) for k in CHANGES if k != "couplers"]:
+        rest = [getattr(request, key) for key in CHANGES if key != "couplers"]
+        if rest != [getattr(self._inherited(root, request), k) for k in CHANGES if k != "couplers"]:
             name += f"_{_hash(rest)}"
         name = name.replace("__", "_")
         return name if len(name) <= WIDEST else f"{name[: WIDEST - 9].rstrip('_')}_{_hash(name)}"
 
-    def _inherited(self, root: Scene, asked: Asked) -> Asked:
-        """The words of the root as they would be with the same elements out and in."""
+    def _inherited(self, root: Scene, request: Request) -> Request:
+        """The request of the root with the same elements left out and taken in."""
         same = replace(
-            root.asked,
-            effects=asked.effects,
-            drivers=asked.drivers,
-            without=asked.without,
-            fidelity=asked.fidelity,
+            root.request,
+            effects=request.effects,
+            drivers=request.drivers,
+            without=request.without,
+            fidelity=request.fidelity,
         )
-        return self._fitting(same, Asked())
+        return self._drop_unused_starts(same, Request())
 
 
 def _hash(value: object) -> str:

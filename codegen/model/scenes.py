@@ -10,7 +10,7 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import Located, own_coordinates
 from codegen.declare.names import name_problem, nearest
-from codegen.declare.scene import ANALYSES, Analysis, Asked, Owner, Scene
+from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene
 from codegen.declare.scene_values import (
     NamedValues,
     Names,
@@ -28,7 +28,7 @@ from codegen.model.outputs import Outputs
 
 
 class Scenes(Fidelities, Outputs):
-    """What takes part in the questions asked of a machine."""
+    """The scenes of a declaration."""
 
     def scene(
         self,
@@ -47,7 +47,7 @@ class Scenes(Fidelities, Outputs):
         analysis: Analysis | None = None,
         outputs: Names | None = None,
     ) -> Scene:
-        """Name what takes part in a question asked of the machine.
+        """Declare a scene: the elements that take part in a question.
 
         With the name alone it answers the scene that was declared under it, to be varied:
         ``model.scene("compressor").without("gas").with_("rub", fidelity="sticking")``.
@@ -57,7 +57,7 @@ class Scenes(Fidelities, Outputs):
         name
             An identifier.
         effects, drivers
-            What acts, by name or by the object that its declaration returned.
+            Elements that act, by name or by the object that their declaration returned.
         extends
             Another scene: it has all that this one has, but for what is said here.
         without
@@ -82,7 +82,7 @@ class Scenes(Fidelities, Outputs):
             ``"dynamics"`` unless given. ``"kinematics"`` compiles neither masses nor forces,
             ``"equilibrium"`` nothing that only a motion needs.
         outputs
-            What is computed beside the motion: ``"reactions"``, ``"energy"``, ``"powers"``, or
+            Outputs in addition to the motion: ``"reactions"``, ``"energy"``, ``"powers"``, or
             those of one element, ``"reaction(A)"``, ``"power(gas)"``; all unless given, which
             ``"all"`` says in an extension. And what has to be named: ``"paths"`` of tracked points,
             ``"path(tip)"``; ``"works"``, ``"work(gas)"``, integrated along a simulation.
@@ -90,17 +90,17 @@ class Scenes(Fidelities, Outputs):
         base = self.scenes.get(name)
         said = (effects, drivers, extends, without, couplers, fidelity, start, guess, parameters)
         bare = not any(bool(word) for word in said) and (frozen, analysis, outputs) == (None,) * 3
-        if bare and base is not None and base.asked != Asked():
+        if bare and base is not None and base.request != Request():
             return base
         where, read = f"scene '{name}'", self._read
-        asked, given = self._asked(
+        request, explicit = self._read_request(
             read, where, effects, drivers, without=without, couplers=couplers, fidelity=fidelity,
             start=start, guess=guess, parameters=parameters, frozen=frozen, analysis=analysis,
             outputs=outputs,
         )  # fmt: skip
         if extends is not None:
-            asked = self._extension(read, where, extends, asked, given)
-        scene = self._composed(read, name, asked)
+            request = self._extend(read, where, extends, request, explicit)
+        scene = self._compose(read, name, request)
         if problem := name_problem("scene", name):
             self._note(problem)
         elif name in self.scenes:
@@ -109,16 +109,16 @@ class Scenes(Fidelities, Outputs):
             self.scenes[name] = scene
         return scene
 
-    def _asked(
+    def _read_request(
         self, read: Reader, where: str, effects: Names, drivers: Names, **words: Any
-    ) -> tuple[Asked, frozenset[str]]:
-        """The words of a scene, read; and which of those with a default were given."""
+    ) -> tuple[Request, frozenset[str]]:
+        """The request of a scene, and its explicit keywords among those with a default."""
         known = self.bodies | self.joints | self.effects | self.drivers
         coordinates = self._coordinates()
         plain = {"frozen": False, "analysis": "dynamics", "outputs": None}
-        given = {key: plain[key] if words[key] is None else words[key] for key in plain}
-        analysis = read.choice(given["analysis"], ANALYSES, f"{where}, analysis")
-        asked = Asked(
+        explicit = {key: plain[key] if words[key] is None else words[key] for key in plain}
+        analysis = read.choice(explicit["analysis"], ANALYSES, f"{where}, analysis")
+        request = Request(
             effects=named(read, where, "effect", effects, self.effects),
             drivers=named(read, where, "driver", drivers, self.drivers),
             without=named(read, where, "body or joint", words["without"], known),
@@ -126,27 +126,27 @@ class Scenes(Fidelities, Outputs):
             start=states(read, where, coordinates, words["start"] or {}),
             guess=states(read, where, coordinates, words["guess"] or {}),
             parameters=overrides(read, where, self.parameters, words["parameters"] or {}),
-            frozen=bool(given["frozen"]),
+            frozen=bool(explicit["frozen"]),
             analysis=analysis,
-            outputs=self._read_outputs(read, where, given["outputs"]),
+            outputs=self._read_outputs(read, where, explicit["outputs"]),
         )
-        return asked, frozenset(key for key in plain if words[key] is not None)
+        return request, frozenset(key for key in plain if words[key] is not None)
 
-    def _extension(
+    def _extend(
         self,
         read: Reader,
         where: str,
         extends: str | Scene,
-        asked: Asked,
-        given: frozenset[str],
-    ) -> Asked:
+        request: Request,
+        explicit: frozenset[str],
+    ) -> Request:
         base = extends if isinstance(extends, Scene) else self.scenes.get(extends)
         if base is None:
             hint = nearest(str(extends), self.scenes)
             read.problems.append(f"{where} extends '{extends}', which is no scene; {hint}")
-            return asked
-        inherited = base.asked
-        for group, choice in asked.fidelity:
+            return request
+        inherited = base.request
+        for group, choice in request.fidelity:
             others = {
                 name
                 for word, names in self.groups.get(group, {}).items()
@@ -155,41 +155,41 @@ class Scenes(Fidelities, Outputs):
             }
             kept = tuple(e for e in inherited.effects if e not in others)
             inherited = replace(inherited, effects=kept)
-        return self._fitting(inherited.extended(asked, given), asked)
+        return self._drop_unused_starts(inherited.extended(request, explicit), request)
 
-    def _fitting(self, merged: Asked, mine: Asked) -> Asked:
-        """Without the start values that were inherited for what no longer takes part."""
-        scratch = self._composed(Reader(), "scratch", merged)
+    def _drop_unused_starts(self, merged: Request, mine: Request) -> Request:
+        """Drop inherited start values of elements that no longer take part."""
+        scratch = self._compose(Reader(), "scratch", merged)
         present = {*scratch.bodies, *self.joints} - {*scratch.opened, *merged.without}
-        own = {name for name, _ in (*mine.start, *mine.guess)}
+        renewed = {name for name, _ in (*mine.start, *mine.guess)}
 
         def fits(values: NamedValues) -> NamedValues:
             return tuple(
                 (name, value)
                 for name, value in values
-                if name in own or name.rpartition(".")[0] in present
+                if name in renewed or name.rpartition(".")[0] in present
             )
 
         return replace(merged, start=fits(merged.start), guess=fits(merged.guess))
 
-    def _composed(self, read: Reader, name: str, asked: Asked, **about: Any) -> Scene:
-        """The scene that the words mean."""
+    def _compose(self, read: Reader, name: str, request: Request, **about: Any) -> Scene:
+        """Resolve a request to its scene."""
         where = f"scene '{name}'"
-        how = dict(asked.fidelity)
-        wanted = tuple(e for e in asked.effects if e not in asked.without)
+        how = dict(request.fidelity)
+        wanted = tuple(e for e in request.effects if e not in request.without)
         brought, others = self._chosen(read, where, how, wanted)
-        gone = (*asked.without, *others)
+        gone = (*request.without, *others)
         absent = (*gone, *self._left_out(read, where, gone, how))
         idle = {e for e, word in how.items() if word == NONE}
         present = [b for b in self.bodies if b not in absent]
-        acting = {*wanted, *brought, *self._brought(asked.outputs, present)}
-        acting -= idle | {*asked.without}
+        acting = {*wanted, *brought, *self._brought(request.outputs, present)}
+        acting -= idle | {*request.without}
         read.problems += [
             f"{where}: '{e}' has a fidelity but does not act; name it among the effects."
             for e in how
             if e in self.effects and e not in (*acting, *idle)
         ]
-        driving = ({*asked.drivers} | {*brought}) - {*asked.without}
+        driving = ({*request.drivers} | {*brought}) - {*request.without}
         return Scene(
             name=name,
             bodies=tuple(present),
@@ -197,13 +197,13 @@ class Scenes(Fidelities, Outputs):
             drivers=tuple(d for d in self.drivers if d in driving),
             opened=tuple(n for n in dict.fromkeys(absent) if n in self.joints),
             fidelity=tuple((n, w) for n, w in how.items() if n in acting or n not in self.effects),
-            start=asked.start,
-            guess=self._with_contacts(asked.start, absent, asked.guess),
-            parameters=asked.parameters,
-            frozen=asked.frozen,
-            analysis=asked.analysis,
-            outputs=asked.outputs,
-            asked=asked,
+            start=request.start,
+            guess=self._with_contacts(request.start, absent, request.guess),
+            parameters=request.parameters,
+            frozen=request.frozen,
+            analysis=request.analysis,
+            outputs=request.outputs,
+            request=request,
             owner=cast(Owner, self),
             **about,
         )

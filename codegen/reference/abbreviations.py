@@ -55,17 +55,17 @@ class Abbreviations:
 
     def definitions(self) -> list[tuple[str, sympy.Expr]]:
         """(name in LaTeX, meaning) of all that has been used, each before what it is used in."""
-        found: dict[sympy.Symbol, sympy.Expr] = {}
+        pairs: dict[sympy.Symbol, sympy.Expr] = {}
 
         def define(names: set[sympy.Symbol]) -> None:
-            for name in (n for n in self._meanings if n in names and n not in found):
+            for name in (n for n in self._meanings if n in names and n not in pairs):
                 meaning = self._inside(self._meanings[name])
                 define(meaning.free_symbols)
-                found[name] = meaning
+                pairs[name] = meaning
 
         define(set().union(*(e.free_symbols for e in self._met)))
-        letters = used([*self._met, *found.values()])
-        return [(latex(name), meaning) for name, meaning in (*letters, *found.items())]
+        letters = used([*self._met, *pairs.values()])
+        return [(latex(name), meaning) for name, meaning in (*letters, *pairs.items())]
 
     def _named(self, expression: sympy.Basic) -> sympy.Basic:
         if isinstance(expression, sympy.Add):

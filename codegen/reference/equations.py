@@ -69,8 +69,8 @@ def constraint_sections(element: Constraint) -> Iterator[str]:
 def effect_sections(equations: Equations, element: Effect) -> Iterator[str]:
     """V and Q of a force, and what switches it."""
     (terms,) = (e.terms for e in equations.effects if e.name == element.name)
-    own = [s for s in equations.switches if s.effect == element.name]
-    switches = [s.g for s in own]
+    switches_of_effect = [s for s in equations.switches if s.effect == element.name]
+    switches = [s.g for s in switches_of_effect]
     rubbing = [] if terms.friction is None else list(_friction(terms.friction))
     shown = [e for _, e in (*terms.gradient, *terms.forces, *rubbing)]
     energy = [] if terms.potential is None else [terms.potential]
@@ -98,13 +98,13 @@ def effect_sections(equations: Equations, element: Effect) -> Iterator[str]:
     if modes:
         many = "Switching functions: their" if len(modes) > 1 else "A switching function: its"
         yield f"{many} change of sign is an event of a run.\n\n{aligned(modes)}"
-    for k, switch in enumerate(own, 1):
+    for k, switch in enumerate(switches_of_effect, 1):
         if switch.kind in HELD:
             yield HELD[switch.kind].format(g=f"$g_{{{k}}}$")
-    if own and own[0].ratio is not None:
+    if switches_of_effect and switches_of_effect[0].ratio is not None:
         yield (
             "There the size of σ is at most the ratio of static to kinetic friction:\n\n"
-            f"{aligned([(SIZE, short(own[0].ratio))])}"
+            f"{aligned([(SIZE, short(switches_of_effect[0].ratio))])}"
         )
 
 
@@ -154,15 +154,15 @@ def _place(q: Coordinate) -> tuple[str, int]:
 
 def _placeholders(statement: Statement, terms: ConstraintTerms) -> Iterator[str]:
     """What the letters are that stand for neither coordinates nor points."""
-    met = set(kinds(sympy.Tuple(*terms.phi, *(e for _, _, e in terms.reactions)), Given))
-    shown = []
+    seen = set(kinds(sympy.Tuple(*terms.phi, *(e for _, _, e in terms.reactions)), Given))
+    letters_shown = []
     for place, value in statement.bindings.items():
         framed = FRAMED.fullmatch(place.name)
-        if place in met and not (framed and framed[2] == "s"):
+        if place in seen and not (framed and framed[2] == "s"):
             meaning = f"`{value.name}`" if value.is_Symbol else f"${latex(lettered(value))}$"
-            shown.append(f"${latex(place)}$ (`{place.name}`) is {meaning}")
-    if shown:
-        yield f"In the example {', '.join(shown)}."
+            letters_shown.append(f"${latex(place)}$ (`{place.name}`) is {meaning}")
+    if letters_shown:
+        yield f"In the example {', '.join(letters_shown)}."
 
 
 def _axis(statement: Statement) -> tuple[sympy.Expr, ...]:
@@ -188,11 +188,11 @@ def _reaction(
         yield aligned([("u_x", ux), ("u_y", uy)])
     else:
         yield "Each multiplier as the force along what its equation holds:"
-    found = [
+    components = [
         (rf"\mathrm{{{name}}}" + (rf"\;[\mathrm{{{_unit(unit)}}}]" if unit else ""), short(e))
         for name, unit, e in terms.reactions
     ]
-    yield aligned(found)
+    yield aligned(components)
     names = ", ".join(f'`r.reaction("{element.name}", "{name}")`' for name, *_ in terms.reactions)
     yield f"In a result of the example: {names}."
 

@@ -85,8 +85,8 @@ def example_of(kind: str, model: Model | None = None) -> Example:
         )
     recipe = _RECIPES[kind]
     pair = Pair("example")
-    wanted = inspect.signature(recipe.declare).parameters
-    recipe.declare(**{name: pair if name == "model" else getattr(pair, name) for name in wanted})
+    example = inspect.signature(recipe.declare).parameters
+    recipe.declare(**{name: pair if name == "model" else getattr(pair, name) for name in example})
     (element,) = (e for e in _elements(pair) if e.kind == kind)
     lines = inspect.getsource(recipe.declare).partition("None:\n")[2]
     return Example(pair, element, recipe.methods, textwrap.dedent(lines).rstrip())

@@ -77,8 +77,8 @@ def symbol(s: sympy.Symbol) -> str:
         shown = f"{dot}{GREEK.get(letter, letter)}"
         # The parameter of a curve belongs to the joint; there is none other to confuse it with.
         return shown if letter in OF_CURVES else f"{shown}_{{{word(owner)}}}"
-    if found := FRAMED.fullmatch(s.name):
-        frame, vector, axis = found.groups()
+    if match := FRAMED.fullmatch(s.name):
+        frame, vector, axis = match.groups()
         return f"{vector}'_{{{frame}{axis}}}"
     if isinstance(s, Given) and s.name in SHORT:
         return SHORT[s.name]

@@ -22,8 +22,8 @@ def _rotated() -> Iterator[tuple[sympy.Symbol, sympy.Expr]]:
     """Global components of the vectors s and u of both frames."""
     for frame in (I, J):
         for vector in "su":
-            own = sympy.Matrix([given(f"{frame.name}_{vector}{axis}") for axis in "xy"])
-            for axis, component in zip("xy", frame.A * own, strict=True):
+            placeholders = sympy.Matrix([given(f"{frame.name}_{vector}{axis}") for axis in "xy"])
+            for axis, component in zip("xy", frame.A * placeholders, strict=True):
                 yield given(f"{vector}_{frame.name}{axis}"), component
 
 
@@ -69,13 +69,13 @@ def scaled(expression: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr]:
 
 def used(expressions: list[sympy.Expr]) -> list[tuple[sympy.Symbol, sympy.Expr]]:
     """(letter, meaning) of the letters that occur, and of those in their meanings."""
-    found: set[sympy.Symbol] = set()
-    waiting = list(expressions)
-    while waiting:
-        fresh = {s for s in waiting.pop().free_symbols if s in MEANINGS} - found
-        found |= fresh
-        waiting += [MEANINGS[s] for s in fresh]
-    return [(letter, meaning) for letter, meaning in MEANINGS.items() if letter in found]
+    letters: set[sympy.Symbol] = set()
+    stack = list(expressions)
+    while stack:
+        fresh = {s for s in stack.pop().free_symbols if s in MEANINGS} - letters
+        letters |= fresh
+        stack += [MEANINGS[s] for s in fresh]
+    return [(letter, meaning) for letter, meaning in MEANINGS.items() if letter in letters]
 
 
 def _ones(sum_: sympy.Expr) -> Iterator[tuple[sympy.Expr, sympy.Expr]]:
@@ -97,9 +97,9 @@ def _factored(sum_: sympy.Expr, letter: sympy.Expr, meaning: sympy.Expr) -> symp
         if factor is None or term not in terms:
             continue
         number = terms[term] / pattern[first]
-        wanted = {factor * other: number * pattern[other] for other in others}
-        if all(terms.get(t) == n for t, n in wanted.items()):
-            for t in (term, *wanted):
+        target = {factor * other: number * pattern[other] for other in others}
+        if all(terms.get(t) == n for t, n in target.items()):
+            for t in (term, *target):
                 del terms[t]
             key, scale = _bare(number * factor * letter)
             terms[key] = terms.get(key, sympy.S.Zero) + scale
@@ -117,7 +117,7 @@ def _bare(term: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr]:
 
 def _quotient(term: sympy.Expr, divisor: sympy.Expr) -> sympy.Expr | None:
     """term / divisor, where every factor of the divisor is one of the term."""
-    has, asked = term.as_powers_dict(), divisor.as_powers_dict()
-    if all((has.get(base, 0) - power).is_nonnegative for base, power in asked.items()):
+    has, target = term.as_powers_dict(), divisor.as_powers_dict()
+    if all((has.get(base, 0) - power).is_nonnegative for base, power in target.items()):
         return term / divisor
     return None

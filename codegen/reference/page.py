@@ -54,7 +54,7 @@ def page(kind: str, model: Model | None = None) -> str:
         *_declaration(registered, example),
         *_compiled(example),
         f"*Written by `python -m codegen elements` from `{registered.element.__module__}`.*"
-        if not registered.own
+        if not registered.is_user_defined
         else "*Written by `python -m codegen elements`.*",
     )
     return "\n\n".join(sections) + "\n"
@@ -67,8 +67,8 @@ def _declaration(kind: Kind, example: Example) -> Iterator[str]:
         yield f"```python\nmodel.{name}{_arguments(method, drop=1)}\n```"
         yield markdown(method.__doc__)
     if not example.methods:
-        made = f"{kind.element.__name__}{_arguments(kind.element, drop=0)}"
-        yield f"```python\nmodel.add({made})\n```"
+        declaration = f"{kind.element.__name__}{_arguments(kind.element, drop=0)}"
+        yield f"```python\nmodel.add({declaration})\n```"
     if example.source:
         yield (
             f"An example, between two free bodies `i` and `j` with the points `P` on i and `Q` on "

@@ -46,11 +46,11 @@ def find_kind(name: str) -> str:
 def chosen_kinds(model: Model | None = None, only: str | None = None) -> dict[str, Kind]:
     """The kinds that have pages: the library's, and a user's own that `model` has an example of."""
     elements = () if model is None else (*model.joints.values(), *model.effects.values())
-    met = {element.kind for element in elements}
+    in_model = {element.kind for element in elements}
     return {
         name: kind
         for name, kind in kinds_of_elements().items()
-        if only in (None, name) and (not kind.own or name in met or only == name)
+        if only in (None, name) and (not kind.is_user_defined or name in in_model or only == name)
     }
 
 
@@ -75,16 +75,16 @@ def write(
     InputError
         If a kind has no sound example, or the folder cannot be written.
     """
-    wanted = {folder / name: text for name, text in _texts(model, only)}
+    texts = {folder / name: text for name, text in _texts(model, only)}
     stale = []
-    for path, text in wanted.items():
+    for path, text in texts.items():
         if not is_current(path, text):
             stale.append(path)
             if not check:
                 _put(path, text)
     if only is None and folder.is_dir():
-        stale += sorted(path for path in folder.glob("*.md") if path not in wanted)
-    return Written(tuple(wanted), tuple(stale))
+        stale += sorted(path for path in folder.glob("*.md") if path not in texts)
+    return Written(tuple(texts), tuple(stale))
 
 
 def _put(path: Path, text: str) -> None:

@@ -13,12 +13,14 @@ class Mode(IntEnum):
 
 
 class Direction(IntEnum):
-    """What an event does to its switching function."""
+    """The kind of an event of a switching function; the last two are singular configurations."""
 
-    SWITCHED_OFF = -1
-    STAYS_ON_SURFACE = 0
-    SWITCHED_ON = 1
+    CEASED = -1
+    HOLDS = 0
+    BEGAN = 1
     IMPACT = 2
+    CROSSED = 3
+    LOCKED = 4
 
 
 # Compiled code reads integers of a module.

@@ -53,8 +53,7 @@ def solve_least(
     slack
         Permitted residual of a dependent row, relative to its terms.
     """
-    rigid = ft.rigid_of(context)
-    sliding = ft.sliding_functions_of(context)
+    rigid, sliding = ft.rigid_of(context), ft.sliding_functions_of(context)
     if equilibrate(matrix, right, count) != 0:
         return 1
     for c in range(count):
@@ -102,8 +101,7 @@ def solve_least(
 @inner
 def share_freedom(context: Integers, k: int, other: int) -> bool:
     """Whether two functions in sliding mode act on one freedom; after `evaluate_rhs`."""
-    count = context[ft.SLIDING_COUNT]
-    sliding = ft.sliding_functions_of(context)
+    count, sliding = context[ft.SLIDING_COUNT], ft.sliding_functions_of(context)
     matrix = ft.response_of(context)
     c, d = 0, 0
     for i in range(count):

@@ -43,7 +43,7 @@ def test_operations_are_counted(sample: elements.Sample, folder: Path) -> None:
 
 
 def test_every_kind_of_element_has_a_sample() -> None:
-    library = {kind.name for kind in kinds_of_elements().values() if not kind.own}
+    library = {kind.name for kind in kinds_of_elements().values() if not kind.is_user_defined}
     assert {sample.kind for sample in elements.SAMPLES} == library
 
 

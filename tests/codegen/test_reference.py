@@ -25,7 +25,7 @@ from codegen.reference.page import page
 from codegen.reference.pages import slug, write
 from tests.codegen.elements.drum import StringOnDrum, winch
 
-LIBRARY = {name: kind for name, kind in kinds_of_elements().items() if not kind.own}
+LIBRARY = {name: kind for name, kind in kinds_of_elements().items() if not kind.is_user_defined}
 CONSTRAINTS = [name for name, kind in LIBRARY.items() if kind.role != "force"]
 
 FILE = """

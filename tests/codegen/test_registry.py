@@ -15,7 +15,7 @@ from codegen.elements.registry import kinds_of_elements
 from codegen.reference.examples import example_of
 from tests.codegen.elements.drum import StringOnDrum
 
-LIBRARY = {name: kind for name, kind in kinds_of_elements().items() if not kind.own}
+LIBRARY = {name: kind for name, kind in kinds_of_elements().items() if not kind.is_user_defined}
 
 
 @pytest.fixture
@@ -74,7 +74,7 @@ def test_an_own_class_is_registered_and_defined_anew() -> None:
     assert first is not second
     assert kinds_of_elements()["tape"].element is second
     assert kinds_of_elements()["tape"].role == "joint"
-    assert kinds_of_elements()["tape"].own
+    assert kinds_of_elements()["tape"].is_user_defined
 
 
 @pytest.mark.usefixtures("own_kinds")

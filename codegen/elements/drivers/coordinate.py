@@ -25,15 +25,15 @@ class Motion:
 
     def statement(self) -> Statement:
         """One equation; for a single coordinate the reaction is a force or torque on its body."""
-        row, exerted = "motion", ("force", "")
+        row, reaction = "motion", ("force", "")
         if isinstance(self.driven, Coordinate):
             row = self.driven.letter
-            exerted = component(row)
-        return Statement((self.driven - self.law,), (row,), ConjugateReaction((exerted,)))
+            reaction = component(row)
+        return Statement((self.driven - self.law,), (row,), ConjugateReaction((reaction,)))
 
     def problems(self) -> list[str]:
         """The law must be one of time alone, twice differentiable, and something must be driven."""
-        found = []
+        problems = []
         if not self.bodies:
-            found.append(f"driver '{self.name}': {self.driven} names no coordinate of a body.")
-        return found + law_problems(f"driver '{self.name}'", self.law)
+            problems.append(f"driver '{self.name}': {self.driven} names no coordinate of a body.")
+        return problems + law_problems(f"driver '{self.name}'", self.law)

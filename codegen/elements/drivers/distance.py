@@ -53,12 +53,12 @@ class DistanceDriver:
     def problems(self) -> list[str]:
         """The law is one of time, and positive as far as can be told: always, or at t = 0."""
         where = f"{self.kind} '{self.name}'"
-        found = law_problems(where, self.law)
+        problems = law_problems(where, self.law)
         first = self.law.subs(t, 0)
-        if not found and first.is_number and first.is_nonpositive:
-            found.append(
+        if not problems and first.is_number and first.is_nonpositive:
+            problems.append(
                 f"{where}: the law {self.law} is {float(first):g} m at t = 0; a distance stays "
                 "positive: where two points pass each other drive with model.translation_driver "
                 "or model.relative_driver."
             )
-        return found
+        return problems

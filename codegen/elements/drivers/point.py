@@ -42,7 +42,7 @@ class PointDriver:
     def problems(self) -> list[str]:
         """The law is one of time, and the ground stays where it is."""
         where = f"{self.kind} '{self.name}'"
-        found = law_problems(where, self.law)
+        problems = law_problems(where, self.law)
         if self.point.body.fixed:
-            found.append(f"{where} moves a point of the ground; give one of a moving body.")
-        return found
+            problems.append(f"{where} moves a point of the ground; give one of a moving body.")
+        return problems

@@ -76,20 +76,20 @@ class Bushing:
     def problems(self) -> list[str]:
         """A body against itself, and numbers that no bushing has."""
         where = f"bushing '{self.name}'"
-        found = without_angle(where, self.i.body, self.j.body)
+        problems = without_angle(where, self.i.body, self.j.body)
         if self.i.body is self.j.body:
-            found.append(f"{where} connects body '{self.i.body.name}' with itself; give two.")
+            problems.append(f"{where} connects body '{self.i.body.name}' with itself; give two.")
         if not any((*self.stiffness, *self.damping)):
-            found.append(f"{where}: stiffness and damping are all 0; give at least one.")
+            problems.append(f"{where}: stiffness and damping are all 0; give at least one.")
         rows = zip(AXES, self.stiffness, self.damping, strict=True)
         for (axis, per_way, per_speed), k, c in rows:
             for word, value, unit in (("stiffness", k, per_way), ("damping", c, per_speed)):
                 if negative(value):
-                    found.append(
+                    problems.append(
                         f"{where}: the {word} along {axis} is {float(value):g} {unit}; give a "
                         "number that is not negative."
                     )
-        return found
+        return problems
 
     @property
     def _conservative(self) -> bool:

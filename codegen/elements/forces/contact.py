@@ -36,17 +36,17 @@ def gap_problems(where: str, gap: sympy.Expr, bodies: tuple[Body, ...]) -> list[
     """A gap that never changes or that is no position."""
     if len(bodies) == 2 and bodies[0] is bodies[1]:
         return [f"{where} is between body '{bodies[0].name}' and itself; give two."]
-    found = []
+    problems = []
     if not kinds(gap, Coordinate):
-        found.append(
+        problems.append(
             f"{where}: the gap {gap} depends on no coordinate and never changes; give two "
             "points of different bodies, or gap= an expression of coordinates."
         )
-    found += [
+    problems += [
         f"{where}: the gap {gap} contains the velocity {v.name}; it is a position."
         for v in kinds(gap, Velocity)
     ]
-    return found
+    return problems
 
 
 @element
@@ -100,21 +100,21 @@ class Contact:
     def problems(self) -> list[str]:
         """A gap that never changes or that is no position, and numbers that no contact has."""
         where = f"contact '{self.name}'"
-        found = gap_problems(where, self.gap, self.bodies)
+        problems = gap_problems(where, self.gap, self.bodies)
         if len(self.bodies) == 2 and self.bodies[0] is self.bodies[1]:
-            return found
+            return problems
         if self.stiffness == 0 and self.damping == 0:
-            found.append(f"{where}: stiffness and damping are both 0; give one of them.")
+            problems.append(f"{where}: stiffness and damping are both 0; give one of them.")
         for word, value, unit in (
             ("stiffness", self.stiffness, "N/m"),
             ("damping", self.damping, "N s/m"),
         ):
             if negative(value):
-                found.append(
+                problems.append(
                     f"{where}: the {word} is {float(value):g} {unit}; give a number that is not "
                     "negative."
                 )
-        return found
+        return problems
 
     @property
     def _conservative(self) -> bool:

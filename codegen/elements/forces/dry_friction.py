@@ -19,33 +19,33 @@ def coefficient_problems(
     creep: sympy.Expr | None,
 ) -> list[str]:
     """Numbers that no friction has, and two laws at once."""
-    found = []
+    problems = []
     if negative(kinetic):
-        found.append(
+        problems.append(
             f"{where}: the coefficient of friction is {float(kinetic):g}; give a number that is "
             "not negative."
         )
     if creep is not None and creep.is_number and not creep > 0:
-        found.append(f"{where}: the creep speed is {float(creep):g}; give a positive number.")
+        problems.append(f"{where}: the creep speed is {float(creep):g}; give a positive number.")
     if static is None:
-        return found
+        return problems
     if creep is not None:
-        found.append(
+        problems.append(
             f"{where} has both static= and creep=; a friction that creeps never sticks: give "
             "creep= for the smooth law, or static= for the one that sticks, or both with "
             "fidelity='sticking' or 'regularised' to let scenes choose."
         )
     elif kinetic == 0:
-        found.append(
+        problems.append(
             f"{where}: the coefficient of friction is 0 and the static one {static}; a friction "
             "that sticks also acts when it slides: give a positive coefficient."
         )
     elif kinetic.is_number and static.is_number and static < kinetic:
-        found.append(
+        problems.append(
             f"{where}: the static coefficient {float(static):g} is below the kinetic one, "
             f"{float(kinetic):g}; give one that is not, or leave static= out."
         )
-    return found
+    return problems
 
 
 @element
@@ -85,9 +85,9 @@ class DryFriction:
     @property
     def force(self) -> sympy.Expr:
         """f, N."""
-        turned = side(self.name) if self.creep is None else sympy.tanh(self.slip / self.creep)
+        direction = side(self.name) if self.creep is None else sympy.tanh(self.slip / self.creep)
         pressing = self.normal if constant(self.normal) else sympy.Max(self.normal, 0)
-        return -self.coefficient * pressing * turned
+        return -self.coefficient * pressing * direction
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
         """Friction has none."""
@@ -112,22 +112,22 @@ class DryFriction:
         where = f"dry friction '{self.name}'"
         if len(self.bodies) == 2 and self.bodies[0] is self.bodies[1]:
             return [f"{where} is between body '{self.bodies[0].name}' and itself; give two."]
-        found = []
+        problems = []
         speeds = kinds(self.slip, Velocity)
         if not speeds:
-            found.append(
+            problems.append(
                 f"{where}: the slip {self.slip} is no velocity, for it contains none; write one, "
                 "such as block.vx - speed, or give two points."
             )
         bent = [v for v in speeds if kinds(sympy.diff(self.slip, v), Velocity)]
         if bent:
-            found.append(
+            problems.append(
                 f"{where}: the slip {self.slip} is not linear in {bent[0].name}; write the "
                 "velocity itself, such as block.vx - speed."
             )
         if self.normal.is_number and negative(self.normal):
-            found.append(
+            problems.append(
                 f"{where}: the normal force is {float(self.normal):g} N; give the force that "
                 "presses, which is not negative."
             )
-        return found + coefficient_problems(where, self.coefficient, self.static, self.creep)
+        return problems + coefficient_problems(where, self.coefficient, self.static, self.creep)

@@ -72,8 +72,8 @@ class JointFriction:
     @property
     def bodies(self) -> tuple[Body, ...]:
         """The bodies of the joint."""
-        found: tuple[Body, ...] = self.joint.bodies if isinstance(self.joint, JOINTS) else ()
-        return found
+        pair: tuple[Body, ...] = self.joint.bodies if isinstance(self.joint, JOINTS) else ()
+        return pair
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
         """Friction has none."""
@@ -109,28 +109,32 @@ class JointFriction:
 
     def problems(self) -> list[str]:
         """Joints that do not rub, and numbers that no friction has."""
-        where, found = f"friction '{self.name}'", []
+        where, problems = f"friction '{self.name}'", []
         joint = self.joint
         if not isinstance(joint, JOINTS):
-            what = f"'{joint.name}'" if isinstance(joint, Constraint) else repr(joint)
-            found.append(
-                f"{where}: {what} is no joint that rubs; give a revolute, a translational or a "
+            label = f"'{joint.name}'" if isinstance(joint, Constraint) else repr(joint)
+            problems.append(
+                f"{where}: {label} is no joint that rubs; give a revolute, a translational or a "
                 "revolute-translational joint."
             )
-            return found
+            return problems
         pin = isinstance(joint, Revolute)
-        found += without_angle(where, *joint.bodies) if pin else []
+        problems += without_angle(where, *joint.bodies) if pin else []
         if pin and self.radius is None:
-            found.append(f"{where}: revolute joint '{joint.name}' needs radius=, its pin's, in m.")
+            problems.append(
+                f"{where}: revolute joint '{joint.name}' needs radius=, its pin's, in m."
+            )
         if not pin and self.radius is not None:
-            found.append(f"{where}: joint '{joint.name}' has no pin; leave out radius=.")
+            problems.append(f"{where}: joint '{joint.name}' has no pin; leave out radius=.")
         if not isinstance(joint, Translational) and self.length is not None:
-            found.append(f"{where}: joint '{joint.name}' has no long bearing; leave out length=.")
-        found += coefficient_problems(where, self.coefficient, self.static, self.creep)
+            problems.append(
+                f"{where}: joint '{joint.name}' has no long bearing; leave out length=."
+            )
+        problems += coefficient_problems(where, self.coefficient, self.static, self.creep)
         sizes = (("radius", self.radius), ("length", self.length))
-        found += [
+        problems += [
             f"{where}: the {word} is {float(value):g}; give a positive number."
             for word, value in sizes
             if value is not None and value.is_number and not value > 0
         ]
-        return found
+        return problems

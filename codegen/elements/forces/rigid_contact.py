@@ -69,19 +69,19 @@ class RigidContact:
     def problems(self) -> list[str]:
         """A gap that is none, and numbers that no impact has."""
         where = f"contact '{self.name}'"
-        found = gap_problems(where, self.gap, self.bodies)
+        problems = gap_problems(where, self.gap, self.bodies)
         e, scale = self.restitution, self.typical_force
         if e.is_number and not 0 <= e <= 1:
-            found.append(
+            problems.append(
                 f"{where}: the restitution is {float(e):g}; give a number from 0 (no rebound) to 1 "
                 "(no loss)."
             )
         if scale is not None and scale.is_number and not scale > 0:
-            found.append(
+            problems.append(
                 f"{where}: the typical force is {float(scale):g} N; give a positive number, or "
                 "leave it out for the weight of the bodies."
             )
-        return found
+        return problems
 
     def _scale(self, bodies: tuple[Body, ...]) -> sympy.Expr:
         if self.typical_force is not None:

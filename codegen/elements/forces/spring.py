@@ -72,16 +72,16 @@ class Spring:
 
     def problems(self) -> list[str]:
         """Two points that keep their distance, and numbers that no spring has."""
-        where, found = f"spring '{self.name}'", []
+        where, problems = f"spring '{self.name}'", []
         i, j = self.i, self.j
         if i.body is j.body:
-            what = "coincide" if self.line.length == 0 else "keep their distance"
-            found.append(
+            reason = "coincide" if self.line.length == 0 else "keep their distance"
+            problems.append(
                 f"{where}: both ends, ({i.sx}, {i.sy}) and ({j.sx}, {j.sy}), are on body "
-                f"'{i.body.name}' and {what}; connect two bodies."
+                f"'{i.body.name}' and {reason}; connect two bodies."
             )
         if self.stiffness == 0 and self.damping == 0 and self.actuator == 0:
-            found.append(
+            problems.append(
                 f"{where} does nothing; give it a stiffness, a damping, an actuator or a force."
             )
         for word, value, unit in (
@@ -90,11 +90,11 @@ class Spring:
             ("damping", self.damping, "N s/m"),
         ):
             if negative(value):
-                found.append(
+                problems.append(
                     f"{where}: the {word} is {float(value):g} {unit}; give a number that is not "
                     "negative, and write other characteristics with force=."
                 )
-        return found
+        return problems
 
     @property
     def _conservative(self) -> bool:

@@ -68,11 +68,11 @@ class TorsionSpring:
     def problems(self) -> list[str]:
         """A body against itself, and numbers that no spring has."""
         where = f"torsion spring '{self.name}'"
-        found = without_angle(where, self.i, self.j)
+        problems = without_angle(where, self.i, self.j)
         if self.i is self.j:
-            found.append(f"{where} turns body '{self.i.name}' against itself; give two bodies.")
+            problems.append(f"{where} turns body '{self.i.name}' against itself; give two bodies.")
         if self.stiffness == 0 and self.damping == 0 and self.actuator == 0:
-            found.append(
+            problems.append(
                 f"{where} does nothing; give it a stiffness, a damping, an actuator or a torque."
             )
         for word, value, unit in (
@@ -80,11 +80,11 @@ class TorsionSpring:
             ("damping", self.damping, "N m s/rad"),
         ):
             if negative(value):
-                found.append(
+                problems.append(
                     f"{where}: the {word} is {float(value):g} {unit}; give a number that is not "
                     "negative, and write other characteristics with torque=."
                 )
-        return found
+        return problems
 
     @property
     def _conservative(self) -> bool:

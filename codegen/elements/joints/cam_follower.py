@@ -81,8 +81,8 @@ class CamFollower:
         out_one, out_other = outward(one), outward(other)
         apart = other[None] - one[:, None]
         gap = np.einsum("ijk,ik->ij", apart, out_one)
-        beside = np.linalg.norm(apart - gap[..., None] * out_one[:, None], axis=2)
-        score = np.where(out_one @ out_other.T < FACING, gap - AWAY * beside, -np.inf)
+        sideways = np.linalg.norm(apart - gap[..., None] * out_one[:, None], axis=2)
+        score = np.where(out_one @ out_other.T < FACING, gap - AWAY * sideways, -np.inf)
         on_cam, on_follower = divmod(int(np.argmax(np.round(score, 9))), len(other))
         return {self.alpha: ALPHAS[4 * on_cam], self.beta: ALPHAS[4 * on_follower]}
 

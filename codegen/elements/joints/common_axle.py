@@ -9,7 +9,7 @@ from codegen.declare.element import Constraint
 from codegen.elements.joints.revolute import Revolute
 
 
-def held_apart(
+def fixed_distance(
     i: Point, j: Point, joints: Mapping[str, Constraint]
 ) -> tuple[Body, sympy.Expr, sympy.Expr] | None:
     """The body that keeps two points apart, and the way from `i` to `j` in its frame, m.
@@ -27,11 +27,11 @@ def held_apart(
 def _axle(point: Point, joints: Mapping[str, Constraint]) -> list[Point]:
     """The point, and those of other bodies that revolute joints keep at the same place."""
     pins = [pin for pin in joints.values() if isinstance(pin, Revolute)]
-    found = [point]
-    for place in found:
+    points = [point]
+    for place in points:
         for pin in pins:
             for here, there in ((pin.i, pin.j), (pin.j, pin.i)):
                 same = here.body is place.body and (here.sx, here.sy) == (place.sx, place.sy)
-                if same and not any(known.body is there.body for known in found):
-                    found.append(there)
-    return found
+                if same and not any(other.body is there.body for other in points):
+                    points.append(there)
+    return points

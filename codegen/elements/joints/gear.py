@@ -9,7 +9,7 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import given
-from codegen.elements.joints.common_axle import held_apart
+from codegen.elements.joints.common_axle import fixed_distance
 from codegen.elements.registry import element
 
 ROUNDING = 1e-6
@@ -87,23 +87,23 @@ class Gear:
         return None
 
     def _distance_problem(self) -> str | None:
-        held = held_apart(self.i, self.j, self.joints)
-        if held is None:
+        span = fixed_distance(self.i, self.j, self.joints)
+        if span is None:
             return None
-        carrier, dx, dy = held
-        distance, wanted = sympy.sqrt(dx**2 + dy**2), sympy.Abs(self.radius_i + self.radius_j)
-        if not (distance.is_number and wanted.is_number):
+        carrier, dx, dy = span
+        distance, mesh = sympy.sqrt(dx**2 + dy**2), sympy.Abs(self.radius_i + self.radius_j)
+        if not (distance.is_number and mesh.is_number):
             return None
-        if abs(distance - wanted) <= ROUNDING * wanted:
+        if abs(distance - mesh) <= ROUNDING * mesh:
             return None
         return (
             f"the bearings on '{carrier.name}' hold the centres {float(distance):.9g} m apart, but "
-            f"the radii ({self.radius_i}, {self.radius_j}) m mesh at {float(wanted):.9g} m; change "
+            f"the radii ({self.radius_i}, {self.radius_j}) m mesh at {float(mesh):.9g} m; change "
             "one or the other (an internal gear has a negative radius)."
         )
 
     def _line(self) -> sympy.Expr:
         if self.line is not None:
             return self.line
-        held = held_apart(self.i, self.j, self.joints)
-        return sympy.S.Zero if held is None else sympy.atan2(held[2], held[1])
+        span = fixed_distance(self.i, self.j, self.joints)
+        return sympy.S.Zero if span is None else sympy.atan2(span[2], span[1])

@@ -60,10 +60,10 @@ class RackAndPinion:
     def problems(self) -> list[str]:
         """A rack needs a direction, and a pinion a radius."""
         where = f"rack-and-pinion '{self.name}'"
-        found = axis_problems(where, self.axis)
+        problems = axis_problems(where, self.axis)
         if self.radius.is_number and not self.radius.is_positive:
-            found.append(
+            problems.append(
                 f"{where}: the radius {self.radius} m is not positive; a pinion on the other side "
                 "of the rack has its radius positive and the rack's axis reversed."
             )
-        return found
+        return problems

@@ -54,35 +54,37 @@ class Slopes:
             Input → the sum, where it is not zero.
         """
         graph = self.graph
-        found = dict.fromkeys(sorted(self.inputs), Parts(graph, {}))
-        waiting: dict[int, Parts] = {}
+        slopes = dict.fromkeys(sorted(self.inputs), Parts(graph, {}))
+        queue: dict[int, Parts] = {}
         for number, weight in weights.items():
-            self._hand(waiting, number, Parts.of(graph, weight))
+            self._hand(queue, number, Parts.of(graph, weight))
         order = sorted(reached(graph, weights), reverse=True)
         for number in order:
-            share = waiting.pop(number, None)
+            share = queue.pop(number, None)
             if not share:
                 continue
             with graph.serving(graph.values[number].serves):
                 if self._ends(number):
                     for mover in self._movers(number):
-                        found[mover] = found[mover].plus(self._leaf(share.single(), number, mover))
+                        slopes[mover] = slopes[mover].plus(
+                            self._leaf(share.single(), number, mover)
+                        )
                 elif graph.values[number].op is Op.SELECT and self._breaks(number):
                     for mover, slope in self._chosen(number).items():
-                        found[mover] = found[mover].plus(share.times(slope))
+                        slopes[mover] = slopes[mover].plus(share.times(slope))
                 else:
-                    self._back(waiting, number, share.single())
-        totals = {k: parts.value() for k, parts in found.items() if parts}
+                    self._back(queue, number, share.single())
+        totals = {k: parts.value() for k, parts in slopes.items() if parts}
         return {k: total for k, total in totals.items() if total != graph.zero}
 
     def _movers(self, number: int) -> list[int]:
         """The inputs by which a value moves, in their order."""
-        left, found = self.graph.movers[number] & self._all, []
+        left, movers = self.graph.movers[number] & self._all, []
         while left:
             bit = left & -left
-            found.append(self._bits[bit])
+            movers.append(self._bits[bit])
             left -= bit
-        return found
+        return movers
 
     def _ends(self, number: int) -> bool:
         """Whether the walk back ends here, for the slopes are there or as cheap.
@@ -118,10 +120,10 @@ class Slopes:
             for mover in sorted({*yes, *no})
         }
 
-    def _hand(self, waiting: dict[int, Parts], number: int, share: Parts) -> None:
+    def _hand(self, queue: dict[int, Parts], number: int, share: Parts) -> None:
         if self.graph.movers[number] & self._all:
-            before = waiting.get(number)
-            waiting[number] = share if before is None else before.plus(share)
+            before = queue.get(number)
+            queue[number] = share if before is None else before.plus(share)
 
     def _leaf(self, share: Parts, number: int, mover: int) -> Parts:
         """The share of a value that moves with one input alone, times its slope."""
@@ -153,35 +155,35 @@ class Slopes:
                     return product if sign > 0 else graph.neg(product)
         return graph.mul(weight, slope)
 
-    def _back(self, waiting: dict[int, Parts], number: int, share: Parts) -> None:
+    def _back(self, queue: dict[int, Parts], number: int, share: Parts) -> None:
         graph, value = self.graph, self.graph.values[number]
         match value.op:
-            case Op.ADD | Op.SUB if (turned := rotation(graph, number)) is not None:
-                angle, slope, parts = turned
-                self._hand(waiting, angle, share.times(slope))
+            case Op.ADD | Op.SUB if (rotated := rotation(graph, number)) is not None:
+                angle, slope, parts = rotated
+                self._hand(queue, angle, share.times(slope))
                 for part, factor in parts:
-                    self._hand(waiting, part, share.times(factor))
+                    self._hand(queue, part, share.times(factor))
             case Op.ADD | Op.SUB:
                 one, two = value.args
-                self._hand(waiting, one, share)
-                self._hand(waiting, two, share if value.op is Op.ADD else share.scaled(-1.0))
+                self._hand(queue, one, share)
+                self._hand(queue, two, share if value.op is Op.ADD else share.scaled(-1.0))
             case Op.NEG:
-                self._hand(waiting, value.args[0], share.scaled(-1.0))
+                self._hand(queue, value.args[0], share.scaled(-1.0))
             case Op.MUL:
                 one, two = value.args
                 if one == two:
-                    self._hand(waiting, one, share.scaled(2.0).times(one))
+                    self._hand(queue, one, share.scaled(2.0).times(one))
                     return
-                self._hand(waiting, one, share.times(two))
-                self._hand(waiting, two, share.times(one))
+                self._hand(queue, one, share.times(two))
+                self._hand(queue, two, share.times(one))
             case Op.DIV:
                 one, two = value.args
                 share = share.times(graph.div(graph.one, two))
-                self._hand(waiting, one, share)
-                self._hand(waiting, two, share.times(number).scaled(-1.0))
+                self._hand(queue, one, share)
+                self._hand(queue, two, share.times(number).scaled(-1.0))
             case Op.SQRT:
                 inverse = graph.div(graph.one, number)
-                self._hand(waiting, value.args[0], share.times(inverse).scaled(0.5))
+                self._hand(queue, value.args[0], share.times(inverse).scaled(0.5))
             case Op.SELECT:
                 condition, yes, no = value.args
                 for side, kept in ((yes, (1, 0)), (no, (0, 1))):
@@ -192,11 +194,11 @@ class Slopes:
                         )
                         for factors, weight in share.parts.items()
                     }
-                    self._hand(waiting, side, Parts(graph, chosen))
+                    self._hand(queue, side, Parts(graph, chosen))
             case _:
                 for arg, slope in zip(value.args, slopes_of(graph, number), strict=True):
                     if graph.movers[arg] & self._all:
-                        self._hand(waiting, arg, share.times(slope))
+                        self._hand(queue, arg, share.times(slope))
 
 
 def rotation(graph: Graph, number: int) -> tuple[int, int, tuple[tuple[int, int], ...]] | None:
@@ -205,22 +207,22 @@ def rotation(graph: Graph, number: int) -> tuple[int, int, tuple[tuple[int, int]
     The slope of one component of a turned vector is the other one, and that is often there.
     """
     value = graph.values[number]
-    found: dict[Op, tuple[int, int]] = {}
+    entries: dict[Op, tuple[int, int]] = {}
     angles = set()
     for arg in value.args:
         if graph.values[arg].op is not Op.MUL:
             return None
         for one, other in (pair := graph.values[arg].args, pair[::-1]):
-            if graph.values[one].op in (Op.SIN, Op.COS) and graph.values[one].op not in found:
-                found[graph.values[one].op] = (one, other)
+            if graph.values[one].op in (Op.SIN, Op.COS) and graph.values[one].op not in entries:
+                entries[graph.values[one].op] = (one, other)
                 angles.add(graph.values[one].args[0])
                 break
-    if len(found) < 2 or len(angles) > 1:
+    if len(entries) < 2 or len(angles) > 1:
         return None
-    (c, a), (s, b) = found[Op.COS], found[Op.SIN]
+    (c, a), (s, b) = entries[Op.COS], entries[Op.SIN]
     cosine, sine = graph.one, graph.one
     if value.op is Op.SUB:
-        first_is_cosine = next(iter(found)) is Op.COS  # the other may have a cosine as well
+        first_is_cosine = next(iter(entries)) is Op.COS  # the other may have a cosine as well
         cosine, sine = (cosine, graph.neg(sine)) if first_is_cosine else (graph.neg(cosine), sine)
     slope = graph.sub(graph.mul(sine, graph.mul(b, c)), graph.mul(cosine, graph.mul(a, s)))
     return angles.pop(), slope, ((a, graph.mul(cosine, c)), (b, graph.mul(sine, s)))

@@ -64,8 +64,8 @@ def tangents(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]) -> 
 
 def _reached(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]) -> list[int]:
     """What the outputs need, in order, less the seeds, leaves and conditions."""
-    found = reached(graph, outputs, seeds) - seeds.keys()
-    return sorted(k for k in found if graph.values[k].args and graph.values[k].op not in LOGICAL)
+    needed = reached(graph, outputs, seeds) - seeds.keys()
+    return sorted(k for k in needed if graph.values[k].args and graph.values[k].op not in LOGICAL)
 
 
 def _tangent(graph: Graph, number: int, value: Value, known: Mapping[int, int]) -> int:
@@ -197,7 +197,7 @@ def tangent_program(program: Program) -> Program:
     graph = Graph.of(program.values)
     kernels = {kernel.name: kernel for kernel in program.kernels}
     accelerations, correction = kernels["accelerations"], kernels["correction"]
-    made = (
+    kernel_tangents = (
         _along(
             graph,
             accelerations,
@@ -215,7 +215,7 @@ def tangent_program(program: Program) -> Program:
             {"dq": "dq", "dv": "dv"},
         ),
     )
-    return Program(tuple(graph.values), made, program.constants, program.weak_pivot)
+    return Program(tuple(graph.values), kernel_tangents, program.constants, program.weak_pivot)
 
 
 def _along(
@@ -236,8 +236,8 @@ def _along(
         for number, slot in inputs.items()
         if slot.array in directions
     }
-    wanted = [out for out in kernel.outputs if out.array in arrays]
-    known = tangents(graph, [out.value for out in wanted], seeds)
+    outputs = [out for out in kernel.outputs if out.array in arrays]
+    known = tangents(graph, [out.value for out in outputs], seeds)
     labels = (
         label._replace(value=known[label.value], name=f"d_{label.name}")
         for label in kernel.labels
@@ -249,7 +249,7 @@ def _along(
         arguments,
         tuple(
             out._replace(array=arrays[out.array], value=known.get(out.value, graph.zero))
-            for out in wanted
+            for out in outputs
         ),
         labels=(*kernel.labels, *labels),
         steps=kernel.steps,

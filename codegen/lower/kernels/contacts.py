@@ -2,7 +2,7 @@
 
 import sys
 
-from codegen.lower.kernels.selection import Wanted
+from codegen.lower.kernels.selection import Selection
 from codegen.lower.program import Kernel, Op, Output, store
 from codegen.lower.scene_graph import SceneGraph
 
@@ -10,18 +10,18 @@ UNBOUNDED = sys.float_info.max
 """Stands for an infinite bound, which is no literal of a generated text."""
 
 
-def hold_kernels(scene: SceneGraph, wanted: Wanted) -> list[Kernel]:
+def hold_kernels(scene: SceneGraph, selection: Selection) -> list[Kernel]:
     """Those that the scene needs."""
     kernels = []
     if any(s.kind == "contact" or s.ratio is not None for s in scene.equations.switches):
         kernels.append(_holds(scene))
     if scene.equations.contacts:
         kernels += _contacts(scene)
-    told = [k for k, (name, *_) in enumerate(scene.reactions) if wanted.reaction(name)]
+    reported = [k for k, (name, *_) in enumerate(scene.reactions) if selection.reaction(name)]
     switched = switched_reactions(scene)
     outputs = tuple(
         Output("out", row, scene.reactions[k][3], reaction_note(scene, k))
-        for row, k in enumerate(told)
+        for row, k in enumerate(reported)
         if k in switched
     )
     if outputs:
@@ -42,14 +42,14 @@ def switched_reactions(scene: SceneGraph) -> list[int]:
     switched: dict[int, bool] = {}
 
     def depends(number: int) -> bool:
-        waiting = [number]
-        while waiting:
-            top = waiting[-1]
+        stack = [number]
+        while stack:
+            top = stack[-1]
             unknown = [a for a in values[top].args if a not in switched]
             if top not in switched and unknown:
-                waiting += unknown
+                stack += unknown
                 continue
-            waiting.pop()
+            stack.pop()
             switched[top] = values[top].op is Op.MODE or any(switched[a] for a in values[top].args)
         return switched[number]
 

@@ -101,7 +101,7 @@ def _kernel(names: list[str], solution: Solution) -> Kernel:
         store("dq", dq, names) + store("dv", dv, names),
         checks,
         watched=True,
-        labels=tuple(labels.found.values()),
+        labels=tuple(labels.by_value.values()),
         steps=tuple(labels.steps),
     )
 
@@ -126,13 +126,13 @@ def _solutions(task: Task) -> list[Solution]:
         solutions = square.solve()
         if solutions is not None:
             return [(solutions, tuple(square.checks), labels)]
-    found = []
+    solutions_found = []
     labels = Labels(task.names, solution=task.unknowns)
     space = NullSpace(graph, task.jacobian, right, task.weights, labels, task.rows)
     changes = space.solve()
     if changes is not None:
-        found.append((changes, tuple(space.checks), labels))
-    return [*found, _by_multipliers(task)]
+        solutions_found.append((changes, tuple(space.checks), labels))
+    return [*solutions_found, _by_multipliers(task)]
 
 
 def _by_multipliers(task: Task) -> Solution:
@@ -187,7 +187,11 @@ def _give_determined(
     checks: list[Check] = []
     while True:
         numbers = {i: [graph.number(x) for x in row.values()] for i, row in rows.items()}
-        alone = [i for i, found in numbers.items() if len(found) == 1 and found[0] is not None]
+        alone = [
+            i
+            for i, coefficients in numbers.items()
+            if len(coefficients) == 1 and coefficients[0] is not None
+        ]
         if not alone:
             return checks
         i = alone[0]

@@ -42,14 +42,15 @@ def with_friction(
     base, *units = solutions
     if not scene.frictions:
         return base, ()
-    grips = [
-        graph.neg(f.grip)
-        if f.held is None or f.given is None
-        else graph.select(f.held, f.given, graph.neg(f.grip))
+    coefficients = [
+        graph.neg(f.coefficient)
+        if f.is_stuck is None or f.stiction is None
+        else graph.select(f.is_stuck, f.stiction, graph.neg(f.coefficient))
         for f in scene.frictions
     ]
     changes = [
-        [graph.mul(grip, x) for x in unit[n:]] for grip, unit in zip(grips, units, strict=True)
+        [graph.mul(coefficient, x) for x in unit[n:]]
+        for coefficient, unit in zip(coefficients, units, strict=True)
     ]
     loads = [_loads(scene, friction, base[n:], changes) for friction in scene.frictions]
     sums = [graph.zero] * len(loads)
@@ -73,17 +74,17 @@ def with_friction(
         left = _unless_held(scene, friction, graph.sub(allowed, scene.size([rest])))
         checks.append(Check(left, graph.zero, row))
     result = list(base)
-    for total, grip, unit in zip(sums, grips, units, strict=True):
-        force = graph.mul(grip, total)
+    for total, coefficient, unit in zip(sums, coefficients, units, strict=True):
+        force = graph.mul(coefficient, total)
         result = [graph.add(x, graph.mul(force, y)) for x, y in zip(result, unit, strict=True)]
     return result, tuple(checks)
 
 
 def _unless_held(scene: SceneGraph, friction: Friction, value: int) -> int:
     """`value`, and 1 while the friction is held."""
-    if friction.held is None:
+    if friction.is_stuck is None:
         return value
-    return scene.graph.select(friction.held, scene.graph.one, value)
+    return scene.graph.select(friction.is_stuck, scene.graph.one, value)
 
 
 def _loads(

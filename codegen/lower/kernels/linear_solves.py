@@ -24,7 +24,7 @@ def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Str
     Parameters
     ----------
     rows
-        The constraints whose multipliers are wanted.
+        The constraints whose multipliers the kernel returns.
     """
     if scene.driven:
         return _kinematics(scene), "square"
@@ -52,7 +52,7 @@ def _spread(scene: SceneGraph) -> float:
         size = float(mass.subs(declared).subs(neutral(coordinates))) if i == k else 0.0
         if size > 0.0:
             sizes.setdefault(coordinates[k].unit, []).append(size)
-    return max((max(found) / min(found) for found in sizes.values()), default=1.0)
+    return max((max(group) / min(group) for group in sizes.values()), default=1.0)
 
 
 def _dynamics(
@@ -66,7 +66,7 @@ def _dynamics(
     references: dict[int, int] = {}
     lengths = {k for k, q in enumerate(scene.equations.coordinates) if q.unit == "m"}
     with_lengths = {i for i, k in scene.jacobian if k in lengths}
-    located = [(k, n + i, i not in with_lengths) for i, k in scene.own]
+    located = [(k, n + i, i not in with_lengths) for i, k in scene.massless]
     labels = _labels(scene)
     labels.step("Sizes that the pivots are compared with: the diagonal of Φ_q M⁻¹ Φ_qᵀ")
     with graph.serving("factorization"):
@@ -98,8 +98,8 @@ def _dynamics(
         labels.solved([solution])
     outputs = store("a", solution[:n], [q.rate.name for q in scene.equations.coordinates])
     names = scene.row_names()
-    told = range(scene.m) if rows is None else rows
-    outputs += tuple(Output("lam", row, solution[n + row], names[row]) for row in told)
+    recovered_rows = range(scene.m) if rows is None else rows
+    outputs += tuple(Output("lam", row, solution[n + row], names[row]) for row in recovered_rows)
     checks = tuple(check._replace(constraint=check.constraint - n) for check in system.checks)
     checks += rubbing
     return Kernel(
@@ -109,7 +109,7 @@ def _dynamics(
         outputs,
         checks,
         watched=True,
-        labels=tuple(labels.found.values()),
+        labels=tuple(labels.by_value.values()),
         steps=tuple(labels.steps),
     )
 
@@ -153,6 +153,6 @@ def _kinematics(scene: SceneGraph) -> Kernel:
         store("a", solution, names),
         checks,
         watched=True,
-        labels=tuple(labels.found.values()),
+        labels=tuple(labels.by_value.values()),
         steps=tuple(labels.steps),
     )

@@ -7,7 +7,7 @@ from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.kernels.contacts import hold_kernels, reaction_note, switched_reactions
 from codegen.lower.kernels.corrections import correction
 from codegen.lower.kernels.linear_solves import accelerations
-from codegen.lower.kernels.selection import Wanted, recovered
+from codegen.lower.kernels.selection import Selection, recovered
 from codegen.lower.linear.factorization import Strategy
 from codegen.lower.module_tables import Description, describe
 from codegen.lower.program import STATE, Folded, Kernel, Output, Program, store
@@ -43,8 +43,8 @@ class Lowered:
 
 def lower(equations: Equations) -> Lowered:
     """Translate every equation into one graph, and arrange its values in kernels."""
-    scene, wanted = SceneGraph(equations), Wanted(equations)
-    rows = recovered(scene, wanted)
+    scene, selection = SceneGraph(equations), Selection(equations)
+    rows = recovered(scene, selection)
     kernels = [
         Kernel("constraints", "Φ(q, t).", ("t", "q", "p", "phi"), _named(scene, "phi", scene.phi)),
         Kernel(
@@ -78,46 +78,48 @@ def lower(equations: Equations) -> Lowered:
         kernels.append(correction(scene))
     powers: list[tuple[str, str, int]] = []
     if equations.mass:
-        powers = [row for row in _powers(scene) if wanted.power(row[0])] + _works(scene, wanted)
-        kernels += _dynamic_kernels(scene, wanted, powers)
-    elif _reported(scene, wanted):
-        kernels.append(_reactions(scene, wanted))
+        powers = [row for row in _powers(scene) if selection.power(row[0])] + _works(
+            scene, selection
+        )
+        kernels += _dynamic_kernels(scene, selection, powers)
+    elif _reported(scene, selection):
+        kernels.append(_reactions(scene, selection))
     if equations.switches:
         kernels += _switching_kernels(scene, resting)
-        kernels += hold_kernels(scene, wanted)
+        kernels += hold_kernels(scene, selection)
     _note_weights(scene)
     program = with_constants(scene.graph, tuple(kernels), len(equations.parameters))
-    told = describe(equations, scene, powers, _reported(scene, wanted), rows)
-    return Lowered(program, told, strategy, scene)
+    description = describe(equations, scene, powers, _reported(scene, selection), rows)
+    return Lowered(program, description, strategy, scene)
 
 
 def _note_weights(scene: SceneGraph) -> None:
     """Give the numbers m g, which SymPy multiplied out, their origin."""
-    found: dict[float, Folded] = {}
+    origins: dict[float, Folded] = {}
     for effect in scene.equations.effects:
         for body, mass, g in effect.terms.weights:
             if mass.is_number and g.is_number:
                 factors = float(mass), float(g)
                 weight = abs(factors[0] * factors[1])
                 if weight not in (*factors, 0.0):
-                    found.setdefault(weight, Folded("*", factors, f"{body}: m g"))
+                    origins.setdefault(weight, Folded("*", factors, f"{body}: m g"))
     for k, value in enumerate(scene.graph.values):
         number = value.literal
-        if value.origin is None and isinstance(number, float) and abs(number) in found:
-            scene.graph.values[k] = replace(value, origin=found[abs(number)])
+        if value.origin is None and isinstance(number, float) and abs(number) in origins:
+            scene.graph.values[k] = replace(value, origin=origins[abs(number)])
 
 
-def _reported(scene: SceneGraph, wanted: Wanted) -> tuple[int, ...]:
+def _reported(scene: SceneGraph, selection: Selection) -> tuple[int, ...]:
     """Which of the scene's reactions are asked for, in order."""
-    return tuple(k for k, (name, *_) in enumerate(scene.reactions) if wanted.reaction(name))
+    return tuple(k for k, (name, *_) in enumerate(scene.reactions) if selection.reaction(name))
 
 
 def _dynamic_kernels(
-    scene: SceneGraph, wanted: Wanted, powers: list[tuple[str, str, int]]
+    scene: SceneGraph, selection: Selection, powers: list[tuple[str, str, int]]
 ) -> list[Kernel]:
     coordinates = [q.name for q in scene.equations.coordinates]
     graph = scene.graph
-    resting = not wanted.moves
+    resting = not selection.moves
     kernels = [
         Kernel(
             "mass",
@@ -132,7 +134,7 @@ def _dynamic_kernels(
             store("Q", scene.forces, coordinates),
         ),
     ]
-    if resting or wanted.energy():
+    if resting or selection.energy():
         kernels += [
             Kernel(
                 "potential",
@@ -147,7 +149,7 @@ def _dynamic_kernels(
                 store("g", scene.gradient, coordinates),
             ),
         ]
-    if wanted.energy() and not resting:
+    if selection.energy() and not resting:
         energies = [
             graph.mul(mass, graph.mul(scene.v[i], scene.v[k]))
             if i == k
@@ -164,7 +166,7 @@ def _dynamic_kernels(
                 (Output("return", 0, kinetic),),
             )
         )
-    if powers or (wanted.outputs is None and not resting):
+    if powers or (selection.outputs is None and not resting):
         kernels.append(
             Kernel(
                 "powers",
@@ -173,8 +175,8 @@ def _dynamic_kernels(
                 store("out", [w for *_, w in powers], [source for source, *_ in powers]),
             )
         )
-    if _reported(scene, wanted) or wanted.outputs is None:
-        kernels.append(_reactions(scene, wanted))
+    if _reported(scene, selection) or selection.outputs is None:
+        kernels.append(_reactions(scene, selection))
     return kernels
 
 
@@ -190,11 +192,11 @@ def _meaning_of_forces(scene: SceneGraph) -> str:
     return f"Generalized forces Q = ΣQ_e - ∂V/∂q of the effects, {known}."
 
 
-def _reactions(scene: SceneGraph, wanted: Wanted) -> Kernel:
+def _reactions(scene: SceneGraph, selection: Selection) -> Kernel:
     switched = switched_reactions(scene)
     outputs = tuple(
         Output("out", row, scene.reactions[k][3], reaction_note(scene, k))
-        for row, k in enumerate(_reported(scene, wanted))
+        for row, k in enumerate(_reported(scene, selection))
         if k not in switched
     )
     return Kernel(
@@ -237,22 +239,22 @@ def _powers(scene: SceneGraph) -> list[tuple[str, str, int]]:
 
     An equation of one's own that contains the time does work as a driver does.
     """
-    found = [(name, "effect", power) for name, power in scene.powers]
+    powers = [(name, "effect", power) for name, power in scene.powers]
     row = 0
     for element in scene.equations.constraints:
         rows = range(row, row + len(element.terms.phi))
         row = rows.stop
         if element.driver or any(scene.nu[k] != scene.graph.zero for k in rows):
             terms = [scene.graph.mul(scene.nu[k], scene.lam[k]) for k in rows]
-            found.append((element.name, "driver", scene.graph.neg(scene.graph.total(terms))))
-    return found
+            powers.append((element.name, "driver", scene.graph.neg(scene.graph.total(terms))))
+    return powers
 
 
-def _works(scene: SceneGraph, wanted: Wanted) -> list[tuple[str, str, int]]:
+def _works(scene: SceneGraph, selection: Selection) -> list[tuple[str, str, int]]:
     """The powers whose integrals are asked for, of effects with all that they exert."""
     whole = [(name, value) for name, _, value in _powers(scene) if name not in scene.working]
     pairs = [*scene.working.items(), *whole]
-    return [(f"work({name})", "work", value) for name, value in pairs if wanted.work(name)
+    return [(f"work({name})", "work", value) for name, value in pairs if selection.work(name)
             and value != scene.graph.zero]  # fmt: skip
 
 

@@ -7,7 +7,7 @@ from codegen.lower.scene_graph import SceneGraph
 from codegen.lower.substitution import reached
 
 
-class Wanted:
+class Selection:
     """The outputs that a scene names; all of them where it names none.
 
     Attributes
@@ -40,31 +40,33 @@ class Wanted:
         """Whether the work of an effect or driver is, which has to be named."""
         return self.moves and self.outputs is not None and self._one("work", source)
 
-    def _one(self, what: str, element: str) -> bool:
+    def _one(self, group: str, element: str) -> bool:
         if self.outputs is None:
             return True
-        return f"{what}s" in self.outputs or f"{what}({element})" in self.outputs
+        return f"{group}s" in self.outputs or f"{group}({element})" in self.outputs
 
 
 def _limited(friction: object) -> bool:
     return friction is not None and getattr(friction, "limit", None) is not None
 
 
-def recovered(scene: SceneGraph, wanted: Wanted) -> tuple[int, ...]:
+def recovered(scene: SceneGraph, selection: Selection) -> tuple[int, ...]:
     """Rows whose multipliers something that is asked for depends on; all where all is asked for."""
     rows = range(scene.m)
-    if wanted.outputs is None:
+    if selection.outputs is None:
         return tuple(rows)
-    values = [value for name, *_, value in scene.reactions if wanted.reaction(name)]
-    values += [value for name, value in scene.powers if wanted.power(name) or wanted.work(name)]
-    found = _multipliers(scene.graph, values)
+    values = [value for name, *_, value in scene.reactions if selection.reaction(name)]
+    values += [
+        value for name, value in scene.powers if selection.power(name) or selection.work(name)
+    ]
+    needed = _multipliers(scene.graph, values)
     for row, name in enumerate(scene.owners):
-        if scene.nu[row] != scene.graph.zero and (wanted.power(name) or wanted.work(name)):
-            found.add(row)
-    return tuple(row for row in rows if row in found)
+        if scene.nu[row] != scene.graph.zero and (selection.power(name) or selection.work(name)):
+            needed.add(row)
+    return tuple(row for row in rows if row in needed)
 
 
 def _multipliers(graph: Graph, values: list[int]) -> set[int]:
     """Slots of `lam` that values depend on."""
     literals = (graph.values[number].literal for number in reached(graph, values))
-    return {found.slot for found in literals if isinstance(found, Input) and found.array == "lam"}
+    return {leaf.slot for leaf in literals if isinstance(leaf, Input) and leaf.array == "lam"}

@@ -52,8 +52,8 @@ class Loop:
         x_j = sub(mul(self.minor_j, r_c), mul(self.u, across))
         force = graph.add(mul(self.minor_i, r_i), mul(self.minor_j, r_j))
         force = sub(force, mul(self.area, r_c))
-        found = {self.i: x_i, self.j: x_j, self.c: force}
-        return {unknown: mul(self.inverse, value) for unknown, value in found.items()}
+        unknowns = {self.i: x_i, self.j: x_j, self.c: force}
+        return {unknown: mul(self.inverse, value) for unknown, value in unknowns.items()}
 
 
 @dataclass(frozen=True)

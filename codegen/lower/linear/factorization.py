@@ -73,7 +73,7 @@ class Elimination:
 
     def solve(self, strategy: Strategy) -> list[list[int]]:
         """Values of the unknowns, one list a right side."""
-        stated = dict(self.entries), [list(right) for right in self.right]
+        original = dict(self.entries), [list(right) for right in self.right]
         steps: list[Single | Pair] = []
         loop: Loop | None = None
         known: list[dict[int, int]] = [{} for _ in self.right]
@@ -92,7 +92,7 @@ class Elimination:
                 break
             step = self._cheapest(strategy)
             steps.append(self._pair(*step) if len(step) == 2 else self._single(*step))
-        self.substitution = Substitution(self.graph, *stated, steps, loop)
+        self.substitution = Substitution(self.graph, *original, steps, loop)
         self.labels.step("Substitute back")
         columns = [self.substitution.back(n, x) for n, x in enumerate(known)]
         self.labels.solved(columns)

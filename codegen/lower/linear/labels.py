@@ -33,7 +33,7 @@ class Labels:
     right: Sequence[Sequence[str]] = ()
     solution: Sequence[Sequence[str]] = ()
     matrix: str = "M"
-    found: dict[int, Label] = field(default_factory=dict)
+    by_value: dict[int, Label] = field(default_factory=dict)
     steps: list[str] = field(default_factory=list)
 
     def step(self, title: str) -> None:
@@ -42,8 +42,8 @@ class Labels:
 
     def add(self, value: int, name: str) -> None:
         """Name a value, unless it has a name."""
-        if self.names and value not in self.found:
-            self.found[value] = Label(value, name, len(self.steps) - 1)
+        if self.names and value not in self.by_value:
+            self.by_value[value] = Label(value, name, len(self.steps) - 1)
 
     def of(self, stem: str, *unknowns: int) -> str:
         """A name made of a stem and unknowns."""
@@ -53,8 +53,8 @@ class Labels:
         """Name a pivot and its inverse."""
         if self.names:
             name = self.of("pivot", unknown)
-            self.found[value] = self.found.get(value, Label(value, name, len(self.steps) - 1))
-            self.found[value] = self.found[value]._replace(name=name)
+            self.by_value[value] = self.by_value.get(value, Label(value, name, len(self.steps) - 1))
+            self.by_value[value] = self.by_value[value]._replace(name=name)
             self.add(inverse, self.of("inverse", unknown))
 
     def entry(self, value: int, i: int, j: int, duals: frozenset[int] = frozenset()) -> None:

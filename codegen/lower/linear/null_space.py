@@ -63,9 +63,9 @@ class NullSpace:
         self._rows: dict[int, Row] = {i: {} for i in range(len(self.right[0]))}
         for (i, k), entry in sorted(self.entries.items()):
             self._rows[i][k] = entry
-        self._stated = {i: dict(row) for i, row in self._rows.items()}
+        self._original = {i: dict(row) for i, row in self._rows.items()}
         self._unknowns = dict.fromkeys(range(len(self.weights)))
-        self._given: list[tuple[int, Row, list[int]]] = []
+        self._eliminated: list[tuple[int, Row, list[int]]] = []
         self._determined: set[int] = set()
 
     def solve(self) -> list[list[int]] | None:
@@ -97,7 +97,7 @@ class NullSpace:
         """Put x_k = base + Σ slope x into the rows."""
         graph = self.graph
         del self._unknowns[k]
-        self._given.append((k, slopes, base))
+        self._eliminated.append((k, slopes, base))
         for i, row in self._rows.items():
             if k not in row:
                 continue
@@ -149,7 +149,7 @@ class NullSpace:
         self._watch(chosen, columns, n)
         inverse = graph.div(graph.one, square)
         self._name(columns, n, "n")
-        z = len(self.weights) + len(self._given)
+        z = len(self.weights) + len(self._eliminated)
         self._unknowns[z] = None
         factors = [[mul(inverse, r) for r in right] for right in rights]
         for i in chosen:
@@ -165,12 +165,12 @@ class NullSpace:
     def _watch(self, chosen: tuple[int, ...], columns: list[int], n: list[int]) -> None:
         """Hold det(C W Cᵀ) of the closures against the diagonal of Φ_q W Φ_qᵀ."""
         graph = self.graph
-        stated = columns[-1] < len(self.weights)
-        weights = {k: self.weights[k] if stated else graph.one for k in columns}
+        original = columns[-1] < len(self.weights)
+        weights = {k: self.weights[k] if original else graph.one for k in columns}
         rows = {i: self._rows[i] for i in chosen}
-        if stated:  # without what constraints determine
+        if original:  # without what constraints determine
             moving = {k: w for k, w in enumerate(self.weights) if k not in self._determined}
-            weights, rows = moving, {i: self._stated[i] for i in chosen}
+            weights, rows = moving, {i: self._original[i] for i in chosen}
         pivot, reference = graph.zero, graph.one
         for k, minor in zip(columns, n, strict=True):
             term = graph.mul(minor, minor)
@@ -192,7 +192,7 @@ class NullSpace:
         nothing = [graph.zero] * len(self.right)
         slopes: dict[int, Row] = {z: {z: graph.one} for z in self._unknowns}
         base = dict.fromkeys(self._unknowns, nothing)
-        for k, row, start in reversed(self._given):
+        for k, row, start in reversed(self._eliminated):
             slopes[k], base[k] = {}, list(start)
             for j, factor in row.items():
                 for z, slope in slopes[j].items():

@@ -18,13 +18,13 @@ def explicit_coordinate(graph: Graph, rows: dict[int, dict[int, int]]) -> tuple[
     for row in rows.values():
         for k in row:
             counts[k] = counts.get(k, 0) + 1
-    found = []
+    candidates = []
     for i, row in rows.items():
         sizes = {k: abs(graph.number(entry) or 0.0) for k, entry in row.items()}
         least = LEAST_PIVOT * max(sizes.values(), default=0.0)
-        found += [
+        candidates += [
             ((len(row) - 1) * (counts[k] - 1), -len(row), i, k)
             for k, size in sizes.items()
             if size > 0.0 and size >= least
         ]
-    return min(found)[2:] if found else None
+    return min(candidates)[2:] if candidates else None

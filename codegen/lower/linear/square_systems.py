@@ -59,8 +59,8 @@ class Square:
         self._rows: dict[int, dict[int, int]] = {i: {} for i in range(len(self.right[0]))}
         for (i, k), entry in sorted(self.entries.items()):
             self._rows[i][k] = entry
-        self._stated = {i: tuple(row.values()) for i, row in self._rows.items()}
-        self._given: list[tuple[int, dict[int, int], list[int]]] = []
+        self._original = {i: tuple(row.values()) for i, row in self._rows.items()}
+        self._eliminated: list[tuple[int, dict[int, int], list[int]]] = []
 
     def solve(self) -> list[list[int]] | None:
         """The unknowns, one list a right side; None where no position determines them all."""
@@ -73,7 +73,7 @@ class Square:
                 return None
             self._solve_set(chosen, x)
         self.labels.step("Substitute back")
-        for k, row, right in reversed(self._given):
+        for k, row, right in reversed(self._eliminated):
             for known, start in zip(x, right, strict=True):
                 known[k] = self._less(start, row, known)
         solutions = [[known[k] for k in range(len(known))] for known in x]
@@ -94,15 +94,15 @@ class Square:
         inverse = graph.div(graph.one, pivot)
         self._step([i], [k])
         self.labels.pivot(pivot, inverse, i)
-        given = {j: graph.mul(inverse, entry) for j, entry in row.items()}
-        for j, entry in given.items():
+        coefficients = {j: graph.mul(inverse, entry) for j, entry in row.items()}
+        for j, entry in coefficients.items():
             self._name(entry, "L", i, j)
         right = [graph.mul(inverse, column[i]) for column in self.right]
         for other, entries in self._rows.items():
             if k not in entries:
                 continue
             factor = entries.pop(k)
-            for j, entry in given.items():
+            for j, entry in coefficients.items():
                 before, product = entries.pop(j, graph.zero), graph.mul(factor, entry)
                 changed = graph.sub(before, product)
                 if not self._nothing(changed, before):
@@ -111,7 +111,7 @@ class Square:
             for column, known in zip(self.right, right, strict=True):
                 column[other] = graph.sub(column[other], graph.mul(factor, known))
             self.labels.sides(self.right, other)
-        self._given.append((k, given, right))
+        self._eliminated.append((k, coefficients, right))
 
     def _step(self, rows: Sequence[int], columns: Sequence[int]) -> None:
         if self.coordinates:
@@ -179,7 +179,7 @@ class Square:
         if graph.number(det) is None:
             reference = graph.one
             for i in chosen:
-                squares = [graph.mul(entry, entry) for entry in self._stated[i]]
+                squares = [graph.mul(entry, entry) for entry in self._original[i]]
                 reference = graph.mul(reference, graph.total(squares))
             # Nothing has been squared to find det, so that it may be smaller than a pivot of
             # Φ_q Φ_qᵀ; and short arms make it so where nothing is singular.
@@ -227,10 +227,10 @@ class Square:
                     entries[i, j] = entries[j, i] = graph.total(terms)
         references = {i: entries[i, i] for i in range(len(a))}
         system = Elimination(graph, entries, right, references=references)
-        found = []
+        solutions = []
         for mu in system.solve("schur"):
             sides = range(len(a[0]))
-            found.append(
+            solutions.append(
                 [
                     graph.total([graph.mul(row[k], m) for row, m in zip(a, mu, strict=True)])
                     for k in sides
@@ -239,4 +239,4 @@ class Square:
         self.checks += [
             check._replace(constraint=chosen[check.constraint]) for check in system.checks
         ]
-        return found
+        return solutions

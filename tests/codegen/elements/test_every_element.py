@@ -17,7 +17,7 @@ from tests.codegen.elements.drum import StringOnDrum, winch
 from tests.codegen.workbench import Interpreted, State, along, complex_gamma, complex_step
 
 OWN = StringOnDrum.kind
-KINDS = (*(name for name, kind in kinds_of_elements().items() if not kind.own), OWN)
+KINDS = (*(name for name, kind in kinds_of_elements().items() if not kind.is_user_defined), OWN)
 TOLERANCE = {"rtol": 1e-11, "atol": 1e-11}
 SEEDS = range(4)
 
