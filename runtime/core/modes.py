@@ -9,16 +9,18 @@ class Mode(IntEnum):
     OFF = 0  # g ≤ 0
     ON = 1  # g > 0, or an open rigid contact
     SLIDING = 2  # motion stays on g = 0: sliding mode, sticking friction, or a closed contact
-    FREE = 3  # of friction whose stiction force is sought: it exerts none, and does not stick
+    FREE = 3  # of friction with an unknown stiction force: it exerts none, and does not stick
 
 
 class Direction(IntEnum):
-    """What an event does to its switching function."""
+    """The kind of an event of a switching function; the last two are singular configurations."""
 
-    SWITCHED_OFF = -1
-    STAYS_ON_SURFACE = 0
-    SWITCHED_ON = 1
+    CEASED = -1
+    HOLDS = 0
+    BEGAN = 1
     IMPACT = 2
+    CROSSED = 3
+    LOCKED = 4
 
 
 # Compiled code reads integers of a module.

@@ -9,19 +9,20 @@ from codegen.errors import AnalysisError
 from runtime.assembly.assemble import assemble, start_values
 from runtime.assembly.redundant_kernels import redundancy_note, with_redundancy
 from runtime.continuation.driven_motion import follow
+from runtime.core.modes import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
-from runtime.results.event_records import CROSSED, LOCKED, Event
+from runtime.results.event_records import Event
 from runtime.results.result import Result
 from runtime.results.singular_positions import SingularPosition
 from runtime.validation.arguments import instants
 from runtime.validation.contacts import require_no_rigid
 from runtime.validation.parameters import parameter_values
 
-_DIRECTIONS = {"crossing": CROSSED, "lock-up": LOCKED}
+_DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCKED)}
 
 
 def kinematics(

@@ -15,11 +15,11 @@ def orthogonalize_row(
 ) -> float:
     """Make row `i` orthogonal to the rows before it, those of contacts first; size of its terms."""
     rigid, sliding = ft.rigid_of(context), ft.sliding_functions_of(context)
-    firm = rigid[sliding[i]] >= 0
+    closed = rigid[sliding[i]] >= 0
     scale = max(1.0, abs(right[i]))
     for _ in range(2):
         for j in range(count):
-            before = j < i if (rigid[sliding[j]] >= 0) == firm else not firm
+            before = j < i if (rigid[sliding[j]] >= 0) == closed else not closed
             if not before:
                 continue
             along = 0.0
@@ -53,8 +53,7 @@ def solve_least(
     slack
         Permitted residual of a dependent row, relative to its terms.
     """
-    rigid = ft.rigid_of(context)
-    sliding = ft.sliding_functions_of(context)
+    rigid, sliding = ft.rigid_of(context), ft.sliding_functions_of(context)
     if equilibrate(matrix, right, count) != 0:
         return 1
     for c in range(count):
@@ -68,8 +67,8 @@ def solve_least(
             matrix[i * count + c] *= reach[c]
     for turn in range(2):
         for i in range(count):
-            firm = rigid[sliding[i]] >= 0
-            if firm != (turn == 0):
+            closed = rigid[sliding[i]] >= 0
+            if closed != (turn == 0):
                 continue
             size = 0.0
             for c in range(count):
@@ -84,7 +83,7 @@ def solve_least(
                     matrix[i * count + c] /= root
                 right[i] /= root
                 continue
-            if firm or not abs(right[i]) <= slack * scale:
+            if closed or not abs(right[i]) <= slack * scale:
                 return 1
             for c in range(count):
                 matrix[i * count + c] = 0.0
@@ -102,8 +101,7 @@ def solve_least(
 @inner
 def share_freedom(context: Integers, k: int, other: int) -> bool:
     """Whether two functions in sliding mode act on one freedom; after `evaluate_rhs`."""
-    count = context[ft.SLIDING_COUNT]
-    sliding = ft.sliding_functions_of(context)
+    count, sliding = context[ft.SLIDING_COUNT], ft.sliding_functions_of(context)
     matrix = ft.response_of(context)
     c, d = 0, 0
     for i in range(count):

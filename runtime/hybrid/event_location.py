@@ -27,16 +27,11 @@ _GOLDEN = 0.3819660112501051  # formula: golden section
 @inner
 def mark_suspects(context: Integers, h: float) -> int:
     """Mark in SUSPECT the functions that may cross in the step, and count them."""
-    modes = ft.modes_of(context)
-    band_row = ws.switch_row(context, ws.BAND)
-    g0_row = ws.switch_row(context, ws.G0)
-    g1_row = ws.switch_row(context, ws.G1)
-    r0 = ws.switch_row(context, ws.R0)
-    r1 = ws.switch_row(context, ws.R1)
-    between = ws.switch_row(context, ws.BETWEEN)
-    mismatch = ws.switch_row(context, ws.MISMATCH)
-    suspect = ws.switch_row(context, ws.SUSPECT)
-    s = context[ft.SWITCHES]
+    modes, band_row = ft.modes_of(context), ws.switch_row(context, ws.BAND)
+    g0_row, g1_row = ws.switch_row(context, ws.G0), ws.switch_row(context, ws.G1)
+    r0, r1 = ws.switch_row(context, ws.R0), ws.switch_row(context, ws.R1)
+    between, mismatch = ws.switch_row(context, ws.BETWEEN), ws.switch_row(context, ws.MISMATCH)
+    suspect, s = ws.switch_row(context, ws.SUSPECT), context[ft.SWITCHES]
     count = 0
     for k in range(s):
         side = 1.0 if modes[k] != 0 else -1.0
@@ -154,10 +149,8 @@ def find_root(
 @inner
 def find_crossing_at_end(context: Integers, t: float) -> int:
     """A function that is zero within the clock's resolution after the end of a run, or -1."""
-    modes = ft.modes_of(context)
-    r1 = ws.switch_row(context, ws.R1)
-    band = ws.switch_row(context, ws.BAND)
-    g1 = ws.switch_row(context, ws.G1)
+    modes, r1 = ft.modes_of(context), ws.switch_row(context, ws.R1)
+    band, g1 = ws.switch_row(context, ws.BAND), ws.switch_row(context, ws.G1)
     s = context[ft.SWITCHES]
     for k in range(s):
         side = 1.0 if modes[k] != 0 else -1.0
@@ -175,18 +168,12 @@ def locate_event(context: Integers, t: float, h: float, dense_rows: int) -> floa
     The dense output must have been computed. `crossed_of(context)[0]` receives its
     function.
     """
-    trial = ws.switch_row(context, ws.TRIAL)
-    scan = ws.switch_row(context, ws.SCAN)
-    g0 = ws.switch_row(context, ws.G0)
-    g1 = ws.switch_row(context, ws.G1)
-    suspect = ws.switch_row(context, ws.SUSPECT)
-    band_row = ws.switch_row(context, ws.BAND)
-    largest = ws.switch_row(context, ws.LARGEST)
-    r0 = ws.switch_row(context, ws.R0)
-    r1 = ws.switch_row(context, ws.R1)
-    s = context[ft.SWITCHES]
-    modes = ft.modes_of(context)
-    sample = ft.sample_function_of(context)
+    trial, scan = ws.switch_row(context, ws.TRIAL), ws.switch_row(context, ws.SCAN)
+    g0, g1 = ws.switch_row(context, ws.G0), ws.switch_row(context, ws.G1)
+    suspect, band_row = ws.switch_row(context, ws.SUSPECT), ws.switch_row(context, ws.BAND)
+    largest, r0 = ws.switch_row(context, ws.LARGEST), ws.switch_row(context, ws.R0)
+    r1, s = ws.switch_row(context, ws.R1), context[ft.SWITCHES]
+    modes, sample = ft.modes_of(context), ft.sample_function_of(context)
     for i in range(1, ws.SUBDIVISIONS):
         sample(context, t, h, i / ws.SUBDIVISIONS, 0, dense_rows)
         for k in range(s):

@@ -40,12 +40,10 @@ RISE3, LEAVE3, ARRIVE3 = X3 * X3 * (3 - 2 * X3), X3 * (1 - X3) ** 2, X3 * X3 * (
 def sample_between(context: Integers, t: float, h: float, last: int) -> None:
     """Fill the three rows at BETWEEN with g on the cubics of the motion through both ends."""
     length = 2 * context[ft.COORDINATES]
-    y0 = ws.row_of(context, ws.Y0)
-    y1 = ws.row_of(context, ws.Y1)
+    y0, y1 = ws.row_of(context, ws.Y0), ws.row_of(context, ws.Y1)
     k0 = ws.row_of(context, ws.K)
     k1 = ws.row_of(context, last)
-    z1 = ws.row_of(context, ws.STAGE)
-    z2 = ws.row_of(context, ws.SAMPLE)
+    z1, z2 = ws.row_of(context, ws.STAGE), ws.row_of(context, ws.SAMPLE)
     z3 = ws.row_of(context, ws.PREDICTED)
     for j in range(length):
         start, change = y0[j], y1[j] - y0[j]
@@ -64,14 +62,10 @@ def bound_step(context: Integers, h: float) -> float:
 
     Row MISMATCH receives the differences of g from its cubics.
     """
-    modes = ft.modes_of(context)
-    g0_row = ws.switch_row(context, ws.G0)
-    g1_row = ws.switch_row(context, ws.G1)
-    between = ws.switch_row(context, ws.BETWEEN)
-    r0 = ws.switch_row(context, ws.R0)
-    r1 = ws.switch_row(context, ws.R1)
-    mismatch = ws.switch_row(context, ws.MISMATCH)
-    largest = ws.switch_row(context, ws.LARGEST)
+    modes, g0_row = ft.modes_of(context), ws.switch_row(context, ws.G0)
+    g1_row, between = ws.switch_row(context, ws.G1), ws.switch_row(context, ws.BETWEEN)
+    r0, r1 = ws.switch_row(context, ws.R0), ws.switch_row(context, ws.R1)
+    mismatch, largest = ws.switch_row(context, ws.MISMATCH), ws.switch_row(context, ws.LARGEST)
     s = context[ft.SWITCHES]
     allowed = np.inf
     for k in range(s):

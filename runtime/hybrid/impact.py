@@ -31,8 +31,7 @@ _UNSEEN = 2e-12
 @inner
 def find_largest_gap(context: Integers, k: int) -> float:
     """Running maximum of the gap of contact `k`, open or closed."""
-    modes = ft.modes_of(context)
-    reserve = ws.switch_row(context, ws.RESERVE)
+    modes, reserve = ft.modes_of(context), ws.switch_row(context, ws.RESERVE)
     largest = ws.switch_row(context, ws.LARGEST)
     return float(reserve[k] if modes[k] == SLIDING else largest[k])
 
@@ -40,8 +39,7 @@ def find_largest_gap(context: Integers, k: int) -> float:
 @inner
 def evaluate_free_gap(context: Integers, t: float, q: Vector, v: Vector, first: int) -> float:
     """Second derivative of the gap of contact `first` under `modes`, in which it is open."""
-    p = ft.parameters_of(context)
-    modes = ft.modes_of(context)
+    p, modes = ft.parameters_of(context), ft.modes_of(context)
     n, s = context[ft.COORDINATES], context[ft.SWITCHES]
     rigid = ft.rigid_of(context)
     count = 0
@@ -52,8 +50,7 @@ def evaluate_free_gap(context: Integers, t: float, q: Vector, v: Vector, first: 
     a = ft.base_accelerations_of(context)
     if count > 0:
         solve_shares(context, t, q, v, count)
-        share = ft.share_of(context)
-        sliding = ft.sliding_functions_of(context)
+        share, sliding = ft.share_of(context), ft.sliding_functions_of(context)
         for c in range(count):
             unit = view(ft.unit_accelerations_of(context), c * n, n)
             for j in range(n):
@@ -81,8 +78,7 @@ def close_contacts(context: Integers, first: int, t: float, q: Vector, v: Vector
 @inner
 def sweep_impulses(context: Integers, t: float, q: Vector, v: Vector, count: int) -> None:
     """Change v by the impulses of the `count` closed contacts, by projected Gauss-Seidel sweeps."""
-    p = ft.parameters_of(context)
-    n = context[ft.COORDINATES]
+    p, n = ft.parameters_of(context), context[ft.COORDINATES]
     rigid, closed = ft.rigid_of(context), ft.sliding_functions_of(context)
     restitution, rates = ft.restitution_of(context), ws.switch_row(context, ws.RATE_NOW)
     any_a = ft.base_accelerations_of(context)  # the rate of a gap does not depend on it
@@ -136,8 +132,7 @@ def apply_impact(context: Integers, first: int, t: float, state: int) -> float:
     Returns the time T of the next flight, T/(1 - e) negative where it is the last, infinite where
     the contact does not return by itself.
     """
-    modes = ft.modes_of(context)
-    atol = ws.row_of(context, ws.ATOL)
+    modes, atol = ft.modes_of(context), ws.row_of(context, ws.ATOL)
     n, s = context[ft.COORDINATES], context[ft.SWITCHES]
     q, v = ws.positions(context, state), ws.velocities(context, state)
     rates, former = ws.switch_row(context, ws.RATE_NOW), ws.switch_row(context, ws.NOW)
@@ -163,16 +158,16 @@ def apply_impact(context: Integers, first: int, t: float, state: int) -> float:
     if not fall < 0.0:
         return np.inf
     flight = -2.0 * leaving / fall
-    share = ft.restitution_of(context)[ft.rigid_of(context)[first]]
+    e = ft.restitution_of(context)[ft.rigid_of(context)[first]]
     lowest = np.inf
     for j in range(n):
         lowest = min(lowest, atol[j])
     unseen = max(_LOW_FLIGHT * lowest, _UNSEEN * find_largest_gap(context, first))
-    if -0.5 * leaving * leaving / fall > unseen or share >= 1.0:
+    if -0.5 * leaving * leaving / fall > unseen or e >= 1.0:
         # Where the gap still closes, constraints permitted no jump.
         return float(flight) if flight > 0.0 else np.inf
     modes[first] = SLIDING
-    return -float(max(flight, 1e-300) / (1.0 - share))
+    return -float(max(flight, 1e-300) / (1.0 - e))
 
 
 @addressed(ft.RETURN_TO_SURFACES)
@@ -182,20 +177,14 @@ def return_to_surfaces(context: Integers, t: float, state: int) -> int:
     It moves along the accelerations by their forces. These keep the constraints of velocities, and
     those of positions up to the square of the correction.
     """
-    p = ft.parameters_of(context)
-    modes = ft.modes_of(context)
-    unit_accelerations = ft.unit_accelerations_of(context)
-    n = context[ft.COORDINATES]
+    p, modes = ft.parameters_of(context), ft.modes_of(context)
+    unit_accelerations, n = ft.unit_accelerations_of(context), context[ft.COORDINATES]
     r = context[ft.RIGID_COUNT]
     q, v = ws.positions(context, state), ws.velocities(context, state)
-    count = context[ft.SLIDING_COUNT]
-    rigid = ft.rigid_of(context)
-    sliding = ft.sliding_functions_of(context)
-    matrix = ft.response_of(context)
-    rates = ft.response_rates_of(context)
-    right = ft.right_side_of(context)
-    values = ft.base_response_of(context)
-    reach = ft.response_column_of(context)
+    count, rigid = context[ft.SLIDING_COUNT], ft.rigid_of(context)
+    sliding, matrix = ft.sliding_functions_of(context), ft.response_of(context)
+    rates, right = ft.response_rates_of(context), ft.right_side_of(context)
+    values, reach = ft.base_response_of(context), ft.response_column_of(context)
     copy = ft.response_copy_of(context)
     evaluate_units(context, t, q, v, modes)
     for level in range(2):

@@ -50,10 +50,8 @@ def guard_branches(context: Integers, t: float, h: float) -> int:
     τ before it they err by their rounding over τ³: no step control comes there, so steps much
     shorter than those further away end a run too.
     """
-    p = ft.parameters_of(context)
-    r = run_record(context)
-    count = context[ft.LOOPS]
-    rows = ft.loop_rows_of(context)
+    p, r = ft.parameters_of(context), run_record(context)
+    count, rows = context[ft.LOOPS], ft.loop_rows_of(context)
     numbers = ft.loop_nearness_of(context)
     before, after = view(numbers, 0, 2 * count), view(numbers, 2 * count, 2 * count)
     largest = view(numbers, 4 * count, count)

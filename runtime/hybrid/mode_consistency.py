@@ -32,10 +32,8 @@ def preferred_mode(entry: float) -> int:
 @inner
 def look_ahead(context: Integers, t: float, d: float, state: int) -> None:
     """Write g after a time `d`, at the acceleration in row DELTA, into row TRIAL of `sw`."""
-    p = ft.parameters_of(context)
-    n = context[ft.COORDINATES]
-    y = ws.row_of(context, state)
-    a = ws.second_half(context, ws.DELTA)
+    p, n = ft.parameters_of(context), context[ft.COORDINATES]
+    y, a = ws.row_of(context, state), ws.second_half(context, ws.DELTA)
     z = ws.row_of(context, ws.SAMPLE)
     for j in range(n):
         z[j] = y[j] + d * (y[n + j] + 0.5 * d * a[j])
@@ -55,16 +53,14 @@ def count_sliding(context: Integers, modes: Integers) -> None:
 
 
 @inner
-def find_unsupported(context: Integers, t: float, q: Vector, v: Vector, s: int) -> int:
+def find_unsupported(context: Integers, t: float, q: Vector, v: Vector) -> int:
     """First function in sliding mode whose share is out of bounds, else `CONSISTENT`.
 
     The right-hand side must just have been evaluated.
     """
-    matrix = ft.response_of(context)
-    share = ft.share_of(context)
+    matrix, share = ft.response_of(context), ft.share_of(context)
     low, high = ft.share_low_of(context), ft.share_high_of(context)
-    count = context[ft.SLIDING_COUNT]
-    sliding = ft.sliding_functions_of(context)
+    count, sliding = context[ft.SLIDING_COUNT], ft.sliding_functions_of(context)
     for c in range(count):
         k = int(sliding[c])
         inside = low[k] - MISSED <= share[k] <= high[k] + MISSED
@@ -83,20 +79,16 @@ def find_contradiction(
 
     Returns `CONSISTENT` where all do. `signs` receives the direction of each: -1, 0 or 1.
     """
-    members = ft.members_of(context)
-    signs = ft.signs_of(context)
-    s = context[ft.SWITCHES]
+    members, signs = ft.members_of(context), ft.signs_of(context)
     g = ws.switch_row(context, ws.NOW)
-    ahead = ws.switch_row(context, ws.TRIAL)
-    largest = ws.switch_row(context, ws.LARGEST)
+    ahead, largest = ws.switch_row(context, ws.TRIAL), ws.switch_row(context, ws.LARGEST)
     preferred = ws.switch_row(context, ws.PREFERRED)
     rigid, sticks = ft.rigid_of(context), ft.sticks_of(context)
-    q = ws.positions(context, state)
-    v = ws.velocities(context, state)
+    q, v = ws.positions(context, state), ws.velocities(context, state)
     count_sliding(context, candidate)
     field(context, t, q, v, candidate, ws.second_half(context, ws.DELTA))
     if context[ft.SLIDING_COUNT] != 0:
-        k = find_unsupported(context, t, q, v, s)
+        k = find_unsupported(context, t, q, v)
         if k != CONSISTENT:
             return k
     open_members = 0

@@ -14,20 +14,17 @@ from runtime.hybrid.stiction_force import apply_unit, remove_unit, write_forces
 @inner
 def mix_reactions(context: Integers, t: float, q: Vector, v: Vector, lam: Vector) -> None:
     """Fill REACTION for the combined multipliers `lam`; `evaluate_rhs` must just have run."""
-    p = ft.parameters_of(context)
-    base_multipliers = ft.base_multipliers_of(context)
-    unit_multipliers = ft.unit_multipliers_of(context)
-    m = context[ft.CONSTRAINT_COUNT]
+    p, base_multipliers = ft.parameters_of(context), ft.base_multipliers_of(context)
+    unit_multipliers, m = ft.unit_multipliers_of(context), context[ft.CONSTRAINT_COUNT]
     rows, count = context[ft.REACTION_ROWS], context[ft.SLIDING_COUNT]
-    kernel_modes = ft.kernel_modes_of(context)
-    sliding = ft.sliding_functions_of(context)
+    kernel_modes, sliding = ft.kernel_modes_of(context), ft.sliding_functions_of(context)
     share = ft.share_of(context)
     out, base, other = (
         ft.reaction_of(context),
         ft.base_reaction_of(context),
         ft.unit_reaction_of(context),
     )
-    own = ft.mixed_multipliers_of(context)
+    multipliers = ft.mixed_multipliers_of(context)
     for c in range(count):
         remove_unit(context, sliding[c])
     abi.reactions_of(context)(t, q, v, p, lam, out)
@@ -40,11 +37,11 @@ def mix_reactions(context: Integers, t: float, q: Vector, v: Vector, lam: Vector
         out[i] = base[i]
     for c in range(count):
         for i in range(m):
-            own[i] = base_multipliers[i] + unit_multipliers[c * m + i]
+            multipliers[i] = base_multipliers[i] + unit_multipliers[c * m + i]
         apply_unit(context, sliding[c])
         for i in range(rows):
             other[i] = base[i]
-        abi.switched_reactions_of(context)(t, q, v, p, kernel_modes, own, other)
+        abi.switched_reactions_of(context)(t, q, v, p, kernel_modes, multipliers, other)
         remove_unit(context, sliding[c])
         for i in range(rows):
             out[i] += share[sliding[c]] * (other[i] - base[i])
@@ -59,8 +56,7 @@ def compute_friction_margin(context: Integers, t: float, q: Vector, v: Vector, k
     breaks loose: the stiction force S must be compared with μ_s N. `evaluate_rhs` must just have
     run.
     """
-    lam = ft.multipliers_of(context)
-    limits = ft.limits_of(context)
+    lam, limits = ft.multipliers_of(context), ft.limits_of(context)
     force, limit = limits[2 * k], limits[2 * k + 1]
     if force < 0:
         return 1.0

@@ -45,8 +45,8 @@ def flip_mode(context: Integers, k: int, mode: int, preferred: int) -> int:
         if ft.rigid_of(context)[k] >= 0 or not np.isfinite(share):
             return 1
         return 1 if share > 0.5 * (low + high) else 0
-    freely = ft.rigid_of(context)[k] < 0 and ft.sticks_of(context)[k] == 0
-    return 1 - mode if freely and mode == preferred else SLIDING
+    alternates = ft.rigid_of(context)[k] < 0 and ft.sticks_of(context)[k] == 0
+    return 1 - mode if alternates and mode == preferred else SLIDING
 
 
 @inner
@@ -58,12 +58,9 @@ def search_by_pivots(context: Integers, t: float, d: float, state: int, count: i
     may make pivots cycle, their number is bounded: each function has three modes, and may return
     once for each of the others.
     """
-    modes = ft.modes_of(context)
-    members = ft.members_of(context)
-    band = ws.switch_row(context, ws.BAND)
-    preferred_row = ws.switch_row(context, ws.PREFERRED)
-    s = context[ft.SWITCHES]
-    candidate = ft.candidate_modes_of(context)
+    modes, members = ft.modes_of(context), ft.members_of(context)
+    band, preferred_row = ws.switch_row(context, ws.BAND), ws.switch_row(context, ws.PREFERRED)
+    s, candidate = context[ft.SWITCHES], ft.candidate_modes_of(context)
     for k in range(s):
         candidate[k] = modes[k]
     for i in range(count):
@@ -86,10 +83,8 @@ def search_by_pivots(context: Integers, t: float, d: float, state: int, count: i
 @inner
 def search_all(context: Integers, t: float, d: float, state: int, tried: int, count: int) -> int:
     """Modes by trying all combinations of the first `tried` members; result as `select_modes`."""
-    modes = ft.modes_of(context)
-    members = ft.members_of(context)
-    s = context[ft.SWITCHES]
-    candidate = ft.candidate_modes_of(context)
+    modes, members = ft.modes_of(context), ft.members_of(context)
+    s, candidate = context[ft.SWITCHES], ft.candidate_modes_of(context)
     preferred, rigid = ws.switch_row(context, ws.PREFERRED), ft.rigid_of(context)
     choices = 3 if tried <= MOST_WITH_SLIDING else 2
     combinations = choices**tried

@@ -61,10 +61,8 @@ def select_modes(context: Integers, first: int, t: float, d: float, state: int, 
     int
         `CONSISTENT`, or a function for which no mode is; `modes` is then unchanged.
     """
-    p = ft.parameters_of(context)
-    s = context[ft.SWITCHES]
-    band = ws.switch_row(context, ws.BAND)
-    members = ft.members_of(context)
+    p, s = ft.parameters_of(context), context[ft.SWITCHES]
+    band, members = ws.switch_row(context, ws.BAND), ft.members_of(context)
     q, v = ws.positions(context, state), ws.velocities(context, state)
     abi.switching_of(context)(t, q, v, p, ws.switch_row(context, ws.NOW))
     count = 0
@@ -88,10 +86,8 @@ def set_preferences(context: Integers, letting_go: int, side: int) -> None:
     bound the acceleration of that mode equals that of sliding, so that a look-ahead at constant
     acceleration would show no change.
     """
-    modes = ft.modes_of(context)
-    preferred = ws.switch_row(context, ws.PREFERRED)
-    s = context[ft.SWITCHES]
-    sticks = ft.sticks_of(context)
+    modes, preferred = ft.modes_of(context), ws.switch_row(context, ws.PREFERRED)
+    s, sticks = context[ft.SWITCHES], ft.sticks_of(context)
     for k in range(s):
         preferred[k] = SLIDING if sticks[k] != 0 else modes[k]
     if letting_go >= 0:
@@ -106,15 +102,12 @@ def prefer_released(context: Integers, crossing: int, t: float, q: Vector, v: Ve
     it stick again: two frictions that break loose together would stop each other for ever. Row BAND
     is that of the event before.
     """
-    modes = ft.modes_of(context)
-    preferred = ws.switch_row(context, ws.PREFERRED)
-    band = ws.switch_row(context, ws.BAND)
-    s = context[ft.SWITCHES]
-    sticks = ft.sticks_of(context)
-    was = ws.switch_row(context, ws.TRIAL)
+    modes, preferred = ft.modes_of(context), ws.switch_row(context, ws.PREFERRED)
+    band, s = ws.switch_row(context, ws.BAND), context[ft.SWITCHES]
+    sticks, former = ft.sticks_of(context), ws.switch_row(context, ws.TRIAL)
     tested = 0
     for k in range(s):
-        was[k] = modes[k]
+        former[k] = modes[k]
         if k == crossing:
             modes[k] = preferred_mode(preferred[k])
         elif sticks[k] != 0 and modes[k] != SLIDING and band[k] > 0.0:
@@ -124,11 +117,11 @@ def prefer_released(context: Integers, crossing: int, t: float, q: Vector, v: Ve
         count_sliding(context, modes)
         field(context, t, q, v, modes, ws.second_half(context, ws.DELTA))
     for k in range(s):
-        released = k != crossing and modes[k] == SLIDING and was[k] != SLIDING
-        if released and compute_margin(context, t, q, v, s, k) <= MISSED:
-            preferred[k] = mark_known(was[k])
+        released = k != crossing and modes[k] == SLIDING and former[k] != SLIDING
+        if released and compute_margin(context, t, q, v, k) <= MISSED:
+            preferred[k] = mark_known(former[k])
     for k in range(s):
-        modes[k] = int(was[k])
+        modes[k] = int(former[k])
     count_sliding(context, modes)
 
 
@@ -138,20 +131,14 @@ def initialize_modes(
 ) -> int:
     """Set all modes from the functions at the start, by look-ahead where one is zero.
 
-    Arguments and result as in `settle`; row `slot` of `sw` is filled here.
+    Arguments and result as of `select_modes`; row `slot` of `sw` is filled here.
     """
-    p = ft.parameters_of(context)
-    modes = ft.modes_of(context)
-    struck = ws.switch_row(context, ws.STRUCK)
-    n = context[ft.COORDINATES]
-    s = context[ft.SWITCHES]
-    g = ws.switch_row(context, slot)
-    ahead = ws.switch_row(context, ws.TRIAL)
-    largest = ws.switch_row(context, ws.LARGEST)
-    band = ws.switch_row(context, ws.BAND)
-    rigid = ft.rigid_of(context)
-    q = ws.positions(context, state)
-    v = ws.velocities(context, state)
+    p, modes = ft.parameters_of(context), ft.modes_of(context)
+    struck, n = ws.switch_row(context, ws.STRUCK), context[ft.COORDINATES]
+    s, g = context[ft.SWITCHES], ws.switch_row(context, slot)
+    ahead, largest = ws.switch_row(context, ws.TRIAL), ws.switch_row(context, ws.LARGEST)
+    band, rigid = ws.switch_row(context, ws.BAND), ft.rigid_of(context)
+    q, v = ws.positions(context, state), ws.velocities(context, state)
     abi.switching_of(context)(t, q, v, p, g)
     for k in range(s):
         modes[k] = 1 if g[k] > 0.0 or rigid[k] >= 0 else 0

@@ -27,8 +27,8 @@ from runtime.hybrid.switching_functions import (
 )
 
 LOOK_AHEAD = 0.05  # measured: of a step; look-ahead in which modes are judged
-_SWITCHED_ON, _SWITCHED_OFF = int(Direction.SWITCHED_ON), int(Direction.SWITCHED_OFF)
-_STAYS, _IMPACT = int(Direction.STAYS_ON_SURFACE), int(Direction.IMPACT)
+_BEGAN, _CEASED = int(Direction.BEGAN), int(Direction.CEASED)
+_HOLDS, _IMPACT = int(Direction.HOLDS), int(Direction.IMPACT)
 _FREE = 0.02  # measured: difference of the ratio of two flights in a row from that of free flights
 # accuracy: of the rate before an impact; contacts that are slower after it stay closed
 _STILL = 1e-12
@@ -39,18 +39,16 @@ _CLOCK = 8.0 * EPS
 @inner
 def log_event(context: Integers, t: float, k: int, direction: int) -> None:
     """Append an event of function `k` with the state in row Y1."""
-    event_t = ft.event_times_of(context)
-    event_kind = ft.event_kinds_of(context)
-    event_y = ft.event_states_of(context)
-    y1 = ws.row_of(context, ws.Y1)
+    event_t, event_kind = ft.event_times_of(context), ft.event_kinds_of(context)
+    event_y, y1 = ft.event_states_of(context), ws.row_of(context, ws.Y1)
     r = run_record(context)
     length = 2 * context[ft.COORDINATES]
-    at = r.logged_events
-    event_t[at] = t
-    event_kind[at, 0] = k
-    event_kind[at, 1] = direction
+    row = r.logged_events
+    event_t[row] = t
+    event_kind[row, 0] = k
+    event_kind[row, 1] = direction
     for j in range(length):
-        event_y[at, j] = y1[j]
+        event_y[row, j] = y1[j]
     r.logged_events += 1
     r.events += 1
 
@@ -58,12 +56,9 @@ def log_event(context: Integers, t: float, k: int, direction: int) -> None:
 @inner
 def measure_approach(context: Integers, t: float) -> None:
     """Write the closing rates of open contacts that touch into row STRUCK; 0 of all others."""
-    p = ft.parameters_of(context)
-    modes = ft.modes_of(context)
-    largest = ws.switch_row(context, ws.LARGEST)
-    struck = ws.switch_row(context, ws.STRUCK)
-    s = context[ft.SWITCHES]
-    rigid = ft.rigid_of(context)
+    p, modes = ft.parameters_of(context), ft.modes_of(context)
+    largest, struck = ws.switch_row(context, ws.LARGEST), ws.switch_row(context, ws.STRUCK)
+    s, rigid = context[ft.SWITCHES], ft.rigid_of(context)
     q, v = ws.positions(context, ws.Y1), ws.velocities(context, ws.Y1)
     g, rates = ws.switch_row(context, ws.NOW), ws.switch_row(context, ws.RATE_NOW)
     abi.switching_of(context)(t, q, v, p, g)
@@ -81,8 +76,7 @@ def predict_flights(context: Integers, k: int, t: float, free: float) -> float:
     It is `free`, T/(1 - e), where they are free; where friction or another contact interferes, each
     is shorter than the one before in the ratio of the last two.
     """
-    flight_row = ws.switch_row(context, ws.FLIGHT)
-    impact_at = ws.switch_row(context, ws.IMPACT_AT)
+    flight_row, impact_at = ws.switch_row(context, ws.FLIGHT), ws.switch_row(context, ws.IMPACT_AT)
     e = ft.restitution_of(context)[ft.rigid_of(context)[k]]
     before, flight = flight_row[k], t - impact_at[k]
     ratio = flight / before if before > 0.0 else e
@@ -94,12 +88,9 @@ def predict_flights(context: Integers, k: int, t: float, free: float) -> float:
 @inner
 def reset_modes(context: Integers, t: float, crossing: int) -> None:
     """After an impact, set the mode of every function by its value."""
-    p = ft.parameters_of(context)
-    modes = ft.modes_of(context)
-    largest_row = ws.switch_row(context, ws.LARGEST)
-    reserve = ws.switch_row(context, ws.RESERVE)
-    n = context[ft.COORDINATES]
-    s = context[ft.SWITCHES]
+    p, modes = ft.parameters_of(context), ft.modes_of(context)
+    largest_row, reserve = ws.switch_row(context, ws.LARGEST), ws.switch_row(context, ws.RESERVE)
+    n, s = context[ft.COORDINATES], context[ft.SWITCHES]
     rigid = ft.rigid_of(context)
     q, v = ws.positions(context, ws.Y1), ws.velocities(context, ws.Y1)
     g, rates = ws.switch_row(context, ws.NOW), ws.switch_row(context, ws.RATE_NOW)
@@ -124,24 +115,20 @@ def release_together(context: Integers, t: float, letting_go: int, q: Vector, v:
     One after the other, each would stop the other again. The right-hand side must just have been
     evaluated.
     """
-    modes = ft.modes_of(context)
-    preferred = ws.switch_row(context, ws.PREFERRED)
+    modes, preferred = ft.modes_of(context), ws.switch_row(context, ws.PREFERRED)
     s = context[ft.SWITCHES]
     rigid, share = ft.rigid_of(context), ft.share_of(context)
     low, high = ft.share_low_of(context), ft.share_high_of(context)
     for k in range(s):
         if k == letting_go or modes[k] != SLIDING or rigid[k] >= 0 or rigid[letting_go] >= 0:
             continue
-        if (
-            share_freedom(context, k, letting_go)
-            and compute_margin(context, t, q, v, s, k) <= MISSED
-        ):
+        if share_freedom(context, k, letting_go) and compute_margin(context, t, q, v, k) <= MISSED:
             side = 1 if share[k] > 0.5 * (low[k] + high[k]) else 0
             preferred[k] = mark_known(side)
 
 
 @inner
-def side_of_release(context: Integers, k: int) -> int:
+def find_release_mode(context: Integers, k: int) -> int:
     """The mode, 0 or 1, of function `k` after its share has reached a bound."""
     share = ft.share_of(context)[k]
     low, high = ft.share_low_of(context)[k], ft.share_high_of(context)[k]
@@ -154,8 +141,7 @@ def collide(context: Integers, crossing: int, t: float) -> float:
 
     `run.flight` receives the time of the next flight.
     """
-    r = run_record(context)
-    struck = ws.switch_row(context, ws.STRUCK)
+    r, struck = run_record(context), ws.switch_row(context, ws.STRUCK)
     flights, impact_at = ws.switch_row(context, ws.FLIGHT), ws.switch_row(context, ws.IMPACT_AT)
     measure_approach(context, t)
     flight = ft.impact_of(context)(context, crossing, t, ws.Y1)
@@ -228,9 +214,9 @@ def log_changes(context: Integers, t: float, crossing: int, hit: bool) -> int:
         blamed = k == crossing and inconsistent
         struck = hit and struck_row[k] > 0.0
         if (modes[k] != before[k] or blamed or struck) and not (hit and k == crossing):
-            direction = _STAYS
+            direction = _HOLDS
             if modes[k] != before[k] and not slides:
-                direction = _SWITCHED_ON if modes[k] != 0 else _SWITCHED_OFF
+                direction = _BEGAN if modes[k] != 0 else _CEASED
             elif struck and not slides:
                 direction = _IMPACT
             log_event(context, t, k, direction)
@@ -249,8 +235,7 @@ def change_modes(context: Integers, crossing: int, t: float, h: float) -> int:
     Returns the number of events that were logged.
     """
     modes, before = ft.modes_of(context), ft.former_modes_of(context)
-    preferred = ws.switch_row(context, ws.PREFERRED)
-    r = run_record(context)
+    preferred, r = ws.switch_row(context, ws.PREFERRED), run_record(context)
     q, v = ws.positions(context, ws.Y1), ws.velocities(context, ws.Y1)
     for k in range(context[ft.SWITCHES]):
         before[k] = modes[k]
@@ -259,7 +244,7 @@ def change_modes(context: Integers, crossing: int, t: float, h: float) -> int:
     if modes[crossing] == SLIDING:
         letting_go = crossing
         field(context, t, q, v, modes, ws.first_half(context, ws.DELTA))
-        side = side_of_release(context, crossing)
+        side = find_release_mode(context, crossing)
     hit = ft.rigid_of(context)[crossing] >= 0 and letting_go < 0
     if hit:
         last = collide(context, crossing, t)
@@ -268,8 +253,7 @@ def change_modes(context: Integers, crossing: int, t: float, h: float) -> int:
         release_together(context, t, letting_go, q, v)
     if not hit:
         prefer_released(context, crossing, t, q, v)
-    rates = ws.switch_row(context, ws.RATE_NOW)
-    a = ws.first_half(context, ws.DELTA)
+    rates, a = ws.switch_row(context, ws.RATE_NOW), ws.first_half(context, ws.DELTA)
     abi.switching_rates_of(context)(t, q, v, a, ft.parameters_of(context), rates)
     if hit:
         approach = ws.switch_row(context, ws.STRUCK)[crossing]
@@ -280,7 +264,7 @@ def change_modes(context: Integers, crossing: int, t: float, h: float) -> int:
     r.blamed = ft.select_modes_of(context)(context, crossing, t, ahead, ws.Y1, ws.G1)
     logged = 0
     if hit:
-        direction = _STAYS if modes[crossing] == SLIDING else _IMPACT
+        direction = _HOLDS if modes[crossing] == SLIDING else _IMPACT
         last = last if r.blamed == CONSISTENT else 0.0  # no mode is right: nothing comes after
         log_event(context, t + last, crossing, direction)
         logged = 1

@@ -37,13 +37,11 @@ _UNITS = 3  # safety: changes of a unit of the stiction force
 def evaluate_units(context: Integers, t: float, q: Vector, v: Vector, modes: Integers) -> int:
     """Fill the base, in which nothing slides, the change by each sliding function, and responses.
 
-    For friction whose stiction force is sought the change is that by a unit of this force.
+    For friction with an unknown stiction force the change is that by a unit of this force.
     Returns the weak pivot of the base, as `accelerations` does.
     """
-    p = ft.parameters_of(context)
-    s = context[ft.SWITCHES]
-    kernel_modes = ft.kernel_modes_of(context)
-    sliding = ft.sliding_functions_of(context)
+    p, s = ft.parameters_of(context), context[ft.SWITCHES]
+    kernel_modes, sliding = ft.kernel_modes_of(context), ft.sliding_functions_of(context)
     places = ft.stiction_place_of(context)
     count = 0
     for k in range(s):
@@ -67,14 +65,11 @@ def evaluate_units(context: Integers, t: float, q: Vector, v: Vector, modes: Int
 @inner
 def evaluate_unit(context: Integers, t: float, q: Vector, v: Vector, count: int, c: int) -> None:
     """Fill the change of the motion by the `c`-th sliding function, and its response."""
-    p = ft.parameters_of(context)
-    base_accelerations = ft.base_accelerations_of(context)
+    p, base_accelerations = ft.parameters_of(context), ft.base_accelerations_of(context)
     base_multipliers = ft.base_multipliers_of(context)
     n, m = context[ft.COORDINATES], context[ft.CONSTRAINT_COUNT]
-    kernel_modes = ft.kernel_modes_of(context)
-    sliding = ft.sliding_functions_of(context)
-    matrix = ft.response_of(context)
-    base = ft.base_response_of(context)
+    kernel_modes, sliding = ft.kernel_modes_of(context), ft.sliding_functions_of(context)
+    matrix, base = ft.response_of(context), ft.base_response_of(context)
     column = ft.response_column_of(context)
     unit_a = view(ft.unit_accelerations_of(context), c * n, n)
     unit_lam = view(ft.unit_multipliers_of(context), c * m, m)
@@ -102,10 +97,8 @@ def evaluate_response(
     out: Vector,
 ) -> None:
     """Write dg/dt, for a rigid contact g̈, of the `count` functions in sliding mode."""
-    p = ft.parameters_of(context)
-    r = context[ft.RIGID_COUNT]
-    rigid = ft.rigid_of(context)
-    rates = ft.response_rates_of(context)
+    p, r = ft.parameters_of(context), context[ft.RIGID_COUNT]
+    rigid, rates = ft.rigid_of(context), ft.response_rates_of(context)
     gaps = ft.response_gaps_of(context)
     abi.switching_rates_of(context)(t, q, v, a, p, rates)
     if r > 0:
@@ -137,14 +130,11 @@ def solve_shares(context: Integers, t: float, q: Vector, v: Vector, count: int) 
 @inner
 def balance_shares(context: Integers, count: int) -> None:
     """Solve for the shares with which dg/dt (of contacts g̈) of all sliding functions is zero."""
-    s = context[ft.SWITCHES]
-    sliding = ft.sliding_functions_of(context)
+    s, sliding = context[ft.SWITCHES], ft.sliding_functions_of(context)
     rigid = ft.rigid_of(context)
     places, forces = ft.stiction_place_of(context), ft.stiction_units_of(context)
-    share = ft.share_of(context)
-    matrix = ft.response_of(context)
-    base = ft.base_response_of(context)
-    right = ft.right_side_of(context)
+    share, matrix = ft.share_of(context), ft.response_of(context)
+    base, right = ft.base_response_of(context), ft.right_side_of(context)
     copy = ft.response_copy_of(context)
     for i in range(count):
         right[i] = -base[i]
@@ -152,8 +142,7 @@ def balance_shares(context: Integers, count: int) -> None:
         copy[i] = matrix[i]
     if solve_equilibrated(copy, right, count, SAME_HOLD) != 0:
         low, high = ft.share_low_of(context), ft.share_high_of(context)
-        middle = ft.response_rates_of(context)
-        reach = ft.response_column_of(context)
+        middle, reach = ft.response_rates_of(context), ft.response_column_of(context)
         for c in range(count):
             k = sliding[c]
             # A contact without a force has its upper bound as its share, and no lower one.

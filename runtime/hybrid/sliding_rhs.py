@@ -44,8 +44,7 @@ def evaluate_rhs(
 
     SHARE receives the share of each function in sliding mode.
     """
-    p = ft.parameters_of(context)
-    base_multipliers = ft.base_multipliers_of(context)
+    p, base_multipliers = ft.parameters_of(context), ft.base_multipliers_of(context)
     base_accelerations = ft.base_accelerations_of(context)
     unit_accelerations = ft.unit_accelerations_of(context)
     n, m = context[ft.COORDINATES], context[ft.CONSTRAINT_COUNT]
@@ -57,8 +56,7 @@ def evaluate_rhs(
         weak = evaluate_units(context, t, q, v, modes)
         solve_shares(context, t, q, v, count)
         write_forces(context, count)
-        share = ft.share_of(context)
-        sliding = ft.sliding_functions_of(context)
+        share, sliding = ft.share_of(context), ft.sliding_functions_of(context)
         for i in range(m):
             lam[i] = base_multipliers[i]
         for j in range(n):
@@ -89,13 +87,11 @@ def evaluate_rhs(
 @addressed(ft.SLOPE)
 def evaluate_slope(context: Integers, t: float, state: int, derivative: int) -> int:
     """As `slope`, in sliding modes, with stabilisation, and where stages are corrected."""
-    modes = ft.modes_of(context)
-    n = context[ft.COORDINATES]
+    modes, n = ft.modes_of(context), context[ft.COORDINATES]
     taken = 0
     if context[ft.EACH_STAGE] != 0:
         taken = int(ft.correct_of(context)(context, t, state, ws.PARTITION))
-    q = ws.positions(context, state)
-    v = ws.velocities(context, state)
+    q, v = ws.positions(context, state), ws.velocities(context, state)
     rate = ws.position_rates(context, derivative)
     field(context, t, q, v, modes, ws.velocity_rates(context, derivative))
     for j in range(n):

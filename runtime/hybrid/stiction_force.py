@@ -47,8 +47,7 @@ def remove_unit(context: Integers, k: int) -> None:
 @inner
 def write_forces(context: Integers, count: int) -> None:
     """Write the stiction forces into `p`, for kernels in mode 2."""
-    p = ft.parameters_of(context)
-    sliding = ft.sliding_functions_of(context)
+    p, sliding = ft.parameters_of(context), ft.sliding_functions_of(context)
     places, share = ft.stiction_place_of(context), ft.share_of(context)
     unit = ft.stiction_units_of(context)
     for c in range(count):
@@ -58,9 +57,8 @@ def write_forces(context: Integers, count: int) -> None:
 
 @inner
 def suspend_friction(context: Integers) -> None:
-    """Set all frictions whose stiction force is sought to a force of zero, by `modes`."""
-    p = ft.parameters_of(context)
-    modes = ft.modes_of(context)
+    """Set all frictions with an unknown stiction force to a force of zero, by `modes`."""
+    p, modes = ft.parameters_of(context), ft.modes_of(context)
     places = ft.stiction_place_of(context)
     for k in range(context[ft.SWITCHES]):
         if places[k] >= 0:
@@ -83,12 +81,9 @@ def find_jamming_friction(context: Integers, t: float, q: Vector, v: Vector, a: 
 
     For states without accelerations under `modes`; `a` and `lam` are overwritten.
     """
-    p = ft.parameters_of(context)
-    modes = ft.modes_of(context)
-    lam = ft.multipliers_of(context)
-    s = context[ft.SWITCHES]
-    places = ft.stiction_place_of(context)
-    kernel_modes = ft.kernel_modes_of(context)
+    p, modes = ft.parameters_of(context), ft.modes_of(context)
+    lam, s = ft.multipliers_of(context), context[ft.SWITCHES]
+    places, kernel_modes = ft.stiction_place_of(context), ft.kernel_modes_of(context)
     for k in range(s):
         kernel_modes[k] = modes[k]
     for k in range(s):
@@ -108,8 +103,7 @@ def choose_units(context: Integers, t: float, q: Vector, v: Vector, count: int) 
 
     The limit serves as the unit: it has the size of the forces in the machine.
     """
-    p = ft.parameters_of(context)
-    s = context[ft.SWITCHES]
+    p, s = ft.parameters_of(context), context[ft.SWITCHES]
     kernel_modes = ft.kernel_modes_of(context)
     sliding, places = ft.sliding_functions_of(context), ft.stiction_place_of(context)
     limits, unit = ft.limits_of(context), ft.stiction_units_of(context)
@@ -118,15 +112,15 @@ def choose_units(context: Integers, t: float, q: Vector, v: Vector, count: int) 
         any_place = any_place or places[sliding[c]] >= 0
     if not any_place:
         return
-    room, lam = ft.reaction_of(context), ft.base_multipliers_of(context)
-    abi.reactions_of(context)(t, q, v, p, lam, room)
-    abi.switched_reactions_of(context)(t, q, v, p, kernel_modes, lam, room)
+    reaction, lam = ft.reaction_of(context), ft.base_multipliers_of(context)
+    abi.reactions_of(context)(t, q, v, p, lam, reaction)
+    abi.switched_reactions_of(context)(t, q, v, p, kernel_modes, lam, reaction)
     for c in range(count):
         k = sliding[c]
         if places[k] >= 0:
-            bears = room[limits[2 * k + 1]]
-            unit[s + k] = bears
-            unit[k] = bears if bears > 0.0 and np.isfinite(bears) else 1.0
+            limit = reaction[limits[2 * k + 1]]
+            unit[s + k] = limit
+            unit[k] = limit if limit > 0.0 and np.isfinite(limit) else 1.0
 
 
 @inner

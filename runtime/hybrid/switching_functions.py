@@ -30,7 +30,7 @@ def evaluate_switching(context: Integers, t: float, state: int, slot: int) -> No
 
 
 @inner
-def compute_margin(context: Integers, t: float, q: Vector, v: Vector, s: int, k: int) -> float:
+def compute_margin(context: Integers, t: float, q: Vector, v: Vector, k: int) -> float:
     """Margin of function `k` in sliding mode: positive inside, zero where it leaves its surface.
 
     It is the distance of the share from its bounds, or the part of the friction limit that is left.
@@ -54,7 +54,7 @@ def write_margins(context: Integers, t: float, state: int, slot: int) -> None:
     ft.modified_rhs_of(context)(context, t, q, v, modes, ws.first_half(context, ws.DELTA), lam)
     for k in range(s):
         if modes[k] == SLIDING:
-            ws.switch_row(context, slot)[k] = compute_margin(context, t, q, v, s, k)
+            ws.switch_row(context, slot)[k] = compute_margin(context, t, q, v, k)
 
 
 @inner
@@ -66,10 +66,8 @@ def evaluate_switching_and_rates(
     The workspace holds the state in row `state`, its derivative in row `derivative`. The rate of a
     margin is a difference along the motion.
     """
-    p = ft.parameters_of(context)
-    modes = ft.modes_of(context)
-    lam = ft.multipliers_of(context)
-    n = context[ft.COORDINATES]
+    p, modes = ft.parameters_of(context), ft.modes_of(context)
+    lam, n = ft.multipliers_of(context), context[ft.COORDINATES]
     s = context[ft.SWITCHES]
     evaluate_switching(context, t, state, slot)
     q, v = ws.positions(context, state), ws.velocities(context, state)
@@ -78,8 +76,7 @@ def evaluate_switching_and_rates(
     abi.switching_rates_of(context)(t, q, v, a, p, rates)
     if context[ft.SLIDING_COUNT] == 0:
         return
-    y = ws.row_of(context, state)
-    z = ws.row_of(context, ws.SAMPLE)
+    y, z = ws.row_of(context, state), ws.row_of(context, ws.SAMPLE)
     ahead = _AHEAD * ft.settings_of(context)[STEP]
     for j in range(n):
         z[j] = y[j] + ahead * (y[n + j] + 0.5 * ahead * a[j])
@@ -91,5 +88,5 @@ def evaluate_switching_and_rates(
     for k in range(s):
         if modes[k] == SLIDING:
             rates[k] = (
-                compute_margin(context, t + ahead, z_q, z_v, s, k) - ws.switch_row(context, slot)[k]
+                compute_margin(context, t + ahead, z_q, z_v, k) - ws.switch_row(context, slot)[k]
             ) / ahead

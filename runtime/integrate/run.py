@@ -195,7 +195,7 @@ class _Run:
         """The contacts that were struck in the very first instant are events as well."""
         struck = np.flatnonzero(self.switch_rows[STRUCK])
         closed = self.modes[struck] == SLIDING
-        kinds = np.where(closed, Direction.STAYS_ON_SURFACE, Direction.IMPACT).tolist()
+        kinds = np.where(closed, Direction.HOLDS, Direction.IMPACT).tolist()
         self.gathered.strike(self.r["t"], struck, kinds, self.state.ravel())
         self.r["events"] += len(struck)
 

@@ -5,10 +5,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from runtime.core.modes import Direction
 
-CROSSED, LOCKED = 3, 4
-_WORDS = {1: "began", -1: "ceased", 0: "holds", 2: "impact", CROSSED: "crossed", LOCKED: "locked"}
+FloatArray = npt.NDArray[np.float64]
 
 
 class Event(NamedTuple):
@@ -39,7 +38,7 @@ class Event(NamedTuple):
     @property
     def what(self) -> str:
         """The direction in a word: began, ceased, holds, impact, crossed or locked."""
-        return _WORDS[self.direction]
+        return Direction(self.direction).name.lower()
 
     @property
     def state(self) -> FloatArray:

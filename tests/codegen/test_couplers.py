@@ -117,7 +117,7 @@ Declare = Callable[[Model], object]
         (lambda m: m.particle("p", -1.0), "mass of body 'p' is -1 kg; it must be positive"),
         (lambda m: m.particle("p"), "body 'p' has no mass; give it in model.particle('p', mass="),
         (lambda m: m.torque("t", m.particle("p", 1.0), 2.0),
-         "uses p_phi, but particle 'p' has no such coordinate; it has p_x, p_y"),
+         "torque 't' turns 'p', which is a particle; use a body"),
         (lambda m: (m.particle("p", 1.0), m.scene("s", couplers={"p": "link"})),
          "there is no coupler 'p'"),
         (lambda m: m.coupler("c", m.ground.at(0, 0), m.body("b", 1.0, 1.0), -1.0, 1.0, 1.0),

@@ -282,6 +282,7 @@ model.scene("drop", ["gravity", "wind", "floor"], start={ball.y: 0.1, ball.x: 0.
 """
 
 
+@pytest.mark.slow
 def test_prices_of_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (ledger,) = explain(write_model(tmp_path / "models", BOUNCER), "drop", t_end=1.0)

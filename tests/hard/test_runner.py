@@ -102,6 +102,7 @@ def endless(name: str) -> Case:
     return replace(ONE, measure=measure) if name == "endless" else find(name)
 
 
+@pytest.mark.slow
 def test_what_hangs_is_given_up_and_the_next_cell_runs() -> None:
     worker = Worker(endless, limit=2.0)
     hanging = worker.run(replace(ONE, name="endless"), SETTING, 1e-6)

@@ -215,6 +215,7 @@ def test_spring_may_be_of_any_of_several_numbers_of_masses() -> None:
         assert float(start[f"lump_{count}_of_{count}.vx"]) == pytest.approx(-0.1 * count / 6)
 
 
+@pytest.mark.slow
 def test_number_of_masses_is_a_fidelity_of_the_scene(tmp_path: Path) -> None:
     """Six masses unless the scene says twelve: the same spring, and the waves of either chain."""
     model = machine(6, 12)

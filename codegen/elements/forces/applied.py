@@ -73,7 +73,10 @@ class AppliedTorque:
         return self.body.torque(self.value)
 
     def problems(self) -> list[str]:
-        """The ground cannot be turned."""
+        """The ground cannot be turned, and a particle has nothing to turn."""
         if self.body.fixed:
             return [f"torque '{self.name}' acts on the ground; give a moving body."]
+        if not self.body.turns:
+            name = self.body.name
+            return [f"torque '{self.name}' turns '{name}', which is a particle; use a body."]
         return []

@@ -25,7 +25,7 @@ def test_bouncing_ends_when_all_flights_are_over(method):
     r = drop_ball(1.0, 0.0, 2.0, e, 5.0, method=method)
     end = 1.0 + 2.0 * e / (1.0 - e)
     assert r.outcome == Outcome.OK
-    assert r.events.direction[-1] == Direction.STAYS_ON_SURFACE
+    assert r.events.direction[-1] == Direction.HOLDS
     assert set(r.events.direction[:-1]) == {Direction.IMPACT}
     assert r.events.t[-1] == pytest.approx(end, abs=1e-9)
     flights = np.diff(r.events.t)[:-1]

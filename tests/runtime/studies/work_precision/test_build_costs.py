@@ -85,6 +85,7 @@ def test_building_leaves_out_companions_that_no_setting_takes() -> None:
     assert list(found) == ["derive", "lower", "examine", "emit", "compile", "load, warm"]
 
 
+@pytest.mark.slow
 def test_building_is_timed_stage_by_stage() -> None:
     model = speck()
     found = build_costs(model, model.scenes["fly"])
