@@ -11,7 +11,7 @@ import numpy as np
 
 from runtime.core.jit import inner
 from runtime.linalg.rank_policy import REDUNDANT
-from runtime.linalg.row_elimination import eliminate_rows, fill_unit_rows, smallest_pivot
+from runtime.linalg.row_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot
 
 # Entries of the record that a continuation keeps. BARRIER: an instant to stop at, or not a number.
 # TRAVEL: scaled motion since pivots were looked at; LEAST: the smallest then, negative where they
@@ -39,7 +39,8 @@ def look(
 ) -> None:  # fmt: skip
     """Keep this state and the pivots there as what the next look is compared with."""
     n = len(q)
-    fill_unit_rows(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
+    jacobian(t, q, p, values)
+    fill_unit_rows(Sparse(sparse[0], sparse[1], values), scale, dense)
     eliminate_rows(dense, order, pivots[0], 1)
     record[LEAST] = smallest_pivot(pivots[0])
     record[TRAVEL] = 0.0
@@ -81,7 +82,8 @@ def suspicious(
     """
     now, later, between = pivots[0], pivots[1], pivots[2]
     before, moved = work[LOOK_Q], work[SPARE]
-    fill_unit_rows(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
+    jacobian(t, q, p, values)
+    fill_unit_rows(Sparse(sparse[0], sparse[1], values), scale, dense)
     eliminate_rows(dense, order, later, 0)
     changes = 0
     poorest = np.inf
@@ -93,7 +95,8 @@ def suspicious(
         middle = record[LOOK_T] + share * (t - record[LOOK_T])
         for j in range(len(q)):
             moved[j] = before[j] + share * (q[j] - before[j])
-        fill_unit_rows(jacobian, middle, moved, p, scale, sparse[0], sparse[1], values, dense)
+        jacobian(middle, moved, p, values)
+        fill_unit_rows(Sparse(sparse[0], sparse[1], values), scale, dense)
         eliminate_rows(dense, spare, between, 1)
         least = smallest_pivot(between)
         if least < poorest:
@@ -102,7 +105,8 @@ def suspicious(
     if changes % 2 == 0:
         if changes == 0:
             return False
-        fill_unit_rows(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
+        jacobian(t, q, p, values)
+        fill_unit_rows(Sparse(sparse[0], sparse[1], values), scale, dense)
         eliminate_rows(dense, spare, between, 1)
         if poorest >= _POOR * min(record[LEAST], smallest_pivot(between)):
             return False
