@@ -13,6 +13,7 @@ with the coordinates c that remain.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from codegen.lower.differentiation.tangent import differentiate
 from codegen.lower.graph import Graph
@@ -21,8 +22,7 @@ from codegen.lower.linear.square_systems import ROUNDING
 from codegen.lower.substitution import reached, rebuilt
 
 
-@dataclass(frozen=True)
-class Rates:
+class Rates(NamedTuple):
     """q̇ = Σ slopes · ċ + velocity, q̈ = Σ slopes · c̈ + acceleration."""
 
     slopes: dict[int, int]
@@ -40,8 +40,7 @@ class Row:
     gamma: int
 
 
-@dataclass(frozen=True)
-class Substitution:
+class Substitution(NamedTuple):
     """A coordinate and its formula, in the coordinates that remained when it was found."""
 
     column: int
@@ -113,8 +112,7 @@ class ExplicitCoordinates:
         return self.graph.number(slope) == self.graph.number(row.entries[k])
 
     def _substitute(self, i: int, k: int) -> None:
-        graph = self.graph
-        row = self.rows.pop(i)
+        graph, row = self.graph, self.rows.pop(i)
         inverse = graph.neg(graph.div(graph.one, row.entries.pop(k)))
         (rest,) = rebuilt(graph, [row.value], {self.q[k]: graph.zero})
         formula = graph.mul(inverse, rest)
