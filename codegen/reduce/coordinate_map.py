@@ -99,20 +99,20 @@ class CoordinateMap:
         values = self._required()
         angles = [k for k in left if k not in independent and self._is_periodic(k, values)]
         while True:
-            found = find_loops(
+            loops = find_loops(
                 self.graph,
                 self.scene.q,
                 {i: row.value for i, row in rows.items()},
                 list(angles),
                 len(self.description.parameters),
             )
-            wound = set()
-            for loop in found:
+            bare = set()
+            for loop in loops:
                 others = [row.value for i, row in rows.items() if i not in loop.rows]
-                wound |= {k for k in loop.columns if not self._is_periodic(k, others)}
-            if not wound:
-                return found
-            angles = [k for k in angles if k not in wound]
+                bare |= {k for k in loop.columns if not self._is_periodic(k, others)}
+            if not bare:
+                return loops
+            angles = [k for k in angles if k not in bare]
 
     def _required(self) -> list[int]:
         """The values that the equations of motion and the events need, explicit ones substituted.

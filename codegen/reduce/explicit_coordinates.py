@@ -95,16 +95,16 @@ class ExplicitCoordinates:
         for row in self.rows.values():
             for k in row.entries:
                 counts[k] = counts.get(k, 0) + 1
-        found = []
+        candidates = []
         for i, row in self.rows.items():
             sizes = {k: abs(self.graph.number(entry) or 0.0) for k, entry in row.entries.items()}
             least = LEAST_PIVOT * max(sizes.values(), default=0.0)
-            found += [
+            candidates += [
                 (k in self.preferred, (len(sizes) - 1) * (counts[k] - 1), len(sizes), i, k)
                 for k, size in sizes.items()
                 if size > 0.0 and size >= least and k not in self.kept and self._affine(row, k)
             ]
-        return min(found)[3:] if found else None
+        return min(candidates)[3:] if candidates else None
 
     def _affine(self, row: Row, k: int) -> bool:
         """Whether the derivative of the constraint itself is that in its Jacobian."""
@@ -145,8 +145,8 @@ class ExplicitCoordinates:
         """Column of each explicit coordinate → its formula in those that remain."""
         known: dict[int, int] = {}
         for one in reversed(self.substitutions):
-            met = reached(self.graph, [one.formula])
-            inner = {self.q[k]: value for k, value in known.items() if self.q[k] in met}
+            reachable = reached(self.graph, [one.formula])
+            inner = {self.q[k]: value for k, value in known.items() if self.q[k] in reachable}
             (known[one.column],) = rebuilt(self.graph, [one.formula], inner)
         return known
 
