@@ -200,7 +200,7 @@ def _refuse(ready: PreparedSimulation, correction: Correction) -> None:
             f"{', '.join(row.name for row in begin.redundant)} follow from other constraints, and "
             "reduced coordinates need independent ones; remove them"
         )
-    stuck = [*description.sought, *(k for k, *_ in description.friction_limits)]
+    stuck = [*description.stiction, *(k for k, *_ in description.friction_limits)]
     if stuck:
         names = dict.fromkeys(description.switches[k].name for k in stuck)
         problems.append(

@@ -31,7 +31,7 @@ def _mix_rows(context: Any, kernels: Any, rows: Any, s: Any, p: Any, powers: Any
     for row in rows:
         t, q, v = s.t[row], s.q[row], s.v[row]
         count_sliding(context, s.modes[row])
-        ft.modified_rhs_of(context)(context, t, q, v, s.modes[row], s.a[row], s.lam[row])
+        ft.modified_accelerations_of(context)(context, t, q, v, s.modes[row], s.a[row], s.lam[row])
         mix_reactions(context, t, q, v, s.lam[row])
         for i in range(len(reaction)):
             s.reaction[row, i] = reaction[i]
