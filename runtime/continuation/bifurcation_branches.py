@@ -48,7 +48,7 @@ class RankDeficiency:
         self.equations, self.t, self.q, self.scale = equations, t, q, scale
         self.rows = equations.independent
         matrix = equations.jacobian(t, q)[self.rows] * scale
-        self.lengths = np.linalg.norm(matrix, axis=1)
+        self.lengths: FloatArray = np.linalg.norm(matrix, axis=1)
         self.lengths[self.lengths == 0.0] = 1.0
         self.matrix = matrix / self.lengths[:, None]
         left, self.values, right = np.linalg.svd(self.matrix)
@@ -60,13 +60,11 @@ class RankDeficiency:
     @property
     def nu(self) -> FloatArray:
         """-Phi_t of the rows, (m,)."""
-        nu: FloatArray = self.equations.velocity_rhs(self.t, self.q)[self.rows] / self.lengths
-        return nu
+        return self.equations.velocity_rhs(self.t, self.q)[self.rows] / self.lengths
 
     def gamma(self, v: FloatArray) -> FloatArray:
         """gamma of the rows, (m,)."""
-        gamma: FloatArray = self.equations.acceleration_rhs(self.t, self.q, v)
-        return gamma[self.rows] / self.lengths
+        return self.equations.acceleration_rhs(self.t, self.q, v)[self.rows] / self.lengths
 
     def drift(self, rate: float) -> float:
         """|uᵀ nu| / rate, the second-order test: rounding where motions cross, else a lock-up."""
