@@ -13,7 +13,7 @@ from runtime.core.modes import SLIDING
 from runtime.dynamics.output_quantities import SAMPLES
 from runtime.hybrid.mode_consistency import count_sliding
 from runtime.hybrid.mode_reactions import mix_reactions
-from runtime.hybrid.stiction_force import apply_unit, remove_unit
+from runtime.hybrid.stiction_force import set_unit
 from runtime.integrate.wiring import wire
 from runtime.mechanism.mechanism import Mechanism
 from runtime.results.samples import Samples
@@ -36,7 +36,7 @@ def _mix_rows(context: Any, kernels: Any, rows: Any, s: Any, p: Any, powers: Any
         for i in range(len(reaction)):
             s.reaction[row, i] = reaction[i]
         for c in range(context[ft.SLIDING_COUNT]):
-            remove_unit(context, sliding[c])
+            set_unit(context, sliding[c], 0)
         evaluate_powers(t, q, v, p, modes, base_lam, base)
         for i in range(len(base)):
             s.power[row, i] = base[i]
@@ -48,10 +48,10 @@ def _mix_rows(context: Any, kernels: Any, rows: Any, s: Any, p: Any, powers: Any
                 force, limit = reaction[limits[2 * k]], reaction[limits[2 * k + 1]]
                 s.share[row, k] = 0.5 - 0.5 * high[k] * force / limit if limit > 0.0 else np.nan
             for i in range(m):
-                lam[i] = base_lam[i] + unit_lam[c * m + i]
-            apply_unit(context, k)
+                lam[i] = base_lam[i] + unit_lam[c, i]
+            set_unit(context, k, 1)
             evaluate_powers(t, q, v, p, modes, lam, other)
-            remove_unit(context, k)
+            set_unit(context, k, 0)
             for i in range(len(base)):
                 s.power[row, i] += share[k] * (other[i] - base[i])
 

@@ -10,6 +10,15 @@ from runtime.linalg.rank_policy import SAME_HOLD
 
 
 @inner
+def row_length(matrix: Vector, count: int, i: int) -> float:
+    """Euclidean length of row `i`."""
+    square = 0.0
+    for c in range(count):
+        square += matrix[i * count + c] ** 2
+    return float(np.sqrt(square))
+
+
+@inner
 def orthogonalize_row(
     context: Integers, matrix: Vector, right: Vector, count: int, i: int
 ) -> float:
@@ -39,19 +48,11 @@ def solve_least(
     """As `solve_equilibrated`, for the smallest of many solutions; 1 where there is none.
 
     Frictions of one freedom share its force in many ways. This one makes Σ |column| x²/reach least:
-    each bears the same part of its reach, so that they stick as long as possible, and break loose
-    together. Rows are made orthogonal one after the other (Gram and Schmidt, twice); a row without
-    a rest depends on the others. Rows of contacts come first and must be independent: a contact
-    that repeats others may open.
-
-    Parameters
-    ----------
-    matrix, right
-        By rows, of the `count` functions in sliding mode; both are overwritten, `right` with x.
-    reach : (s,)
-        Largest permitted |x|; overwritten.
-    slack
-        Permitted residual of a dependent row, relative to its terms.
+    each bears the same part of its reach, the largest permitted |x|, so that they stick as long as
+    possible, and break loose together. Rows are made orthogonal one after the other (Gram and
+    Schmidt, twice); a row without a rest depends on the others, and its residual may be `slack` of
+    its terms. Rows of contacts come first and must be independent: a contact that repeats others
+    may open. `matrix`, `right` and `reach` are overwritten, `right` with x.
     """
     rigid, sliding = ft.rigid_of(context), ft.sliding_functions_of(context)
     if equilibrate(matrix, right, count) != 0:
@@ -70,18 +71,13 @@ def solve_least(
             closed = rigid[sliding[i]] >= 0
             if closed != (turn == 0):
                 continue
-            size = 0.0
-            for c in range(count):
-                size += matrix[i * count + c] ** 2
+            size = row_length(matrix, count, i)
             scale = orthogonalize_row(context, matrix, right, count, i)
-            rest = 0.0
-            for c in range(count):
-                rest += matrix[i * count + c] ** 2
-            root = np.sqrt(rest)
-            if root > SAME_HOLD * np.sqrt(size):
+            rest = row_length(matrix, count, i)
+            if rest > SAME_HOLD * size:
                 for c in range(count):
-                    matrix[i * count + c] /= root
-                right[i] /= root
+                    matrix[i * count + c] /= rest
+                right[i] /= rest
                 continue
             if closed or not abs(right[i]) <= slack * scale:
                 return 1

@@ -10,10 +10,12 @@ from runtime.core import function_table as ft
 from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import interpolate
-from runtime.core.jit import addressed, inner
+from runtime.core.jit import addressed, inlined, inner
 from runtime.core.modes import SLIDING
 from runtime.core.rounding import EPS
+from runtime.core.run_record import run_record
 from runtime.hybrid.switching_functions import evaluate_switching
+from runtime.linalg.vectors import copy_vector
 
 # accuracy: of the time; difference of two instants that the clock cannot resolve
 INSTANT = 4.0 * EPS
@@ -24,27 +26,28 @@ _NOISE = 1e-14  # accuracy: of the largest |g|; a dip of this depth is rounding
 _GOLDEN = 0.3819660112501051  # formula: golden section
 
 
+@inlined
+def mode_sign(context: Integers, k: int) -> float:
+    """1 where g ought to be positive in the mode of function `k`, else -1."""
+    return 1.0 if ft.modes_of(context)[k] != 0 else -1.0
+
+
 @inner
 def mark_suspects(context: Integers, h: float) -> int:
     """Mark in SUSPECT the functions that may cross in the step, and count them."""
-    modes, band_row = ft.modes_of(context), ws.switch_row(context, ws.BAND)
+    band_row = ws.switch_row(context, ws.BAND)
     g0_row, g1_row = ws.switch_row(context, ws.G0), ws.switch_row(context, ws.G1)
     r0, r1 = ws.switch_row(context, ws.R0), ws.switch_row(context, ws.R1)
-    between, mismatch = ws.switch_row(context, ws.BETWEEN), ws.switch_row(context, ws.MISMATCH)
-    suspect, s = ws.switch_row(context, ws.SUSPECT), context[ft.SWITCHES]
+    mismatch, suspect = ws.switch_row(context, ws.MISMATCH), ws.switch_row(context, ws.SUSPECT)
     count = 0
-    for k in range(s):
-        side = 1.0 if modes[k] != 0 else -1.0
-        band = band_row[k]
-        g0 = side * g0_row[k]
-        g1 = side * g1_row[k]
-        c1 = g0 + h * side * r0[k] / 3.0
-        c2 = g1 - h * side * r1[k] / 3.0
-        a1 = side * between[k]
-        a2 = side * ws.switch_row(context, ws.BETWEEN + 1)[k]
-        a3 = side * ws.switch_row(context, ws.BETWEEN + 2)[k]
-        low = min(c1, c2, g1, a1, a2, a3)
-        high = max(g0, c1, c2, g1, a1, a2, a3)
+    for k in range(context[ft.SWITCHES]):
+        side = mode_sign(context, k)
+        band, g0, g1 = band_row[k], side * g0_row[k], side * g1_row[k]
+        c1, c2 = g0 + h * side * r0[k] / 3.0, g1 - h * side * r1[k] / 3.0
+        low, high = min(c1, c2, g1), max(g0, c1, c2, g1)
+        for i in range(3):
+            inside = side * ws.switch_row(context, ws.BETWEEN + i)[k]
+            low, high = min(low, inside), max(high, inside)
         if band == 0.0:
             low = min(low, g0)
         else:
@@ -58,34 +61,24 @@ def mark_suspects(context: Integers, h: float) -> int:
 
 
 @addressed(ft.SAMPLE_FUNCTION)
-def sample_function(
-    context: Integers, t: float, h: float, x: float, k: int, dense_rows: int
-) -> float:
-    """Function `k` on the dense output at fraction `x` of the step; row TRIAL receives all."""
-    trial = ws.switch_row(context, ws.TRIAL)
-    interpolate(context, dense_rows, x, ws.SAMPLE)
-    evaluate_switching(context, t + x * h, ws.SAMPLE, ws.TRIAL)
-    return float(trial[k])
+def sample_function(context: Integers, x: float, k: int) -> float:
+    """Function `k` on the dense output at fraction `x` of the step, by the sign of its mode.
+
+    Row TRIAL receives all functions.
+    """
+    r = run_record(context)
+    interpolate(context, r.dense_rows, x, ws.SAMPLE)
+    evaluate_switching(context, r.t + x * r.length, ws.SAMPLE, ws.TRIAL)
+    return float(mode_sign(context, k) * ws.switch_row(context, ws.TRIAL)[k])
 
 
 @inner
-def find_dip(
-    context: Integers,
-    t: float,
-    h: float,
-    low: float,
-    high: float,
-    side: float,
-    band: float,
-    k: int,
-    dense_rows: int,
-) -> float:
-    """A point between `low` and `high` with side * g_k < -band, or `NOT_FOUND`; golden section."""
+def find_dip(context: Integers, low: float, high: float, band: float, k: int) -> float:
+    """A point between `low` and `high` where function `k` is below -band; golden section."""
     sample = ft.sample_function_of(context)
     x1 = low + _GOLDEN * (high - low)
     x2 = high - _GOLDEN * (high - low)
-    g1 = side * sample(context, t, h, x1, k, dense_rows)
-    g2 = side * sample(context, t, h, x2, k, dense_rows)
+    g1, g2 = sample(context, x1, k), sample(context, x2, k)
     for _ in range(40):
         if g1 < -band:
             return x1
@@ -94,55 +87,39 @@ def find_dip(
         if g1 < g2:
             high, x2, g2 = x2, x1, g1
             x1 = low + _GOLDEN * (high - low)
-            g1 = side * sample(context, t, h, x1, k, dense_rows)
+            g1 = sample(context, x1, k)
         else:
             low, x1, g1 = x1, x2, g2
             x2 = high - _GOLDEN * (high - low)
-            g2 = side * sample(context, t, h, x2, k, dense_rows)
+            g2 = sample(context, x2, k)
     return NOT_FOUND
 
 
 @inner
-def find_root(
-    context: Integers,
-    t: float,
-    h: float,
-    low: float,
-    high: float,
-    side: float,
-    band: float,
-    k: int,
-    dense_rows: int,
-) -> float:
-    """Fraction at which side * g_k + band falls through zero, between `low` and `high`.
+def find_root(context: Integers, low: float, high: float, band: float, k: int) -> float:
+    """Fraction at which function `k` plus the band falls through zero, between `low` and `high`.
 
     Regula falsi with halved weights (Illinois), every third point a bisection; to 1e-13 of the
     step.
     """
     sample = ft.sample_function_of(context)
-    g_low = side * sample(context, t, h, low, k, dense_rows) + band
-    g_high = side * sample(context, t, h, high, k, dense_rows) + band
-    kept = 0
+    g_low, g_high = sample(context, low, k) + band, sample(context, high, k) + band
+    side = 0
     for i in range(120):
         if high - low <= 1e-13:
             break
-        if g_low <= 0.0 or i % 3 == 2:
+        x = high - g_high * (high - low) / (g_high - g_low)
+        if g_low <= 0.0 or i % 3 == 2 or not (low < x < high):
             x = 0.5 * (low + high)
-        else:
-            x = high - g_high * (high - low) / (g_high - g_low)
-            if not (low < x < high):
-                x = 0.5 * (low + high)
-        g = side * sample(context, t, h, x, k, dense_rows) + band
+        g = sample(context, x, k) + band
         if g < 0.0:
             high, g_high = x, g
-            if kept == 1:
-                g_low *= 0.5
-            kept = 1
+            g_low *= 0.5 if side == 1 else 1.0
+            side = 1
         else:
             low, g_low = x, g
-            if kept == -1:
-                g_high *= 0.5
-            kept = -1
+            g_high *= 0.5 if side == -1 else 1.0
+            side = -1
     return high
 
 
@@ -151,9 +128,8 @@ def find_crossing_at_end(context: Integers, t: float) -> int:
     """A function that is zero within the clock's resolution after the end of a run, or -1."""
     modes, r1 = ft.modes_of(context), ws.switch_row(context, ws.R1)
     band, g1 = ws.switch_row(context, ws.BAND), ws.switch_row(context, ws.G1)
-    s = context[ft.SWITCHES]
-    for k in range(s):
-        side = 1.0 if modes[k] != 0 else -1.0
+    for k in range(context[ft.SWITCHES]):
+        side = mode_sign(context, k)
         change = side * r1[k] * INSTANT * abs(t)
         off = modes[k] != SLIDING and band[k] == 0.0
         if off and change < 0.0 and side * g1[k] + change <= 0.0:
@@ -161,66 +137,67 @@ def find_crossing_at_end(context: Integers, t: float) -> int:
     return -1
 
 
+@inner
+def find_sign_change(context: Integers, k: int, first: float) -> tuple[float, float, float]:
+    """An interval (low, high) before `first` in which function `k` crosses, or `NOT_FOUND`.
+
+    The third number is the last fraction before it at which g was off its surface.
+    """
+    r0, r1 = ws.switch_row(context, ws.R0)[k], ws.switch_row(context, ws.R1)[k]
+    side, band = mode_sign(context, k), ws.switch_row(context, ws.BAND)[k]
+    # Rounding of the dense output is no crossing; that of the end point counts.
+    noise = max(band, _NOISE * ws.switch_row(context, ws.LARGEST)[k])
+    away = NOT_FOUND
+    for i in range(1, ws.SUBDIVISIONS + 1):
+        left, right = (i - 1) / ws.SUBDIVISIONS, i / ws.SUBDIVISIONS
+        if left >= first:
+            break
+        here = side * ws.switch_row(context, ws.SCAN + i)[k]
+        before = side * ws.switch_row(context, ws.SCAN + i - 1)[k]
+        if before > noise:
+            away = left
+        if here < -(band if i == ws.SUBDIVISIONS else noise):
+            return left, right, away
+        # A lowest point may lie beside a sample that is lower than its neighbours.
+        if i == 1:
+            falls = side * r0 < 0.0 and band == 0.0
+        else:
+            falls = side * ws.switch_row(context, ws.SCAN + i - 2)[k] >= before
+        if i == ws.SUBDIVISIONS:
+            rises = side * r1 > 0.0
+        else:
+            rises = side * ws.switch_row(context, ws.SCAN + i + 1)[k] >= here
+        if (falls and before <= here) or (rises and here <= before):
+            x = find_dip(context, left, right, noise, k)
+            if x < 1.0:
+                return left, x, away
+    return NOT_FOUND, NOT_FOUND, away
+
+
 @addressed(ft.LOCATE)
-def locate_event(context: Integers, t: float, h: float, dense_rows: int) -> float:
+def locate_event(context: Integers) -> float:
     """Fraction of the step at which a marked function first crosses, or `NOT_FOUND`.
 
-    The dense output must have been computed. `crossed_of(context)[0]` receives its
-    function.
+    The dense output must have been computed. `crossed_of(context)[0]` receives its function.
     """
-    trial, scan = ws.switch_row(context, ws.TRIAL), ws.switch_row(context, ws.SCAN)
-    g0, g1 = ws.switch_row(context, ws.G0), ws.switch_row(context, ws.G1)
-    suspect, band_row = ws.switch_row(context, ws.SUSPECT), ws.switch_row(context, ws.BAND)
-    largest, r0 = ws.switch_row(context, ws.LARGEST), ws.switch_row(context, ws.R0)
-    r1, s = ws.switch_row(context, ws.R1), context[ft.SWITCHES]
-    modes, sample = ft.modes_of(context), ft.sample_function_of(context)
+    suspect, band = ws.switch_row(context, ws.SUSPECT), ws.switch_row(context, ws.BAND)
+    end = ws.SCAN + ws.SUBDIVISIONS
     for i in range(1, ws.SUBDIVISIONS):
-        sample(context, t, h, i / ws.SUBDIVISIONS, 0, dense_rows)
-        for k in range(s):
-            ws.switch_row(context, ws.SCAN + i)[k] = trial[k]
-    for k in range(s):
-        scan[k] = g0[k]
-        ws.switch_row(context, ws.SCAN + ws.SUBDIVISIONS)[k] = g1[k]
+        ft.sample_function_of(context)(context, i / ws.SUBDIVISIONS, 0)
+        copy_vector(ws.switch_row(context, ws.TRIAL), ws.switch_row(context, ws.SCAN + i))
+    copy_vector(ws.switch_row(context, ws.G0), ws.switch_row(context, ws.SCAN))
+    copy_vector(ws.switch_row(context, ws.G1), ws.switch_row(context, end))
     first = NOT_FOUND
-    for k in range(s):
+    for k in range(context[ft.SWITCHES]):
         if suspect[k] == 0.0:
             continue
-        side = 1.0 if modes[k] != 0 else -1.0
-        band = band_row[k]
-        # Rounding of the dense output is no crossing; that of the end point counts.
-        noise = max(band, _NOISE * largest[k])
-        low, high, away = NOT_FOUND, NOT_FOUND, NOT_FOUND
-        for i in range(1, ws.SUBDIVISIONS + 1):
-            left, right = (i - 1) / ws.SUBDIVISIONS, i / ws.SUBDIVISIONS
-            if left >= first:
-                break
-            here = side * ws.switch_row(context, ws.SCAN + i)[k]
-            before = side * ws.switch_row(context, ws.SCAN + i - 1)[k]
-            if before > noise:
-                away = left
-            if here < -(band if i == ws.SUBDIVISIONS else noise):
-                low, high = left, right
-                break
-            # A lowest point may lie beside a sample that is lower than its neighbours.
-            if i == 1:
-                falls = side * r0[k] < 0.0 and band == 0.0
-            else:
-                falls = side * ws.switch_row(context, ws.SCAN + i - 2)[k] >= before
-            if i == ws.SUBDIVISIONS:
-                rises = side * r1[k] > 0.0
-            else:
-                rises = side * ws.switch_row(context, ws.SCAN + i + 1)[k] >= here
-            if (falls and before <= here) or (rises and here <= before):
-                x = find_dip(context, t, h, left, right, side, noise, k, dense_rows)
-                if x < 1.0:
-                    low, high = left, x
-                    break
-        if high <= 1.0 and away <= 1.0:
-            # It has left the surface on which it began, and returns to g = 0.
-            low, band = away, 0.0
-        if high <= 1.0:
-            x = find_root(context, t, h, low, high, side, band, k, dense_rows)
-            if x < first:
-                first = x
-                ft.crossed_of(context)[0] = k
+        low, high, away = find_sign_change(context, k, first)
+        if high > 1.0:
+            continue
+        # Where it has left the surface on which it began, it returns to g = 0.
+        returns = away <= 1.0
+        x = find_root(context, away if returns else low, high, 0.0 if returns else band[k], k)
+        if x < first:
+            first = x
+            ft.crossed_of(context)[0] = k
     return first

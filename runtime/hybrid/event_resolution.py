@@ -14,7 +14,7 @@ from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed, inner
 from runtime.core.run_record import run_record
-from runtime.hybrid.event_location import mark_suspects
+from runtime.hybrid.event_location import mark_suspects, mode_sign
 from runtime.hybrid.switching_functions import evaluate_switching, evaluate_switching_and_rates
 
 UNRESOLVED = -1  # the step is too long to see all crossings
@@ -30,30 +30,23 @@ _FINER = 0.8  # measured: its change at other steps
 # Formula: weights of the cubic through y0, y1 with slopes k0, k1 at the fraction x of a step:
 # y0 + RISE (y1 - y0) + h (LEAVE k0 + ARRIVE k1). The fractions are no ratios of small numbers, so
 # that a period which divides the step is not sampled at one phase.
-X1, X2, X3 = 0.1732050807568877, 0.4142135623730951, 0.7307704011542153
-RISE1, LEAVE1, ARRIVE1 = X1 * X1 * (3 - 2 * X1), X1 * (1 - X1) ** 2, X1 * X1 * (X1 - 1)
-RISE2, LEAVE2, ARRIVE2 = X2 * X2 * (3 - 2 * X2), X2 * (1 - X2) ** 2, X2 * X2 * (X2 - 1)
-RISE3, LEAVE3, ARRIVE3 = X3 * X3 * (3 - 2 * X3), X3 * (1 - X3) ** 2, X3 * X3 * (X3 - 1)
+X = (0.1732050807568877, 0.4142135623730951, 0.7307704011542153)
+RISE = tuple(x * x * (3 - 2 * x) for x in X)
+LEAVE = tuple(x * (1 - x) ** 2 for x in X)
+ARRIVE = tuple(x * x * (x - 1) for x in X)
 
 
 @inner
 def sample_between(context: Integers, t: float, h: float, last: int) -> None:
     """Fill the three rows at BETWEEN with g on the cubics of the motion through both ends."""
-    length = 2 * context[ft.COORDINATES]
     y0, y1 = ws.row_of(context, ws.Y0), ws.row_of(context, ws.Y1)
-    k0 = ws.row_of(context, ws.K)
-    k1 = ws.row_of(context, last)
-    z1, z2 = ws.row_of(context, ws.STAGE), ws.row_of(context, ws.SAMPLE)
-    z3 = ws.row_of(context, ws.PREDICTED)
-    for j in range(length):
-        start, change = y0[j], y1[j] - y0[j]
-        leave, arrive = h * k0[j], h * k1[j]
-        z1[j] = start + RISE1 * change + LEAVE1 * leave + ARRIVE1 * arrive
-        z2[j] = start + RISE2 * change + LEAVE2 * leave + ARRIVE2 * arrive
-        z3[j] = start + RISE3 * change + LEAVE3 * leave + ARRIVE3 * arrive
-    evaluate_switching(context, t + X1 * h, ws.STAGE, ws.BETWEEN)
-    evaluate_switching(context, t + X2 * h, ws.SAMPLE, ws.BETWEEN + 1)
-    evaluate_switching(context, t + X3 * h, ws.PREDICTED, ws.BETWEEN + 2)
+    k0, k1 = ws.row_of(context, ws.K), ws.row_of(context, last)
+    z = ws.row_of(context, ws.SAMPLE)
+    for i in range(3):
+        for j in range(2 * context[ft.COORDINATES]):
+            leave, arrive = h * k0[j], h * k1[j]
+            z[j] = y0[j] + RISE[i] * (y1[j] - y0[j]) + LEAVE[i] * leave + ARRIVE[i] * arrive
+        evaluate_switching(context, t + X[i] * h, ws.SAMPLE, ws.BETWEEN + i)
 
 
 @inner
@@ -62,31 +55,27 @@ def bound_step(context: Integers, h: float) -> float:
 
     Row MISMATCH receives the differences of g from its cubics.
     """
-    modes, g0_row = ft.modes_of(context), ws.switch_row(context, ws.G0)
-    g1_row, between = ws.switch_row(context, ws.G1), ws.switch_row(context, ws.BETWEEN)
+    g0_row, g1_row = ws.switch_row(context, ws.G0), ws.switch_row(context, ws.G1)
     r0, r1 = ws.switch_row(context, ws.R0), ws.switch_row(context, ws.R1)
     mismatch, largest = ws.switch_row(context, ws.MISMATCH), ws.switch_row(context, ws.LARGEST)
-    s = context[ft.SWITCHES]
     allowed = np.inf
-    for k in range(s):
-        side = 1.0 if modes[k] != 0 else -1.0
+    for k in range(context[ft.SWITCHES]):
+        side = mode_sign(context, k)
         g0, g1 = side * g0_row[k], side * g1_row[k]
-        a1 = side * between[k]
-        a2 = side * ws.switch_row(context, ws.BETWEEN + 1)[k]
-        a3 = side * ws.switch_row(context, ws.BETWEEN + 2)[k]
-        change = g1 - g0
         leave, arrive = h * side * r0[k], h * side * r1[k]
-        b1 = g0 + RISE1 * change + LEAVE1 * leave + ARRIVE1 * arrive
-        b2 = g0 + RISE2 * change + LEAVE2 * leave + ARRIVE2 * arrive
-        b3 = g0 + RISE3 * change + LEAVE3 * leave + ARRIVE3 * arrive
-        difference = max(abs(a1 - b1), abs(a2 - b2), abs(a3 - b3))
+        low, high, difference = min(g0, g1), max(g0, g1), 0.0
+        lowest, highest = low, high
+        for i in range(3):
+            inside = side * ws.switch_row(context, ws.BETWEEN + i)[k]
+            cubic = g0 + RISE[i] * (g1 - g0) + LEAVE[i] * leave + ARRIVE[i] * arrive
+            difference = max(difference, abs(inside - cubic))
+            low, high = min(low, inside), max(high, inside)
+            lowest, highest = min(lowest, inside, cubic), max(highest, inside, cubic)
         mismatch[k] = difference
-        low = min(g0, g1, a1, a2, a3)
-        high = max(g0, g1, a1, a2, a3)
         if not difference > _ROUNDING * max(largest[k], abs(low), abs(high)):
             continue
         # The difference grows with the fourth power of the length, the variation with the first.
-        varied = max(high, b1, b2, b3) - min(low, b1, b2, b3)
+        varied = highest - lowest
         if low > 1e4 * difference or varied > 1e4 * difference:
             continue
         resolved = (_RESOLVED * varied / difference) ** (1.0 / 3.0)

@@ -6,13 +6,18 @@ from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace as ws
 from runtime.core.array_types import Integers, Vector
-from runtime.core.array_views import view
 from runtime.core.jit import addressed, inner
 from runtime.core.modes import FREE, SLIDING
 from runtime.hybrid.degenerate_sliding import solve_least
-from runtime.hybrid.sliding_modes import CANCELLED, evaluate_units, solve_shares
+from runtime.hybrid.sliding_modes import (
+    CANCELLED,
+    combine_accelerations,
+    evaluate_units,
+    solve_shares,
+)
 from runtime.linalg.lu import solve_equilibrated
 from runtime.linalg.rank_policy import SAME_HOLD
+from runtime.linalg.vectors import axpy, copy_vector, largest_magnitude
 
 ON_SURFACE = 1e-13  # accuracy: |g| over its running maximum below which g is zero at an event
 
@@ -39,25 +44,13 @@ def find_largest_gap(context: Integers, k: int) -> float:
 @inner
 def evaluate_free_gap(context: Integers, t: float, q: Vector, v: Vector, first: int) -> float:
     """Second derivative of the gap of contact `first` under `modes`, in which it is open."""
-    p, modes = ft.parameters_of(context), ft.modes_of(context)
-    n, s = context[ft.COORDINATES], context[ft.SWITCHES]
-    rigid = ft.rigid_of(context)
-    count = 0
-    for k in range(s):
-        count += 1 if modes[k] == SLIDING else 0
-    context[ft.SLIDING_COUNT] = count
-    evaluate_units(context, t, q, v, modes)
-    a = ft.base_accelerations_of(context)
-    if count > 0:
-        solve_shares(context, t, q, v, count)
-        share, sliding = ft.share_of(context), ft.sliding_functions_of(context)
-        for c in range(count):
-            unit = view(ft.unit_accelerations_of(context), c * n, n)
-            for j in range(n):
-                a[j] += share[sliding[c]] * unit[j]
-    gaps = ft.response_gaps_of(context)
-    abi.gap_accelerations_of(context)(t, q, v, a, p, gaps)
-    return float(gaps[rigid[first]])
+    a, gaps = ft.base_accelerations_of(context), ft.response_gaps_of(context)
+    evaluate_units(context, t, q, v, ft.modes_of(context))
+    if context[ft.SLIDING_COUNT] > 0:
+        solve_shares(context, t, q, v)
+        combine_accelerations(context, a)
+    abi.gap_accelerations_of(context)(t, q, v, a, ft.parameters_of(context), gaps)
+    return float(gaps[ft.rigid_of(context)[first]])
 
 
 @inner
@@ -76,9 +69,9 @@ def close_contacts(context: Integers, first: int, t: float, q: Vector, v: Vector
 
 
 @inner
-def sweep_impulses(context: Integers, t: float, q: Vector, v: Vector, count: int) -> None:
-    """Change v by the impulses of the `count` closed contacts, by projected Gauss-Seidel sweeps."""
-    p, n = ft.parameters_of(context), context[ft.COORDINATES]
+def sweep_impulses(context: Integers, t: float, q: Vector, v: Vector) -> None:
+    """Change v by the impulses of the closed contacts, by projected Gauss-Seidel sweeps."""
+    p, count = ft.parameters_of(context), context[ft.SLIDING_COUNT]
     rigid, closed = ft.rigid_of(context), ft.sliding_functions_of(context)
     restitution, rates = ft.restitution_of(context), ws.switch_row(context, ws.RATE_NOW)
     any_a = ft.base_accelerations_of(context)  # the rate of a gap does not depend on it
@@ -91,22 +84,18 @@ def sweep_impulses(context: Integers, t: float, q: Vector, v: Vector, count: int
         impulse[c] = 0.0
         target[c] = -restitution[rigid[k]] * min(rates[k], 0.0)
         fastest = max(fastest, abs(rates[k]))
-    quickest = 0.0
-    for j in range(n):
-        quickest = max(quickest, abs(v[j]))
+    rounding = _ROUNDING * largest_magnitude(v)
     for sweep in range(2 * _SWEEPS):
         moved = 0.0
         for c in range(count):
             k = closed[c]
-            unit = view(ft.unit_accelerations_of(context), c * n, n)
             abi.switching_rates_of(context)(t, q, v, any_a, p, rates)
             gain = -matrix[c * count + c]
             more = max((target[c] - rates[k]) / gain, -impulse[c]) if gain > 0.0 else 0.0
-            for j in range(n):
-                v[j] -= more * unit[j]
+            axpy(-more, ft.unit_accelerations_of(context)[c], v)
             impulse[c] += more
             moved = max(moved, abs(more * gain))
-        if not moved > _AGREED * fastest + _ROUNDING * quickest:
+        if not moved > _AGREED * fastest + rounding:
             break
         if sweep == _SWEEPS - 1:
             if not moved > _HOPELESS * fastest:
@@ -132,22 +121,16 @@ def apply_impact(context: Integers, first: int, t: float, state: int) -> float:
     Returns the time T of the next flight, T/(1 - e) negative where it is the last, infinite where
     the contact does not return by itself.
     """
-    modes, atol = ft.modes_of(context), ws.row_of(context, ws.ATOL)
-    n, s = context[ft.COORDINATES], context[ft.SWITCHES]
+    modes, former = ft.modes_of(context), ws.switch_row(context, ws.NOW)
     q, v = ws.positions(context, state), ws.velocities(context, state)
-    rates, former = ws.switch_row(context, ws.RATE_NOW), ws.switch_row(context, ws.NOW)
+    rates, any_a = ws.switch_row(context, ws.RATE_NOW), ft.base_accelerations_of(context)
     before, sliding_count = modes[first], context[ft.SLIDING_COUNT]
-    for k in range(s):
-        former[k] = modes[k]
+    copy_vector(modes, former)
     close_contacts(context, first, t, q, v)
     evaluate_units(context, t, q, v, modes)
-    count = 0
-    for k in range(s):
-        count += 1 if modes[k] == SLIDING else 0
-    sweep_impulses(context, t, q, v, count)
-    for k in range(s):
+    sweep_impulses(context, t, q, v)
+    for k in range(context[ft.SWITCHES]):
         modes[k] = int(former[k])
-    any_a = ft.base_accelerations_of(context)
     abi.switching_rates_of(context)(t, q, v, any_a, ft.parameters_of(context), rates)
     leaving = rates[first]
     # The motion of the gap after the contact has opened.
@@ -159,10 +142,10 @@ def apply_impact(context: Integers, first: int, t: float, state: int) -> float:
         return np.inf
     flight = -2.0 * leaving / fall
     e = ft.restitution_of(context)[ft.rigid_of(context)[first]]
-    lowest = np.inf
-    for j in range(n):
-        lowest = min(lowest, atol[j])
-    unseen = max(_LOW_FLIGHT * lowest, _UNSEEN * find_largest_gap(context, first))
+    finest = np.inf
+    for j in range(context[ft.COORDINATES]):
+        finest = min(finest, ws.row_of(context, ws.ATOL)[j])
+    unseen = max(_LOW_FLIGHT * finest, _UNSEEN * find_largest_gap(context, first))
     if -0.5 * leaving * leaving / fall > unseen or e >= 1.0:
         # Where the gap still closes, constraints permitted no jump.
         return float(flight) if flight > 0.0 else np.inf
@@ -177,19 +160,17 @@ def return_to_surfaces(context: Integers, t: float, state: int) -> int:
     It moves along the accelerations by their forces. These keep the constraints of velocities, and
     those of positions up to the square of the correction.
     """
-    p, modes = ft.parameters_of(context), ft.modes_of(context)
-    unit_accelerations, n = ft.unit_accelerations_of(context), context[ft.COORDINATES]
-    r = context[ft.RIGID_COUNT]
+    p, modes, n = ft.parameters_of(context), ft.modes_of(context), context[ft.COORDINATES]
     q, v = ws.positions(context, state), ws.velocities(context, state)
     count, rigid = context[ft.SLIDING_COUNT], ft.rigid_of(context)
     sliding, matrix = ft.sliding_functions_of(context), ft.response_of(context)
     rates, right = ft.response_rates_of(context), ft.right_side_of(context)
     values, reach = ft.base_response_of(context), ft.response_column_of(context)
-    copy = ft.response_copy_of(context)
+    copy, units = ft.response_copy_of(context), ft.unit_accelerations_of(context)
     evaluate_units(context, t, q, v, modes)
     for level in range(2):
         # First the gaps, then the velocities.
-        if level == 0 and r == 0:
+        if level == 0 and context[ft.RIGID_COUNT] == 0:
             continue
         abi.switching_of(context)(t, q, v, p, values)
         abi.switching_rates_of(context)(t, q, v, ft.base_accelerations_of(context), p, rates)
@@ -215,7 +196,7 @@ def return_to_surfaces(context: Integers, t: float, state: int) -> int:
         for j in range(n):
             total, largest = 0.0, 0.0
             for c in range(count):
-                part = right[c] * unit_accelerations[c * n + j]
+                part = right[c] * units[c, j]
                 total += part
                 largest = max(largest, abs(part))
             if level == 0:

@@ -9,35 +9,32 @@ from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import inlined, inner
 from runtime.core.modes import SLIDING, Mode
 from runtime.core.rhs import evaluate_accelerations
+from runtime.hybrid.switching_functions import extrapolate
 
 CONSISTENT = -1
-_KNOWN = len(Mode)
+_DECIDED = len(Mode)  # code: added to a mode in row PREFERRED
 _SIGNIFICANT = 1e-14  # accuracy: change of g over its maximum that is more than rounding
 _FIRST = 1e-7  # measured: first look-ahead over the last
 MISSED = 1e-9  # accuracy: distance by which a share may miss its bounds at an event
 
 
 @inlined
-def mark_known(mode: int) -> int:
-    """The entry of row PREFERRED for a mode that is known to be right and needs no look-ahead."""
-    return mode + _KNOWN
+def decided_entry(mode: int) -> int:
+    """The entry of row PREFERRED for a mode that is decided and needs no look-ahead."""
+    return mode + _DECIDED
 
 
 @inlined
 def preferred_mode(entry: float) -> int:
-    """The mode in an entry of row PREFERRED, known or not."""
-    return int(entry) % _KNOWN
+    """The mode in an entry of row PREFERRED, decided or not."""
+    return int(entry) % _DECIDED
 
 
 @inner
 def look_ahead(context: Integers, t: float, d: float, state: int) -> None:
     """Write g after a time `d`, at the acceleration in row DELTA, into row TRIAL of `sw`."""
-    p, n = ft.parameters_of(context), context[ft.COORDINATES]
-    y, a = ws.row_of(context, state), ws.second_half(context, ws.DELTA)
-    z = ws.row_of(context, ws.SAMPLE)
-    for j in range(n):
-        z[j] = y[j] + d * (y[n + j] + 0.5 * d * a[j])
-        z[n + j] = y[n + j] + d * a[j]
+    p = ft.parameters_of(context)
+    extrapolate(context, state, ws.second_half(context, ws.DELTA), d)
     q, v = ws.positions(context, ws.SAMPLE), ws.velocities(context, ws.SAMPLE)
     abi.switching_of(context)(t + d, q, v, p, ws.switch_row(context, ws.TRIAL))
 
@@ -53,6 +50,13 @@ def count_sliding(context: Integers, modes: Integers) -> None:
 
 
 @inner
+def nearest_mode(context: Integers, k: int) -> int:
+    """The mode, 0 or 1, at the bound to which the share of function `k` is nearer."""
+    low, high = ft.share_low_of(context)[k], ft.share_high_of(context)[k]
+    return 1 if ft.share_of(context)[k] > 0.5 * (low + high) else 0
+
+
+@inner
 def find_unsupported(context: Integers, t: float, q: Vector, v: Vector) -> int:
     """First function in sliding mode whose share is out of bounds, else `CONSISTENT`.
 
@@ -60,9 +64,9 @@ def find_unsupported(context: Integers, t: float, q: Vector, v: Vector) -> int:
     """
     matrix, share = ft.response_of(context), ft.share_of(context)
     low, high = ft.share_low_of(context), ft.share_high_of(context)
-    count, sliding = context[ft.SLIDING_COUNT], ft.sliding_functions_of(context)
+    count = context[ft.SLIDING_COUNT]
     for c in range(count):
-        k = int(sliding[c])
+        k = int(ft.sliding_functions_of(context)[c])
         inside = low[k] - MISSED <= share[k] <= high[k] + MISSED
         if ft.limits_of(context)[2 * k] >= 0:
             inside = ft.friction_margin_of(context)(context, t, q, v, k) >= -MISSED
@@ -112,7 +116,7 @@ def find_contradiction(
             continue
         if not np.isfinite(ahead[k]):
             return k
-        if int(preferred[k]) == mark_known(candidate[k]):
+        if int(preferred[k]) == decided_entry(candidate[k]):
             continue
         # A contact that others keep closed may touch without a force of its own; friction at rest
         # may exert any force within its bounds, also those at their ends.

@@ -8,44 +8,34 @@ from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
 from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import addressed, inner
-from runtime.hybrid.stiction_force import apply_unit, remove_unit, write_forces
+from runtime.hybrid.stiction_force import set_unit, write_forces
+from runtime.linalg.vectors import copy_vector
 
 
 @inner
 def mix_reactions(context: Integers, t: float, q: Vector, v: Vector, lam: Vector) -> None:
     """Fill REACTION for the combined multipliers `lam`, which must just have been evaluated."""
-    p, base_multipliers = ft.parameters_of(context), ft.base_multipliers_of(context)
-    unit_multipliers, m = ft.unit_multipliers_of(context), context[ft.CONSTRAINT_COUNT]
-    rows, count = context[ft.REACTION_ROWS], context[ft.SLIDING_COUNT]
-    kernel_modes, sliding = ft.kernel_modes_of(context), ft.sliding_functions_of(context)
-    share = ft.share_of(context)
-    out, base, other = (
-        ft.reaction_of(context),
-        ft.base_reaction_of(context),
-        ft.unit_reaction_of(context),
-    )
-    multipliers = ft.mixed_multipliers_of(context)
+    p, modes = ft.parameters_of(context), ft.kernel_modes_of(context)
+    base_lam, unit_lam = ft.base_multipliers_of(context), ft.unit_multipliers_of(context)
+    sliding, share = ft.sliding_functions_of(context), ft.share_of(context)
+    out, base = ft.reaction_of(context), ft.base_reaction_of(context)
+    other, mixed = ft.unit_reaction_of(context), ft.mixed_multipliers_of(context)
+    count = context[ft.SLIDING_COUNT]
     for c in range(count):
-        remove_unit(context, sliding[c])
-    abi.reactions_of(context)(t, q, v, p, lam, out)
-    for i in range(rows):
-        base[i] = out[i]
-    abi.switched_reactions_of(context)(
-        t, q, v, p, kernel_modes, ft.base_multipliers_of(context), base
-    )
-    for i in range(rows):
-        out[i] = base[i]
+        set_unit(context, sliding[c], 0)
+    abi.reactions_of(context)(t, q, v, p, lam, base)
+    abi.switched_reactions_of(context)(t, q, v, p, modes, base_lam, base)
+    copy_vector(base, out)
     for c in range(count):
-        for i in range(m):
-            multipliers[i] = base_multipliers[i] + unit_multipliers[c * m + i]
-        apply_unit(context, sliding[c])
-        for i in range(rows):
-            other[i] = base[i]
-        abi.switched_reactions_of(context)(t, q, v, p, kernel_modes, multipliers, other)
-        remove_unit(context, sliding[c])
-        for i in range(rows):
+        for i in range(base_lam.size):
+            mixed[i] = base_lam[i] + unit_lam[c, i]
+        set_unit(context, sliding[c], 1)
+        copy_vector(base, other)
+        abi.switched_reactions_of(context)(t, q, v, p, modes, mixed, other)
+        set_unit(context, sliding[c], 0)
+        for i in range(base.size):
             out[i] += share[sliding[c]] * (other[i] - base[i])
-    write_forces(context, count)
+    write_forces(context)
 
 
 @addressed(ft.FRICTION_MARGIN)
@@ -56,11 +46,10 @@ def compute_friction_margin(context: Integers, t: float, q: Vector, v: Vector, k
     breaks loose: the stiction force S must be compared with μ_s N. The accelerations must just
     have been evaluated.
     """
-    lam, limits = ft.multipliers_of(context), ft.limits_of(context)
-    force, limit = limits[2 * k], limits[2 * k + 1]
+    force, limit = ft.limits_of(context)[2 * k], ft.limits_of(context)[2 * k + 1]
     if force < 0:
         return 1.0
-    mix_reactions(context, t, q, v, lam)
+    mix_reactions(context, t, q, v, ft.multipliers_of(context))
     reaction = ft.reaction_of(context)
     if not reaction[limit] > 0.0:
         return -1.0

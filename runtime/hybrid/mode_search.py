@@ -11,8 +11,10 @@ from runtime.hybrid.mode_consistency import (
     CONSISTENT,
     count_sliding,
     find_contradiction,
+    nearest_mode,
     preferred_mode,
 )
+from runtime.linalg.vectors import copy_vector
 
 MOST_COMBINED = 10  # safety: functions of which all combinations of modes are tried
 MOST_WITH_SLIDING = 6  # safety: the same where all may slide; more are first searched by pivots
@@ -40,11 +42,9 @@ def flip_mode(context: Integers, k: int, mode: int, preferred: int) -> int:
     From sliding mode it goes to the side of the bound that its share exceeds.
     """
     if mode == SLIDING:
-        share = ft.share_of(context)[k]
-        low, high = ft.share_low_of(context)[k], ft.share_high_of(context)[k]
-        if ft.rigid_of(context)[k] >= 0 or not np.isfinite(share):
+        if ft.rigid_of(context)[k] >= 0 or not np.isfinite(ft.share_of(context)[k]):
             return 1
-        return 1 if share > 0.5 * (low + high) else 0
+        return nearest_mode(context, k)
     alternates = ft.rigid_of(context)[k] < 0 and ft.sticks_of(context)[k] == 0
     return 1 - mode if alternates and mode == preferred else SLIDING
 
@@ -60,17 +60,15 @@ def search_by_pivots(context: Integers, t: float, d: float, state: int, count: i
     """
     modes, members = ft.modes_of(context), ft.members_of(context)
     band, preferred_row = ws.switch_row(context, ws.BAND), ws.switch_row(context, ws.PREFERRED)
-    s, candidate = context[ft.SWITCHES], ft.candidate_modes_of(context)
-    for k in range(s):
-        candidate[k] = modes[k]
+    candidate = ft.candidate_modes_of(context)
+    copy_vector(modes, candidate)
     for i in range(count):
         candidate[members[i]] = preferred_mode(preferred_row[members[i]])
     wrong = CONSISTENT
     for _ in range(3 * count * count):
         wrong = find_contradiction(context, t, d, state, candidate, count)
         if wrong == CONSISTENT:
-            for k in range(s):
-                modes[k] = candidate[k]
+            copy_vector(candidate, modes)
             count_sliding(context, modes)
             break
         if not band[wrong] > 0.0:
@@ -84,7 +82,7 @@ def search_by_pivots(context: Integers, t: float, d: float, state: int, count: i
 def search_all(context: Integers, t: float, d: float, state: int, tried: int, count: int) -> int:
     """Modes by trying all combinations of the first `tried` members; result as `select_modes`."""
     modes, members = ft.modes_of(context), ft.members_of(context)
-    s, candidate = context[ft.SWITCHES], ft.candidate_modes_of(context)
+    candidate = ft.candidate_modes_of(context)
     preferred, rigid = ws.switch_row(context, ws.PREFERRED), ft.rigid_of(context)
     choices = 3 if tried <= MOST_WITH_SLIDING else 2
     combinations = choices**tried
@@ -93,8 +91,7 @@ def search_all(context: Integers, t: float, d: float, state: int, tried: int, co
         for holds in range(changes + 1):
             for number in range(combinations):
                 changed, late, rest, known = 0, 0, number, True
-                for k in range(s):
-                    candidate[k] = modes[k]
+                copy_vector(modes, candidate)
                 for i in range(tried):
                     choice = rest % choices
                     rest //= choices
@@ -108,8 +105,7 @@ def search_all(context: Integers, t: float, d: float, state: int, tried: int, co
                     continue
                 wrong = find_contradiction(context, t, d, state, candidate, count)
                 if wrong == CONSISTENT:
-                    for k in range(s):
-                        modes[k] = candidate[k]
+                    copy_vector(candidate, modes)
                     count_sliding(context, modes)
                     return CONSISTENT
                 if blamed == CONSISTENT:

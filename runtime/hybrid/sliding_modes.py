@@ -18,14 +18,14 @@ import numpy as np
 from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
 from runtime.core.array_types import Integers, Vector
-from runtime.core.array_views import view
 from runtime.core.jit import inner
 from runtime.core.modes import FREE, SLIDING
 from runtime.core.rounding import EPS
 from runtime.hybrid.degenerate_sliding import solve_least
-from runtime.hybrid.stiction_force import apply_unit, choose_units, enlarge_unit, remove_unit
+from runtime.hybrid.stiction_force import choose_units, enlarge_unit, set_unit
 from runtime.linalg.lu import solve_equilibrated
 from runtime.linalg.rank_policy import SAME_HOLD
+from runtime.linalg.vectors import axpy
 
 CANCELLED = 64.0 * EPS
 """accuracy: of the largest of some terms; a sum below it is their rounding."""
@@ -37,14 +37,13 @@ _UNITS = 3  # safety: changes of a unit of the stiction force
 def evaluate_units(context: Integers, t: float, q: Vector, v: Vector, modes: Integers) -> int:
     """Fill the base, in which nothing slides, the change by each sliding function, and responses.
 
-    For friction with an unknown stiction force the change is that by a unit of this force.
-    Returns the weak pivot of the base, as `accelerations` does.
+    For friction with an unknown stiction force the change is that by a unit of this force. Counts
+    the sliding functions. Returns the weak pivot of the base, as `accelerations` does.
     """
-    p, s = ft.parameters_of(context), context[ft.SWITCHES]
+    p, places = ft.parameters_of(context), ft.stiction_place_of(context)
     kernel_modes, sliding = ft.kernel_modes_of(context), ft.sliding_functions_of(context)
-    places = ft.stiction_place_of(context)
     count = 0
-    for k in range(s):
+    for k in range(context[ft.SWITCHES]):
         kernel_modes[k] = SLIDING if modes[k] == FREE else modes[k]
         if places[k] >= 0:
             p[places[k]] = 0.0
@@ -52,95 +51,83 @@ def evaluate_units(context: Integers, t: float, q: Vector, v: Vector, modes: Int
             kernel_modes[k] = SLIDING if places[k] >= 0 else 0
             sliding[count] = k
             count += 1
+    context[ft.SLIDING_COUNT] = count
     base_a, base_lam = ft.base_accelerations_of(context), ft.base_multipliers_of(context)
     weak = int(abi.accelerations_of(context)(t, q, v, p, kernel_modes, base_a, base_lam))
-    base = ft.base_response_of(context)
-    evaluate_response(context, t, q, v, base_a, sliding, count, base)
-    choose_units(context, t, q, v, count)
+    evaluate_response(context, t, q, v, base_a, ft.base_response_of(context))
+    choose_units(context, t, q, v)
     for c in range(count):
-        evaluate_unit(context, t, q, v, count, c)
+        evaluate_unit(context, t, q, v, c)
     return weak
 
 
 @inner
-def evaluate_unit(context: Integers, t: float, q: Vector, v: Vector, count: int, c: int) -> None:
+def evaluate_unit(context: Integers, t: float, q: Vector, v: Vector, c: int) -> None:
     """Fill the change of the motion by the `c`-th sliding function, and its response."""
-    p, base_accelerations = ft.parameters_of(context), ft.base_accelerations_of(context)
-    base_multipliers = ft.base_multipliers_of(context)
-    n, m = context[ft.COORDINATES], context[ft.CONSTRAINT_COUNT]
-    kernel_modes, sliding = ft.kernel_modes_of(context), ft.sliding_functions_of(context)
+    p, kernel_modes = ft.parameters_of(context), ft.kernel_modes_of(context)
+    k, count = ft.sliding_functions_of(context)[c], context[ft.SLIDING_COUNT]
     matrix, base = ft.response_of(context), ft.base_response_of(context)
     column = ft.response_column_of(context)
-    unit_a = view(ft.unit_accelerations_of(context), c * n, n)
-    unit_lam = view(ft.unit_multipliers_of(context), c * m, m)
-    apply_unit(context, sliding[c])
-    abi.accelerations_of(context)(t, q, v, p, kernel_modes, unit_a, unit_lam)
-    remove_unit(context, sliding[c])
-    evaluate_response(context, t, q, v, unit_a, sliding, count, column)
+    a, lam = ft.unit_accelerations_of(context)[c], ft.unit_multipliers_of(context)[c]
+    set_unit(context, k, 1)
+    abi.accelerations_of(context)(t, q, v, p, kernel_modes, a, lam)
+    set_unit(context, k, 0)
+    evaluate_response(context, t, q, v, a, column)
     for i in range(count):
         matrix[i * count + c] = column[i] - base[i]
-    for j in range(n):
-        unit_a[j] -= base_accelerations[j]
-    for i in range(m):
-        unit_lam[i] -= base_multipliers[i]
+    axpy(-1.0, ft.base_accelerations_of(context), a)
+    axpy(-1.0, ft.base_multipliers_of(context), lam)
 
 
 @inner
 def evaluate_response(
-    context: Integers,
-    t: float,
-    q: Vector,
-    v: Vector,
-    a: Vector,
-    sliding: Integers,
-    count: int,
-    out: Vector,
+    context: Integers, t: float, q: Vector, v: Vector, a: Vector, out: Vector
 ) -> None:
-    """Write dg/dt, for a rigid contact g̈, of the `count` functions in sliding mode."""
-    p, r = ft.parameters_of(context), context[ft.RIGID_COUNT]
+    """Write dg/dt, for a rigid contact g̈, of the functions in sliding mode."""
+    p, sliding = ft.parameters_of(context), ft.sliding_functions_of(context)
     rigid, rates = ft.rigid_of(context), ft.response_rates_of(context)
     gaps = ft.response_gaps_of(context)
     abi.switching_rates_of(context)(t, q, v, a, p, rates)
-    if r > 0:
+    if context[ft.RIGID_COUNT] > 0:
         abi.gap_accelerations_of(context)(t, q, v, a, p, gaps)
-    for c in range(count):
+    for c in range(context[ft.SLIDING_COUNT]):
         k = sliding[c]
         out[c] = gaps[rigid[k]] if rigid[k] >= 0 else rates[k]
 
 
 @inner
-def solve_shares(context: Integers, t: float, q: Vector, v: Vector, count: int) -> None:
-    """Write the shares of the `count` functions in sliding mode; NaN where there are none.
+def solve_shares(context: Integers, t: float, q: Vector, v: Vector) -> None:
+    """Write the shares of the functions in sliding mode; NaN where there are none.
 
     The matrix of responses changes only in the columns of units that prove too small.
     """
     sliding = ft.sliding_functions_of(context)
     for _ in range(_UNITS):
-        balance_shares(context, count)
+        balance_shares(context)
         grown = 0
-        for c in range(count):
+        for c in range(context[ft.SLIDING_COUNT]):
             if enlarge_unit(context, sliding[c]):
-                evaluate_unit(context, t, q, v, count, c)
+                evaluate_unit(context, t, q, v, c)
                 grown += 1
         if grown == 0:
             return
-    balance_shares(context, count)
+    balance_shares(context)
 
 
 @inner
-def balance_shares(context: Integers, count: int) -> None:
+def balance_shares(context: Integers) -> None:
     """Solve for the shares with which dg/dt (of contacts g̈) of all sliding functions is zero."""
-    s, sliding = context[ft.SWITCHES], ft.sliding_functions_of(context)
-    rigid = ft.rigid_of(context)
-    places, forces = ft.stiction_place_of(context), ft.stiction_units_of(context)
+    s, count = context[ft.SWITCHES], context[ft.SLIDING_COUNT]
+    sliding = ft.sliding_functions_of(context)
     share, matrix = ft.share_of(context), ft.response_of(context)
     base, right = ft.base_response_of(context), ft.right_side_of(context)
-    copy = ft.response_copy_of(context)
+    copy, rigid = ft.response_copy_of(context), ft.rigid_of(context)
     for i in range(count):
         right[i] = -base[i]
     for i in range(count * count):
         copy[i] = matrix[i]
     if solve_equilibrated(copy, right, count, SAME_HOLD) != 0:
+        places, forces = ft.stiction_place_of(context), ft.stiction_units_of(context)
         low, high = ft.share_low_of(context), ft.share_high_of(context)
         middle, reach = ft.response_rates_of(context), ft.response_column_of(context)
         for c in range(count):
@@ -160,3 +147,18 @@ def balance_shares(context: Integers, count: int) -> None:
             right[i] = right[i] + middle[i] if failed == 0 else np.nan
     for c in range(count):
         share[sliding[c]] = right[c]
+
+
+@inner
+def combine_accelerations(context: Integers, a: Vector) -> None:
+    """Write the base and the shares of the units into `a`, which may be the base itself."""
+    base, units = ft.base_accelerations_of(context), ft.unit_accelerations_of(context)
+    share, sliding = ft.share_of(context), ft.sliding_functions_of(context)
+    for j in range(base.size):
+        total, largest = base[j], abs(base[j])
+        for c in range(context[ft.SLIDING_COUNT]):
+            part = share[sliding[c]] * units[c, j]
+            total += part
+            largest = max(largest, abs(part))
+        # Rounding that cancelling terms leave would make a machine at rest creep. NaN stays.
+        a[j] = 0.0 if abs(total) <= CANCELLED * largest else total

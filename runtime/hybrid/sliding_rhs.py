@@ -13,8 +13,14 @@ from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
 from runtime.core.jit import addressed, inner
 from runtime.core.rhs import evaluate_accelerations
-from runtime.hybrid.sliding_modes import CANCELLED, evaluate_units, solve_shares
+from runtime.hybrid.sliding_modes import (
+    CANCELLED,
+    combine_accelerations,
+    evaluate_units,
+    solve_shares,
+)
 from runtime.hybrid.stiction_force import write_forces
+from runtime.linalg.vectors import axpy, copy_vector, largest_ratio
 
 STEP, TIME_SCALE = 0, 1
 """Places in SETTINGS: the length of the step, s; τ of Baumgarte's method, s."""
@@ -25,14 +31,10 @@ def exclude_rounding(value: Vector, change: Vector, size: Vector) -> float:
     """The part of a correction that exceeds the rounding of the state.
 
     Rounding of a state must not be corrected: τ⁻² of it would be a force. It goes by the sizes of
-    coordinates, not by masses. All coordinates are pulled at by
-    the same part, as without some of them the pull would do work along the constraints.
+    coordinates, not by masses. All coordinates are pulled at by the same part, as without some of
+    them the pull would do work along the constraints.
     """
-    largest, moved = 0.0, 0.0
-    for j in range(value.size):
-        largest = max(largest, abs(value[j]) / size[j])
-        moved = max(moved, abs(change[j]) / size[j])
-    rounded = CANCELLED * largest
+    moved, rounded = largest_ratio(change, size), CANCELLED * largest_ratio(value, size)
     return 1.0 - rounded / moved if moved > rounded else 0.0
 
 
@@ -44,34 +46,18 @@ def evaluate_modified_accelerations(
 
     SHARE receives the share of each function in sliding mode.
     """
-    p, base_multipliers = ft.parameters_of(context), ft.base_multipliers_of(context)
-    base_accelerations = ft.base_accelerations_of(context)
-    unit_accelerations = ft.unit_accelerations_of(context)
-    n, m = context[ft.COORDINATES], context[ft.CONSTRAINT_COUNT]
-    size = n + m
-    count = context[ft.SLIDING_COUNT]
-    if count == 0:
+    p, n, m = ft.parameters_of(context), context[ft.COORDINATES], context[ft.CONSTRAINT_COUNT]
+    if context[ft.SLIDING_COUNT] == 0:
         weak = int(abi.accelerations_of(context)(t, q, v, p, modes, a, lam))
     else:
         weak = evaluate_units(context, t, q, v, modes)
-        solve_shares(context, t, q, v, count)
-        write_forces(context, count)
+        solve_shares(context, t, q, v)
+        write_forces(context)
+        combine_accelerations(context, a)
         share, sliding = ft.share_of(context), ft.sliding_functions_of(context)
-        for i in range(m):
-            lam[i] = base_multipliers[i]
-        for j in range(n):
-            total, largest = base_accelerations[j], abs(base_accelerations[j])
-            for c in range(count):
-                part = share[sliding[c]] * unit_accelerations[c * n + j]
-                total += part
-                largest = max(largest, abs(part))
-            # Rounding that cancelling terms leave would make a machine at rest creep. NaN stays.
-            a[j] = 0.0 if abs(total) <= CANCELLED * largest else total
-        for c in range(count):
-            part = share[sliding[c]]
-            unit = view(ft.unit_multipliers_of(context), c * m, m)
-            for i in range(m):
-                lam[i] += part * unit[i]
+        copy_vector(ft.base_multipliers_of(context), lam)
+        for c in range(context[ft.SLIDING_COUNT]):
+            axpy(share[sliding[c]], ft.unit_multipliers_of(context)[c], lam)
     if context[ft.STABILIZED] != 0 and m > 0:
         tau = ft.settings_of(context)[TIME_SCALE]
         pull = ft.weights_of(context)
@@ -87,13 +73,10 @@ def evaluate_modified_accelerations(
 @addressed(ft.RHS)
 def evaluate_modified_rhs(context: Integers, t: float, state: int, derivative: int) -> int:
     """The right-hand side in sliding modes, with stabilisation, and where stages are corrected."""
-    modes, n = ft.modes_of(context), context[ft.COORDINATES]
-    taken = 0
+    taken, modes = 0, ft.modes_of(context)
     if context[ft.EACH_STAGE] != 0:
         taken = int(ft.correct_of(context)(context, t, state, ws.PARTITION))
     q, v = ws.positions(context, state), ws.velocities(context, state)
-    rate = ws.position_rates(context, derivative)
     evaluate_accelerations(context, t, q, v, modes, ws.velocity_rates(context, derivative))
-    for j in range(n):
-        rate[j] = v[j]
+    copy_vector(v, ws.position_rates(context, derivative))
     return taken

@@ -14,6 +14,7 @@ from runtime.core import kernel_abi as abi
 from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import inner
 from runtime.core.modes import SLIDING
+from runtime.linalg.vectors import copy_vector, is_finite
 
 PRESCRIBED = SLIDING
 """The mode in which kernels take the stiction force from p."""
@@ -23,36 +24,26 @@ _COARSE = 8.0
 
 
 @inner
-def apply_unit(context: Integers, k: int) -> None:
-    """Apply mode 1 of function `k`, or a unit of its stiction force, which acts against g."""
-    p = ft.parameters_of(context)
+def set_unit(context: Integers, k: int, mode: int) -> None:
+    """Set function `k` to mode 0 or 1; its stiction force to zero or to a unit against g."""
     place = ft.stiction_place_of(context)[k]
     if place >= 0:
-        p[place] = -ft.stiction_units_of(context)[k]
+        unit = ft.stiction_units_of(context)[k]
+        ft.parameters_of(context)[place] = -unit if mode != 0 else 0.0
     else:
-        ft.kernel_modes_of(context)[k] = 1
+        ft.kernel_modes_of(context)[k] = mode
 
 
 @inner
-def remove_unit(context: Integers, k: int) -> None:
-    """Return function `k` to mode 0, or to a stiction force of zero."""
-    p = ft.parameters_of(context)
-    place = ft.stiction_place_of(context)[k]
-    if place >= 0:
-        p[place] = 0.0
-    else:
-        ft.kernel_modes_of(context)[k] = 0
-
-
-@inner
-def write_forces(context: Integers, count: int) -> None:
+def write_forces(context: Integers) -> None:
     """Write the stiction forces into `p`, for kernels in mode 2."""
     p, sliding = ft.parameters_of(context), ft.sliding_functions_of(context)
     places, share = ft.stiction_place_of(context), ft.share_of(context)
     unit = ft.stiction_units_of(context)
-    for c in range(count):
-        if places[sliding[c]] >= 0:
-            p[places[sliding[c]]] = -share[sliding[c]] * unit[sliding[c]]
+    for c in range(context[ft.SLIDING_COUNT]):
+        k = sliding[c]
+        if places[k] >= 0:
+            p[places[k]] = -share[k] * unit[k]
 
 
 @inner
@@ -67,55 +58,44 @@ def suspend_friction(context: Integers) -> None:
 
 
 @inner
-def is_finite(a: Vector) -> bool:
-    """Whether all of `a` are finite."""
-    found = True
-    for j in range(a.size):
-        found = found and np.isfinite(a[j])
-    return bool(found)
-
-
-@inner
 def find_jamming_friction(context: Integers, t: float, q: Vector, v: Vector, a: Vector) -> int:
     """The friction that jams in sliding: without it, and those before it, `a` is finite; or -1.
 
     For states without accelerations under `modes`; `a` and `lam` are overwritten.
     """
     p, modes = ft.parameters_of(context), ft.modes_of(context)
-    lam, s = ft.multipliers_of(context), context[ft.SWITCHES]
     places, kernel_modes = ft.stiction_place_of(context), ft.kernel_modes_of(context)
-    for k in range(s):
-        kernel_modes[k] = modes[k]
-    for k in range(s):
+    copy_vector(modes, kernel_modes)
+    for k in range(context[ft.SWITCHES]):
         if places[k] < 0 or modes[k] == PRESCRIBED:
             continue
         p[places[k]] = 0.0
         kernel_modes[k] = PRESCRIBED
-        abi.accelerations_of(context)(t, q, v, p, kernel_modes, a, lam)
+        abi.accelerations_of(context)(t, q, v, p, kernel_modes, a, ft.multipliers_of(context))
         if is_finite(a):
             return k
     return -1
 
 
 @inner
-def choose_units(context: Integers, t: float, q: Vector, v: Vector, count: int) -> None:
+def choose_units(context: Integers, t: float, q: Vector, v: Vector) -> None:
     """Fill the units of the stiction forces, and the friction limits in the base.
 
     The limit serves as the unit: it has the size of the forces in the machine.
     """
-    p, s = ft.parameters_of(context), context[ft.SWITCHES]
-    kernel_modes = ft.kernel_modes_of(context)
+    p, s, count = ft.parameters_of(context), context[ft.SWITCHES], context[ft.SLIDING_COUNT]
     sliding, places = ft.sliding_functions_of(context), ft.stiction_place_of(context)
     limits, unit = ft.limits_of(context), ft.stiction_units_of(context)
-    any_place = False
-    for c in range(count):
-        any_place = any_place or places[sliding[c]] >= 0
-    if not any_place:
-        return
     reaction, lam = ft.reaction_of(context), ft.base_multipliers_of(context)
+    first = 0
+    while first < count and places[sliding[first]] < 0:
+        first += 1
+    if first == count:
+        return
     abi.reactions_of(context)(t, q, v, p, lam, reaction)
-    abi.switched_reactions_of(context)(t, q, v, p, kernel_modes, lam, reaction)
-    for c in range(count):
+    modes = ft.kernel_modes_of(context)
+    abi.switched_reactions_of(context)(t, q, v, p, modes, lam, reaction)
+    for c in range(first, count):
         k = sliding[c]
         if places[k] >= 0:
             limit = reaction[limits[2 * k + 1]]

@@ -6,7 +6,6 @@ from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace as ws
 from runtime.core.array_types import Integers, Vector
-from runtime.core.array_views import view
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.modes import SLIDING
 from runtime.hybrid.sliding_rhs import STEP
@@ -48,15 +47,24 @@ def compute_margin(context: Integers, t: float, q: Vector, v: Vector, k: int) ->
 @addressed(ft.MARGINS)
 def write_margins(context: Integers, t: float, state: int, slot: int) -> None:
     """Write the margins of functions in sliding mode over their g in row `slot` of `sw`."""
-    s = context[ft.SWITCHES]
     modes, lam = ft.modes_of(context), ft.multipliers_of(context)
     q, v = ws.positions(context, state), ws.velocities(context, state)
+    margins = ws.switch_row(context, slot)
     ft.modified_accelerations_of(context)(
         context, t, q, v, modes, ws.first_half(context, ws.DELTA), lam
     )
-    for k in range(s):
+    for k in range(context[ft.SWITCHES]):
         if modes[k] == SLIDING:
-            ws.switch_row(context, slot)[k] = compute_margin(context, t, q, v, k)
+            margins[k] = compute_margin(context, t, q, v, k)
+
+
+@inner
+def extrapolate(context: Integers, state: int, a: Vector, d: float) -> None:
+    """Write the state in row `state` after a time `d` at the acceleration `a` into row SAMPLE."""
+    y, z, n = ws.row_of(context, state), ws.row_of(context, ws.SAMPLE), context[ft.COORDINATES]
+    for j in range(n):
+        z[j] = y[j] + d * (y[n + j] + 0.5 * d * a[j])
+        z[n + j] = y[n + j] + d * a[j]
 
 
 @inner
@@ -68,27 +76,16 @@ def evaluate_switching_and_rates(
     The workspace holds the state in row `state`, its derivative in row `derivative`. The rate of a
     margin is a difference along the motion.
     """
-    p, modes = ft.parameters_of(context), ft.modes_of(context)
-    lam, n = ft.multipliers_of(context), context[ft.COORDINATES]
-    s = context[ft.SWITCHES]
-    evaluate_switching(context, t, state, slot)
     q, v = ws.positions(context, state), ws.velocities(context, state)
-    a = ws.velocity_rates(context, derivative)
-    rates = ws.switch_row(context, slot + 1)
-    abi.switching_rates_of(context)(t, q, v, a, p, rates)
+    a, rates = ws.velocity_rates(context, derivative), ws.switch_row(context, slot + 1)
+    evaluate_switching(context, t, state, slot)
+    abi.switching_rates_of(context)(t, q, v, a, ft.parameters_of(context), rates)
     if context[ft.SLIDING_COUNT] == 0:
         return
-    y, z = ws.row_of(context, state), ws.row_of(context, ws.SAMPLE)
     ahead = _AHEAD * ft.settings_of(context)[STEP]
-    for j in range(n):
-        z[j] = y[j] + ahead * (y[n + j] + 0.5 * ahead * a[j])
-        z[n + j] = y[n + j] + ahead * a[j]
-    z_q, z_v = view(z, 0, n), view(z, n, n)
-    ft.modified_accelerations_of(context)(
-        context, t + ahead, z_q, z_v, modes, ws.first_half(context, ws.DELTA), lam
-    )
-    for k in range(s):
+    extrapolate(context, state, a, ahead)
+    ft.margins_of(context)(context, t + ahead, ws.SAMPLE, slot + 1)
+    modes, now = ft.modes_of(context), ws.switch_row(context, slot)
+    for k in range(context[ft.SWITCHES]):
         if modes[k] == SLIDING:
-            rates[k] = (
-                compute_margin(context, t + ahead, z_q, z_v, k) - ws.switch_row(context, slot)[k]
-            ) / ahead
+            rates[k] = (rates[k] - now[k]) / ahead

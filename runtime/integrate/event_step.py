@@ -39,7 +39,7 @@ def find_event(context: Integers, suspects: int) -> None:
         r.dense_ready = 1
         r.dense_outputs += 1
         r.rhs += r.dense_calls
-        x = locate_of(context)(context, r.t, h, r.dense_rows)
+        x = locate_of(context)(context)
         if x <= 1.0:
             r.crossing = crossed_of(context)[0]
             r.reach = h

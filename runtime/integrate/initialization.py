@@ -53,9 +53,10 @@ from runtime.core.workspace import (
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.hybrid.mode_transition import LOOK_AHEAD
 from runtime.hybrid.sliding_rhs import STEP
-from runtime.hybrid.stiction_force import find_jamming_friction, is_finite, suspend_friction
+from runtime.hybrid.stiction_force import find_jamming_friction, suspend_friction
 from runtime.hybrid.switching_functions import evaluate_switching_and_rates
 from runtime.integrate.sampling import record
+from runtime.linalg.vectors import is_finite
 
 # accuracy: of a function's spread; |g| at which its rounding is some units in the last place
 _ROUGH = 0.1
@@ -159,7 +160,7 @@ def start(context: Integers) -> int:
                 largest[k] = size[0]
                 for j in range(n):
                     largest[k] = min(largest[k], size[j])
-        settled = initialize_modes_of(context)(context, 0, t, LOOK_AHEAD * h, Y0, G0)
+        settled = initialize_modes_of(context)(context, 0, t, LOOK_AHEAD * h, Y0)
         if settled != CONSISTENT:
             r.index = settled
             outcome = Outcome.INCONSISTENT

@@ -1,10 +1,57 @@
-"""Ways in from Python to hybrid dynamics that compiled code alone calls; numba keeps them."""
+"""Ways in from Python to hybrid dynamics that compiled code alone calls; numba keeps them.
 
-from runtime.core.array_types import f8, i8, integers, vector
+The state lies in row Y0, its modes in the table; accelerations are written into row DELTA.
+"""
+
+from runtime.core import function_table as ft
+from runtime.core import rhs
+from runtime.core import workspace as ws
+from runtime.core.array_types import f8, i8, integers, none, vector
 from runtime.core.jit import compiled
-from runtime.hybrid import degenerate_sliding
+from runtime.hybrid import degenerate_sliding, mode_consistency, mode_reactions, sliding_rhs
+from runtime.hybrid import switching_functions as switching
 
 
 @compiled(i8(integers, vector, vector, i8, vector, f8))
 def solve_least(context, matrix, right, count, reach, slack):
     return degenerate_sliding.solve_least(context, matrix, right, count, reach, slack)
+
+
+@compiled(i8(integers, f8))
+def evaluate_accelerations(context, t):
+    modes, a = ft.modes_of(context), ws.first_half(context, ws.DELTA)
+    mode_consistency.count_sliding(context, modes)
+    q, v = ws.positions(context, ws.Y0), ws.velocities(context, ws.Y0)
+    return rhs.evaluate_accelerations(context, t, q, v, modes, a)
+
+
+@compiled(f8(vector, vector, vector))
+def exclude_rounding(value, change, size):
+    return sliding_rhs.exclude_rounding(value, change, size)
+
+
+@compiled(none(integers, f8))
+def evaluate_switching_and_rates(context, t):
+    switching.evaluate_switching_and_rates(context, t, ws.Y0, ws.K, ws.G0)
+
+
+@compiled(f8(integers, f8, i8))
+def compute_margin(context, t, k):
+    q, v = ws.positions(context, ws.Y0), ws.velocities(context, ws.Y0)
+    return switching.compute_margin(context, t, q, v, k)
+
+
+@compiled(none(integers, f8))
+def mix_reactions(context, t):
+    q, v = ws.positions(context, ws.Y0), ws.velocities(context, ws.Y0)
+    mode_reactions.mix_reactions(context, t, q, v, ft.multipliers_of(context))
+
+
+@compiled(i8(integers, f8, f8))
+def select_modes(context, t, ahead):
+    return ft.select_modes_of(context)(context, 0, t, ahead, ws.Y0)
+
+
+@compiled(i8(integers, f8, f8))
+def initialize_modes(context, t, ahead):
+    return ft.initialize_modes_of(context)(context, 0, t, ahead, ws.Y0)
