@@ -8,7 +8,6 @@ sign on one curve: a step that changes it has landed on another one.
 """
 
 from collections.abc import Callable
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -144,7 +143,7 @@ class Curve:
                     return Trace(pieces, False, True)
                 continue
             if ahead * there.tangent[-1] <= 0.0:
-                s = _root(partial(self._time_rate, point), float(point.tangent[-1]), h)
+                s = self._locate(point, h, lambda there: float(there.tangent[-1]))
                 fold = self.across(point, s)
                 pieces.append(Piece(point, s, fold if fold is not None else there))
                 return Trace(pieces, True, False)
@@ -158,19 +157,18 @@ class Curve:
 
     def at_time(self, piece: Piece, t: float) -> Point:
         """The point of a piece at the instant t, which lies within it."""
-        target = t * self.rate
-
-        def gap(s: float) -> float:
-            there = self.across(piece.start, s)
-            return np.nan if there is None else float(there.z[-1]) - target
-
-        s = _root(gap, float(piece.start.z[-1]) - target, piece.h)
+        s = self._locate(piece.start, piece.h, lambda there: float(there.z[-1]) - t * self.rate)
         there = self.across(piece.start, s)
         return piece.end if there is None else there
 
-    def _time_rate(self, start: Point, s: float) -> float:
-        there = self.across(start, s)
-        return np.nan if there is None else float(there.tangent[-1])
+    def _locate(self, start: Point, h: float, function: Callable[[Point], float]) -> float:
+        """Length from `start`, up to h, at which a function of the curve's points vanishes."""
+
+        def value(s: float) -> float:
+            there = self.across(start, s)
+            return np.nan if there is None else function(there)
+
+        return _root(value, function(start), h)
 
 
 def _root(f: Callable[[float], float], f0: float, end: float) -> float:

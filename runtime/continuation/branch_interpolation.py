@@ -56,8 +56,9 @@ def interpolate_branch(
 ) -> Zone | None:
     """The first branch about (t, q); None where it does not go on smoothly on both sides.
 
-    `rate` tells how fast the machine and its singular value move, 1/s.
+    `rate` tells how fast its singular value moves, 1/s.
     """
+    rate = max(rate, float(np.linalg.norm(choices[0].v / scale)), 1e-3)
     apart = _NEAR * distance_between(choices, scale)
     for factor in _FACTORS:
         unit = factor * DISTANCE / rate

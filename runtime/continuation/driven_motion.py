@@ -13,10 +13,9 @@ import numpy as np
 
 from runtime.continuation import singularity_classification as classification
 from runtime.continuation.arclength import Curve, Point
-from runtime.continuation.bifurcation_branches import Branch, RankDeficiency, is_ambiguous
+from runtime.continuation.bifurcation_branches import RankDeficiency, is_ambiguous
 from runtime.continuation.branch_interpolation import (
     DISTANCE,
-    Zone,
     distance_between,
     interpolate_branch,
 )
@@ -36,7 +35,7 @@ _DRIFT = 1e-4  # accuracy: |uᵀ ν|, the drivers' pace 1, at a branch point or 
 _SEEN = 17  # safety: instants at which the drivers' pace is sampled
 # measured: scaled length of a stretch that is traced where no singular position was found
 _CLOSE = 1e-3
-_ABOUT = 1e-2  # measured: scaled distance of a cause from the position at which the walk is stuck
+_ABOUT = 1e-2  # measured: scaled distance of a cause from the position at which the steps get stuck
 # accuracy: distance from its branch, over that of the next branch, at which a state is on it
 _NEARER = 0.3
 _PATIENCE = 100  # safety: searches for a cause in a row without progress
@@ -99,7 +98,8 @@ class Continuation:
         found = self.positions.find(taylor(t, state.q, state.v, state.a), guess)
         if found is not None and not self._on_the_way(found, ahead, stretch):
             found = None
-        if found is not None and found.gap <= self._rounding():
+        rounding = _ROUNDING * float(np.abs(state.q / self.scale).max(initial=1.0))
+        if found is not None and found.gap <= rounding:
             known = self.awaited is not None and abs(self.awaited.t - found.t) * speed < 1e-6
             if suspect and known and (r.barrier - t) * ahead > 0.0:
                 r.step = 0.25 * stretch  # it strayed on the way there
@@ -146,7 +146,7 @@ class Continuation:
             choices = self._deficiency(t, q).branches(coming)
         branch_zone = None
         if choices and (len(choices) == 1 or choices[0].far < _NEARER * choices[1].far):
-            branch_zone = self._zone(t, q, choices, found.rate)
+            branch_zone = interpolate_branch(equations, t, q, choices, self.scale, found.rate)
         if branch_zone is not None and branch_zone.holds(state.t):
             off = np.linalg.norm((branch_zone.at(state.t)[0] - state.q) / self.scale)
             apart = distance_between(choices, self.scale)
@@ -177,7 +177,8 @@ class Continuation:
             state.record.mark = len(state.times)
         else:
             found = self.positions.find(taylor(t, q, state.v, state.a), 0.0)
-            branch_zone = self._zone(t, q, choices, state.speed if found is None else found.rate)
+            rate = state.speed if found is None else found.rate
+            branch_zone = interpolate_branch(equations, t, q, choices, scale, rate)
             if branch_zone is None:
                 raise classification.no_start(equations, position, [])
             state.cross(branch_zone, state.ahead)
@@ -186,11 +187,6 @@ class Continuation:
             f" Started in a singular position at t = {t:.6g} s, on the branch nearest to "
             f"the start velocities; without them the machine is free to move by {position.free}."
         )
-
-    def _zone(self, t: float, q: FloatArray, choices: list[Branch], rate: float) -> Zone | None:
-        speed = float(np.linalg.norm(choices[0].v / self.scale))
-        rate = max(rate, speed, 1e-3)
-        return interpolate_branch(self.equations, t, q, choices, self.scale, rate)
 
     # -- folds and near misses of branch points ------------------------------------------------
 
@@ -249,9 +245,6 @@ class Continuation:
     def _record(self, kind: Kind, t: float, q: FloatArray, v: FloatArray) -> SingularPosition:
         self.singular.append(self._describe(kind, t, q, v))
         return self.singular[-1]
-
-    def _rounding(self) -> float:
-        return _ROUNDING * float(np.abs(self.state.q / self.scale).max(initial=1.0))
 
 
 def follow(

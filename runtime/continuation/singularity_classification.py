@@ -18,7 +18,7 @@ from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.results.singular_positions import Kind, SingularPosition
 
 # measured: part of the largest share in a rank deficiency; constraints above it are named
-_TAKING = 0.05
+_PART = 0.05
 _FEW = 4  # layout: branches that a message lists
 
 
@@ -29,12 +29,12 @@ def describe(at: RankDeficiency, kind: Kind, v: FloatArray, rate: float) -> Sing
     if len(at.rows) < at.equations.m:
         count, null = _of_all(at)
     part = np.abs(at.left).max(axis=1)
-    taking = [
+    elements = [
         description.constraints[int(at.rows[row])].element
         for row in np.argsort(-part, kind="stable")
-        if part[row] > _TAKING * part.max()
+        if part[row] > _PART * part.max()
     ]
-    named = tuple(dict.fromkeys(taking))
+    named = tuple(dict.fromkeys(elements))
     return SingularPosition(
         kind=kind,
         time=at.t,
