@@ -33,13 +33,7 @@ def series_names(description: "Description") -> dict[str, list[str]]:
 
 
 def unknown_series(name: str, known: dict[str, list[str]]) -> str:
-    """Sentences saying that a series does not exist, with the nearest names and all that exist.
-
-    Parameters
-    ----------
-    known
-        From `series_names`.
-    """
+    """Sentences saying that a series does not exist, with the nearest names and all that exist."""
     text = unknown("series", name, [one for listed in known.values() for one in listed])
     if "nearest" not in text:
         text = f"There is no series {name!r}."
@@ -58,18 +52,7 @@ def series_values(result: "Result", names: Sequence[str]) -> FloatArray:
 
 
 def require_numbers(description: "Description", names: Sequence[str], values: FloatArray) -> None:
-    """Refuse series without a single value, whose error would otherwise count as 0.
-
-    Parameters
-    ----------
-    values : (k, j)
-        Of a run, or of a part of it.
-
-    Raises
-    ------
-    InputError
-        With each series that is finite at none of the instants.
-    """
+    """Refuse series without a finite value in (k, j), whose error would otherwise count as 0."""
     finite = np.isfinite(values)
     without = [name for j, name in enumerate(names) if not finite[:, j].any()]
     if without and len(values):
@@ -93,14 +76,14 @@ def group_magnitude(result: "Result", name: str) -> float:
     rounding, which cannot be measured by itself. Energies are measured by all energies, the
     components of a joint's force by the whole force.
     """
-    reactions = result.description.reactions
     if name in ENERGIES:
         return magnitude(result.samples.energy)
-    for row in reactions:
-        if name == f"{row.element}.{row.component}":
-            return max(
-                magnitude(result.reaction(other.element, other.component))
-                for other in reactions
-                if (other.element, other.unit) == (row.element, row.unit)
-            )
-    return 0.0
+    reactions = result.description.reactions
+    part = next((row for row in reactions if name == f"{row.element}.{row.component}"), None)
+    if part is None:
+        return 0.0
+    return max(
+        magnitude(result.reaction(row.element, row.component))
+        for row in reactions
+        if (row.element, row.unit) == (part.element, part.unit)
+    )

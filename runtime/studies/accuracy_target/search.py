@@ -31,18 +31,11 @@ from runtime.integrate.method import IMPLICIT, METHODS
 from runtime.integrate.problem import Options
 from runtime.integrate.wiring import function_table
 from runtime.progress_bar import Progress, silent
-from runtime.results.reached_accuracy import Trial
 from runtime.results.result import Result
+from runtime.studies.accuracy_target import run_difference as runs
 from runtime.studies.accuracy_target.error_estimate import with_accuracy
 from runtime.studies.accuracy_target.method_choice import Choice, choose, revise
-from runtime.studies.accuracy_target.run_difference import (
-    DIVERGED,
-    Quantities,
-    difference,
-    is_resolved,
-    quantities_of,
-)
-from runtime.studies.accuracy_target.run_pair import SAFE_POWER, Compared, Run
+from runtime.studies.accuracy_target.run_difference import Pair, Quantities, Run
 from runtime.studies.series import require_numbers
 from runtime.studies.timing import processor_time
 from runtime.validation.arguments import instants
@@ -122,17 +115,15 @@ def simulate_to(
     )
     first, last = ready.begin.t, float(t_end)
     times = np.linspace(first, last, POINTS if last > first else 1)
-    if t_eval is not None:
-        times = instants(t_eval)
     options = Options(
-        t_eval=times,
+        t_eval=times if t_eval is None else instants(t_eval),
         time_scale=time_scale,
         first_step=first_step,
         h_max=max_step,
         max_steps=max_steps,
     )
-    chosen = quantities_of(mechanism.description, quantities, ready.sizes)
-    search = _Search(ready, accuracy, chosen, options, correction, progress)
+    chosen = runs.quantities_of(mechanism.description, quantities, ready.sizes)
+    search = _Search(ready, accuracy, chosen, options, progress)
     return search.result(choose(ready, method, formulation, correction), began)
 
 
@@ -145,35 +136,26 @@ class _Search:
         target: float,
         quantities: Quantities,
         options: Options,
-        correction: "Correction",
         progress: Progress,
     ) -> None:
         self.ready, self.target, self.options = ready, target, options
-        self.quantities, self.correction, self.progress = quantities, correction, progress
-        self.trials: list[Trial] = []
+        self.quantities, self.progress = quantities, progress
+        self.runs: list[Run] = []
 
     def result(self, choice: Choice, began: float) -> Result:
         """Run until the target is met, or cannot be met."""
-        rtol = _FIRST * (self.target / 1e-3) ** _SLOPE
-        first, choice = self._first(choice, min(max(rtol, _TIGHTEST / _WIDE), _LOOSEST))
+        rtol = min(max(_FIRST * (self.target / 1e-3) ** _SLOPE, _TIGHTEST / _WIDE), _LOOSEST)
+        while True:  # until there is a run that can be compared with others
+            first = self._run(choice, rtol)
+            previous, choice = choice, revise(choice, self.ready, first.path)
+            if choice.formulation == previous.formulation:
+                break
         pair = self._compare(choice, self._second(first), first)
         while not self._is_final(pair):
             pair = self._compare(choice, self._tighter(pair), pair.tight)
         run = pair.delivered
         result = finish_simulation(self.ready, choice.taken, run.options, began, silent, run.path)
-        return with_accuracy(
-            result, self.target, self.quantities, self.trials, pair, choice.reasons
-        )
-
-    def _first(self, choice: Choice, rtol: float) -> tuple[Run, Choice]:
-        """The first run that can be compared with others, and the choice for the second."""
-        while True:
-            run = self._run(choice, rtol)
-            self._record(choice, run, None)
-            then = revise(choice, self.ready, run.path, self.correction)
-            if then.formulation == choice.formulation:
-                return run, then
-            choice = then
+        return with_accuracy(result, self.target, self.quantities, self.runs, pair, choice.reasons)
 
     def _second(self, first: Run) -> float:
         """rtol of the second run."""
@@ -185,32 +167,30 @@ class _Search:
         stiff = any(method in IMPLICIT for _, method in first.path.methods)
         return rtol * (_STIFF if stiff else _WIDE)
 
-    def _compare(self, choice: Choice, rtol: float, before: Run) -> Compared:
+    def _compare(self, choice: Choice, rtol: float, before: Run) -> Pair:
         """Another run, compared with an earlier one."""
         run = self._run(choice, rtol)
         loose, tight = (run, before) if rtol > before.options.rtol else (before, run)
-        count = min(len(loose.t), len(tight.t))
-        found = difference(
-            tight.t[:count], loose.values, tight.values, self.quantities, tight.wholes
-        )
-        self._record(choice, run, found.largest)
-        resolved = is_resolved(found, tight.values[:count], self.target)
-        return Compared(loose, tight, found, resolved)
+        t = min(loose.t, tight.t, key=len)
+        found = runs.difference(t, loose.values, tight.values, self.quantities, tight.wholes)
+        run.difference = found.largest
+        resolved = runs.is_resolved(found, tight.values[: len(t)], self.target)
+        return Pair(loose, tight, found, resolved)
 
-    def _is_final(self, pair: Compared) -> bool:
+    def _is_final(self, pair: Pair) -> bool:
         """Whether no further run is needed, or helps."""
         largest, rtol = pair.difference.largest, pair.tight.options.rtol
-        if pair.conclusive and largest < DIVERGED and pair.share * largest <= self.target:
+        if pair.conclusive and largest < runs.DIVERGED and pair.share * largest <= self.target:
             return True
-        return pair.tight_fails or rtol <= _TIGHTEST or len(self.trials) >= _MOST_RUNS
+        return pair.tight_fails or rtol <= _TIGHTEST or len(self.runs) >= _MOST_RUNS
 
-    def _tighter(self, pair: Compared) -> float:
+    def _tighter(self, pair: Pair) -> float:
         """rtol of the next run, so that its estimated error is the target less a margin."""
         largest, rtol = pair.difference.largest, pair.tight.options.rtol
-        if largest >= DIVERGED or not pair.conclusive:
+        if largest >= runs.DIVERGED or not pair.conclusive:
             return max(_TIGHTEST, _NEXT * rtol)
         error = largest * (rtol / pair.loose.options.rtol) ** _EXPECTED_POWER
-        factor = (_MARGIN * self.target / error) ** (1.0 / SAFE_POWER)
+        factor = (_MARGIN * self.target / error) ** (1.0 / runs.SAFE_POWER)
         return float(max(_TIGHTEST, rtol * min(_NEAR, max(_FAR, factor))))
 
     def _run(self, choice: Choice, rtol: float) -> Run:
@@ -224,17 +204,19 @@ class _Search:
         if choice.method in METHODS:  # the run refuses an unknown name
             function_table(choice.method)  # loaded, or compiled, before time is measured
         path, seconds = processor_time(lambda: self.ready.run(choice.taken, options, self.progress))
-        number, chosen = len(self.trials), self.quantities
-        if chosen.are_states:
-            values = chosen.of_run(path.q, path.v)
-            return Run(number, options, path, values, np.zeros(values.shape[1]), seconds)
-        result = finish_simulation(
-            self.ready, choice.taken, options, clock.perf_counter(), silent, path
-        )
-        values = chosen.of_result(result)[: len(path.t)]
-        if path.outcome is Outcome.OK:  # else another run may go further
-            require_numbers(result.description, chosen.names, values)
-        return Run(number, options, path, values, chosen.wholes(result), seconds)
+        if self.quantities.are_states:
+            values = self.quantities.of_run(path.q, path.v)
+            wholes = np.zeros(values.shape[1])
+        else:
+            result = finish_simulation(
+                self.ready, choice.taken, options, clock.perf_counter(), silent, path
+            )
+            values = self.quantities.of_result(result)[: len(path.t)]
+            if path.outcome is Outcome.OK:  # else another run may go further
+                require_numbers(result.description, self.quantities.names, values)
+            wholes = self.quantities.wholes(result)
+        self.runs.append(Run(choice.formulation, options, path, values, wholes, seconds))
+        return self.runs[-1]
 
     def _longest_step(self, choice: Choice, rtol: float) -> float | None:
         """The longest step: where it bounds the error, it must decrease as tolerances do.
@@ -242,23 +224,7 @@ class _Search:
         Otherwise all runs have the same steps, and their difference does not show their error.
         """
         longest = self.options.h_max
-        if longest is None or not self.trials:
+        if longest is None or not self.runs:
             return longest
         order = _ORDERS.get(choice.method, _ORDER)
-        return longest * float(min(rtol / self.trials[0].rtol, 1.0) ** (1.0 / order))
-
-    def _record(self, choice: Choice, run: Run, largest: float | None) -> None:
-        counts = run.path.statistics
-        self.trials.append(
-            Trial(
-                choice.method,
-                choice.formulation,
-                run.options.rtol,
-                run.seconds,
-                counts.rhs,
-                counts.steps,
-                counts.events,
-                run.path.outcome.name,
-                largest,
-            )
-        )
+        return longest * float(min(rtol / self.runs[0].options.rtol, 1.0) ** (1.0 / order))

@@ -156,10 +156,10 @@ class Matters:
 
     def __getitem__(self, title: str) -> Row:
         """The row of an effect, or of ``"rod as link"``."""
-        for row in self.rows:
-            if row.title == title:
-                return row
-        raise KeyError(f"{title!r}; there are: {', '.join(row.title for row in self.rows)}")
+        rows = {row.title: row for row in self.rows}
+        if title not in rows:
+            raise KeyError(f"{title!r}; there are: {', '.join(rows)}")
+        return rows[title]
 
     def facts(self) -> dict[str, Any]:
         """All fields, as JSON; a number that is not finite is null."""

@@ -2,11 +2,10 @@
 
 import math
 from collections.abc import Iterator
-from textwrap import shorten
 
 from rich.table import Table
 
-from runtime.show.terminal_table import new_table
+from runtime.show.terminal_table import new_table, shortened
 from runtime.studies.effect_ranking.ranking import Costs, Matters, Proposal, Row, Verdict
 
 _LONGEST_REASON = 200  # characters
@@ -59,8 +58,7 @@ def _unit(ranking: Matters) -> str:
 
 def _sentence(ranking: Matters, row: Row) -> str:
     if row.change is None:
-        reason = shorten(row.reason, _LONGEST_REASON, placeholder=" …")
-        return f"{row.title} is {row.verdict}: {reason}"
+        return f"{row.title} is {row.verdict}: {shortened(row.reason, _LONGEST_REASON)}"
     share = row.time_share or 0.0
     if row.verdict is Verdict.NONE_SEEN:
         limit = _percent(row.doubt / ranking.size) if ranking.size else f"{row.doubt:.1e}"

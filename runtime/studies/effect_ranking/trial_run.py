@@ -8,7 +8,7 @@ answers is the uncertainty of the second.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,6 +29,7 @@ FloatArray = npt.NDArray[np.float64]
 ANALYSES = ("simulate", "kinematics", "inverse", "equilibrium")
 COARSER = 100.0  # accuracy: ratio of the tolerances of the two runs
 LEAST_RTOL = 1e-13  # accuracy: tightest rtol of the second run
+NONE = np.zeros(0)
 _BESIDE_EVENT = 1e-7  # accuracy: share of the run between an event and the samples beside it
 _PERTURBATION = 1e-4  # accuracy: relative offset from which an equilibrium is searched for again
 _ROUNDING = 1e-12  # accuracy: least relative uncertainty, however well two runs agree
@@ -56,8 +57,8 @@ class Plan:
     points: int
     rtol: float
     method: str
-    parameters: Mapping[str, float] = field(default_factory=dict)
-    guess: Mapping[str, float] = field(default_factory=dict)
+    parameters: Mapping[str, float]
+    guess: Mapping[str, float]
 
     def run(self, machine: "Machine", *, rtol: float, instants: FloatArray) -> "Result":
         """The analysis of a machine."""
@@ -86,17 +87,13 @@ class Plan:
             lambda: processor_time(lambda: self.run(machine, rtol=self.rtol, instants=instants))[1]
         )
 
-    def instants(
-        self, count: int, events: FloatArray | None = None, beside: float = 0.0
-    ) -> FloatArray:
+    def instants(self, count: int, events: FloatArray = NONE, beside: float = 0.0) -> FloatArray:
         """Equally spaced instants, and those before and after events by a share of the run."""
         even = np.linspace(self.t_start, self.t_end, count)
-        if events is None or not len(events):
-            return even
         step = beside * (self.t_end - self.t_start)
         more = np.concatenate([events - step, events + step])
         inside = more[(more > self.t_start) & (more < self.t_end)]
-        return np.unique(np.concatenate([even, inside]))
+        return np.unique(np.concatenate([even, inside])) if len(events) else even
 
 
 @dataclass(frozen=True)
@@ -173,28 +170,22 @@ def _run_twice(machine: "Machine", plan: Plan) -> tuple["Result", "Result"]:
         near = dict(zip(machine.coordinates.names, q.tolist(), strict=True))
         again = replace(plan, guess={**plan.guess, **near})
         return rough, again.run(machine, rtol=rtol, instants=plan.instants(points))
-    events = np.array([event.time for event in rough.events])
-    if plan.analysis == "simulate" and len(events):
+    events = NONE
+    if plan.analysis == "simulate" and rough.events:
+        events = np.array([event.time for event in rough.events])
         instants = plan.instants(points, events, 4.0 * _BESIDE_EVENT)
         rough = plan.run(machine, rtol=rtol, instants=instants)
-    else:
-        events = np.zeros(0)
     instants = plan.instants(2 * points - 1, events, _BESIDE_EVENT)
     return rough, plan.run(machine, rtol=plan.rtol, instants=instants)
 
 
 def _costs(machine: "Machine", run: "Result") -> Costs:
     operations = dict(machine.description.operations)
-    evaluations = int(run.stats.get("rhs_evaluations", 0))
-    iterations = int(run.stats.get("newton_iterations", 0))
-    work = evaluations * operations.get("accelerations", 0)
-    work += iterations * operations.get("correction", 0)
+    evaluations, iterations, steps = (
+        int(run.stats.get(name, 0)) for name in ("rhs_evaluations", "newton_iterations", "steps")
+    )
+    accelerations, total = operations.get("accelerations", 0), sum(operations.values())
+    work = evaluations * accelerations + iterations * operations.get("correction", 0)
     return Costs(
-        accelerations=operations.get("accelerations", 0),
-        operations=sum(operations.values()),
-        evaluations=evaluations,
-        steps=int(run.stats.get("steps", 0)),
-        events=len(run.events),
-        work=work or sum(operations.values()),
-        seconds=math.nan,
+        accelerations, total, evaluations, steps, len(run.events), work or total, seconds=math.nan
     )

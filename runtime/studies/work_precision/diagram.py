@@ -1,20 +1,20 @@
 """A work-precision diagram as data: settings, runs, reference, modelling choices."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 from runtime.integrate.method import IMPLICIT
 from runtime.results.json_values import plain
 from runtime.studies.error_norms import Errors, Scale
 
-DONE = "OK"
-TIMEOUT = "TIMEOUT"
-NOT_TRIED = "NOT_TRIED"
+FORMULATIONS = ("cartesian", "reduced")
 _CORRECTIONS = {"step": "", "stage": ", every stage", "projection": ", projection"}
 
 
-class Setting(NamedTuple):
+@dataclass(frozen=True)
+class Setting:
     """How a scene is integrated: arguments of `simulate`."""
 
     method: str
@@ -24,9 +24,8 @@ class Setting(NamedTuple):
     @property
     def title(self) -> str:
         """``dop853, reduced``, or ``dop853, cartesian, every stage``."""
-        return (
-            f"{self.method}, {self.formulation}{_CORRECTIONS.get(self.correction, self.correction)}"
-        )
+        correction = _CORRECTIONS.get(self.correction, self.correction)
+        return f"{self.method}, {self.formulation}{correction}"
 
     @property
     def companion(self) -> str:
@@ -34,6 +33,17 @@ class Setting(NamedTuple):
         if self.formulation == "reduced":
             return "reduced"
         return "tangents" if self.method in IMPLICIT else ""
+
+
+def all_settings(methods: Sequence[str], formulations: Sequence[str]) -> tuple[Setting, ...]:
+    """Every method in every formulation; other returns onto the constraints with one of them.
+
+    Correction at every stage and projection are compared with "dop853" in all coordinates.
+    """
+    settings = [Setting(method, formulation) for method in methods for formulation in formulations]
+    if "dop853" in methods and "cartesian" in formulations:
+        settings += [Setting("dop853", "cartesian", way) for way in ("stage", "projection")]
+    return tuple(settings)
 
 
 @dataclass(frozen=True)
@@ -75,11 +85,14 @@ class Point:
     energy: float | None = None
 
     @property
+    def worst(self) -> float:
+        """The largest scaled error; nan of a run that failed."""
+        return math.nan if self.errors is None else self.errors.worst
+
+    @property
     def digits(self) -> float:
-        """-log10 of the worst scaled error; nan of a run that failed."""
-        if self.errors is None:
-            return math.nan
-        return -math.log10(max(self.errors.worst, 1e-17))
+        """-log10 of the largest scaled error; nan of a run that failed."""
+        return math.nan if self.errors is None else -math.log10(max(self.worst, 1e-17))
 
 
 @dataclass(frozen=True)
@@ -108,11 +121,10 @@ class Line:
 
 @dataclass(frozen=True)
 class Check:
-    """A run that confirms the reference to a scaled error; or why it does not."""
+    """A run that confirms the reference to a scaled error."""
 
     title: str
-    error: float | None
-    reason: str = ""
+    error: float
 
 
 @dataclass(frozen=True)
@@ -206,24 +218,13 @@ class WorkPrecision:
 
     def __getitem__(self, title: str) -> Line:
         """The line of a setting, by its title."""
-        for line in self.lines:
-            if line.setting.title == title:
-                return line
-        there = "; ".join(line.setting.title for line in self.lines)
-        raise KeyError(f"{title!r}; there are: {there}")
+        lines = {line.setting.title: line for line in self.lines}
+        if title not in lines:
+            raise KeyError(f"{title!r}; there are: {'; '.join(lines)}")
+        return lines[title]
 
     def facts(self) -> dict[str, Any]:
         """All fields and the sentences, as JSON; a number that is not finite is null."""
         from runtime.studies.work_precision.interpretation import sentences
 
-        facts: dict[str, Any] = plain(_as_mappings(asdict(self)))
-        return {**facts, "sentences": list(sentences(self, whole=True))}
-
-
-def _as_mappings(facts: dict[str, Any]) -> dict[str, Any]:
-    """Named tuples as mappings: `asdict` leaves them as they are."""
-    facts["quantities"] = [scale._asdict() for scale in facts["quantities"]]
-    for entry in (*facts["lines"], *facts["choices"]):
-        if entry["setting"] is not None:
-            entry["setting"] = entry["setting"]._asdict()
-    return facts
+        return {**plain(asdict(self)), "sentences": list(sentences(self, whole=True))}

@@ -1,23 +1,29 @@
-"""A scene run in every setting at every tolerance, compared with the reference and timed."""
+"""A scene in every setting, and other models of it, compared with the reference and timed.
+
+However tight the tolerance, the error of another model remains. The loosest run whose error is
+hardly anything else shows the cost of the choice; in looser runs the two errors add up, or cancel.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from codegen.errors import InputError, LinkwrightError
+from runtime.core.outcomes import Outcome
 from runtime.studies.timing import Stopwatch
-from runtime.studies.work_precision.diagram import (
-    DONE,
-    NOT_TRIED,
-    TIMEOUT,
-    Line,
-    Point,
-    Setting,
-)
+from runtime.studies.work_precision import timed_runs
+from runtime.studies.work_precision.diagram import Choice, Line, Point, Setting
 from runtime.studies.work_precision.reference_solution import ReferenceSolution
-from runtime.studies.work_precision.timed_runs import Run, Runner, time_runs
+from runtime.studies.work_precision.timed_runs import Runner, integration_time
+
+if TYPE_CHECKING:
+    from codegen import Scene
+    from runtime.results.result import Result
 
 ENOUGH = 1e-9  # accuracy: scaled error beyond which no tighter tolerance is tried
 GIVEN_UP = 2  # safety: successive timeouts after which tighter tolerances, as slow, are not tried
+CHOICE_RTOLS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+_MODEL_ERROR = 0.1  # accuracy: share by which a run's error may differ from the tightest run's
 
 
 @dataclass(frozen=True)
@@ -51,20 +57,19 @@ class Measurement:
             Tolerances tighter than `rtols`, for settings that do not reach `ENOUGH` by these.
         """
         measured: list[tuple[Line, list[Stopwatch]]] = []
-        title = self.runner.machine.description.title
         for setting in settings:
-            self.progress(f"{title}: {setting.title}")
+            self.progress(f"{self.runner.title}: {setting.title}")
             measured.append(self._line(setting, rtols, further))
-        self.progress(f"{title}: timing in turns")
+        self.progress(f"{self.runner.title}: timing in turns")
         completed = [
             watch
             for line, watches in measured
             for point, watch in zip(line.points, watches, strict=True)
-            if point.outcome == DONE
+            if point.outcome == timed_runs.DONE
         ]
-        time_runs(completed, self.rounds, self.least)
+        timed_runs.time_runs(completed, self.rounds, self.least)
         return tuple(
-            replace(line, points=tuple(map(with_time, line.points, watches)))
+            replace(line, points=tuple(map(_with_time, line.points, watches)))
             for line, watches in measured
         )
 
@@ -75,33 +80,91 @@ class Measurement:
         watches: list[Stopwatch] = []
         given_up = False
         for rtol in (*sorted(rtols, reverse=True), *further):
-            if rtol in further and (points[-1].errors is None or points[-1].errors.worst <= ENOUGH):
+            if rtol in further and not points[-1].worst > ENOUGH:
                 break
             watch = self.runner.stopwatch(setting, rtol)
             watches.append(watch)
             if given_up:
-                points.append(Point(rtol, NOT_TRIED, "Looser tolerances met the limit of time."))
+                points.append(
+                    Point(rtol, timed_runs.NOT_TRIED, "Looser tolerances met the limit of time.")
+                )
                 continue
             try:
-                run = self.runner.run(setting, rtol)
+                result = self.runner.run(setting, rtol)
             except LinkwrightError as error:
-                return Line(setting, refused=reason_of(error)), []
-            watch.times.append(run.seconds)
-            points.append(point_of(run, rtol, self.reference))
-            given_up = [point.outcome for point in points[-GIVEN_UP:]] == [TIMEOUT] * GIVEN_UP
+                return Line(setting, refused=_reason(error)), []
+            watch.times.append(integration_time(result))
+            points.append(_point(result, rtol, self.reference))
+            given_up = [point.outcome for point in points[-GIVEN_UP:]] == [
+                timed_runs.TIMEOUT
+            ] * GIVEN_UP
         return Line(setting, tuple(points)), watches
 
+    def choices(
+        self,
+        others: "Sequence[tuple[Choice, Scene]]",
+        prepare: "Callable[[Scene], Runner]",
+        settings: Sequence[Setting],
+    ) -> tuple[Choice, ...]:
+        """Other models of the scene, each run until the error of its model is all that is left.
 
-def point_of(run: Run, rtol: float, reference: ReferenceSolution) -> Point:
+        Parameters
+        ----------
+        prepare
+            Scene → its runner; raises LinkwrightError where it does not assemble.
+        settings
+            In which a scene is tried, until one runs.
+        """
+        measured = []
+        for choice, scene in others:
+            self.progress(f"{self.runner.machine.model}/{scene.name}")
+            try:
+                runner = prepare(scene)
+            except LinkwrightError as error:
+                measured.append(replace(choice, reason=_reason(error)))
+            else:
+                measured.append(self._choice(choice, runner, settings))
+        return tuple(measured)
+
+    def _choice(self, choice: Choice, runner: Runner, settings: Sequence[Setting]) -> Choice:
+        """A choice in the first setting that works."""
+        reasons = []
+        for setting in settings:
+            try:
+                point, watch = self._cheapest(runner, setting)
+                timed_runs.time_runs([watch], self.rounds, self.least)
+            except InputError as error:
+                reasons.append(_reason(error))
+            except LinkwrightError as error:
+                reasons.append(f"{setting.title}: {error}")
+            else:
+                return replace(choice, setting=setting, point=_with_time(point, watch))
+        return replace(choice, reason=" ".join(dict.fromkeys(reasons)))
+
+    def _cheapest(self, runner: Runner, setting: Setting) -> tuple[Point, Stopwatch]:
+        """The loosest run whose error is that of the model, as it is in all tighter runs."""
+        runs: list[tuple[Point, Stopwatch]] = []
+        for rtol in CHOICE_RTOLS:
+            result = runner.run(setting, rtol)
+            if result.outcome is Outcome.OK:
+                watch = runner.stopwatch(setting, rtol, integration_time(result))
+                runs.append((_point(result, rtol, self.reference), watch))
+            elif rtol == CHOICE_RTOLS[-1]:
+                raise LinkwrightError(result.message)
+        last = runs[-1][0].worst
+        other = [k for k, (p, _) in enumerate(runs) if abs(p.worst - last) > _MODEL_ERROR * last]
+        return runs[other[-1] + 1 if other else 0]
+
+
+def _point(result: "Result", rtol: float, reference: ReferenceSolution) -> Point:
     """A run against the reference; its time is not measured yet."""
-    result = run.result
     counts = {name: float(count) for name, count in result.stats.items() if "seconds" not in name}
-    if run.outcome != DONE:
-        return Point(rtol, run.outcome, result.message, counts=counts)
+    if result.outcome is not Outcome.OK:
+        return Point(rtol, timed_runs.outcome_name(result), result.message, counts=counts)
     errors = reference.errors(result)
     return Point(
         rtol,
-        run.outcome,
+        timed_runs.DONE,
         result.message,
         errors,
         beyond=errors.worst < reference.about.floor,
@@ -112,13 +175,13 @@ def point_of(run: Run, rtol: float, reference: ReferenceSolution) -> Point:
     )
 
 
-def with_time(point: Point, watch: Stopwatch) -> Point:
+def _with_time(point: Point, watch: Stopwatch) -> Point:
     """A point with its time; that of a run that failed is the time until then."""
     if not watch.times:
         return point
     return replace(point, seconds=watch.seconds, spread=watch.spread, runs=len(watch.times))
 
 
-def reason_of(error: LinkwrightError) -> str:
+def _reason(error: LinkwrightError) -> str:
     """The message of a refusal in one line."""
     return " ".join(error.problems) if isinstance(error, InputError) else str(error)

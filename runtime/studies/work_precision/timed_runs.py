@@ -6,7 +6,7 @@ the motion: they do not count.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -14,25 +14,17 @@ import numpy.typing as npt
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.simulation import simulate
 from runtime.studies.timing import Stopwatch, TimeLimit, take_turns
-from runtime.studies.work_precision.diagram import DONE, TIMEOUT, Setting
+from runtime.studies.work_precision.diagram import Setting
 
 if TYPE_CHECKING:
-    from runtime.integrate.problem import Correction, Formulation
     from runtime.machine import Machine
     from runtime.results.assembled_state import Assembly
     from runtime.results.result import Result
 
+DONE, TIMEOUT, NOT_TRIED = "OK", "TIMEOUT", "NOT_TRIED"
 MOST = 30  # safety: runs by which a time is taken, however short
 
 FloatArray = npt.NDArray[np.float64]
-
-
-class Run(NamedTuple):
-    """A run: its result, its outcome or "TIMEOUT", the processor time of its integration in s."""
-
-    result: "Result"
-    outcome: str
-    seconds: float
 
 
 @dataclass(frozen=True)
@@ -58,8 +50,13 @@ class Runner:
     limit: float
     steps: int
 
-    def run(self, setting: Setting, rtol: float) -> Run:
-        """Run once.
+    @property
+    def title(self) -> str:
+        """MODEL/SCENE."""
+        return self.machine.description.title
+
+    def run(self, setting: Setting, rtol: float) -> "Result":
+        """Run once; `Outcome.INTERRUPTED` is a run that the limit of time ended.
 
         Raises
         ------
@@ -76,26 +73,33 @@ class Runner:
             rtol=rtol,
             parameters=self.parameters,
             start=self.begin,
-            correction=cast("Correction", setting.correction),
-            formulation=cast("Formulation", setting.formulation),
+            correction=cast(Any, setting.correction),
+            formulation=cast(Any, setting.formulation),
             max_steps=self.steps,
             progress=limit,
         )
-        outcome = DONE if result.outcome is Outcome.OK else str(result.outcome)
-        if result.outcome is Outcome.INTERRUPTED:
-            if not limit.exceeded:
-                raise KeyboardInterrupt  # by the user
-            outcome = TIMEOUT
-        return Run(result, outcome, result.stats["integration_seconds"])
+        if result.outcome is Outcome.INTERRUPTED and not limit.exceeded:
+            raise KeyboardInterrupt  # by the user
+        return result
 
     def stopwatch(self, setting: Setting, rtol: float, *times: float) -> Stopwatch:
-        """Repeats a run; one that meets the limit of time has no time of a whole run."""
+        """Repeats a run; one that does not reach its end has no time of a whole run."""
 
         def seconds() -> float | None:
-            run = self.run(setting, rtol)
-            return run.seconds if run.outcome == DONE else None
+            result = self.run(setting, rtol)
+            return integration_time(result) if result.outcome is Outcome.OK else None
 
         return Stopwatch(seconds, *times)
+
+
+def outcome_name(result: "Result") -> str:
+    """The name of the `Outcome`, or "TIMEOUT": the limit of time alone interrupts a run."""
+    return TIMEOUT if result.outcome is Outcome.INTERRUPTED else str(result.outcome)
+
+
+def integration_time(result: "Result") -> float:
+    """Processor time of the integration, s."""
+    return float(result.stats["integration_seconds"])
 
 
 def time_runs(watches: Sequence[Stopwatch], rounds: int, least: float) -> None:
