@@ -88,20 +88,13 @@ def simulate(
     """Dynamics: the motion of the machine under the forces that act on it."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
+        # A run of no length is the assembled state; every other one has a positive span.
+        t_eval = [t_end] if t_end == t_start else _instants(t_start, t_end, points)
+        words = {"correction": cast(Any, correction), "formulation": cast(Any, formulation)}
         return machine.simulate(
-            t_end=t_end,
-            # A run of no length is the assembled state; every other one has a positive span.
-            t_eval=[t_end] if t_end == t_start else _instants(t_start, t_end, points),
-            t_start=t_start,
-            accuracy=accuracy,
-            quantities=quantity,
-            method=method,
-            rtol=rtol,
-            atol=atol,
-            correction=cast(Any, correction),  # `simulate` refuses a word that is none
-            formulation=cast(Any, formulation),
-            **values,
-        )
+            t_end, t_eval, t_start=t_start, accuracy=accuracy, quantities=quantity, method=method,
+            rtol=rtol, atol=atol, **words, **values,
+        )  # fmt: skip
 
     _run(analyse, model, scene, settings, guess, out, as_json)
 
@@ -136,16 +129,11 @@ def inverse(
 
 @app.command()
 def report(
-    model: Model,
-    out: Annotated[Path, typer.Option(help="The page to write, .html.")],
-    t_end: TEnd = 1.0,
-    scene: Scene = None,
-    settings: Parameters = None,
-    guess: Guess = None,
-    points: Points = 501,
-    rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 1e-8,
+    model: Model, out: Annotated[Path, typer.Option(help="The page to write, .html.")],
+    t_end: TEnd = 1.0, scene: Scene = None, settings: Parameters = None, guess: Guess = None,
+    points: Points = 501, rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 1e-8,
     as_json: Json = False,
-) -> None:
+) -> None:  # fmt: skip
     """A page about a run: a simulation, or the driven motion where drivers leave no freedom."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
@@ -163,15 +151,11 @@ def report(
 
 @app.command()
 def equilibrium(
-    model: Model,
-    scene: Scene = None,
-    settings: Parameters = None,
-    guess: Guess = None,
+    model: Model, scene: Scene = None, settings: Parameters = None, guess: Guess = None,
     method: Annotated[str, typer.Option(help="energy or settling.")] = "energy",
     t: Annotated[float, typer.Option(help="Instant at which the drivers stand, in s.")] = 0.0,
-    out: Out = None,
-    as_json: Json = False,
-) -> None:
+    out: Out = None, as_json: Json = False,
+) -> None:  # fmt: skip
     """Equilibrium: the position of rest, and whether it is stable."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":

@@ -11,17 +11,11 @@ at instants that are fixed beforehand, not at the steps of a method.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
-from runtime.studies.series import magnitude
-
-if TYPE_CHECKING:
-    from runtime.mechanism.description import Description
-
-FloatArray = npt.NDArray[np.float64]
+from runtime.mechanism.description import Description
+from runtime.studies.series import FloatArray, magnitude
 
 MOTION = ("positions", "velocities")
 _RESTING = 1e-9  # accuracy: share of a typical size per second below which a velocity is at rest
@@ -29,55 +23,33 @@ _RESTING = 1e-9  # accuracy: share of a typical size per second below which a ve
 
 @dataclass(frozen=True)
 class Scale:
-    """The physical scale of a quantity.
-
-    Attributes
-    ----------
-    group
-        "positions", "velocities", or "others": accelerations, reactions, energies, powers.
-    value
-        s_j, in the unit.
-    """
+    """The physical scale of a quantity."""
 
     name: str
     unit: str
-    group: str
-    value: float
+    group: str  # "positions", "velocities", or "others": accelerations, reactions, energies, powers
+    value: float  # s_j, in the unit
 
 
 @dataclass(frozen=True)
 class Errors:
     """Scaled errors of a run.
 
-    Attributes
-    ----------
-    worst
-        Largest over instants and quantities; -log10 of it is the number of correct digits.
-    rms
-        Root of the mean square over instants and quantities.
-    end
-        Largest at the last instant.
-    relative
-        Root of the mean square, with max(|r|, s) in place of s + |r|: the measure of the IFToMM
-        benchmarks (M. Gonzalez, D. Dopico, U. Lugris, J. Cuadrado, Multibody System Dynamics 16,
-        2006).
-    groups
-        Group of quantities → its `worst`. The four numbers above are over positions and velocities
-        where there are any, and over all quantities otherwise.
-    each
-        Quantity → its largest error.
+    The first four are over positions and velocities where there are any, and over all quantities
+    otherwise. `relative` has max(|r|, s) in place of s + |r|: the measure of the IFToMM benchmarks
+    (M. Gonzalez, D. Dopico, U. Lugris, J. Cuadrado, Multibody System Dynamics 16, 2006).
     """
 
-    worst: float
-    rms: float
-    end: float
-    relative: float
-    groups: dict[str, float]
-    each: dict[str, float]
+    worst: float  # over instants and quantities; -log10 of it is the number of correct digits
+    rms: float  # root of the mean square over instants and quantities
+    end: float  # largest at the last instant
+    relative: float  # root of the mean square
+    groups: dict[str, float]  # group of quantities → its largest error
+    each: dict[str, float]  # quantity → its largest error
 
 
 def scales(
-    names: Sequence[str], units: Sequence[str], description: "Description", sizes: FloatArray,
+    names: Sequence[str], units: Sequence[str], description: Description, sizes: FloatArray,
     reference: FloatArray, whole: Sequence[float] | None = None,
 ) -> tuple[Scale, ...]:  # fmt: skip
     """The scale of each quantity.

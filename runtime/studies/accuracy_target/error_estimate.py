@@ -14,13 +14,9 @@ from runtime.studies.accuracy_target.run_difference import Difference, Pair, Qua
 
 
 def with_accuracy(
-    result: Result,
-    target: float,
-    quantities: Quantities,
-    runs: Sequence[Run],
-    pair: Pair,
+    result: Result, target: float, quantities: Quantities, runs: Sequence[Run], pair: Pair,
     reasons: Sequence[str],
-) -> Result:
+) -> Result:  # fmt: skip
     """The result of the delivered run, up to the instant to which it meets the target.
 
     Its `ReachedAccuracy` has all runs, and the reasons for the choice of method and coordinates, in

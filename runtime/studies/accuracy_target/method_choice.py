@@ -17,24 +17,14 @@ from runtime.integrate.trajectory import Trajectory
 
 @dataclass(frozen=True)
 class Choice:
-    """Method and coordinates of the next run.
-
-    Attributes
-    ----------
-    free
-        Those of "method" and "formulation" that the user left open.
-    correction
-        Return onto the constraints; that of `taken` may differ.
-    reasons
-        For the choice, in clauses.
-    """
+    """Method and coordinates of the next run."""
 
     method: str
     formulation: Formulation
-    taken: Coordinates
-    free: frozenset[str]
-    correction: Correction
-    reasons: tuple[str, ...] = ()
+    coordinates: Coordinates
+    free: frozenset[str]  # those of "method" and "formulation" that the user left open
+    correction: Correction  # as the user named it; that of the coordinates may differ
+    reasons: tuple[str, ...] = ()  # for the choice, in clauses
 
 
 def choose(
@@ -50,17 +40,17 @@ def choose(
     if formulation is None and ready.mechanism.has_companion("reduced"):
         chosen = method or "auto"
         try:
-            taken = ready.coordinates("reduced", chosen, correction)
+            coordinates = ready.coordinates("reduced", chosen, correction)
         except InputError as error:
             reasons = (f"reduced coordinates are refused ({error.problems[0]})",)
         else:
-            return Choice(chosen, "reduced", taken, free, correction)
+            return Choice(chosen, "reduced", coordinates, free, correction)
     elif formulation is None:
         reasons = ("reduced coordinates are not built (python -m codegen build --reduced)",)
     used = formulation or "cartesian"
     chosen = method or _method(ready, used)
-    taken = ready.coordinates(used, chosen, correction)
-    return Choice(chosen, used, taken, free, correction, reasons)
+    coordinates = ready.coordinates(used, chosen, correction)
+    return Choice(chosen, used, coordinates, free, correction, reasons)
 
 
 def revise(choice: Choice, ready: PreparedSimulation, run: Trajectory) -> Choice:
@@ -69,9 +59,11 @@ def revise(choice: Choice, ready: PreparedSimulation, run: Trajectory) -> Choice
         if "formulation" not in choice.free:
             return choice
         method = _method(ready, "cartesian") if "method" in choice.free else choice.method
-        taken = ready.coordinates("cartesian", method, choice.correction)
+        coordinates = ready.coordinates("cartesian", method, choice.correction)
         why = f"in reduced coordinates the run ends at t = {run.final_t:.6g} s ({run.outcome.name})"
-        return replace(choice, method=method, formulation="cartesian", taken=taken, reasons=(why,))
+        return replace(
+            choice, method=method, formulation="cartesian", coordinates=coordinates, reasons=(why,)
+        )
     if choice.method == "auto" and "method" in choice.free and len(run.methods) == 1:
         return replace(choice, method="dop853")
     return choice

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -11,15 +10,11 @@ from codegen.errors import InputError
 from runtime.core.outcomes import Outcome
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory
+from runtime.mechanism.description import Description
 from runtime.results.reached_accuracy import Trial
+from runtime.results.result import Result
 from runtime.studies.error_norms import scaled_errors
-from runtime.studies.series import group_magnitude, series_values
-
-if TYPE_CHECKING:
-    from runtime.mechanism.description import Description
-    from runtime.results.result import Result
-
-FloatArray = npt.NDArray[np.float64]
+from runtime.studies.series import FloatArray, group_magnitude, series_values
 
 DIVERGED = 0.1  # accuracy: scaled difference of runs that have nothing in common any more
 SAFE_POWER = 0.75  # measured: power of rtol with which errors fall at least
@@ -34,21 +29,11 @@ _LEAST_SHARE = 0.1  # safety: least share of a difference where the motions dive
 
 @dataclass(frozen=True)
 class Quantities:
-    """Series of a run whose errors count.
-
-    Attributes
-    ----------
-    names
-        Of the series.
-    scales : (c,)
-        Their typical sizes; NaN: the largest value in the run of it, or of its whole.
-    state_columns : (c,)
-        Their columns in [q, v]; -1: a series of a result, such as a reaction.
-    """
+    """Series of a run whose errors count."""
 
     names: tuple[str, ...]
-    scales: FloatArray
-    state_columns: npt.NDArray[np.int64]
+    scales: FloatArray  # typical sizes, (c,); NaN: the largest value in the run of it or its whole
+    state_columns: npt.NDArray[np.int64]  # in [q, v], (c,); -1: of a result, such as a reaction
 
     @property
     def are_states(self) -> bool:
@@ -60,27 +45,23 @@ class Quantities:
         values: FloatArray = np.hstack([q, v])[:, self.state_columns]
         return values
 
-    def of_result(self, result: "Result") -> FloatArray:
+    def of_result(self, result: Result) -> FloatArray:
         """The values, (k, c)."""
         return series_values(result, self.names)
 
-    def wholes(self, result: "Result") -> FloatArray:
+    def wholes(self, result: Result) -> FloatArray:
         """Magnitudes of the wholes that the series are parts of, (c,); 0 of those with a size."""
         sizes = zip(self.names, np.isnan(self.scales), strict=True)
         return np.array([group_magnitude(result, name) if free else 0.0 for name, free in sizes])
 
 
 def quantities_of(
-    description: "Description", names: Sequence[str] | None, sizes: FloatArray
+    description: Description, names: Sequence[str] | None, sizes: FloatArray
 ) -> Quantities:
     """The quantities of these names: all coordinates and velocities without `names`.
 
-    Names that do not exist are refused by the result.
-
-    Parameters
-    ----------
-    sizes : (n,)
-        Typical sizes of the coordinates, and of their velocities per second.
+    The sizes, (n,), are those of the coordinates, and of their velocities per second. Names that do
+    not exist are refused by the result.
     """
     if names is not None and (isinstance(names, str) or not len(names)):
         raise InputError(
@@ -98,21 +79,11 @@ def quantities_of(
 
 @dataclass(frozen=True)
 class Difference:
-    """The difference of two runs.
+    """The difference of two runs."""
 
-    Attributes
-    ----------
-    t : (k,)
-        Instants that both reached, s.
-    scaled : (k, c)
-        |y - r| / (s + |r|) of each quantity, r that of the second run.
-    scales : (c,)
-        s.
-    """
-
-    t: FloatArray
-    scaled: FloatArray
-    scales: FloatArray
+    t: FloatArray  # instants that both reached, s, (k,)
+    scaled: FloatArray  # |y - r| / (s + |r|) of each quantity, r that of the second run, (k, c)
+    scales: FloatArray  # s, (c,)
 
     @property
     def largest(self) -> float:
@@ -131,22 +102,12 @@ class Difference:
 
 
 def difference(
-    t: FloatArray,
-    first: FloatArray,
-    second: FloatArray,
-    quantities: Quantities,
+    t: FloatArray, first: FloatArray, second: FloatArray, quantities: Quantities,
     wholes: FloatArray | None = None,
-) -> Difference:
-    """Compare two runs at their common instants.
+) -> Difference:  # fmt: skip
+    """Compare the values of two runs, (≥ k, c), at the instants of the shorter one, (k,).
 
-    Parameters
-    ----------
-    t : (k,)
-        Instants of the shorter run, with which both begin.
-    first, second : (≥ k, c)
-        Their values.
-    wholes : (c,)
-        Magnitudes of the wholes that series are parts of: see `Quantities.wholes`.
+    The magnitudes of the wholes that series are parts of, (c,), are those of `Quantities.wholes`.
     """
     old, new = first[: len(t)], second[: len(t)]
     # Reactions are not numbers in a singular configuration, and have a size all the same.
@@ -197,27 +158,15 @@ def tenfold_time(found: Difference) -> float | None:
 
 @dataclass
 class Run:
-    """A run with the settings that it had.
-
-    Attributes
-    ----------
-    values : (k, c)
-        Of the quantities.
-    wholes : (c,)
-        Magnitudes of the wholes that they are parts of.
-    seconds
-        Processor time.
-    difference
-        Largest from the run with which it was compared; None before.
-    """
+    """A run with the settings that it had."""
 
     formulation: str
     options: Options
     path: Trajectory
-    values: FloatArray
-    wholes: FloatArray
-    seconds: float
-    difference: float | None = None
+    values: FloatArray  # of the quantities, (k, c)
+    wholes: FloatArray  # magnitudes of the wholes that they are parts of, (c,)
+    seconds: float  # processor time
+    difference: float | None = None  # largest, from the run with which it was compared
 
     @property
     def t(self) -> FloatArray:

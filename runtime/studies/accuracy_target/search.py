@@ -19,7 +19,6 @@ method, where it costs much, the gap is narrow.
 import time as clock
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -28,9 +27,11 @@ from runtime.core.outcomes import Outcome
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import finish_simulation
 from runtime.integrate.method import IMPLICIT, METHODS
-from runtime.integrate.problem import Options
+from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.wiring import function_table
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
+from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
 from runtime.studies.accuracy_target import run_difference as runs
 from runtime.studies.accuracy_target.error_estimate import with_accuracy
@@ -39,11 +40,6 @@ from runtime.studies.accuracy_target.run_difference import Pair, Quantities, Run
 from runtime.studies.series import require_numbers
 from runtime.studies.timing import processor_time
 from runtime.validation.arguments import instants
-
-if TYPE_CHECKING:
-    from runtime.integrate.problem import Correction, Formulation
-    from runtime.mechanism.mechanism import Mechanism, Values
-    from runtime.results.assembled_state import Assembly
 
 POINTS = 501
 """Output instants if the user gives none."""
@@ -63,25 +59,12 @@ _ORDER, _ORDERS = 5, {"dop853": 8}  # powers of the step with which errors fall
 
 
 def simulate_to(
-    mechanism: "Mechanism",
-    t_end: float,
-    t_eval: npt.ArrayLike | None = None,
-    *,
-    accuracy: float,
-    quantities: Sequence[str] | None = None,
-    t_start: float = 0.0,
-    method: str | None = None,
-    parameters: "Values | None" = None,
-    guess: "Values | None" = None,
-    start: "Assembly | None" = None,
-    correction: "Correction" = "step",
-    formulation: "Formulation | None" = None,
-    time_scale: float | None = None,
-    first_step: float | None = None,
-    max_step: float | None = None,
-    max_steps: int = 100_000_000,
-    progress: Progress = silent,
-) -> Result:
+    mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | None, *, accuracy: float,
+    quantities: Sequence[str] | None, t_start: float, method: str | None,
+    parameters: Values | None, guess: Values | None, start: Assembly | None,
+    correction: Correction, formulation: Formulation | None, time_scale: float | None,
+    first_step: float | None, max_step: float | None, max_steps: int, progress: Progress,
+) -> Result:  # fmt: skip
     """Integrate with a global error below `accuracy` at the output instants.
 
     The error of a quantity y is |y - r| / (s + |r|), r the exact one, s its typical size: that of
@@ -90,17 +73,8 @@ def simulate_to(
     evidence for it. Where the target cannot be met over all the time, the result ends at the last
     instant up to which it is, with the outcome `INACCURATE`.
 
-    Parameters
-    ----------
-    t_eval
-        Output instants in s; without them, 501, equally spaced.
-    accuracy
-        From 1e-12 to 0.1.
-    quantities
-        Names of series; all coordinates and velocities unless given.
-    method, formulation
-        Chosen unless given: reduced coordinates where they are built and stay valid, and the method
-        that suits the first run.
+    Method and formulation are chosen unless given: reduced coordinates where they are built and
+    stay valid, and the method that suits the first run. See `Machine.simulate`.
 
     Raises
     ------
@@ -116,12 +90,9 @@ def simulate_to(
     first, last = ready.begin.t, float(t_end)
     times = np.linspace(first, last, POINTS if last > first else 1)
     options = Options(
-        t_eval=times if t_eval is None else instants(t_eval),
-        time_scale=time_scale,
-        first_step=first_step,
-        h_max=max_step,
-        max_steps=max_steps,
-    )
+        t_eval=times if t_eval is None else instants(t_eval), time_scale=time_scale,
+        first_step=first_step, h_max=max_step, max_steps=max_steps,
+    )  # fmt: skip
     chosen = runs.quantities_of(mechanism.description, quantities, ready.sizes)
     search = _Search(ready, accuracy, chosen, options, progress)
     return search.result(choose(ready, method, formulation, correction), began)
@@ -131,13 +102,9 @@ class _Search:
     """The runs, each planned from those before."""
 
     def __init__(
-        self,
-        ready: PreparedSimulation,
-        target: float,
-        quantities: Quantities,
-        options: Options,
+        self, ready: PreparedSimulation, target: float, quantities: Quantities, options: Options,
         progress: Progress,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.ready, self.target, self.options = ready, target, options
         self.quantities, self.progress = quantities, progress
         self.runs: list[Run] = []
@@ -154,7 +121,9 @@ class _Search:
         while not self._is_final(pair):
             pair = self._compare(choice, self._tighter(pair), pair.tight)
         run = pair.delivered
-        result = finish_simulation(self.ready, choice.taken, run.options, began, silent, run.path)
+        result = finish_simulation(
+            self.ready, choice.coordinates, run.options, began, silent, run.path
+        )
         return with_accuracy(result, self.target, self.quantities, self.runs, pair, choice.reasons)
 
     def _second(self, first: Run) -> float:
@@ -195,25 +164,22 @@ class _Search:
 
     def _run(self, choice: Choice, rtol: float) -> Run:
         options = replace(
-            self.options,
-            method=choice.method,
-            rtol=rtol,
-            h_max=self._longest_step(choice, rtol),
-            correction=choice.taken.correction,
-        )
+            self.options, method=choice.method, rtol=rtol, h_max=self._longest_step(choice, rtol),
+            correction=choice.coordinates.correction,
+        )  # fmt: skip
         if choice.method in METHODS:  # the run refuses an unknown name
             function_table(choice.method)  # loaded, or compiled, before time is measured
-        path, seconds = processor_time(lambda: self.ready.run(choice.taken, options, self.progress))
+        ready, chosen, names = self.ready, choice.coordinates, self.quantities.names
+        path, seconds = processor_time(lambda: ready.run(chosen, options, self.progress))
         if self.quantities.are_states:
             values = self.quantities.of_run(path.q, path.v)
             wholes = np.zeros(values.shape[1])
         else:
-            result = finish_simulation(
-                self.ready, choice.taken, options, clock.perf_counter(), silent, path
-            )
+            began = clock.perf_counter()
+            result = finish_simulation(ready, chosen, options, began, silent, path)
             values = self.quantities.of_result(result)[: len(path.t)]
             if path.outcome is Outcome.OK:  # else another run may go further
-                require_numbers(result.description, self.quantities.names, values)
+                require_numbers(result.description, names, values)
             wholes = self.quantities.wholes(result)
         self.runs.append(Run(choice.formulation, options, path, values, wholes, seconds))
         return self.runs[-1]

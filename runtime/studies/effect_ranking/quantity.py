@@ -9,21 +9,17 @@ count:gas              the number of its events
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from codegen.errors import InputError
 from runtime.mechanism.description import unknown
+from runtime.results.result import Result
 from runtime.results.time_series import ENERGIES
-from runtime.studies.series import series_names, unknown_series
+from runtime.studies.series import FloatArray, series_names, unknown_series
 
-if TYPE_CHECKING:
-    from runtime.results.result import Result
-
-FloatArray = npt.NDArray[np.float64]
-Function = Callable[["Result"], float]
+Function = Callable[[Result], float]
 EVENTS = ("event", "count")
 
 
@@ -136,7 +132,7 @@ class Quantity(NamedTuple):
     """
 
     text: str
-    read: Callable[["Result"], QuantityValue]
+    read: Callable[[Result], QuantityValue]
 
 
 def parse_quantity(text: str | Function) -> Quantity:
@@ -170,7 +166,7 @@ def parse_quantity(text: str | Function) -> Quantity:
     return Quantity(stripped, partial(_reduce, stripped, REDUCTIONS[word], name.strip()))
 
 
-def _call(function: Function, result: "Result") -> QuantityValue:
+def _call(function: Function, result: Result) -> QuantityValue:
     value = function(result)
     try:
         number = float(value)
@@ -184,7 +180,7 @@ def _call(function: Function, result: "Result") -> QuantityValue:
     return QuantityValue(number, "", abs(number))
 
 
-def _reduce(text: str, reduction: Reduction, name: str, result: "Result") -> QuantityValue:
+def _reduce(text: str, reduction: Reduction, name: str, result: Result) -> QuantityValue:
     where = f"{result.description.title}, {text}:"
     try:
         x, unit = result.series(name)
@@ -206,7 +202,7 @@ def _reduce(text: str, reduction: Reduction, name: str, result: "Result") -> Qua
     return QuantityValue(value + 0.0, reduction.unit.format(unit), float(np.abs(x).max()))
 
 
-def _event(word: str, effect: str, number: int, result: "Result") -> QuantityValue:
+def _event(word: str, effect: str, number: int, result: Result) -> QuantityValue:
     description = result.description
     effects = list(dict.fromkeys(row.name for row in description.switches))
     if effect not in effects:

@@ -7,6 +7,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, TypeVar
 
 from codegen.errors import InputError, LinkwrightError
+from runtime.machine import Machine
 from runtime.studies.effect_ranking import trial_run
 from runtime.studies.effect_ranking.quantity import Function, Quantity, parse_quantity
 from runtime.studies.effect_ranking.ranking import Matters, Proposal, Row, Verdict
@@ -18,7 +19,6 @@ from runtime.studies.timing import Stopwatch, take_turns
 if TYPE_CHECKING:
     from codegen import Model, Scene
     from codegen.scene_variants import Variant
-    from runtime.machine import Machine
 
 LEAST_ROUNDS, MOST_ROUNDS = 5, 40  # measured: rounds of timed runs, however long or short these are
 SECONDS = 3.0  # measured: wall-clock time for all rounds
@@ -98,12 +98,9 @@ def matters(
 
 
 def _answer(
-    comparison: Comparison,
-    changes: "tuple[Variant, ...]",
-    rows: Sequence[Row],
-    proposal: Proposal | None,
-    times: Sequence[float],
-) -> Matters:
+    comparison: Comparison, changes: "tuple[Variant, ...]", rows: Sequence[Row],
+    proposal: Proposal | None, times: Sequence[float],
+) -> Matters:  # fmt: skip
     """The ranking, with the times of the full scene, of the rows that ran and of the proposal."""
     full, seconds = comparison.full, iter(times)
     costs = replace(full.costs, seconds=next(seconds))
@@ -115,20 +112,13 @@ def _answer(
         return replace(answer, costs=own, time_share=1.0 - own.seconds / costs.seconds)
 
     return Matters(
-        model=comparison.source.model.name,
-        scene=comparison.source.scene.name,
-        analysis=comparison.plan.analysis,
-        quantity=comparison.quantity.text,
-        value=full.quantity.value,
-        unit=full.quantity.unit,
-        size=comparison.size,
-        doubt=full.doubt,
-        costs=costs,
-        rows=tuple(sorted([timed(row) for row in rows], key=_rank)),
-        error=comparison.error,
-        proposal=None if proposal is None else timed(proposal),
+        model=comparison.source.model.name, scene=comparison.source.scene.name,
+        analysis=comparison.plan.analysis, quantity=comparison.quantity.text,
+        value=full.quantity.value, unit=full.quantity.unit, size=comparison.size, doubt=full.doubt,
+        costs=costs, rows=tuple(sorted([timed(row) for row in rows], key=_rank)),
+        error=comparison.error, proposal=None if proposal is None else timed(proposal),
         notes=tuple(_notes(changes, full, comparison.size, comparison.error)),
-    )
+    )  # fmt: skip
 
 
 def _changes(source: Source, fidelities: bool) -> "tuple[Variant, ...]":
@@ -146,7 +136,7 @@ def _changes(source: Source, fidelities: bool) -> "tuple[Variant, ...]":
     return changes
 
 
-def _full_trial(machine: "Machine", plan: Plan, quantity: Quantity) -> Trial:
+def _full_trial(machine: Machine, plan: Plan, quantity: Quantity) -> Trial:
     """The trial of the full scene; a failure is the user's."""
     if plan.guess:
         machine.assemble(guess=plan.guess, parameters=plan.parameters, t=plan.t_start)
@@ -204,7 +194,7 @@ def _notes(
     return notes
 
 
-def _analysis_of(machine: "Machine") -> str:
+def _analysis_of(machine: Machine) -> str:
     """The analysis that a scene is meant for."""
     description = machine.description
     if description.analysis == "equilibrium":

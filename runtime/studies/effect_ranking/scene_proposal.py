@@ -23,24 +23,14 @@ STILL = 1e-9  # accuracy: share of the full scene's motion below which nothing m
 
 @dataclass(frozen=True)
 class Comparison:
-    """Compares scenes with the full one, that of the source.
-
-    Attributes
-    ----------
-    full
-        The trial of the full scene.
-    error
-        The relative change that is permitted, or None.
-    progress
-        Receives a line before every step that takes time.
-    """
+    """Compares scenes with the full one, that of the source."""
 
     source: Source
     plan: Plan
     quantity: Quantity
-    full: Trial
-    error: float | None
-    progress: Callable[[str], None]
+    full: Trial  # of the full scene
+    error: float | None  # the relative change that is permitted
+    progress: Callable[[str], None]  # receives a line before every step that takes time
 
     @property
     def size(self) -> float:
@@ -126,17 +116,11 @@ def propose_scene(
         scene, trial = full, comparison.full
     _, doubt, relative = comparison.change(trial)
     proposal = Proposal(
-        left_out=tuple(row.title for row, _ in left_out),
-        put_back=tuple(put_back),
-        scene=scene.name,
-        spelled=scene.spelled,
-        value=trial.quantity.value,
-        relative=relative,
-        doubt=comparison.relative(doubt),
-        costs=trial.costs,
-        time_share=math.nan,
+        left_out=tuple(row.title for row, _ in left_out), put_back=tuple(put_back),
+        scene=scene.name, spelled=scene.spelled, value=trial.quantity.value, relative=relative,
+        doubt=comparison.relative(doubt), costs=trial.costs, time_share=math.nan,
         tried=tuple(tried),
-    )
+    )  # fmt: skip
     return proposal, trial
 
 

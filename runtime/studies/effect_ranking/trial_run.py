@@ -9,22 +9,18 @@ answers is the uncertainty of the second.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from codegen.errors import InputError, LinkwrightError
+from runtime.machine import Machine
+from runtime.results.result import Result
 from runtime.studies.effect_ranking.quantity import Quantity, QuantityValue
 from runtime.studies.effect_ranking.ranking import Costs
 from runtime.studies.scenes import known_guess, known_parameters
+from runtime.studies.series import FloatArray
 from runtime.studies.timing import Stopwatch, processor_time
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine
-    from runtime.results.result import Result
-
-FloatArray = npt.NDArray[np.float64]
 
 ANALYSES = ("simulate", "kinematics", "inverse", "equilibrium")
 COARSER = 100.0  # accuracy: ratio of the tolerances of the two runs
@@ -37,30 +33,18 @@ _ROUNDING = 1e-12  # accuracy: least relative uncertainty, however well two runs
 
 @dataclass(frozen=True)
 class Plan:
-    """The run that every scene of a ranking makes.
+    """The run that every scene of a ranking makes."""
 
-    Attributes
-    ----------
-    analysis
-        One of `ANALYSES`.
-    points
-        Output instants of the first run, and of those that are timed.
-    rtol
-        Relative tolerance of the second run, and of those that are timed.
-    parameters, guess
-        By name; a scene gets those that it has.
-    """
-
-    analysis: str
+    analysis: str  # one of `ANALYSES`
     t_start: float
     t_end: float
-    points: int
-    rtol: float
+    points: int  # output instants of the first run, and of those that are timed
+    rtol: float  # of the second run, and of those that are timed
     method: str
-    parameters: Mapping[str, float]
-    guess: Mapping[str, float]
+    parameters: Mapping[str, float]  # a scene gets those that it has
+    guess: Mapping[str, float]  # the same
 
-    def run(self, machine: "Machine", *, rtol: float, instants: FloatArray) -> "Result":
+    def run(self, machine: Machine, *, rtol: float, instants: FloatArray) -> Result:
         """The analysis of a machine."""
         values: dict[str, Any] = {
             "parameters": known_parameters(machine, self.parameters),
@@ -80,7 +64,7 @@ class Plan:
             case _:
                 return machine.equilibrium(**values, t=self.t_start)
 
-    def stopwatch(self, machine: "Machine") -> Stopwatch:
+    def stopwatch(self, machine: Machine) -> Stopwatch:
         """Repeats the run; its time is that from the call to the result."""
         instants = self.instants(self.points)
         return Stopwatch(
@@ -98,41 +82,24 @@ class Plan:
 
 @dataclass(frozen=True)
 class Trial:
-    """A scene that was run.
+    """A scene that was run."""
 
-    Attributes
-    ----------
-    quantity, doubt
-        The quantity, and its uncertainty.
-    freedom
-        Degrees of freedom at the start.
-    reach
-        Coordinate → largest less least value, in its unit.
-    costs
-        Of the second run, its time not measured yet.
-    """
-
-    machine: "Machine"
+    machine: Machine
     quantity: QuantityValue
-    doubt: float
-    freedom: int
-    reach: dict[str, float]
-    costs: Costs
+    doubt: float  # uncertainty of the quantity
+    freedom: int  # degrees of freedom at the start
+    reach: dict[str, float]  # coordinate → largest less least value, in its unit
+    costs: Costs  # of the second run, its time not measured yet
 
 
 class TrialError(LinkwrightError):
     """A scene has no such quantity, or does not run; says why."""
 
 
-def run_trial(machine: "Machine", plan: Plan, quantity: Quantity) -> Trial:
+def run_trial(machine: Machine, plan: Plan, quantity: Quantity) -> Trial:
     """Run a scene twice.
 
-    Raises
-    ------
-    TrialError
-        If it cannot be run, or does not run to its end.
-    InputError
-        If it has no such quantity.
+    Raises TrialError if it does not run to its end, and InputError if it has no such quantity.
     """
     try:
         freedom = _degrees_of_freedom(machine, plan)
@@ -150,7 +117,7 @@ def run_trial(machine: "Machine", plan: Plan, quantity: Quantity) -> Trial:
     return Trial(machine, second, doubt, freedom, reach, _costs(machine, fine))
 
 
-def _degrees_of_freedom(machine: "Machine", plan: Plan) -> int:
+def _degrees_of_freedom(machine: Machine, plan: Plan) -> int:
     """At the start; 0 of an equilibrium, whose start need not satisfy the constraints."""
     if plan.analysis == "equilibrium":
         return 0
@@ -159,7 +126,7 @@ def _degrees_of_freedom(machine: "Machine", plan: Plan) -> int:
     return machine.assemble(guess, known_parameters(machine, plan.parameters), t).degrees_of_freedom
 
 
-def _run_twice(machine: "Machine", plan: Plan) -> tuple["Result", "Result"]:
+def _run_twice(machine: Machine, plan: Plan) -> tuple[Result, Result]:
     """The run for comparison, and the run from which the quantity is taken."""
     rtol, points = min(COARSER * plan.rtol, 1e-3), plan.points
     rough = plan.run(machine, rtol=rtol, instants=plan.instants(points))
@@ -179,7 +146,7 @@ def _run_twice(machine: "Machine", plan: Plan) -> tuple["Result", "Result"]:
     return rough, plan.run(machine, rtol=plan.rtol, instants=instants)
 
 
-def _costs(machine: "Machine", run: "Result") -> Costs:
+def _costs(machine: Machine, run: Result) -> Costs:
     operations = dict(machine.description.operations)
     evaluations, iterations, steps = (
         int(run.stats.get(name, 0)) for name in ("rhs_evaluations", "newton_iterations", "steps")

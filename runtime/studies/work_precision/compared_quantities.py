@@ -4,23 +4,19 @@ import csv
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from codegen.errors import InputError
-from runtime.studies.series import series_names, unknown_series
+from runtime.mechanism.description import Description
+from runtime.studies.series import FloatArray, series_names, unknown_series
 
-if TYPE_CHECKING:
-    from runtime.mechanism.description import Description
-
-FloatArray = npt.NDArray[np.float64]
 OR = "|"
 """Between the names of a quantity of which a scene has one or another: ``a.x|b.x``."""
 
 
-def default_quantities(description: "Description") -> tuple[str, ...]:
+def default_quantities(description: Description) -> tuple[str, ...]:
     """The coordinates that the scene starts from, and their velocities.
 
     Where it fixes none, all coordinates and velocities.
@@ -31,7 +27,7 @@ def default_quantities(description: "Description") -> tuple[str, ...]:
     return tuple(name for row in rows for name in (row.name, row.velocity))
 
 
-def series_of(description: "Description", quantities: Sequence[str]) -> tuple[str, ...]:
+def series_of(description: Description, quantities: Sequence[str]) -> tuple[str, ...]:
     """The series that the quantities are in a scene: of names with ``|`` the first that it has.
 
     Raises
@@ -52,7 +48,7 @@ def series_of(description: "Description", quantities: Sequence[str]) -> tuple[st
     return tuple(series)
 
 
-def distinct_quantities(description: "Description", quantities: Sequence[str]) -> tuple[str, ...]:
+def distinct_quantities(description: Description, quantities: Sequence[str]) -> tuple[str, ...]:
     """The quantities as they are written; of those that are the same series, the first."""
     texts: dict[str, str] = {}
     for series, text in zip(series_of(description, quantities), quantities, strict=True):

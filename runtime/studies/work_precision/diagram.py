@@ -50,39 +50,22 @@ def all_settings(methods: Sequence[str], formulations: Sequence[str]) -> tuple[S
 class Point:
     """One run.
 
-    Attributes
-    ----------
-    outcome, message
-        "OK"; the name of a `runtime.Outcome`; "TIMEOUT" where the limit of time ended it;
-        "NOT_TRIED" where looser tolerances had met the limit twice. How it ended, in a sentence.
-    errors
-        Against the reference; None of a run that did not reach its end.
-    beyond
-        Whether the error is smaller than that of the reference, and so is not known itself.
-    seconds
-        Processor time of the integration in s, without assembly and outputs: least of `runs`.
-    spread
-        The median of the runs' times over the least.
-    counts
-        Entries of `Result.stats`.
-    position_residual, velocity_residual
-        Largest |Φ| over the machine's size, and |Φ_q q̇ - ν| over the largest velocity.
-    energy
-        Largest error of the energy over its largest magnitude; None where there is none.
+    The outcome is "OK"; the name of a `runtime.Outcome`; "TIMEOUT" where the limit of time ended
+    it; "NOT_TRIED" where looser tolerances had met the limit twice.
     """
 
     rtol: float
     outcome: str
-    message: str = ""
-    errors: Errors | None = None
-    beyond: bool = False
-    seconds: float = math.nan
-    spread: float = math.nan
+    message: str = ""  # how it ended, in a sentence
+    errors: Errors | None = None  # against the reference; None of a run that did not reach its end
+    beyond: bool = False  # whether the error is smaller than that of the reference: not known
+    seconds: float = math.nan  # processor time of the integration alone, the least of the runs
+    spread: float = math.nan  # median of the runs' times over the least
     runs: int = 0
-    counts: dict[str, float] = field(default_factory=dict)
-    position_residual: float = math.nan
-    velocity_residual: float = math.nan
-    energy: float | None = None
+    counts: dict[str, float] = field(default_factory=dict)  # entries of `Result.stats`
+    position_residual: float = math.nan  # largest |Φ| over the machine's size
+    velocity_residual: float = math.nan  # largest |Φ_q q̇ - ν| over the largest velocity
+    energy: float | None = None  # largest error over its largest magnitude; None without energy
 
     @property
     def worst(self) -> float:
@@ -129,51 +112,25 @@ class Check:
 
 @dataclass(frozen=True)
 class Reference:
-    """The solution with which all runs are compared.
+    """The solution with which all runs are compared."""
 
-    Attributes
-    ----------
-    source
-        The file, or the setting of a run at a tolerance that no other run has.
-    independent
-        Whether it was given, not computed by the methods that are compared.
-    checks
-        Runs of other methods that confirm it.
-    floor
-        Scaled error to which it is known: the least difference of a check.
-    horizon
-        The instant, s, from which on it is known to fewer than six digits; None if there is none.
-    """
-
-    source: str
-    independent: bool
-    checks: tuple[Check, ...]
-    floor: float
-    horizon: float | None = None
+    source: str  # the file, or the setting of a run at a tolerance that no other run has
+    independent: bool  # whether it was given, not computed by the methods that are compared
+    checks: tuple[Check, ...]  # runs of other methods that confirm it
+    floor: float  # scaled error to which it is known: the least difference of a check
+    horizon: float | None = None  # instant, s, from which on it is known to fewer than six digits
 
 
 @dataclass(frozen=True)
 class Choice:
-    """The scene with one thing modelled differently.
+    """The scene with one thing modelled differently."""
 
-    Attributes
-    ----------
-    title, kind, scene
-        ``rod as link``, the kind of the thing, and the scene that was run.
-    setting
-        Of the run; None where none was possible.
-    point
-        The loosest run whose error is that of the model and not of the integration.
-    reason
-        Why there is no run.
-    """
-
-    title: str
-    kind: str
-    scene: str
-    setting: Setting | None = None
-    point: Point | None = None
-    reason: str = ""
+    title: str  # ``rod as link``
+    kind: str  # of the thing
+    scene: str  # that was run
+    setting: Setting | None = None  # of the run; None where none was possible
+    point: Point | None = None  # the loosest run whose error is that of the model alone
+    reason: str = ""  # why there is no run
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from codegen.errors import InputError, LinkwrightError
 from runtime.core.outcomes import Outcome
+from runtime.results.result import Result
 from runtime.studies.timing import Stopwatch
 from runtime.studies.work_precision import timed_runs
 from runtime.studies.work_precision.diagram import Choice, Line, Point, Setting
@@ -18,7 +19,6 @@ from runtime.studies.work_precision.timed_runs import Runner, integration_time
 
 if TYPE_CHECKING:
     from codegen import Scene
-    from runtime.results.result import Result
 
 ENOUGH = 1e-9  # accuracy: scaled error beyond which no tighter tolerance is tried
 GIVEN_UP = 2  # safety: successive timeouts after which tighter tolerances, as slow, are not tried
@@ -28,33 +28,20 @@ _MODEL_ERROR = 0.1  # accuracy: share by which a run's error may differ from the
 
 @dataclass(frozen=True)
 class Measurement:
-    """How the runs of a study are compared and timed.
+    """How the runs of a study are compared and timed."""
 
-    Attributes
-    ----------
-    runner
-        The scene as declared.
-    rounds, least
-        As in `time_runs`.
-    progress
-        Receives a line before every step that takes time.
-    """
-
-    runner: Runner
+    runner: Runner  # of the scene as declared
     reference: ReferenceSolution
-    rounds: int
-    least: float
-    progress: Callable[[str], None]
+    rounds: int  # of each run, as in `time_runs`
+    least: float  # s, as in `time_runs`
+    progress: Callable[[str], None]  # receives a line before every step that takes time
 
     def lines(
         self, settings: Sequence[Setting], rtols: Sequence[float], further: Sequence[float]
     ) -> tuple[Line, ...]:
         """Every setting at every tolerance, the loosest first.
 
-        Parameters
-        ----------
-        further
-            Tolerances tighter than `rtols`, for settings that do not reach `ENOUGH` by these.
+        The `further` ones, tighter, are for settings that do not reach `ENOUGH` before.
         """
         measured: list[tuple[Line, list[Stopwatch]]] = []
         for setting in settings:
@@ -101,19 +88,13 @@ class Measurement:
         return Line(setting, tuple(points)), watches
 
     def choices(
-        self,
-        others: "Sequence[tuple[Choice, Scene]]",
-        prepare: "Callable[[Scene], Runner]",
+        self, others: "Sequence[tuple[Choice, Scene]]", prepare: "Callable[[Scene], Runner]",
         settings: Sequence[Setting],
-    ) -> tuple[Choice, ...]:
+    ) -> tuple[Choice, ...]:  # fmt: skip
         """Other models of the scene, each run until the error of its model is all that is left.
 
-        Parameters
-        ----------
-        prepare
-            Scene → its runner; raises LinkwrightError where it does not assemble.
-        settings
-            In which a scene is tried, until one runs.
+        A scene is tried in the settings until one runs; `prepare` raises LinkwrightError where it
+        does not assemble.
         """
         measured = []
         for choice, scene in others:
@@ -156,23 +137,18 @@ class Measurement:
         return runs[other[-1] + 1 if other else 0]
 
 
-def _point(result: "Result", rtol: float, reference: ReferenceSolution) -> Point:
+def _point(result: Result, rtol: float, reference: ReferenceSolution) -> Point:
     """A run against the reference; its time is not measured yet."""
     counts = {name: float(count) for name, count in result.stats.items() if "seconds" not in name}
     if result.outcome is not Outcome.OK:
         return Point(rtol, timed_runs.outcome_name(result), result.message, counts=counts)
     errors = reference.errors(result)
+    position, velocity = result.samples.residual.max(axis=0)[:2].tolist()
     return Point(
-        rtol,
-        timed_runs.DONE,
-        result.message,
-        errors,
-        beyond=errors.worst < reference.about.floor,
-        counts=counts,
-        position_residual=float(result.samples.residual[:, 0].max()) / reference.length,
-        velocity_residual=float(result.samples.residual[:, 1].max()) / reference.speed,
-        energy=reference.energy_error(result),
-    )
+        rtol, timed_runs.DONE, result.message, errors, errors.worst < reference.about.floor,
+        counts=counts, position_residual=position / reference.length,
+        velocity_residual=velocity / reference.speed, energy=reference.energy_error(result),
+    )  # fmt: skip
 
 
 def _with_time(point: Point, watch: Stopwatch) -> Point:

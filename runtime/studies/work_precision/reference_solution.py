@@ -9,24 +9,18 @@ to another machine.
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from codegen.errors import LinkwrightError
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.dense_equations import Equations, magnitudes
+from runtime.results.result import Result
 from runtime.studies.error_norms import Errors, Scale, errors, scaled_errors, scales
-from runtime.studies.series import group_magnitude, require_numbers, series_values
+from runtime.studies.series import FloatArray, group_magnitude, require_numbers, series_values
 from runtime.studies.work_precision.compared_quantities import ReferenceFile, series_of
 from runtime.studies.work_precision.diagram import Check, Reference, Setting
 from runtime.studies.work_precision.timed_runs import Runner, outcome_name
-
-if TYPE_CHECKING:
-    from runtime.results.result import Result
-
-FloatArray = npt.NDArray[np.float64]
 
 TIGHTEST = 1e-13  # accuracy: rtol of reference runs; the compared runs stay a digit away
 LIMIT_FACTOR = 6.0  # safety: times the time limit of a run that a reference run may take
@@ -40,40 +34,22 @@ _OTHERS = (Setting("dopri5"), Setting("radau5"), Setting("bdf"))
 
 @dataclass(frozen=True)
 class ReferenceSolution:
-    """The solution with which runs are compared.
+    """The solution with which runs are compared."""
 
-    Attributes
-    ----------
-    names
-        Quantities, as the user spelled them.
-    values : (k, j)
-        At the instants of the study.
-    scales
-        Of their errors.
-    total : (k,)
-        Total energy in J; nan where the scene has none.
-    energy
-        "start" where energy is conserved, "reference" where it changes, "" where there is none.
-    length, speed
-        Divisors of the residuals of positions and velocities.
-    about
-        Source, checks, and how far it is known.
-    """
-
-    names: tuple[str, ...]
-    values: FloatArray
-    scales: tuple[Scale, ...]
-    total: FloatArray
-    energy: str
-    length: float
-    speed: float
+    names: tuple[str, ...]  # of the quantities, as the user spelled them
+    values: FloatArray  # at the instants of the study, (k, j)
+    scales: tuple[Scale, ...]  # of their errors
+    total: FloatArray  # energy in J, (k,); nan where the scene has none
+    energy: str  # "start" where energy is conserved, "reference" where it changes, "" without any
+    length: float  # divisor of the residuals of positions
+    speed: float  # the same of velocities
     about: Reference
 
-    def errors(self, result: "Result") -> Errors:
+    def errors(self, result: Result) -> Errors:
         """The errors of a run."""
         return errors(_values(result, self.names), self.values, self.scales)
 
-    def energy_error(self, result: "Result") -> float | None:
+    def energy_error(self, result: Result) -> float | None:
         """Largest error of the energy over the largest magnitude of it and its parts."""
         if not self.energy:
             return None
@@ -87,16 +63,11 @@ def find_reference(
     runner: Runner, names: Sequence[str], file: ReferenceFile | None,
     progress: Callable[[str], None], settings: Sequence[Setting],
 ) -> ReferenceSolution:  # fmt: skip
-    """The reference, confirmed.
+    """The reference, from the user's file or from a run, confirmed.
 
-    Parameters
-    ----------
-    file
-        The reference that the user gave, if any.
-    settings
-        Those of the study. Reduced equations are built for the reference only if one of these takes
-        them; derivatives, which implicit methods take, also where otherwise there would be no
-        reference, or none that is confirmed.
+    Reduced equations are built for it only if a setting of the study takes them; derivatives, which
+    implicit methods take, also where otherwise there would be no reference, or none that is
+    confirmed.
 
     Raises
     ------
@@ -153,17 +124,15 @@ def find_reference(
     return ReferenceSolution(tuple(names), values, by, *_energy(best), length, speed, about)
 
 
-def _values(result: "Result", names: Sequence[str]) -> FloatArray:
+def _values(result: Result, names: Sequence[str]) -> FloatArray:
     """The quantities over time, (k, j)."""
     return series_values(result, series_of(result.description, names))
 
 
 def _completed_runs(
-    runner: Runner,
-    settings: Sequence[Setting],
-    failures: list[str],
+    runner: Runner, settings: Sequence[Setting], failures: list[str],
     progress: Callable[[str], None],
-) -> Iterator[tuple[Setting, "Result"]]:
+) -> Iterator[tuple[Setting, Result]]:  # fmt: skip
     """Runs at the tightest tolerance that reach their end, one after the other."""
     for setting in settings:
         progress(f"{runner.title}: reference, {setting.title}")
@@ -185,7 +154,7 @@ def _built_first(settings: Sequence[Setting], built: Collection[str]) -> list[Se
     return ready + rest
 
 
-def _energy(best: "Result") -> tuple[FloatArray, str]:
+def _energy(best: Result) -> tuple[FloatArray, str]:
     """Total energy along the reference; whether runs are compared with it or with its start."""
     energy, drivers = best.samples.energy, best.description.drivers
     total = energy.sum(axis=1)

@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from codegen.errors import AnalysisError, InputError
 from runtime.integrate.method import METHODS
+from runtime.machine import Machine
 from runtime.mechanism.description import unknown
+from runtime.results.assembled_state import Assembly
 from runtime.studies import scenes
+from runtime.studies.series import FloatArray
 from runtime.studies.work_precision import compared_quantities as compared
 from runtime.studies.work_precision import diagram
 from runtime.studies.work_precision.build_costs import build_costs
@@ -28,10 +30,7 @@ from runtime.validation.scene_support import refuse_massless, require_motion
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
-    from runtime.machine import Machine
-    from runtime.results.assembled_state import Assembly
 
-FloatArray = npt.NDArray[np.float64]
 
 RTOLS = tuple(10.0 ** -(2.0 + 0.5 * m) for m in range(17))
 """1e-2 to 1e-10, two a decade."""
@@ -125,13 +124,9 @@ def accuracy(
 
 
 def _comparison(
-    machine: "Machine",
-    quantities: Sequence[str],
-    reference: Path | None,
-    t_start: float,
-    t_end: float | None,
-    points: int,
-) -> tuple[tuple[str, ...], FloatArray, compared.ReferenceFile | None]:
+    machine: Machine, quantities: Sequence[str], reference: Path | None, t_start: float,
+    t_end: float | None, points: int,
+) -> tuple[tuple[str, ...], FloatArray, compared.ReferenceFile | None]:  # fmt: skip
     """The quantities that are compared, the instants in s, and the reference from a file."""
     description = machine.description
     require_motion(machine.mechanism, "accuracy")
@@ -149,11 +144,9 @@ def _comparison(
 
 
 def _start(
-    machine: "Machine",
-    guess: Mapping[str, float] | None,
-    parameters: Mapping[str, float],
+    machine: Machine, guess: Mapping[str, float] | None, parameters: Mapping[str, float],
     t_start: float,
-) -> "Assembly":
+) -> Assembly:  # fmt: skip
     begin = machine.assemble(guess, parameters, t_start)
     if begin.degrees_of_freedom == 0:
         raise AnalysisError(
@@ -199,31 +192,20 @@ def _settings_of_choices(lines: Sequence[Line]) -> tuple[Setting, ...]:
 
 
 def _answer(
-    measurement: Measurement,
-    lines: tuple[Line, ...],
-    choices: tuple[Choice, ...],
+    measurement: Measurement, lines: tuple[Line, ...], choices: tuple[Choice, ...],
     costs: dict[str, float],
-) -> WorkPrecision:
+) -> WorkPrecision:  # fmt: skip
     runner, solution = measurement.runner, measurement.reference
     description = runner.machine.description
     return WorkPrecision(
-        model=description.model,
-        scene=description.scene,
-        t_start=float(runner.begin.t),
-        t_end=float(runner.instants[-1]),
-        instants=len(runner.instants),
-        quantities=solution.scales,
-        energy=solution.energy,
-        limit=runner.limit,
-        steps=runner.steps,
-        reference=solution.about,
-        lines=lines,
-        choices=choices,
-        build=costs,
+        model=description.model, scene=description.scene, t_start=float(runner.begin.t),
+        t_end=float(runner.instants[-1]), instants=len(runner.instants),
+        quantities=solution.scales, energy=solution.energy, limit=runner.limit,
+        steps=runner.steps, reference=solution.about, lines=lines, choices=choices, build=costs,
         environment=environment(),
         model_sha256=description.sources[0][1] if description.sources else "",
         artefact=hashlib.sha256(runner.machine.path.read_bytes()).hexdigest(),
-    )
+    )  # fmt: skip
 
 
 def _check(
