@@ -56,13 +56,7 @@ def read_source(
 
 
 def cache_folder(folder: str | os.PathLike[str] | None) -> Path:
-    """The cache in the user's folder, created if need be and hidden from version control.
-
-    Raises
-    ------
-    InputError
-        If it cannot be written.
-    """
+    """The cache in the user's folder, created if need be and hidden from version control."""
     path = (Path(folder) if folder is not None else Path.cwd()) / CACHE
     try:
         path.mkdir(exist_ok=True)
@@ -75,16 +69,16 @@ def cache_folder(folder: str | os.PathLike[str] | None) -> Path:
     return path
 
 
-def known_parameters(machine: "Machine", values: Mapping[str, float]) -> dict[str, float]:
-    """Those of the parameter values whose names the scene has."""
-    return {name: x for name, x in values.items() if name in machine.parameters.names}
-
-
-def known_guess(machine: "Machine", values: Mapping[str, float]) -> dict[str, float]:
-    """Those of the start values whose coordinates or velocities the scene has."""
+def known_values(
+    machine: "Machine", parameters: Mapping[str, float], guess: Mapping[str, float]
+) -> dict[str, dict[str, float]]:
+    """The arguments `parameters` and `guess` of an analysis: those values that the scene has."""
     rows = machine.coordinates
     states = {*rows.names, *(row.velocity for row in rows)}
-    return {name: x for name, x in values.items() if name in states}
+    return {
+        "parameters": {k: x for k, x in parameters.items() if k in machine.parameters.names},
+        "guess": {k: x for k, x in guess.items() if k in states},
+    }
 
 
 def require_time_span(machine: "Machine", t_start: float, t_end: float | None) -> float:

@@ -18,7 +18,7 @@ from runtime.machine import Machine
 from runtime.results.result import Result
 from runtime.studies.effect_ranking.quantity import Quantity, QuantityValue
 from runtime.studies.effect_ranking.ranking import Costs
-from runtime.studies.scenes import known_guess, known_parameters
+from runtime.studies.scenes import known_values
 from runtime.studies.series import FloatArray
 from runtime.studies.timing import Stopwatch, processor_time
 
@@ -44,25 +44,20 @@ class Plan:
     parameters: Mapping[str, float]  # a scene gets those that it has
     guess: Mapping[str, float]  # the same
 
+    def values(self, machine: Machine) -> dict[str, dict[str, float]]:
+        """Those of the parameters and start values that a machine has."""
+        return known_values(machine, self.parameters, self.guess)
+
     def run(self, machine: Machine, *, rtol: float, instants: FloatArray) -> Result:
         """The analysis of a machine."""
-        values: dict[str, Any] = {
-            "parameters": known_parameters(machine, self.parameters),
-            "guess": known_guess(machine, self.guess),
-            "progress": False,
-        }
-        match self.analysis:
-            case "simulate":
-                return machine.simulate(
-                    self.t_end, instants, t_start=self.t_start, method=self.method, rtol=rtol,
-                    **values,
-                )  # fmt: skip
-            case "kinematics":
-                return machine.kinematics(instants, **values)
-            case "inverse":
-                return machine.inverse_dynamics(instants, **values)
-            case _:
-                return machine.equilibrium(**values, t=self.t_start)
+        values: dict[str, Any] = {**self.values(machine), "progress": False}
+        if self.analysis == "simulate":
+            values |= {"t_start": self.t_start, "method": self.method, "rtol": rtol}
+            return machine.simulate(self.t_end, instants, **values)
+        if self.analysis == "equilibrium":
+            return machine.equilibrium(**values, t=self.t_start)
+        driven = self.analysis == "kinematics"
+        return (machine.kinematics if driven else machine.inverse_dynamics)(instants, **values)
 
     def stopwatch(self, machine: Machine) -> Stopwatch:
         """Repeats the run; its time is that from the call to the result."""
@@ -122,8 +117,7 @@ def _degrees_of_freedom(machine: Machine, plan: Plan) -> int:
     if plan.analysis == "equilibrium":
         return 0
     t = plan.t_start if plan.analysis == "simulate" else 0.0
-    guess = known_guess(machine, plan.guess)
-    return machine.assemble(guess, known_parameters(machine, plan.parameters), t).degrees_of_freedom
+    return machine.assemble(**plan.values(machine), t=t).degrees_of_freedom
 
 
 def _run_twice(machine: Machine, plan: Plan) -> tuple[Result, Result]:

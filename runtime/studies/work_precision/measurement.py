@@ -9,13 +9,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from codegen.errors import InputError, LinkwrightError
-from runtime.core.outcomes import Outcome
-from runtime.results.result import Result
 from runtime.studies.timing import Stopwatch
-from runtime.studies.work_precision import timed_runs
+from runtime.studies.work_precision import timed_runs as timed
 from runtime.studies.work_precision.diagram import Choice, Line, Point, Setting
 from runtime.studies.work_precision.reference_solution import ReferenceSolution
-from runtime.studies.work_precision.timed_runs import Runner, integration_time
+from runtime.studies.work_precision.timed_runs import Runner
 
 if TYPE_CHECKING:
     from codegen import Scene
@@ -23,6 +21,7 @@ if TYPE_CHECKING:
 ENOUGH = 1e-9  # accuracy: scaled error beyond which no tighter tolerance is tried
 GIVEN_UP = 2  # safety: successive timeouts after which tighter tolerances, as slow, are not tried
 CHOICE_RTOLS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+TimedPoint = tuple[Point, Stopwatch]
 _MODEL_ERROR = 0.1  # accuracy: share by which a run's error may differ from the tightest run's
 
 
@@ -43,49 +42,52 @@ class Measurement:
 
         The `further` ones, tighter, are for settings that do not reach `ENOUGH` before.
         """
-        measured: list[tuple[Line, list[Stopwatch]]] = []
+        measured: list[tuple[Line, list[TimedPoint]]] = []
         for setting in settings:
             self.progress(f"{self.runner.title}: {setting.title}")
-            measured.append(self._line(setting, rtols, further))
+            try:
+                measured.append((Line(setting), self._points(setting, rtols, further)))
+            except LinkwrightError as error:
+                measured.append((Line(setting, refused=_reason(error)), []))
         self.progress(f"{self.runner.title}: timing in turns")
-        completed = [
-            watch
-            for line, watches in measured
-            for point, watch in zip(line.points, watches, strict=True)
-            if point.outcome == timed_runs.DONE
-        ]
-        timed_runs.time_runs(completed, self.rounds, self.least)
+        done = [watch for _, points in measured for point, watch in points if point.errors]
+        timed.time_runs(done, self.rounds, self.least)
         return tuple(
-            replace(line, points=tuple(map(_with_time, line.points, watches)))
-            for line, watches in measured
+            replace(line, points=tuple(_with_time(*run) for run in points))
+            for line, points in measured
         )
 
-    def _line(
+    def _points(
         self, setting: Setting, rtols: Sequence[float], further: Sequence[float]
-    ) -> tuple[Line, list[Stopwatch]]:
-        points: list[Point] = []
-        watches: list[Stopwatch] = []
-        given_up = False
+    ) -> list[TimedPoint]:
+        points: list[TimedPoint] = []
         for rtol in (*sorted(rtols, reverse=True), *further):
-            if rtol in further and not points[-1].worst > ENOUGH:
+            if rtol in further and not points[-1][0].worst > ENOUGH:
                 break
-            watch = self.runner.stopwatch(setting, rtol)
-            watches.append(watch)
-            if given_up:
-                points.append(
-                    Point(rtol, timed_runs.NOT_TRIED, "Looser tolerances met the limit of time.")
-                )
-                continue
-            try:
-                result = self.runner.run(setting, rtol)
-            except LinkwrightError as error:
-                return Line(setting, refused=_reason(error)), []
-            watch.times.append(integration_time(result))
-            points.append(_point(result, rtol, self.reference))
-            given_up = [point.outcome for point in points[-GIVEN_UP:]] == [
-                timed_runs.TIMEOUT
-            ] * GIVEN_UP
-        return Line(setting, tuple(points)), watches
+            last = [point.outcome for point, _ in points[-GIVEN_UP:]]
+            if len(last) == GIVEN_UP and set(last) <= {timed.TIMEOUT, timed.NOT_TRIED}:
+                point = Point(rtol, timed.NOT_TRIED, "Looser tolerances met the limit of time.")
+                points.append((point, self.runner.stopwatch(setting, rtol)))
+            else:
+                points.append(self._point(self.runner, setting, rtol))
+        return points
+
+    def _point(self, runner: Runner, setting: Setting, rtol: float) -> TimedPoint:
+        """A run against the reference, and its stopwatch; it is not timed yet."""
+        result = runner.run(setting, rtol)
+        watch = runner.stopwatch(setting, rtol, timed.integration_time(result))
+        counts = {name: float(x) for name, x in result.stats.items() if "seconds" not in name}
+        outcome, reference = timed.outcome_name(result), self.reference
+        if outcome != timed.DONE:
+            return Point(rtol, outcome, result.message, counts=counts), watch
+        errors = reference.errors(result)
+        position, velocity = result.samples.residual.max(axis=0)[:2].tolist()
+        point = Point(
+            rtol, outcome, result.message, errors, errors.worst < reference.about.floor,
+            counts=counts, position_residual=position / reference.length,
+            velocity_residual=velocity / reference.speed, energy=reference.energy_error(result),
+        )  # fmt: skip
+        return point, watch
 
     def choices(
         self, others: "Sequence[tuple[Choice, Scene]]", prepare: "Callable[[Scene], Runner]",
@@ -113,7 +115,7 @@ class Measurement:
         for setting in settings:
             try:
                 point, watch = self._cheapest(runner, setting)
-                timed_runs.time_runs([watch], self.rounds, self.least)
+                timed.time_runs([watch], self.rounds, self.least)
             except InputError as error:
                 reasons.append(_reason(error))
             except LinkwrightError as error:
@@ -122,33 +124,16 @@ class Measurement:
                 return replace(choice, setting=setting, point=_with_time(point, watch))
         return replace(choice, reason=" ".join(dict.fromkeys(reasons)))
 
-    def _cheapest(self, runner: Runner, setting: Setting) -> tuple[Point, Stopwatch]:
+    def _cheapest(self, runner: Runner, setting: Setting) -> TimedPoint:
         """The loosest run whose error is that of the model, as it is in all tighter runs."""
-        runs: list[tuple[Point, Stopwatch]] = []
-        for rtol in CHOICE_RTOLS:
-            result = runner.run(setting, rtol)
-            if result.outcome is Outcome.OK:
-                watch = runner.stopwatch(setting, rtol, integration_time(result))
-                runs.append((_point(result, rtol, self.reference), watch))
-            elif rtol == CHOICE_RTOLS[-1]:
-                raise LinkwrightError(result.message)
-        last = runs[-1][0].worst
-        other = [k for k, (p, _) in enumerate(runs) if abs(p.worst - last) > _MODEL_ERROR * last]
-        return runs[other[-1] + 1 if other else 0]
-
-
-def _point(result: Result, rtol: float, reference: ReferenceSolution) -> Point:
-    """A run against the reference; its time is not measured yet."""
-    counts = {name: float(count) for name, count in result.stats.items() if "seconds" not in name}
-    if result.outcome is not Outcome.OK:
-        return Point(rtol, timed_runs.outcome_name(result), result.message, counts=counts)
-    errors = reference.errors(result)
-    position, velocity = result.samples.residual.max(axis=0)[:2].tolist()
-    return Point(
-        rtol, timed_runs.DONE, result.message, errors, errors.worst < reference.about.floor,
-        counts=counts, position_residual=position / reference.length,
-        velocity_residual=velocity / reference.speed, energy=reference.energy_error(result),
-    )  # fmt: skip
+        points = [self._point(runner, setting, rtol) for rtol in CHOICE_RTOLS]
+        tightest = points[-1][0]
+        if tightest.errors is None:
+            raise LinkwrightError(tightest.message)
+        done = [(point, watch) for point, watch in points if point.errors]
+        limit = _MODEL_ERROR * tightest.worst
+        other = [k for k, (p, _) in enumerate(done) if abs(p.worst - tightest.worst) > limit]
+        return done[other[-1] + 1 if other else 0]
 
 
 def _with_time(point: Point, watch: Stopwatch) -> Point:

@@ -14,7 +14,6 @@ from codegen.errors import AnalysisError, InputError
 from runtime.integrate.method import METHODS
 from runtime.machine import Machine
 from runtime.mechanism.description import unknown
-from runtime.results.assembled_state import Assembly
 from runtime.studies import scenes
 from runtime.studies.series import FloatArray
 from runtime.studies.work_precision import compared_quantities as compared
@@ -58,8 +57,8 @@ def accuracy(
 
     Parameters
     ----------
-    model, scene, folder
-        As in `load`. Undeclared scenes are compiled in the folder's `.linkwright_cache`.
+    model, scene, folder, parameters, guess
+        As in `load` and the analyses. Undeclared scenes are compiled in `.linkwright_cache`.
     quantities
         Series that are compared, as `Result.series` names them; unless given, the coordinates from
         which the scene starts and their velocities. ``a.x|b.x`` is whichever of them a scene has,
@@ -85,8 +84,6 @@ def accuracy(
         methods and formulations take; by default unless `quick`: four tolerances, few runs a time.
     limit, steps
         Time in s and steps that a run may take; a reference may take more.
-    parameters, guess
-        As in the analyses.
     progress
         Receives a line before every step that takes time.
 
@@ -104,14 +101,18 @@ def accuracy(
     machine, path = source.machine(), None if reference is None else Path(reference)
     names, instants, file = _comparison(machine, quantities, path, t_start, t_end, points)
     others = _other_models(source, modelling, beside)
-    values = dict(parameters or {})
-    begin = _start(machine, guess, values, t_start)
-    runner = Runner(machine, begin, instants, values, float(limit), int(steps))
+    begin = machine.assemble(guess, parameters, t_start)
+    if begin.degrees_of_freedom == 0:
+        raise AnalysisError(
+            f"{machine.description.title}: drivers leave no freedom, so nothing is integrated, and "
+            "accuracy is that of Newton's method. Choose a scene that forces move."
+        )
+    runner = Runner(machine, begin, instants, dict(parameters or {}), float(limit), int(steps))
     progress(
         f"{runner.title}: at most {limit:g} s and {steps:g} steps per run, "
         f"{LIMIT_FACTOR * limit:g} s for a reference"
     )
-    settings, costs = diagram.all_settings(methods, formulations), dict[str, float]()
+    settings, costs = diagram.all_settings(methods, formulations), {}
     if building or (building is None and not quick):
         progress(f"{runner.title}: built anew")
         costs = build_costs(source.model, source.scene, {setting.companion for setting in settings})
@@ -134,26 +135,12 @@ def _comparison(
         refuse_massless(machine.mechanism)
     names = compared.distinct_quantities(description, quantities)
     if reference is None:
-        instants = np.linspace(
-            t_start, scenes.require_time_span(machine, t_start, t_end), points + 1
-        )[1:]
-        return names or compared.default_quantities(description), instants, None
+        end = scenes.require_time_span(machine, t_start, t_end)
+        names = names or compared.default_quantities(description)
+        return names, np.linspace(t_start, end, points + 1)[1:], None
     file = compared.read_reference(reference, names, t_start, t_end)
     compared.series_of(description, file.names)
     return file.names, file.t, file
-
-
-def _start(
-    machine: Machine, guess: Mapping[str, float] | None, parameters: Mapping[str, float],
-    t_start: float,
-) -> Assembly:  # fmt: skip
-    begin = machine.assemble(guess, parameters, t_start)
-    if begin.degrees_of_freedom == 0:
-        raise AnalysisError(
-            f"{machine.description.title}: drivers leave no freedom, so nothing is integrated, and "
-            "accuracy is that of Newton's method. Choose a scene that forces move."
-        )
-    return begin
 
 
 def _other_models(
@@ -162,15 +149,13 @@ def _other_models(
     """Scenes of the same machine: other fidelities of things that have several, and those named."""
     from codegen.scene_variants import declared, variants
 
-    changes = variants(source.model, source.scene) if modelling else ()
-    kept = [
-        (change, change.of(source.scene)) for change in changes if change.word != scenes.LEFT_OUT
-    ]
+    others = []
+    for change in variants(source.model, source.scene) if modelling else ():
+        if change.word != scenes.LEFT_OUT:
+            scene = change.of(source.scene)
+            others.append((Choice(change.title, change.kind, scene.name), scene))
     named = [declared(source.model, scene)[1] for scene in beside]
-    return [
-        *((Choice(change.title, change.kind, scene.name), scene) for change, scene in kept),
-        *((Choice(scene.name, "scene", scene.name), scene) for scene in named),
-    ]
+    return others + [(Choice(scene.name, "scene", scene.name), scene) for scene in named]
 
 
 def _other_runner(
@@ -178,9 +163,9 @@ def _other_runner(
 ) -> Runner:
     """The runner of another model, with those parameters and start values that it has."""
     machine = source.other(scene)
-    own = scenes.known_parameters(machine, runner.parameters)
-    begin = machine.assemble(scenes.known_guess(machine, guess), own, runner.begin.t)
-    return replace(runner, machine=machine, begin=begin, parameters=own)
+    values = scenes.known_values(machine, runner.parameters, guess)
+    begin = machine.assemble(**values, t=runner.begin.t)
+    return replace(runner, machine=machine, begin=begin, parameters=values["parameters"])
 
 
 def _settings_of_choices(lines: Sequence[Line]) -> tuple[Setting, ...]:
