@@ -50,7 +50,7 @@ def _imports(tableau: Tableau) -> Iterator[str]:
     yield "from runtime.core.dense_output import hermite_rows"
     yield f"from runtime.core.function_table import {names}"
     yield "from runtime.core.jit import addressed"
-    yield "from runtime.core.rhs import slope"
+    yield "from runtime.core.rhs import evaluate_rhs"
     dense = "F, " if tableau.dense else ""
     yield f"from runtime.core.workspace import ATOL, STAGE, Y0, Y1, {dense}K, row_of"
     if limited:
@@ -85,7 +85,7 @@ def _stage(number: int, stage: Stage) -> Iterator[str]:
     yield "    for j in range(length):"
     yield from filled("        z[j] = y0[j] + h * (", _terms(stage.a), ")")
     instant = "t + h" if stage.c == 1 else f"t + {float(stage.c)!r} * h"
-    called = f"slope(context, {instant}, STAGE, {_row(number)})"
+    called = f"evaluate_rhs(context, {instant}, STAGE, {_row(number)})"
     yield f"    taken += {called}"
 
 

@@ -16,7 +16,7 @@ Ordinary Differential Equations II, section IV.2), who detect stiffness by them.
 import numpy as np
 
 from runtime.core.array_types import Integers, Vector
-from runtime.core.function_table import COORDINATES, HOOK, memory_of
+from runtime.core.function_table import COORDINATES, HOOK, method_floats_of
 from runtime.core.jit import compiled, inner
 from runtime.core.run_record import run_record
 from runtime.core.workspace import SIZE, STAGE, Y1, row_of
@@ -55,7 +55,7 @@ def observe(context: Integers, last: int) -> int:
     `last` is the row of the result's derivative; that of the last stage's is the one before.
     """
     n = context[COORDINATES]
-    memory, sizes = memory_of(context), row_of(context, SIZE)
+    memory, sizes = method_floats_of(context), row_of(context, SIZE)
     y, z = row_of(context, Y1), row_of(context, STAGE)
     after, before = row_of(context, last), row_of(context, last - 1)
     for i in range(_GROWN):
@@ -76,7 +76,7 @@ def observe(context: Integers, last: int) -> int:
 @compiled(HOOK)
 def restart(context: Integers, t: float, h: float) -> int:
     """Forget the vibration: the motion goes on under other equations."""
-    memory = memory_of(context)
+    memory = method_floats_of(context)
     for i in range(FLOATS):
         memory[i] = 0.0
     return 0
@@ -143,4 +143,4 @@ def stable_ratio(context: Integers, h: float, powers: Vector, edge: float) -> fl
     ratio = propose(context, h)
     if not permits_growth(run_record(context).rtol, 2 * context[COORDINATES], edge):
         return float(ratio)
-    return float(stable_length(memory_of(context), powers, ratio * h) / h)
+    return float(stable_length(method_floats_of(context), powers, ratio * h) / h)

@@ -22,8 +22,8 @@ from runtime.core.function_table import (
     PROPOSE,
     SLIDING_COUNT,
     STAGES,
-    memory_of,
-    notes_of,
+    method_floats_of,
+    method_integers_of,
 )
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.run_record import run_record
@@ -95,7 +95,7 @@ def stages(context: Integers, t: float, h: float) -> int:
     r = run_record(context)
     n = context[COORDINATES]
     length = 2 * n
-    memory, notes = memory_of(context), notes_of(context)
+    memory, notes = method_floats_of(context), method_integers_of(context)
     unknowns(context)
     look_back(context, h)
     c = h / ALPHA[notes[STEP_ORDER]]
@@ -139,7 +139,7 @@ def stages(context: Integers, t: float, h: float) -> int:
 @addressed(ERROR)
 def error(context: Integers, h: float, rtol: float) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
-    return float(memory_of(context)[STEP_ERROR])
+    return float(method_floats_of(context)[STEP_ERROR])
 
 
 @inner
@@ -149,7 +149,7 @@ def permitted(context: Integers, k: int, h: float) -> bool:
     The formulas of order 3 to 5 do so within an angle about the negative real axis, and outside it
     where the vibration is resolved, or else passes many times in a step.
     """
-    memory = memory_of(context)
+    memory = method_floats_of(context)
     turn = h * memory[STIFFNESS]
     return bool(memory[DAMPING] >= _DAMPED[k] or turn < _RESOLVED or turn > _PASSED)
 
@@ -162,7 +162,7 @@ def propose(context: Integers, h: float) -> float:
     order mean nothing before.
     """
     r = run_record(context)
-    memory, notes = memory_of(context), notes_of(context)
+    memory, notes = method_floats_of(context), method_integers_of(context)
     k = notes[STEP_ORDER]
     notes[NEXT_ORDER] = k
     if notes[EQUAL] + 1 < k + 1:
@@ -192,7 +192,7 @@ def accepted(context: Integers, t: float, h: float) -> int:
     r = run_record(context)
     n = context[COORDINATES]
     length = 2 * n
-    memory, notes = memory_of(context), notes_of(context)
+    memory, notes = method_floats_of(context), method_integers_of(context)
     k = notes[STEP_ORDER]
     y1 = row_of(context, Y1)
     start, ahead, low = line(memory, NOW, n), line(memory, AHEAD, n), line(memory, LOW, n)
@@ -235,7 +235,7 @@ def accepted(context: Integers, t: float, h: float) -> int:
 @compiled(HOOK)
 def restart(context: Integers, t: float, h: float) -> int:
     """Forget the past: the motion goes on under other equations."""
-    notes = notes_of(context)
+    notes = method_integers_of(context)
     begin(context, h if h > 0.0 else 1.0, 2)
     notes[CURRENT] = 0
     notes[REJECTED] = run_record(context).rejected

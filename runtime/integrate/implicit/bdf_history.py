@@ -11,7 +11,7 @@ import numpy as np
 
 from runtime.core.array_types import Integers
 from runtime.core.array_views import view
-from runtime.core.function_table import COORDINATES, DENSE, memory_of, notes_of
+from runtime.core.function_table import COORDINATES, DENSE, method_floats_of, method_integers_of
 from runtime.core.jit import addressed, inner
 from runtime.core.run_record import run_record
 from runtime.core.workspace import Y0, Y1, F, K, row_of
@@ -35,7 +35,7 @@ ERROR_CONSTANT = np.append(KAPPA * GAMMA + 1.0 / np.arange(1, HIGHEST + 2), 1.0)
 DENSE_ROWS = 6
 GROW = 10.0  # measured: largest ratio of the lengths of two steps
 
-# Rows of MEMORY: backward differences of the past, the same at this step's length, and a step's:
+# Rows: backward differences of the past, the same at this step's length, and a step's:
 # what is foreseen of the change, psi, and the difference k + 1 of the unknowns at its end.
 PAST, NOW, AHEAD, PSI, DIFFERENCE = 0, 8, 16, 17, 18
 
@@ -63,7 +63,7 @@ def lengthen(context: Integers, k: int, ratio: float) -> None:
 
     It is R(ratio) R(1) of Shampine and Reichelt's section 2; column j belongs to the new ∇ʲ.
     """
-    memory = memory_of(context)
+    memory = method_floats_of(context)
     scaled = view(memory, CHANGE, 36)
     result = view(memory, CHANGE + 36, 36)
     for j in range(1, k + 1):
@@ -90,8 +90,8 @@ def begin(context: Integers, h: float, order: int) -> None:
     At order 2 positions have a parabola, as their second derivative is known, which leaves their
     tiny flights after an impact exact however coarse the tolerance is.
     """
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     n = context[COORDINATES]
     length = 2 * n
     y0 = row_of(context, Y0)
@@ -125,8 +125,8 @@ def look_back(context: Integers, h: float) -> None:
 
     Where the past is of no use, that is the derivative alone, and the order one.
     """
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     n = context[COORDINATES]
     length = 2 * n
     r = run_record(context)
@@ -158,8 +158,8 @@ def look_back(context: Integers, h: float) -> None:
 @inner
 def foresee(context: Integers) -> None:
     """Extrapolate the past to the end of the step: what it adds, AHEAD; the state, Y1; and PSI."""
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     n = context[COORDINATES]
     length = 2 * n
     k = notes[STEP_ORDER]
@@ -185,7 +185,7 @@ def dense(context: Integers, t: float, h: float) -> int:
     """Fill the coefficient rows with the polynomial of degree k through the last k + 1 states."""
     n = context[COORDINATES]
     length = 2 * n
-    memory, notes = memory_of(context), notes_of(context)
+    memory, notes = method_floats_of(context), method_integers_of(context)
     y1 = row_of(context, Y1)
     start, ahead = line(memory, NOW, n), line(memory, AHEAD, n)
     for row in range(DENSE_ROWS):

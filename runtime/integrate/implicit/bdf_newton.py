@@ -5,7 +5,7 @@ import numpy as np
 from runtime.constraints.newton_return import FAILED
 from runtime.core.array_types import Integers
 from runtime.core.array_views import view
-from runtime.core.function_table import COORDINATES, memory_of, notes_of
+from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
 from runtime.core.jit import inner
 from runtime.core.run_record import run_record
 from runtime.core.workspace import Y1, K, row_of, velocity_rates
@@ -35,7 +35,7 @@ from runtime.linalg.lu import solve
 
 LAST = 1  # row, after K, of the derivative at the end of the step
 MOST_ITERATIONS = 4  # safety: Newton iterations of a step
-RESIDUAL = 19  # row of MEMORY
+RESIDUAL = 19  # row of METHOD_FLOATS
 _SEEN = 0.01  # accuracy: of the tolerance; change of a velocity by the rounding of a position
 
 
@@ -47,8 +47,8 @@ def unrounded(context: Integers, t: float, c: float) -> bool:
     of a million turns the last digit is a force that no step gets smooth; so it is where a force is
     stiff.
     """
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     n = context[COORDINATES]
     length = 2 * n
     f = notes[FREEDOMS]
@@ -86,8 +86,8 @@ def newton(context: Integers, t: float, c: float) -> int:
 
     Returns calls of `correction`, or `FAILED` where the iteration does not converge.
     """
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     r = run_record(context)
     n = context[COORDINATES]
     f = notes[FREEDOMS]
@@ -146,8 +146,8 @@ def estimate(context: Integers, t: float, c: float, other: int, share: float) ->
     dependent coordinates' own differences are the error of the dense output, which is not carried
     on: it is held to what was asked, over which the tolerance of a step is `share`.
     """
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     n = context[COORDINATES]
     k = notes[STEP_ORDER]
     y1 = row_of(context, Y1)

@@ -1,11 +1,11 @@
-"""Where an implicit method keeps what it must remember: the arrays MEMORY and NOTES of a run."""
+"""Where an implicit method keeps what it must remember in METHOD_FLOATS and METHOD_INTEGERS."""
 
 from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
-from runtime.core.function_table import memory_of, notes_of
+from runtime.core.function_table import method_floats_of, method_integers_of
 from runtime.core.jit import fetched
 
-# MEMORY: numbers, then rows of length 2 n, then matrices.
+# METHOD_FLOATS: numbers, then rows of length 2 n, then matrices.
 C_FACTORED = 0  # the c for which a matrix is factored
 RATE = 1  # of Newton's convergence: what is still missing over the last change
 STEP_ERROR = 2  # of the last trial step, over the tolerance
@@ -22,7 +22,7 @@ IN, OUT, SLOPE, TOLERANCE = 20, 21, 22, 23
 LOW = 24  # what rounding cut off the state at the start of the step
 LINES = 25
 
-# NOTES: counts, then the unknowns (n), pivots (n), pivots of the complex matrix (2 n).
+# METHOD_INTEGERS: counts, then the unknowns (n), pivots (n), pivots of the complex matrix (2 n).
 FREEDOMS = 0  # f
 CURRENT = 1  # 1: the derivatives are of these unknowns, and Newton's method converges fast
 STEP_ORDER = 2
@@ -44,14 +44,14 @@ def memory(n: int) -> tuple[int, int]:
 
 @fetched
 def floats(context: Integers, n: int) -> Vector:
-    """All of MEMORY."""
-    found: Vector = memory_of(context)
+    """All of METHOD_FLOATS."""
+    found: Vector = method_floats_of(context)
     return found
 
 
 @fetched
 def line(memory: Vector, index: int, n: int) -> Vector:
-    """Row `index` of MEMORY."""
+    """Row `index` of METHOD_FLOATS."""
     found: Vector = view(memory, NUMBERS + index * 2 * n, 2 * n)
     return found
 
@@ -67,6 +67,6 @@ def matrix(memory: Vector, index: int, n: int) -> Vector:
 
 @fetched
 def counts(context: Integers, n: int) -> Integers:
-    """All of NOTES."""
-    found: Integers = notes_of(context)
+    """All of METHOD_INTEGERS."""
+    found: Integers = method_integers_of(context)
     return found

@@ -4,7 +4,7 @@ import numpy as np
 
 from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
-from runtime.core.function_table import COORDINATES, memory_of, notes_of
+from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
 from runtime.core.jit import inner
 from runtime.core.rounding import EPS
 from runtime.core.workspace import ATOL, PARTITION, SIZE, Y0, row_of
@@ -46,8 +46,8 @@ _FASTEST = 10.0
 @inner
 def factor_real(context: Integers, n: int, c: float) -> int:
     """Factor I - c G_u̇ - c² G_u; 1 where it is singular, else 0."""
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     f = notes[FREEDOMS]
     by_u, by_rate, a = matrix(memory, 0, n), matrix(memory, 1, n), matrix(memory, 2, n)
     for i in range(f):
@@ -60,8 +60,8 @@ def factor_real(context: Integers, n: int, c: float) -> int:
 @inner
 def factor_complex(context: Integers, n: int, c: float, d: float) -> int:
     """Factor I - (c + i d) G_u̇ - (c + i d)² G_u as a real matrix of order 2 f, real parts first."""
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     f = notes[FREEDOMS]
     by_u, by_rate, a = matrix(memory, 0, n), matrix(memory, 1, n), matrix(memory, 3, n)
     for i in range(f):
@@ -107,8 +107,8 @@ def tolerate(
         Of the matrix I - c G_u̇ - c² G_u. Where it is stiff, the last digit of a position is a force
         that the next velocity has to undo.
     """
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     n = context[COORDINATES]
     length = 2 * n
     y0 = row_of(context, Y0)
@@ -162,8 +162,8 @@ def converged(
     slowest
         Ratio of the two from which on it is given up.
     """
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     enough = memory[ENOUGH]
     notes[ITERATIONS] = iteration + 1
     if size == 0.0:
@@ -197,12 +197,12 @@ def filtered(context: Integers, t: float, state: int, c: float) -> float:
     """Size of (I - c J)⁻¹ (x, y) over the tolerance, over all coordinates and velocities.
 
     x and y, changes of the unknowns and of their rates, are in the second and in the first half of
-    row SLOPE of MEMORY and are used up. Row IN receives the result, completed by the change of the
+    row SLOPE and are used up. Row IN receives the result, completed by the change of the
     dependent coordinates at the state in row `state`. The matrix takes out what stiff forces do
     not permit, and turns an error of a position that they hold into that of its velocity.
     """
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     n = context[COORDINATES]
     f = notes[FREEDOMS]
     by_u = matrix(memory, 0, n)
@@ -232,7 +232,7 @@ def uneven(context: Integers, raw: Vector, allowed: Vector) -> float:
     of how, and Newton's method for them might come to another way to assemble the machine.
     Velocities are left out: where a stiff force holds a position they are not smooth.
     """
-    notes = notes_of(context)
+    notes = method_integers_of(context)
     partition = row_of(context, PARTITION)
     if notes[PARTITIONED] == 0:
         return 0.0

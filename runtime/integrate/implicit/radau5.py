@@ -21,8 +21,8 @@ from runtime.core.function_table import (
     HOOK,
     PROPOSE,
     STAGES,
-    memory_of,
-    notes_of,
+    method_floats_of,
+    method_integers_of,
 )
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.rounding import EPS
@@ -81,7 +81,7 @@ def stages(context: Integers, t: float, h: float) -> int:
     r = run_record(context)
     n = context[COORDINATES]
     length = 2 * n
-    memory, notes = memory_of(context), notes_of(context)
+    memory, notes = method_floats_of(context), method_integers_of(context)
     unknowns(context)
     for _ in range(2):
         foresee(context, h)
@@ -117,7 +117,7 @@ def stages(context: Integers, t: float, h: float) -> int:
 @addressed(ERROR)
 def error(context: Integers, h: float, rtol: float) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
-    return float(memory_of(context)[STEP_ERROR])
+    return float(method_floats_of(context)[STEP_ERROR])
 
 
 @addressed(PROPOSE)
@@ -128,7 +128,7 @@ def propose(context: Integers, h: float) -> float:
     and with it the factored matrices.
     """
     r = run_record(context)
-    memory, notes = memory_of(context), notes_of(context)
+    memory, notes = method_floats_of(context), method_integers_of(context)
     now = max(r.error, 1e-10)
     ratio = now**-0.25
     if notes[EQUAL] > 0:
@@ -149,7 +149,7 @@ def accepted(context: Integers, t: float, h: float) -> int:
     y0 = row_of(context, Y0)
     n = context[COORDINATES]
     length = 2 * n
-    memory, notes = memory_of(context), notes_of(context)
+    memory, notes = method_floats_of(context), method_integers_of(context)
     keep_low(context, h)
     change = line(memory, POLYNOMIAL, n)
     for i in range(length):
@@ -165,8 +165,8 @@ def accepted(context: Integers, t: float, h: float) -> int:
 def restart(context: Integers, t: float, h: float) -> int:
     """Forget the past: the motion goes on under other equations."""
     length = 2 * context[COORDINATES]
-    notes = notes_of(context)
-    low = line(memory_of(context), LOW, length // 2)
+    notes = method_integers_of(context)
+    low = line(method_floats_of(context), LOW, length // 2)
     for j in range(length):
         low[j] = 0.0
     notes[EQUAL] = 0

@@ -2,7 +2,7 @@
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core.array_types import Integers, Vector
-from runtime.core.function_table import COORDINATES, memory_of, notes_of
+from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
 from runtime.core.jit import inner
 from runtime.core.run_record import run_record
 from runtime.core.workspace import STAGE, Y0, K, row_of
@@ -47,9 +47,9 @@ E_A3 = E1 * A13 + E2 * A23 + E3 * A33
 
 @inner
 def embedded(context: Integers, t: float, h: float, k0: Vector) -> float:
-    """Size of the filtered error c (k0 + Σ e z / h), which is left in row IN of MEMORY."""
-    memory = memory_of(context)
-    notes = notes_of(context)
+    """Size of the filtered error c (k0 + Σ e z / h), which is left in row IN of METHOD_FLOATS."""
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     n = context[COORDINATES]
     y0 = row_of(context, Y0)
     s1 = row_of(context, K + STATES)
@@ -79,8 +79,8 @@ def embedded(context: Integers, t: float, h: float, k0: Vector) -> float:
 @inner
 def estimate(context: Integers, t: float, h: float) -> float:
     """Error over the tolerance; where it is too large at a first step or again, filtered twice."""
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     r = run_record(context)
     n = context[COORDINATES]
     length = 2 * n

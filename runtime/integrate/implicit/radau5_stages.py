@@ -5,7 +5,7 @@ import numpy as np
 from runtime.constraints.newton_return import FAILED
 from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
-from runtime.core.function_table import COORDINATES, memory_of, notes_of
+from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
 from runtime.core.jit import inner
 from runtime.core.run_record import run_record
 from runtime.core.workspace import Y0, Y1, K, row_of, velocity_rates
@@ -56,7 +56,7 @@ from runtime.integrate.implicit.radau5_coefficients import (
 from runtime.integrate.implicit.state_space_form import arrive
 from runtime.linalg.lu import solve
 
-# Rows of MEMORY: the last step's polynomial; per stage the change of velocities; the right sides.
+# Rows: the last step's polynomial; per stage the change of velocities; the right sides.
 POLYNOMIAL, VELOCITIES, SIDES = 0, 3, 6
 # Rows of the workspace after K: the stages' derivatives and states.
 SLOPES, STATES = 2, 5
@@ -69,8 +69,8 @@ MOST_ITERATIONS = 7  # safety: Newton iterations of a step
 @inner
 def foresee(context: Integers, h: float) -> None:
     """Fill the states of the stages: the last step's polynomial continued, or a straight line."""
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     n = context[COORDINATES]
     length = 2 * n
     y0 = row_of(context, Y0)
@@ -110,8 +110,8 @@ def curve(context: Integers, f2: Vector, f3: Vector) -> None:
 @inner
 def place(context: Integers, h: float, stage: int) -> None:
     """Set the unknowns of a stage from the changes of velocity of all three."""
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     n = context[COORDINATES]
     y0 = row_of(context, Y0)
     z = row_of(context, K + STATES + stage)
@@ -138,8 +138,8 @@ def place(context: Integers, h: float, stage: int) -> None:
 @inner
 def keep_low(context: Integers, h: float) -> None:
     """Keep what rounding cut off the unknowns at Y1, where they are as the last stage left them."""
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     n = context[COORDINATES]
     length = 2 * n
     y0 = row_of(context, Y0)
@@ -171,8 +171,8 @@ def newton(context: Integers, t: float, h: float) -> int:
 
     Returns calls of `correction`, or `FAILED` where the iteration does not converge.
     """
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     r = run_record(context)
     n = context[COORDINATES]
     f = notes[FREEDOMS]

@@ -9,7 +9,7 @@ G. Wanner, Solving Ordinary Differential Equations II, section IV.8). Where noth
 from constraints, all coordinates are unknowns.
 """
 
-from runtime.constraints.newton_return import FAILED, WEAK
+from runtime.constraints.newton_return import FAILED
 from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
 from runtime.core.function_table import (
@@ -19,15 +19,15 @@ from runtime.core.function_table import (
     DIFFERENTIATE,
     MODIFIED,
     correct_of,
-    memory_of,
+    method_floats_of,
+    method_integers_of,
     modes_of,
-    notes_of,
     parameters_of,
 )
 from runtime.core.jit import compiled, inner
 from runtime.core.kernel_abi import accelerations_tangent_of, correction_tangent_of
-from runtime.core.rhs import field
-from runtime.core.run_record import FREE, MISSING, ConstraintReturn, run_record
+from runtime.core.rhs import evaluate_accelerations
+from runtime.core.run_record import ConstraintReturn, is_near_singularity, run_record
 from runtime.core.workspace import (
     PARTITION,
     SIZE,
@@ -65,14 +65,13 @@ def unknowns(context: Integers) -> int:
     They are the independent coordinates. Where steps are not brought back by partitioning, and near
     singular positions, where no coordinates are independent, they are all.
     """
-    notes = notes_of(context)
+    notes = method_integers_of(context)
     partition = row_of(context, PARTITION)
     n = context[COORDINATES]
     by_partition = (
         context[CONSTRAINT_COUNT] > 0 and context[CORRECTING] == ConstraintReturn.BY_PARTITION
     )
-    singular = FREE < run_record(context).plan < MISSING
-    notes[PARTITIONED] = 1 if by_partition and not singular else 0
+    notes[PARTITIONED] = 1 if by_partition and not is_near_singularity(context) else 0
     f = 0
     for j in range(n):
         if notes[PARTITIONED] == 0 or partition[j] == 0.0:
@@ -96,14 +95,13 @@ def arrive(context: Integers, t: float, state: int, derivative: int) -> int:
     """
     modes = modes_of(context)
     taken = 0
-    if notes_of(context)[PARTITIONED] != 0:
+    if method_integers_of(context)[PARTITIONED] != 0:
         taken = correct_of(context)(context, t, state, PARTITION)
         if taken == FAILED:
             return FAILED
-        taken %= WEAK
     q = positions(context, state)
     v = velocities(context, state)
-    field(context, t, q, v, modes, velocity_rates(context, derivative))
+    evaluate_accelerations(context, t, q, v, modes, velocity_rates(context, derivative))
     return taken
 
 
@@ -117,7 +115,7 @@ def carry(
     """
     p = parameters_of(context)
     n = dq.size
-    if notes_of(context)[PARTITIONED] == 0:
+    if method_integers_of(context)[PARTITIONED] == 0:
         return
     tangent = correction_tangent_of(context)
     q = positions(context, state)
@@ -159,7 +157,7 @@ def along(
     step = _DIFFERENCE / largest
     before = view(free, 0, n)
     moved = view(free, n, n)
-    field(context, t, q, v, modes, before)
+    evaluate_accelerations(context, t, q, v, modes, before)
     for j in range(n):
         moved[j] = q[j]
         q[j] += step * dq[j]
@@ -168,7 +166,7 @@ def along(
     # The state is put back before the accelerations overwrite what keeps its velocities.
     keep_q, keep_v = moved, da
     after = view(free, 2 * n, n)
-    field(context, t, q, v, modes, after)
+    evaluate_accelerations(context, t, q, v, modes, after)
     for j in range(n):
         q[j] = keep_q[j]
         v[j] = keep_v[j]
@@ -184,7 +182,7 @@ def differentiate(context: Integers, t: float, state: int) -> int:
     causes are tangents of the recovery of dependent coordinates.
     """
     n = context[COORDINATES]
-    memory, notes = memory_of(context), notes_of(context)
+    memory, notes = method_floats_of(context), method_integers_of(context)
     f = notes[FREEDOMS]
     by_u, by_rate = matrix(memory, 0, n), matrix(memory, 1, n)
     dq, dv = view(line(memory, IN, n), 0, n), view(line(memory, IN, n), n, n)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.core.array_types import Integers
-from runtime.core.function_table import COORDINATES, memory_of, notes_of
+from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
 from runtime.core.jit import inner
 from runtime.core.run_record import run_record
 from runtime.core.workspace import SIZE, row_of
@@ -28,8 +28,8 @@ _LONG = 30  # measured: steps at ease until the run returns to it
 @inner
 def stiffness(context: Integers, h: float) -> float:
     """Largest row of h² |G_u| + h |G_u̇|, each entry relative to the sizes of its coordinates."""
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     n = context[COORDINATES]
     f = notes[FREEDOMS]
     by_u, by_rate = matrix(memory, 0, n), matrix(memory, 1, n)
@@ -52,8 +52,8 @@ def take_spectrum(context: Integers, n: int) -> None:
     The power method: the mean growth of an even number of iterations, as u and y have other units
     and their sizes change in turn. Three iterates in a row give a and b in λ² = a λ + b.
     """
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     f = notes[FREEDOMS]
     by_u, by_rate = matrix(memory, 0, n), matrix(memory, 1, n)
     x, y, z = line(memory, IN, n), line(memory, OUT, n), line(memory, SLOPE, n)
@@ -104,8 +104,8 @@ def take_spectrum(context: Integers, n: int) -> None:
 @inner
 def calm(context: Integers, h: float) -> int:
     """1 where an explicit method could long have taken the same steps, and may be chosen."""
-    memory = memory_of(context)
-    notes = notes_of(context)
+    memory = method_floats_of(context)
+    notes = method_integers_of(context)
     quiet = run_record(context).automatic != 0 and h * memory[STIFFNESS] < _QUIET
     notes[CALM] = notes[CALM] + 1 if quiet else 0
     if notes[CALM] < _LONG * run_record(context).patience:

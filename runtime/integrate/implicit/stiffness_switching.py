@@ -12,7 +12,13 @@ method is due, and the run changes over; see `successor`.
 from dataclasses import replace
 
 from runtime.core.array_types import Integers
-from runtime.core.function_table import COORDINATES, HOOK, STAGES, memory_of, notes_of
+from runtime.core.function_table import (
+    COORDINATES,
+    HOOK,
+    STAGES,
+    method_floats_of,
+    method_integers_of,
+)
 from runtime.core.jit import addressed, compiled
 from runtime.core.run_record import run_record
 from runtime.core.workspace import SIZE, Y0, K, row_of
@@ -50,7 +56,7 @@ def successor(name: str, freedoms: int, rtol: float) -> str:
 @addressed(STAGES)
 def stages(context: Integers, t: float, h: float) -> int:
     """Take the step from Y0 with derivative K to Y1, and look for stiffness at times."""
-    if notes_of(context)[EQUAL] % _EVERY == 0:
+    if method_integers_of(context)[EQUAL] % _EVERY == 0:
         unknowns(context)
         differentiate(context, t, Y0)
     return _stages(context, t, h)
@@ -61,7 +67,7 @@ def accepted(context: Integers, t: float, h: float) -> int:
     """Count the step; 1 where the steps have long been limited by stability."""
     r = run_record(context)
     n = context[COORDINATES]
-    notes = notes_of(context)
+    notes = method_integers_of(context)
     notes[EQUAL] += 1
     size = row_of(context, SIZE)
     before = row_of(context, K)
@@ -71,7 +77,7 @@ def accepted(context: Integers, t: float, h: float) -> int:
         change = max(change, abs(after[j] - before[j]) / size[j])
         largest = max(largest, abs(after[j]) / size[j])
     easy = change < _EASY * r.rtol**0.2 * largest
-    turn = h * memory_of(context)[STIFFNESS]
+    turn = h * method_floats_of(context)[STIFFNESS]
     limited = turn > _EDGE or (easy and turn > _TURN)
     notes[STIFF] = notes[STIFF] + 1 if limited else max(0, notes[STIFF] - _DOUBT)
     if notes[STIFF] < _SEEN * r.patience:

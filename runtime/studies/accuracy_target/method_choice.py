@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from codegen.errors import InputError
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.formulations import Coordinates
+from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
@@ -40,7 +40,7 @@ def choose(
     if formulation is None and ready.mechanism.has_companion("reduced"):
         chosen = method or "auto"
         try:
-            coordinates = ready.coordinates("reduced", chosen, correction)
+            coordinates = formulate(ready, "reduced", chosen, correction)
         except InputError as error:
             reasons = (f"reduced coordinates are refused ({error.problems[0]})",)
         else:
@@ -49,7 +49,7 @@ def choose(
         reasons = ("reduced coordinates are not built (python -m codegen build --reduced)",)
     used = formulation or "cartesian"
     chosen = method or _method(ready, used)
-    coordinates = ready.coordinates(used, chosen, correction)
+    coordinates = formulate(ready, used, chosen, correction)
     return Choice(chosen, used, coordinates, free, correction, reasons)
 
 
@@ -59,7 +59,7 @@ def revise(choice: Choice, ready: PreparedSimulation, run: Trajectory) -> Choice
         if "formulation" not in choice.free:
             return choice
         method = _method(ready, "cartesian") if "method" in choice.free else choice.method
-        coordinates = ready.coordinates("cartesian", method, choice.correction)
+        coordinates = formulate(ready, "cartesian", method, choice.correction)
         why = f"in reduced coordinates the run ends at t = {run.final_t:.6g} s ({run.outcome.name})"
         return replace(
             choice, method=method, formulation="cartesian", coordinates=coordinates, reasons=(why,)
