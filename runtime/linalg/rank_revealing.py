@@ -9,7 +9,7 @@ of least norm are given.
 import numba
 import numpy as np
 
-from runtime.core import array_types as types
+from runtime.core import array_types
 from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, matrix, none, vector
 from runtime.core.jit import allocating, inner
 from runtime.linalg import cholesky
@@ -19,7 +19,7 @@ from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.linalg.row_elimination import Sparse
 
 _constant = numba.types.Array(i8, 1, "C", readonly=True)  # integers that a closure holds
-SPARSE = types.named_tuple_type((_constant, _constant, vector), Sparse)
+SPARSE = array_types.named_tuple_type((_constant, _constant, vector), Sparse)
 
 _NULL = 1e-9  # accuracy: component of a null vector with a component 1, below which it is none
 
