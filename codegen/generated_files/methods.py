@@ -7,7 +7,7 @@ from codegen.generated_files.generated_file import is_current, write_if_changed
 from codegen.model_file import library_folder
 from codegen.tableaus import tableaus
 
-FOLDER = "runtime/integrate/explicit/generated"
+FOLDER = "generated/methods"
 
 
 def write_methods(
@@ -18,7 +18,7 @@ def write_methods(
     Parameters
     ----------
     folder
-        Where they are put; the runtime's own unless given.
+        Where they are put; the library's own unless given.
     check
         Write nothing.
     """

@@ -74,6 +74,12 @@ def observe(context: Integers, last: int) -> int:
 
 
 @compiled(HOOK)
+def idle(context: Integers, t: float, h: float) -> int:
+    """Do nothing: the hook of a method that keeps no more than the state and its derivative."""
+    return 0
+
+
+@compiled(HOOK)
 def restart(context: Integers, t: float, h: float) -> int:
     """Forget the vibration: the motion goes on under other equations."""
     memory = memory_of(context)
