@@ -31,7 +31,7 @@ from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed
-from runtime.core.rhs import slope
+from runtime.core.rhs import evaluate_rhs
 from runtime.integrate.explicit import stability_limit
 from runtime.integrate.method import Method
 """
@@ -81,7 +81,7 @@ def _stage(number: int, stage: Stage) -> Iterator[str]:
     yield "    for j in range(length):"
     yield from filled("        z[j] = y0[j] + h * (", _terms(stage.a), ")")
     instant = "t + h" if stage.c == 1 else f"t + {float(stage.c)!r} * h"
-    called = f"slope(context, {instant}, ws.STAGE, {_row(number)})"
+    called = f"evaluate_rhs(context, {instant}, ws.STAGE, {_row(number)})"
     yield f"    taken += {called}"
 
 

@@ -20,7 +20,7 @@ from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed
-from runtime.core.rhs import slope
+from runtime.core.rhs import evaluate_rhs
 from runtime.integrate.explicit import stability_limit
 from runtime.integrate.method import Method
 
@@ -47,27 +47,27 @@ def stages(context: Integers, t: float, h: float) -> int:
     taken = 0
     for j in range(length):
         z[j] = y0[j] + h * (0.2 * k1[j])
-    taken += slope(context, t + 0.2 * h, ws.STAGE, ws.K + 1)
+    taken += evaluate_rhs(context, t + 0.2 * h, ws.STAGE, ws.K + 1)
     for j in range(length):
         z[j] = y0[j] + h * (0.075 * k1[j] + 0.225 * k2[j])
-    taken += slope(context, t + 0.3 * h, ws.STAGE, ws.K + 2)
+    taken += evaluate_rhs(context, t + 0.3 * h, ws.STAGE, ws.K + 2)
     for j in range(length):
         z[j] = y0[j] + h * (
             0.9777777777777777 * k1[j] - 3.7333333333333334 * k2[j] + 3.5555555555555554 * k3[j]
         )
-    taken += slope(context, t + 0.8 * h, ws.STAGE, ws.K + 3)
+    taken += evaluate_rhs(context, t + 0.8 * h, ws.STAGE, ws.K + 3)
     for j in range(length):
         z[j] = y0[j] + h * (
             2.9525986892242035 * k1[j] - 11.595793324188385 * k2[j] + 9.822892851699436 * k3[j]
             - 0.2908093278463649 * k4[j]
         )
-    taken += slope(context, t + 0.8888888888888888 * h, ws.STAGE, ws.K + 4)
+    taken += evaluate_rhs(context, t + 0.8888888888888888 * h, ws.STAGE, ws.K + 4)
     for j in range(length):
         z[j] = y0[j] + h * (
             2.8462752525252526 * k1[j] - 10.757575757575758 * k2[j] + 8.906422717743473 * k3[j]
             + 0.2784090909090909 * k4[j] - 0.2735313036020583 * k5[j]
         )
-    taken += slope(context, t + h, ws.STAGE, ws.K + 5)
+    taken += evaluate_rhs(context, t + h, ws.STAGE, ws.K + 5)
     for j in range(length):
         y1[j] = y0[j] + h * (
             0.09114583333333333 * k1[j] + 0.44923629829290207 * k3[j] + 0.6510416666666666 * k4[j]

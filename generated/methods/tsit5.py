@@ -19,7 +19,7 @@ from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed
-from runtime.core.rhs import slope
+from runtime.core.rhs import evaluate_rhs
 from runtime.integrate.explicit import stability_limit
 from runtime.integrate.method import Method
 
@@ -46,27 +46,27 @@ def stages(context: Integers, t: float, h: float) -> int:
     taken = 0
     for j in range(length):
         z[j] = y0[j] + h * (0.161 * k1[j])
-    taken += slope(context, t + 0.161 * h, ws.STAGE, ws.K + 1)
+    taken += evaluate_rhs(context, t + 0.161 * h, ws.STAGE, ws.K + 1)
     for j in range(length):
         z[j] = y0[j] + h * (-0.008480655492356989 * k1[j] + 0.335480655492357 * k2[j])
-    taken += slope(context, t + 0.327 * h, ws.STAGE, ws.K + 2)
+    taken += evaluate_rhs(context, t + 0.327 * h, ws.STAGE, ws.K + 2)
     for j in range(length):
         z[j] = y0[j] + h * (
             2.8971530571054935 * k1[j] - 6.359448489975075 * k2[j] + 4.3622954328695815 * k3[j]
         )
-    taken += slope(context, t + 0.9 * h, ws.STAGE, ws.K + 3)
+    taken += evaluate_rhs(context, t + 0.9 * h, ws.STAGE, ws.K + 3)
     for j in range(length):
         z[j] = y0[j] + h * (
             5.325864828439257 * k1[j] - 11.748883564062828 * k2[j] + 7.4955393428898365 * k3[j]
             - 0.09249506636175525 * k4[j]
         )
-    taken += slope(context, t + 0.9800255409045097 * h, ws.STAGE, ws.K + 4)
+    taken += evaluate_rhs(context, t + 0.9800255409045097 * h, ws.STAGE, ws.K + 4)
     for j in range(length):
         z[j] = y0[j] + h * (
             5.86145544294642 * k1[j] - 12.92096931784711 * k2[j] + 8.159367898576159 * k3[j]
             - 0.071584973281401 * k4[j] - 0.028269050394068383 * k5[j]
         )
-    taken += slope(context, t + h, ws.STAGE, ws.K + 5)
+    taken += evaluate_rhs(context, t + h, ws.STAGE, ws.K + 5)
     for j in range(length):
         y1[j] = y0[j] + h * (
             0.09646076681806523 * k1[j] + 0.01 * k2[j] + 0.4798896504144996 * k3[j]

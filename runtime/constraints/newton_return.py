@@ -11,6 +11,7 @@ from runtime.core.array_types import Integers
 from runtime.core.function_table import COORDINATES, CORRECT, parameters_of
 from runtime.core.jit import addressed
 from runtime.core.kernel_abi import correction_of
+from runtime.core.run_record import run_record
 from runtime.core.workspace import (
     DELTA,
     SIZE,
@@ -22,7 +23,6 @@ from runtime.core.workspace import (
 )
 
 ITERATIONS = 10  # safety: Newton iterations before the return counts as failed
-WEAK = 64  # a converged result of WEAK * c + i: i iterations, constraint c - 1 has a weak pivot
 FAILED = -1_000_000  # negative also when iterations of other stages are added to it
 # accuracy: relative change of a position that is rounding; a machine at rest stays there
 _ROUNDING = 4e-16
@@ -41,8 +41,8 @@ def return_to_constraints(context: Integers, t: float, index: int, weighing: int
     Returns
     -------
     int
-        Calls of `correction`, plus `WEAK` times (1 + index of a constraint with a weak pivot);
-        `FAILED` where the iteration does not converge.
+        Calls of `correction`; `FAILED` where the iteration does not converge. `run.weak_return`
+        names a constraint with a weak pivot.
     """
     p = parameters_of(context)
     correction = correction_of(context)
@@ -53,10 +53,10 @@ def return_to_constraints(context: Integers, t: float, index: int, weighing: int
     dv = second_half(context, DELTA)
     weights = first_half(context, weighing)
     size = row_of(context, SIZE)
+    r = run_record(context)
     previous = np.inf
-    weak = 0
     for iteration in range(1, ITERATIONS + 1):
-        weak = int(correction(t, q, v, p, weights, dq, dv))
+        r.weak_return = correction(t, q, v, p, weights, dq, dv)
         moved = 0.0
         turned = 0.0
         for j in range(n):
@@ -70,6 +70,6 @@ def return_to_constraints(context: Integers, t: float, index: int, weighing: int
         settled = moved <= _POSITION and turned <= _VELOCITY
         at_rounding = previous < 1e-10 and moved > 0.25 * previous
         if settled or at_rounding:
-            return iteration + WEAK * weak
+            return iteration
         previous = moved
     return FAILED

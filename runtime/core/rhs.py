@@ -6,8 +6,8 @@ from runtime.core.function_table import (
     EACH_STAGE,
     MODIFIED,
     modes_of,
+    modified_accelerations_of,
     modified_rhs_of,
-    modified_slope_of,
     multipliers_of,
     parameters_of,
 )
@@ -17,7 +17,9 @@ from runtime.core.workspace import position_rates, positions, velocities, veloci
 
 
 @inlined
-def field(context: Integers, t: float, q: Vector, v: Vector, modes: Integers, a: Vector) -> int:
+def evaluate_accelerations(
+    context: Integers, t: float, q: Vector, v: Vector, modes: Integers, a: Vector
+) -> int:
     """Accelerations and multipliers; 0, or 1 + the constraint whose pivot is weak.
 
     Where the motion follows the machine's own equations this is its kernel and nothing else.
@@ -26,11 +28,11 @@ def field(context: Integers, t: float, q: Vector, v: Vector, modes: Integers, a:
     lam = multipliers_of(context)
     if context[MODIFIED] == 0:
         return int(accelerations_of(context)(t, q, v, p, modes, a, lam))
-    return int(modified_rhs_of(context)(context, t, q, v, modes, a, lam))
+    return int(modified_accelerations_of(context)(context, t, q, v, modes, a, lam))
 
 
 @inlined
-def slope(context: Integers, t: float, state: int, derivative: int) -> int:
+def evaluate_rhs(context: Integers, t: float, state: int, derivative: int) -> int:
     """Write the derivative at the state in row `state` into row `derivative`.
 
     Where stages are corrected, the state is first; returns the iterations that took, negative
@@ -41,7 +43,7 @@ def slope(context: Integers, t: float, state: int, derivative: int) -> int:
     modes = modes_of(context)
     lam = multipliers_of(context)
     if context[MODIFIED] + context[EACH_STAGE] != 0:
-        return int(modified_slope_of(context)(context, t, state, derivative))
+        return int(modified_rhs_of(context)(context, t, state, derivative))
     n = context[COORDINATES]
     q = positions(context, state)
     v = velocities(context, state)

@@ -227,7 +227,7 @@ def _refuse(mechanism: Mechanism, begin: Assembly, correction: Correction) -> No
             f"{', '.join(row.name for row in begin.redundant)} follow from other constraints, and "
             "reduced coordinates need independent ones; remove them"
         )
-    sticking = [description.switches[k].name for k in description.sought]
+    sticking = [description.switches[k].name for k in description.stiction]
     sticking += [description.switches[k].name for k, *_ in description.friction_limits]
     if sticking:
         problems.append(

@@ -13,7 +13,7 @@ from runtime.core.function_table import (
     base_multipliers_of,
     kernel_modes_of,
     limits_of,
-    modified_rhs_of,
+    modified_accelerations_of,
     reaction_of,
     share_high_of,
     share_of,
@@ -42,7 +42,7 @@ def _mix_rows(
     context: Any, kernels: Any, rows: Any, times: Any, p: Any, q: Any, v: Any, modes: Any, a: Any,
     lam: Any, reaction: Any, power: Any, shares: Any, base: Any, other: Any,
 ) -> None:  # fmt: skip
-    field = modified_rhs_of(context)
+    field = modified_accelerations_of(context)
     powers = powers_of(kernels)
     m = context[CONSTRAINT_COUNT]
     plain = kernel_modes_of(context)

@@ -8,12 +8,12 @@ from runtime.core.function_table import (
     COORDINATES,
     PART,
     SWITCHES,
-    attempt_of,
     crossed_of,
     dense_of,
     locate_of,
     modes_of,
     screen_step_of,
+    trial_step_of,
 )
 from runtime.core.jit import addressed, inner
 from runtime.core.outcomes import Outcome
@@ -87,12 +87,12 @@ def retake(context: Integers) -> int:
     g1, r1 = switch_row(context, G1), switch_row(context, R1)
     largest, band = switch_row(context, LARGEST), switch_row(context, BAND)
     crossing, t, h, reach = r.crossing, r.t, r.length, r.reach
-    attempt = attempt_of(context)
+    take_trial_step = trial_step_of(context)
     code = 0
     r.standing = 0
     for turn in range(_RETAKES):
         r.end = t + h
-        code = attempt(context, t, h)
+        code = take_trial_step(context, t, h)
         r.retakes += 1
         if code != TrialStep.DONE:
             break

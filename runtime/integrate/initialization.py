@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from runtime.constraints.newton_return import FAILED, WEAK
+from runtime.constraints.newton_return import FAILED
 from runtime.core.array_types import Integers, i8
 from runtime.core.function_table import (
     CONSTRAINT_COUNT,
@@ -28,8 +28,8 @@ from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import switching_rates_of
 from runtime.core.modes import SLIDING
 from runtime.core.outcomes import Outcome
-from runtime.core.rhs import field
-from runtime.core.run_record import FREE, run_record
+from runtime.core.rhs import evaluate_accelerations
+from runtime.core.run_record import Plan, run_record
 from runtime.core.workspace import (
     BAND,
     G0,
@@ -118,7 +118,7 @@ def start(context: Integers) -> int:
     m = context[CONSTRAINT_COUNT]
     s = context[SWITCHES]
     t = r.t
-    if m > 0 and r.plan == FREE:
+    if m > 0 and r.plan == Plan.FREE:
         repartition_of(context)(context, t, Y0)
         r.repartitions = 0
         if r.rank < context[RANK]:
@@ -128,7 +128,7 @@ def start(context: Integers) -> int:
         r.newton += 1
         if result == FAILED:
             return Outcome.NEWTON_FAILED
-        r.corrections += result % WEAK
+        r.corrections += result
     q = positions(context, Y0)
     v = velocities(context, Y0)
     slope = position_rates(context, K)
@@ -137,8 +137,8 @@ def start(context: Integers) -> int:
         slope[j] = v[j]
     # Whether the constraints are independent is not for a joint to say that friction jams.
     suspend_friction(context)
-    if r.plan == FREE:
-        weak = field(context, t, q, v, modes, a)
+    if r.plan == Plan.FREE:
+        weak = evaluate_accelerations(context, t, q, v, modes, a)
         if weak > 0:
             r.index = weak - 1
             return Outcome.SINGULAR
@@ -163,7 +163,7 @@ def start(context: Integers) -> int:
         if settled != CONSISTENT:
             r.index = settled
             outcome = Outcome.INCONSISTENT
-        field(context, t, q, v, modes, a)
+        evaluate_accelerations(context, t, q, v, modes, a)
         evaluate_switching_and_rates(context, t, Y0, K, G0)
         for k in range(s):
             if modes[k] == SLIDING:

@@ -18,15 +18,15 @@ from runtime.core.function_table import (
     PART,
     STABILIZED,
     SWITCHES,
-    attempt_of,
     guard_branches_of,
     propose_of,
     repartition_of,
+    trial_step_of,
     vanishing_of,
 )
 from runtime.core.jit import ADDRESSES, addressed, compiled, inner
 from runtime.core.outcomes import Outcome
-from runtime.core.run_record import APPROACHING, CROSSING, FREE, LEAVING, MISSING, run_record
+from runtime.core.run_record import Plan, run_record
 from runtime.core.workspace import Y0, Y1
 from runtime.integrate.acceptance import accept_step, judge_events
 from runtime.integrate.event_step import end_at_event
@@ -56,12 +56,12 @@ def plan_step(context: Integers) -> int:
     h = min(r.h, r.h_max)
     r.tried = 0.0
     r.planned = 0
-    if r.plan == CROSSING or (r.plan == APPROACHING and t + 1.01 * h >= r.turn):
-        h = r.leap if r.plan == CROSSING else r.turn - t
+    if r.plan == Plan.CROSSING or (r.plan == Plan.APPROACHING and t + 1.01 * h >= r.turn):
+        h = r.leap if r.plan == Plan.CROSSING else r.turn - t
         r.planned = 1
-    elif r.plan == MISSING:
+    elif r.plan == Plan.MISSING:
         h = min(h, max(r.leap, _SHARE * abs(r.turn - t)))
-    end = r.turn if r.planned != 0 and r.plan == APPROACHING else t + h
+    end = r.turn if r.planned != 0 and r.plan == Plan.APPROACHING else t + h
     if t + (1.01 - 0.01 * r.planned) * h >= r.t_end:
         h = r.t_end - t
         end = r.t_end
@@ -80,7 +80,7 @@ def try_step(context: Integers) -> int:
     """Take the trial step; where it is rejected, shorten the next one."""
     r = run_record(context)
     t, h, end = r.t, r.length, r.end
-    code = attempt_of(context)(context, t, h)
+    code = trial_step_of(context)(context, t, h)
     if code == TrialStep.DONE:
         if context[LOOPS] != 0:
             passed = guard_branches_of(context)(context, t, h)
@@ -96,9 +96,14 @@ def try_step(context: Integers) -> int:
     reject(context, code, h)
     if h <= r.h_min and end >= r.t_end:
         r.h = 0.0
-    if r.plan == CROSSING:
+    if r.plan == Plan.CROSSING:
         return Signal.LOOK
-    if r.fixed == 0 and context[CONSTRAINT_COUNT] > 0 and r.plan != APPROACHING and t >= r.quiet:
+    if (
+        r.fixed == 0
+        and context[CONSTRAINT_COUNT] > 0
+        and r.plan != Plan.APPROACHING
+        and t >= r.quiet
+    ):
         # Where constraints are about to become dependent, shorter steps do not help.
         r.vanishing = vanishing_of(context)(context, t, end - t, Y0)
         if np.isfinite(r.vanishing):
@@ -112,7 +117,7 @@ def look_for_singularity(context: Integers) -> int:
     r = run_record(context)
     r.announced = 0
     if (
-        r.plan == FREE
+        r.plan == Plan.FREE
         and context[CONSTRAINT_COUNT] > 0
         and context[MODIFIED] == context[STABILIZED]
         and r.end >= r.look_at
@@ -139,7 +144,7 @@ def propose_next(context: Integers) -> None:
     if r.fixed == 0:
         r.next_length = r.length * propose_of(context)(context, r.length)
         if r.planned != 0:
-            r.next_length = max(r.next_length, r.h) if r.plan == APPROACHING else r.h
+            r.next_length = max(r.next_length, r.h) if r.plan == Plan.APPROACHING else r.h
 
 
 @addressed(PART)
@@ -154,13 +159,13 @@ def follow_plan(context: Integers) -> int:
         return Outcome.SINGULAR
     if r.planned == 0 and r.length > 0.0:
         r.usual = max(r.length, 0.5 * r.usual)
-    if r.plan == CROSSING or (r.plan == APPROACHING and r.t >= r.turn):
+    if r.plan == Plan.CROSSING or (r.plan == Plan.APPROACHING and r.t >= r.turn):
         return Signal.LOOK
-    if r.plan >= LEAVING and r.t >= r.quiet:
-        if r.plan == LEAVING:
+    if r.plan >= Plan.LEAVING and r.t >= r.quiet:
+        if r.plan == Plan.LEAVING:
             repartition_of(context)(context, r.t, Y0)
-        r.plan = FREE
-    if (r.lent != 0 and r.plan == FREE and r.t >= r.lent_until) or r.announced != 0:
+        r.plan = Plan.FREE
+    if (r.lent != 0 and r.plan == Plan.FREE and r.t >= r.lent_until) or r.announced != 0:
         return Signal.LOOK
     if r.due != 0 and r.t < r.t_end:
         return Signal.CHANGE

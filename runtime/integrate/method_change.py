@@ -47,5 +47,5 @@ def adopt(run: "_Run", name: str) -> None:
     fill_method(r, method)
     run.crossings.follow(method)
     run.table[METHOD_SLOTS] = function_table(name)
-    run.wiring.arrays["notes"][:] = 0
+    run.wiring.arrays["method_integers"][:] = 0
     method.restart(run.table, r["t"], r["h"])

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from runtime.constraints.newton_return import FAILED, WEAK
+from runtime.constraints.newton_return import FAILED
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import interpolate
 from runtime.core.function_table import (
@@ -69,7 +69,7 @@ def sample(context: Integers, t: float, h: float, at: float) -> int:
         result = correct_of(context)(context, at, SAMPLE, PROJECTION)
         if result == FAILED:
             return FAILED
-        r.corrections += result % WEAK
+        r.corrections += result
     if context[SLIDING_COUNT] != 0:
         return_to_surfaces_of(context)(context, at, SAMPLE)
     record(context, at, SAMPLE)

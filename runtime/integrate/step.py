@@ -4,18 +4,18 @@ from enum import IntEnum
 
 import numpy as np
 
-from runtime.constraints.newton_return import FAILED, WEAK
+from runtime.constraints.newton_return import FAILED
 from runtime.constraints.repartitioning import is_poorly_chosen
 from runtime.core.array_types import Integers
 from runtime.core.array_views import (
     view,
 )
 from runtime.core.function_table import (
-    ATTEMPT,
     CONSTRAINT_COUNT,
     COORDINATES,
     CORRECTING,
     SLIDING_COUNT,
+    TRIAL_STEP,
     correct_of,
     error_of,
     modes_of,
@@ -27,8 +27,8 @@ from runtime.core.function_table import (
 )
 from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import constraints_of
-from runtime.core.rhs import field
-from runtime.core.run_record import FREE, MISSING, ConstraintReturn, run_record
+from runtime.core.rhs import evaluate_accelerations
+from runtime.core.run_record import ConstraintReturn, is_near_singularity, run_record
 from runtime.core.workspace import (
     ATOL,
     DELTA,
@@ -94,7 +94,7 @@ def projected(context: Integers, t: float) -> int:
     r.newton += 1
     if result == FAILED:
         return TrialStep.NEWTON_FAILED
-    r.corrections += result % WEAK
+    r.corrections += result
     for j in range(length // 2):
         moved = abs(y1[j] - predicted[j])
         r.largest_dq = max(r.largest_dq, moved)
@@ -139,25 +139,25 @@ def returned(context: Integers, t: float) -> int:
         return TrialStep.NOT_FINITE
     if context[CORRECTING] != ConstraintReturn.BY_PARTITION:
         return projected(context, t)
-    if FREE < r.plan < MISSING:
+    if is_near_singularity(context):
         # No coordinates are independent at a singular position, and near it none are good.
         result = correct(context, t, Y1, PROJECTION)
         r.newton += 1
         if result == FAILED:
             return TrialStep.NEWTON_FAILED
-        r.corrections += result % WEAK
+        r.corrections += result
         return TrialStep.DONE
     if is_poorly_chosen(context, t) != 0:
         repartition_of(context)(context, t, Y1)
     result = correct(context, t, Y1, PARTITION)
     r.newton += 1
-    if result == FAILED or result >= _MANY_ITERATIONS:
+    if result == FAILED or result >= _MANY_ITERATIONS or r.weak_return != 0:
         again = anew(context, t)
         if again != SAME:
             result = again
     if result == FAILED:
         return TrialStep.NEWTON_FAILED
-    r.corrections += result % WEAK
+    r.corrections += result
     for j in range(n):
         r.largest_dq = max(r.largest_dq, abs(y1[j] - predicted[j]))
     return TrialStep.DONE
@@ -174,7 +174,11 @@ def strained(context: Integers, t: float) -> int:
     """
     r = run_record(context)
     implicit = r.stage_calls == 0
-    if implicit or context[CORRECTING] != ConstraintReturn.BY_PARTITION or FREE < r.plan < MISSING:
+    if (
+        implicit
+        or context[CORRECTING] != ConstraintReturn.BY_PARTITION
+        or is_near_singularity(context)
+    ):
         return 0
     length = 2 * context[COORDINATES]
     y1 = row_of(context, Y1)
@@ -192,7 +196,7 @@ def strained(context: Integers, t: float) -> int:
         return 0
     if result == FAILED:
         return FAILED
-    r.corrections += result % WEAK
+    r.corrections += result
     return 1
 
 
@@ -205,15 +209,15 @@ def judged(context: Integers, t: float, h: float) -> None:
     slope = position_rates(context, K + r.last)
     a = velocity_rates(context, K + r.last)
     v = velocities(context, Y1)
-    r.weak_row = field(context, t, positions(context, Y1), v, modes, a)
+    r.weak_row = evaluate_accelerations(context, t, positions(context, Y1), v, modes, a)
     r.rhs += 1
     for j in range(n):
         slope[j] = v[j]
     r.error = error_of(context)(context, h, r.rtol)
 
 
-@addressed(ATTEMPT)
-def attempt(context: Integers, t: float, h: float) -> int:
+@addressed(TRIAL_STEP)
+def take_trial_step(context: Integers, t: float, h: float) -> int:
     """Step from Y0 over `h` to Y1, corrected, with its derivative and the error `run.error`.
 
     Returns `TrialStep.DONE`, or why the step cannot be accepted.

@@ -10,8 +10,8 @@ import numpy as np
 from runtime.core.array_types import Integers
 from runtime.core.function_table import COORDINATES, FIRST_STEP, PROPOSE, modes_of
 from runtime.core.jit import addressed, compiled, inner
-from runtime.core.rhs import field
-from runtime.core.run_record import FREE, run_record
+from runtime.core.rhs import evaluate_accelerations
+from runtime.core.run_record import Plan, run_record
 from runtime.core.workspace import (
     ATOL,
     DELTA,
@@ -59,7 +59,7 @@ def propose(context: Integers, h: float) -> float:
     is taken to fall to a tenth of what the lengths of the steps let expect, and no further.
     """
     r = run_record(context)
-    if r.plan != FREE:
+    if r.plan != Plan.FREE:
         r.remembered = 0.0
     else:
         if r.remembered > 0.0 and h <= _COMPARABLE * r.length_old:
@@ -100,7 +100,7 @@ def first_step(context: Integers, t: float, h_max: float, rtol: float, order: in
         z[j] = y0[j] + h * k1[j]
     a = second_half(context, DELTA)
     q, v = positions(context, SAMPLE), velocities(context, SAMPLE)
-    field(context, t + h, q, v, modes, a)
+    evaluate_accelerations(context, t + h, q, v, modes, a)
     bend = 0.0
     for j in range(n):
         d[j] = z[n + j]

@@ -14,9 +14,9 @@ from runtime.core.function_table import (
     CORRECTING,
     LOG_ROWS,
     LOOPS,
-    MEMORY_SIZE,
+    METHOD_FLOATS_SIZE,
+    METHOD_INTEGERS_SIZE,
     NONZEROS,
-    NOTES_SIZE,
     PARAMETER_COUNT,
     PIVOT_SIZE,
     PLAN_SIZE,
@@ -41,7 +41,7 @@ from runtime.hybrid.mode_reactions import compute_friction_margin
 from runtime.hybrid.mode_transition import change_modes
 from runtime.hybrid.switching_functions import write_margins
 from runtime.integrate import sampling as outputs
-from runtime.integrate import step as attempt
+from runtime.integrate import step
 from runtime.integrate import step_control as control
 from runtime.integrate.method import find_method
 from runtime.linalg.elimination_plan import plan_capacity
@@ -66,7 +66,7 @@ def _loop() -> Integers:
     return addresses(
         (
             return_to_constraints,
-            attempt.attempt,
+            step.take_trial_step,
             repartition.repartition,
             event_location.locate_event,
             event_location.sample_function,
@@ -75,8 +75,8 @@ def _loop() -> Integers:
             control.first_step,
             outputs.emit,
             screen_step,
-            sliding_rhs.evaluate_rhs,
-            sliding_rhs.evaluate_slope,
+            sliding_rhs.evaluate_modified_accelerations,
+            sliding_rhs.evaluate_modified_rhs,
             impact.apply_impact,
             impact.return_to_surfaces,
             change_modes,
@@ -131,8 +131,8 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         WORKSPACE_SIZE: 2 * n * ROWS,
         SWITCHING_SIZE: s * SWITCH_ROWS,
         PIVOT_SIZE: PIVOT_ROWS * m,
-        MEMORY_SIZE: memory,
-        NOTES_SIZE: notes,
+        METHOD_FLOATS_SIZE: memory,
+        METHOD_INTEGERS_SIZE: notes,
         LOG_ROWS: log_rows,
         CORRECTING: 1,
     }
@@ -169,7 +169,7 @@ def _describe_switches(system: System, p: Vector, arrays: dict[str, Any]) -> Non
     for k, force, limit in system.limits:
         arrays["limits"][2 * k : 2 * k + 2] = force, limit
     system.holds(p, low, high)
-    for k, slot in system.sought:
+    for k, slot in system.stiction:
         arrays["stiction_place"][k] = slot
         # Shares are of a force in units, from no force.
         reach = high[k] - low[k]

@@ -32,23 +32,23 @@ _REGULAR = 1e-13  # accuracy: of the largest: squared singular values below this
 
 @inner
 def differentiate_left(
-    table: Integers, speed: float, z: Vector, direction: Vector, left: Matrix, sums: Matrix
+    context: Integers, speed: float, z: Vector, direction: Vector, left: Matrix, sums: Matrix
 ) -> None:
     """Fill `sums`, (n + 1, weak), with uᵀ J'(direction) at z for all left vectors."""
-    rows, wide, weak = table[ROWS], table[UNKNOWNS], left.shape[1]
-    ahead, behind = ahead_of(table), behind_of(table)
-    at_row, at_column = entry_rows_of(table), entry_columns_of(table)
-    lengths, displaced = lengths_of(table), displaced_of(table)
+    rows, wide, weak = context[ROWS], context[UNKNOWNS], left.shape[1]
+    ahead, behind = ahead_of(context), behind_of(context)
+    at_row, at_column = entry_rows_of(context), entry_columns_of(context)
+    lengths, displaced = lengths_of(context), displaced_of(context)
     total = 0.0
     for j in range(wide):
         total += direction[j] ** 2
     delta = _DIFFERENCE / max(np.sqrt(total), 1e-300)
     for j in range(wide):
         displaced[j] = z[j] + delta * direction[j]
-    jacobian_entries(table, speed, displaced, ahead)
+    jacobian_entries(context, speed, displaced, ahead)
     for j in range(wide):
         displaced[j] = z[j] - delta * direction[j]
-    jacobian_entries(table, speed, displaced, behind)
+    jacobian_entries(context, speed, displaced, behind)
     for j in range(wide):
         for w in range(weak):
             sums[j, w] = 0.0
@@ -77,7 +77,7 @@ def apply_to_null(sums: Matrix, null: Matrix, first: int, every: int, out: Matri
 
 @inner
 def factor_normal_equations(
-    table: Integers,
+    context: Integers,
     speed: float,
     z: Vector,
     left: Matrix,
@@ -96,7 +96,7 @@ def factor_normal_equations(
     for g in range(free):
         for j in range(wide):
             direction[j] = null[j, g]
-        differentiate_left(table, speed, z, direction, left, sums)
+        differentiate_left(context, speed, z, direction, left, sums)
         apply_to_null(sums, null, g, free, form)
     multiply_gram(form, normal)
     largest = 0.0
@@ -148,7 +148,7 @@ def newton_step(slopes: Matrix, square: Matrix, missed: Vector, x: Vector) -> fl
 
 @compiled(i8(integers, f8, vector, vector, matrix, matrix, matrix, matrix, matrix, matrix, vector))
 def find_branch(
-    table: Integers,
+    context: Integers,
     speed: float,
     z: Vector,
     rate: Vector,
@@ -185,8 +185,8 @@ def find_branch(
     """
     wide, free = null.shape
     weak = left.shape[1]
-    direction = step_of(table)
-    missed = view(residuals_of(table), 0, weak)
+    direction = step_of(context)
+    missed = view(residuals_of(context), 0, weak)
     for f in range(free):
         x[f] = 0.0
         for j in range(wide):
@@ -197,7 +197,7 @@ def find_branch(
             direction[j] = 0.0
             for f in range(free):
                 direction[j] += null[j, f] * x[f]
-        differentiate_left(table, speed, z, direction, left, sums)
+        differentiate_left(context, speed, z, direction, left, sums)
         apply_to_null(sums, null, 0, 1, slopes)
         if iteration == 0:
             for w in range(weak):

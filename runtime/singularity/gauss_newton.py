@@ -36,7 +36,7 @@ _FLAT = 1e-6  # accuracy: the largest entry of the complement at a singular posi
 
 @compiled(f8(integers, f8, vector, matrix, matrix, matrix, matrix, matrix, matrix, matrix, vector))
 def find_root(
-    table: Integers,
+    context: Integers,
     speed: float,
     z: Vector,
     a: Matrix,
@@ -65,19 +65,19 @@ def find_root(
     float
         The largest |uᵀ Φ|, or -1 where there is no such position.
     """
-    rows, wide = table[ROWS], table[UNKNOWNS]
+    rows, wide = context[ROWS], context[UNKNOWNS]
     weak, free = left.shape[1], null.shape[1]
     strong = rows - weak
-    order, origin = column_order_of(table), origin_of(table)
-    step, gaps = step_of(table), residuals_of(table)
+    order, origin = column_order_of(context), origin_of(context)
+    step, gaps = step_of(context), residuals_of(context)
     for j in range(wide):
         origin[j] = z[j]
     for iteration in range(_ITERATIONS):
-        if not eliminate_strong_rows(table, speed, z, strong, a, gaps):
+        if not eliminate_strong_rows(context, speed, z, strong, a, gaps):
             return -1.0
         if iteration % _KEEP == 0 or iteration == 1:
-            find_vectors(table, a, strong, left, null)
-            if not factor_normal_equations(table, speed, z, left, null, step, sums, form, normal):
+            find_vectors(context, a, strong, left, null)
+            if not factor_normal_equations(context, speed, z, left, null, step, sums, form, normal):
                 return -1.0
         for f in range(free):
             x[f] = 0.0
@@ -100,9 +100,9 @@ def find_root(
             return -1.0
         if moved < (_CONVERGED * (1.0 + np.sqrt(size))) ** 2:
             break
-    if not eliminate_strong_rows(table, speed, z, strong, a, gaps):
+    if not eliminate_strong_rows(context, speed, z, strong, a, gaps):
         return -1.0
-    find_vectors(table, a, strong, left, null)
+    find_vectors(context, a, strong, left, null)
     if not normalise_complement(a, strong, left, null, square, normal):
         return -1.0
     for i in range(strong, rows):

@@ -30,7 +30,7 @@ from runtime.singularity.search_table import (
 
 @inner
 def eliminate_strong_rows(
-    table: Integers, speed: float, z: Vector, strong: int, a: Matrix, gaps: Vector
+    context: Integers, speed: float, z: Vector, strong: int, a: Matrix, gaps: Vector
 ) -> bool:
     """Eliminate the strong rows of the Jacobian at z, and of the constraints' values.
 
@@ -47,12 +47,12 @@ def eliminate_strong_rows(
     bool
         False where a pivot vanishes.
     """
-    rows, wide = table[ROWS], table[UNKNOWNS]
-    values, lengths = values_of(table), lengths_of(table)
-    at_row, at_column = entry_rows_of(table), entry_columns_of(table)
-    row_place, column_place = row_place_of(table), column_place_of(table)
-    unit_residuals(table, speed, z, gaps)
-    jacobian_entries(table, speed, z, values)
+    rows, wide = context[ROWS], context[UNKNOWNS]
+    values, lengths = values_of(context), lengths_of(context)
+    at_row, at_column = entry_rows_of(context), entry_columns_of(context)
+    row_place, column_place = row_place_of(context), column_place_of(context)
+    unit_residuals(context, speed, z, gaps)
+    jacobian_entries(context, speed, z, values)
     for i in range(rows):
         for j in range(wide):
             a[i, j] = 0.0
@@ -64,10 +64,10 @@ def eliminate_strong_rows(
 
 
 @inner
-def find_vectors(table: Integers, a: Matrix, strong: int, left: Matrix, null: Matrix) -> None:
+def find_vectors(context: Integers, a: Matrix, strong: int, left: Matrix, null: Matrix) -> None:
     """Left vectors and null vectors after the elimination of the strong rows."""
-    left_vectors(a, strong, row_order_of(table), left)
-    null_vectors(a, strong, column_order_of(table), null)
+    left_vectors(a, strong, row_order_of(context), left)
+    null_vectors(a, strong, column_order_of(context), null)
 
 
 @inner
@@ -114,7 +114,7 @@ def largest_lost_gap(gaps: Vector, strong: int, lower: Matrix) -> float:
 
 @compiled(i8(integers, matrix, matrix, matrix, matrix, matrix))
 def reduce_to_weak_part(
-    table: Integers, a: Matrix, left: Matrix, null: Matrix, square: Matrix, normal: Matrix
+    context: Integers, a: Matrix, left: Matrix, null: Matrix, square: Matrix, normal: Matrix
 ) -> int:
     """Turn the complement of a factored matrix into that of orthonormal vectors; 0 if it has none.
 
@@ -122,5 +122,5 @@ def reduce_to_weak_part(
     the others: with a complement of zero these would be singular vectors of the matrix.
     """
     strong = left.shape[0] - left.shape[1]
-    find_vectors(table, a, strong, left, null)
+    find_vectors(context, a, strong, left, null)
     return int(normalise_complement(a, strong, left, null, square, normal))

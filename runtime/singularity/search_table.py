@@ -84,58 +84,62 @@ def lay_out(
 
 
 @inner
-def write_position(table: Integers, z: Vector) -> None:
+def write_position(context: Integers, z: Vector) -> None:
     """Write q at z into the array that kernels read."""
-    q, scale = position_of(table), scale_of(table)
+    q, scale = position_of(context), scale_of(context)
     for j in range(q.size):
         q[j] = z[j] * scale[j]
 
 
 @inner
-def jacobian_entries(table: Integers, speed: float, z: Vector, values: Vector) -> None:
+def jacobian_entries(context: Integers, speed: float, z: Vector, values: Vector) -> None:
     """Fill `values`, (nnz + m,), with the Jacobian by z: Φ_q, columns scaled, then Φ_t / speed."""
-    write_position(table, z)
-    n, m, nonzeros = table[COORDINATES], table[CONSTRAINT_COUNT], table[NONZEROS]
+    write_position(context, z)
+    n, m, nonzeros = context[COORDINATES], context[CONSTRAINT_COUNT], context[NONZEROS]
     q, p, scale, columns = (
-        position_of(table),
-        parameters_of(table),
-        scale_of(table),
-        entry_columns_of(table),
+        position_of(context),
+        parameters_of(context),
+        scale_of(context),
+        entry_columns_of(context),
     )
     rate = view(values, nonzeros, m)
     t = z[n] / speed
-    jacobian_of(table)(t, q, p, view(values, 0, nonzeros))
+    jacobian_of(context)(t, q, p, view(values, 0, nonzeros))
     for e in range(nonzeros):
         values[e] *= scale[columns[e]]
     for i in range(m):
         rate[i] = 0.0
-    velocity_rhs_of(table)(t, q, p, rate)
+    velocity_rhs_of(context)(t, q, p, rate)
     for i in range(m):
         rate[i] /= -speed
 
 
 @inner
-def unit_residuals(table: Integers, speed: float, z: Vector, residuals: Vector) -> None:
+def unit_residuals(context: Integers, speed: float, z: Vector, residuals: Vector) -> None:
     """Fill `residuals`, (rows,), with Φ at z over the rows' lengths, in the order of places."""
-    write_position(table, z)
-    phi = phi_of(table)
+    write_position(context, z)
+    phi = phi_of(context)
     for i in range(phi.size):
         phi[i] = 0.0
-    t = z[table[COORDINATES]] / speed
-    constraints_of(table)(t, position_of(table), parameters_of(table), phi)
-    independent, lengths, place = independent_of(table), lengths_of(table), row_place_of(table)
+    t = z[context[COORDINATES]] / speed
+    constraints_of(context)(t, position_of(context), parameters_of(context), phi)
+    independent, lengths, place = (
+        independent_of(context),
+        lengths_of(context),
+        row_place_of(context),
+    )
     for i in range(independent.size):
         residuals[place[i]] = phi[independent[i]] / lengths[i]
 
 
 @compiled(none(integers, f8, vector))
-def measure_rows(table: Integers, speed: float, z: Vector) -> None:
+def measure_rows(context: Integers, speed: float, z: Vector) -> None:
     """Measure the lengths of the rows of Φ_q at z, by which all rows are divided from now on."""
-    values, lengths, rows = values_of(table), lengths_of(table), entry_rows_of(table)
-    jacobian_entries(table, speed, z, values)
+    values, lengths, rows = values_of(context), lengths_of(context), entry_rows_of(context)
+    jacobian_entries(context, speed, z, values)
     for i in range(lengths.size):
         lengths[i] = 0.0
-    for e in range(table[NONZEROS]):
+    for e in range(context[NONZEROS]):
         if rows[e] < lengths.size:
             lengths[rows[e]] += values[e] ** 2
     for i in range(lengths.size):
@@ -143,9 +147,9 @@ def measure_rows(table: Integers, speed: float, z: Vector) -> None:
 
 
 @compiled(none(integers, f8, vector, vector))
-def unit_jacobian_entries(table: Integers, speed: float, z: Vector, out: Vector) -> None:
+def unit_jacobian_entries(context: Integers, speed: float, z: Vector, out: Vector) -> None:
     """Fill `out`, (nnz + m,), with the Jacobian of the unit rows at z; 0 in rows set aside."""
-    rows, lengths = entry_rows_of(table), lengths_of(table)
-    jacobian_entries(table, speed, z, out)
+    rows, lengths = entry_rows_of(context), lengths_of(context)
+    jacobian_entries(context, speed, z, out)
     for e in range(rows.size):
         out[e] = out[e] / lengths[rows[e]] if rows[e] < lengths.size else 0.0

@@ -73,7 +73,7 @@ solve_step = step_solver(predict, linearize, factor_real, solve)
 @addressed(ft.STAGES)
 def stages(context: Integers, t: float, h: float) -> int:
     """Take the step from Y0 to Y1, of which the dependent half is not yet corrected."""
-    memory, notes = ft.memory_of(context), ft.notes_of(context)
+    memory, notes = ft.method_floats_of(context), ft.method_integers_of(context)
     list_unknowns(context)
     history.rescale_history(context, h)
     k, t1 = notes[mem.STEP_ORDER], t + h
@@ -97,7 +97,7 @@ def is_stable(context: Integers, k: int, h: float) -> bool:
     The formulas of order 3 to 5 do so within an angle about the negative real axis, and outside it
     where the vibration is resolved, or else passes many times in a step.
     """
-    memory = ft.memory_of(context)
+    memory = ft.method_floats_of(context)
     turn = h * memory[mem.STIFFNESS]
     return bool(memory[mem.DAMPING] >= _DAMPED[k] or turn < _RESOLVED or turn > _PASSED)
 
@@ -110,7 +110,7 @@ def propose(context: Integers, h: float) -> float:
     order mean nothing before.
     """
     r = run_record(context)
-    memory, notes = ft.memory_of(context), ft.notes_of(context)
+    memory, notes = ft.method_floats_of(context), ft.method_integers_of(context)
     k = notes[mem.STEP_ORDER]
     notes[mem.NEXT_ORDER] = k
     if notes[mem.EQUAL] + 1 < k + 1:
@@ -137,7 +137,7 @@ def propose(context: Integers, h: float) -> float:
 @compiled(ft.HOOK)
 def accepted(context: Integers, t: float, h: float) -> int:
     """Take the step into the differences, and change to the order proposed."""
-    r, notes = run_record(context), ft.notes_of(context)
+    r, notes = run_record(context), ft.method_integers_of(context)
     k = notes[mem.STEP_ORDER]
     history.extend_history(context, h)
     notes[mem.EQUAL] += 1
@@ -155,7 +155,7 @@ def accepted(context: Integers, t: float, h: float) -> int:
 @compiled(ft.HOOK)
 def restart(context: Integers, t: float, h: float) -> int:
     """Forget the past: the motion goes on under other equations."""
-    notes = ft.notes_of(context)
+    notes = ft.method_integers_of(context)
     history.start_history(context, h if h > 0.0 else 1.0, 2)
     notes[mem.CURRENT] = 0
     notes[mem.REJECTED] = run_record(context).rejected

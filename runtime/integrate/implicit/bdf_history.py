@@ -17,8 +17,8 @@ from runtime.core.function_table import (
     COORDINATES,
     DENSE,
     SLIDING_COUNT,
-    memory_of,
-    notes_of,
+    method_floats_of,
+    method_integers_of,
 )
 from runtime.core.jit import addressed, inner
 from runtime.core.run_record import run_record
@@ -33,7 +33,7 @@ ERROR_CONSTANT = np.append(KAPPA * GAMMA + 1.0 / np.arange(1, HIGHEST + 2), 1.0)
 DENSE_ROWS = 6
 GROW = 10.0  # measured: largest ratio of the lengths of two steps
 
-# Rows of MEMORY: backward differences of the past, the same at this step's length, and a step's:
+# Rows: backward differences of the past, the same at this step's length, and a step's:
 # what is foreseen of the change, psi, and the difference k + 1 of the unknowns at its end.
 PAST, NOW, AHEAD, PSI, DIFFERENCE = 0, 8, 16, 17, 18
 
@@ -45,7 +45,8 @@ def newton_form(powers: Sequence[Fraction]) -> list[Fraction]:
 
     `powers` are its coefficients of the powers of x, constant first.
     """
-    rest, coefficients = list(powers), []
+    rest = list(powers)
+    coefficients: list[Fraction] = []
     while rest:
         if len(coefficients) % 2 == 0:  # the value at x = 0; then divide the rest by x
             coefficients.append(rest[0])
@@ -77,8 +78,8 @@ def change_spacing(context: Integers, k: int, ratio: float) -> None:
 
     It is R(ratio) R(1) of Shampine and Reichelt's section 2; column j belongs to the new ∇ʲ.
     """
-    scaled = view(memory_of(context), mem.CHANGE, 36)
-    result = view(memory_of(context), mem.CHANGE + 36, 36)
+    scaled = view(method_floats_of(context), mem.CHANGE, 36)
+    result = view(method_floats_of(context), mem.CHANGE + 36, 36)
     for j in range(1, k + 1):
         one, other = 1.0, 1.0
         for i in range(1, k + 1):
@@ -103,7 +104,7 @@ def start_history(context: Integers, h: float, order: int) -> None:
     At order 2 positions have a parabola, as their second derivative is known, which leaves their
     tiny flights after an impact exact however coarse the tolerance is.
     """
-    notes, n = notes_of(context), context[COORDINATES]
+    notes, n = method_integers_of(context), context[COORDINATES]
     y0, k0 = row_of(context, Y0), row_of(context, K)
     value, slope = mem.row(context, PAST), mem.row(context, PAST + 1)
     bend, low = mem.row(context, PAST + 2), mem.row(context, mem.LOW)
@@ -117,7 +118,7 @@ def start_history(context: Integers, h: float, order: int) -> None:
         for i in range(n):
             bend[i] = h * h * k0[n + i]
             slope[i] -= 0.5 * bend[i]
-    memory_of(context)[mem.H_BASE] = h
+    method_floats_of(context)[mem.H_BASE] = h
     notes[mem.STEP_ORDER] = order
     notes[mem.NEXT_ORDER] = order
     # What is made up is smooth: the next step may be another one at once.
@@ -131,8 +132,8 @@ def rescale_history(context: Integers, h: float) -> None:
 
     Where the past is of no use, that is the derivative alone, and the order one.
     """
-    notes, length = notes_of(context), 2 * context[COORDINATES]
-    ratio = h / memory_of(context)[mem.H_BASE]
+    notes, length = method_integers_of(context), 2 * context[COORDINATES]
+    ratio = h / method_floats_of(context)[mem.H_BASE]
     failures = run_record(context).rejected - notes[mem.REJECTED]
     if notes[mem.STEP_ORDER] > 1 and (ratio > 1.01 * GROW or failures >= _FAILURES):
         start_history(context, h, 1)
@@ -141,7 +142,7 @@ def rescale_history(context: Integers, h: float) -> None:
     if ratio != 1.0:
         change_spacing(context, k, ratio)
         notes[mem.EQUAL] = 0
-    change = view(memory_of(context), mem.CHANGE, 36)
+    change = view(method_floats_of(context), mem.CHANGE, 36)
     for j in range(k + 3):
         past, now = mem.row(context, PAST + j), mem.row(context, NOW + j)
         same = ratio == 1.0 or j == 0 or j > k
@@ -156,7 +157,7 @@ def rescale_history(context: Integers, h: float) -> None:
 @inner
 def extrapolate(context: Integers) -> None:
     """Extrapolate the past to the end of the step: what it adds, AHEAD; the state, Y1; and PSI."""
-    length, k = 2 * context[COORDINATES], notes_of(context)[mem.STEP_ORDER]
+    length, k = 2 * context[COORDINATES], method_integers_of(context)[mem.STEP_ORDER]
     y1, low = row_of(context, Y1), mem.row(context, mem.LOW)
     ahead, psi, start = mem.row(context, AHEAD), mem.row(context, PSI), mem.row(context, NOW)
     for i in range(length):
@@ -176,7 +177,7 @@ def extrapolate(context: Integers) -> None:
 @inner
 def extend_history(context: Integers, h: float) -> None:
     """Take the step of length `h` to Y1 into the differences, and keep what rounding cut off it."""
-    notes, n, unknown = notes_of(context), context[COORDINATES], mem.unknowns(context)
+    notes, n, unknown = method_integers_of(context), context[COORDINATES], mem.unknowns(context)
     k, y1, low = notes[mem.STEP_ORDER], row_of(context, Y1), mem.row(context, mem.LOW)
     start, ahead = mem.row(context, NOW), mem.row(context, AHEAD)
     newest, higher = mem.row(context, PAST + k + 1), mem.row(context, PAST + k + 2)
@@ -198,7 +199,7 @@ def extend_history(context: Integers, h: float) -> None:
         above = mem.row(context, PAST + j + 1)
         for i in range(2 * n):
             past[i] = now[i] + above[i] if j > 0 else y1[i]
-    memory_of(context)[mem.H_BASE] = h
+    method_floats_of(context)[mem.H_BASE] = h
 
 
 @addressed(DENSE)
@@ -209,7 +210,7 @@ def dense(context: Integers, t: float, h: float) -> int:
         for row in range(DENSE_ROWS):
             row_of(context, F + row)[i] = 0.0
         summed = (y1[i] - start[i]) - ahead[i]
-        for j in range(notes_of(context)[mem.STEP_ORDER], -1, -1):
+        for j in range(method_integers_of(context)[mem.STEP_ORDER], -1, -1):
             summed += mem.row(context, NOW + j)[i]
             value = summed if j > 0 else y1[i]
             for row in range(DENSE_ROWS):

@@ -4,7 +4,7 @@ import numpy as np
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core.array_types import Integers
-from runtime.core.function_table import COORDINATES, notes_of
+from runtime.core.function_table import COORDINATES, method_integers_of
 from runtime.core.jit import inlined, inner
 from runtime.core.run_record import run_record
 from runtime.core.workspace import Y1, K, row_of, velocity_rates
@@ -20,7 +20,7 @@ from runtime.integrate.implicit.state_space_form import (
 
 LAST = 1  # row, after K, of the derivative at the end of the step
 MOST_ITERATIONS = 4  # safety: Newton iterations of a step
-_RESIDUAL = 19  # layout: row of MEMORY
+_RESIDUAL = 19  # layout: row of METHOD_FLOATS
 _SEEN = 0.01  # accuracy: of the tolerance; change of a velocity by the rounding of a position
 
 
@@ -31,7 +31,7 @@ def add_rounding_effect(context: Integers, t: float, c: float) -> None:
     Nothing is added where Newton's method would not see it. At an angle of a million turns the last
     digit is a force that no step gets smooth; so it is where a force is stiff.
     """
-    n, f = context[COORDINATES], notes_of(context)[mem.FREEDOMS]
+    n, f = context[COORDINATES], method_integers_of(context)[mem.FREEDOMS]
     unknown, by_u = mem.unknowns(context), mem.matrix(context, mem.BY_U)
     y1, start, ahead = row_of(context, Y1), mem.row(context, NOW), mem.row(context, AHEAD)
     difference, allowed = mem.row(context, DIFFERENCE), mem.row(context, mem.TOLERANCE)
@@ -78,7 +78,7 @@ def evaluate_end(context: Integers, t: float, c: float) -> int:
 @inner
 def improve_end(context: Integers, c: float) -> float:
     """Change the unknowns of Y1 by a Newton step; its size over the tolerance."""
-    n, f = context[COORDINATES], notes_of(context)[mem.FREEDOMS]
+    n, f = context[COORDINATES], method_integers_of(context)[mem.FREEDOMS]
     unknown, allowed = mem.unknowns(context), mem.row(context, mem.TOLERANCE)
     y1, a = row_of(context, Y1), velocity_rates(context, K + LAST)
     start, ahead, psi = mem.row(context, NOW), mem.row(context, AHEAD), mem.row(context, PSI)
@@ -105,7 +105,7 @@ def solve(context: Integers, t: float, c: float) -> int:
     """Solve for the state Y1 at time `t`, the end of the step; its dependent half is not final."""
     n, unknown = context[COORDINATES], mem.unknowns(context)
     difference = mem.row(context, DIFFERENCE)
-    for i in range(notes_of(context)[mem.FREEDOMS]):
+    for i in range(method_integers_of(context)[mem.FREEDOMS]):
         difference[n + unknown[i]] = 0.0
         set_unknown(context, c, unknown[i])
     return iterate(context, t, c)
@@ -123,13 +123,13 @@ def estimate_error(context: Integers, t: float, c: float, other: int, share: flo
     dependent coordinates' own differences are the error of the dense output, which is not carried
     on: it is held to what was asked, over which the tolerance of a step is `share`.
     """
-    n, k = context[COORDINATES], notes_of(context)[mem.STEP_ORDER]
+    n, k = context[COORDINATES], method_integers_of(context)[mem.STEP_ORDER]
     unknown, y1 = mem.unknowns(context), row_of(context, Y1)
     start, ahead = mem.row(context, NOW), mem.row(context, AHEAD)
     difference = mem.row(context, DIFFERENCE)
     past = mem.row(context, NOW + (k if other < 0 else k + 1))
     rates, raw = mem.row(context, mem.SLOPE), mem.row(context, mem.OUT)
-    for i in range(notes_of(context)[mem.FREEDOMS]):
+    for i in range(method_integers_of(context)[mem.FREEDOMS]):
         j = unknown[i]
         rates[n + i] = difference[j] - other * past[j]
         rates[i] = difference[n + j] - other * past[n + j]

@@ -1,11 +1,11 @@
-"""Layout of the arrays MEMORY and NOTES, in which an implicit method keeps its state of a run."""
+"""Layout of METHOD_FLOATS and METHOD_INTEGERS, in which an implicit method keeps its state."""
 
 from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
-from runtime.core.function_table import COORDINATES, memory_of, notes_of
+from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
 from runtime.core.jit import fetched
 
-# MEMORY: numbers, then rows of length 2 n, then matrices.
+# METHOD_FLOATS: numbers, then rows of length 2 n, then matrices.
 C_FACTORED = 0  # the c, or the step, for which the matrices are factored
 RATE = 1  # of Newton's convergence: what is still missing over the last change
 STEP_ERROR = 2  # of the last trial step, over the tolerance
@@ -24,7 +24,7 @@ ROWS = 25
 # Matrices of order f, flat: G_u, G_u̇, factors of the real one; of the complex one, of order 2 f.
 BY_U, BY_RATE, REAL, COMPLEX = 0, 1, 2, 3
 
-# NOTES: counts, then the unknowns (n), pivots (n), pivots of the complex matrix (2 n).
+# METHOD_INTEGERS: counts, then the unknowns (n), pivots (n), pivots of the complex matrix (2 n).
 FREEDOMS = 0  # f
 CURRENT = 1  # 1: the derivatives are of these unknowns, and Newton's method converges fast
 STEP_ORDER = 2
@@ -46,34 +46,34 @@ def memory(n: int) -> tuple[int, int]:
 
 @fetched
 def row(context: Integers, index: int) -> Vector:
-    """Row `index` of MEMORY, (2 n,)."""
+    """Row `index` of METHOD_FLOATS, (2 n,)."""
     n = context[COORDINATES]
-    found: Vector = view(memory_of(context), NUMBERS + 2 * n * index, 2 * n)
+    found: Vector = view(method_floats_of(context), NUMBERS + 2 * n * index, 2 * n)
     return found
 
 
 @fetched
 def first_half(context: Integers, index: int) -> Vector:
-    """First half of row `index` of MEMORY, (n,): of positions."""
+    """First half of row `index` of METHOD_FLOATS, (n,): of positions."""
     n = context[COORDINATES]
-    found: Vector = view(memory_of(context), NUMBERS + 2 * n * index, n)
+    found: Vector = view(method_floats_of(context), NUMBERS + 2 * n * index, n)
     return found
 
 
 @fetched
 def second_half(context: Integers, index: int) -> Vector:
-    """Second half of row `index` of MEMORY, (n,): of velocities."""
+    """Second half of row `index` of METHOD_FLOATS, (n,): of velocities."""
     n = context[COORDINATES]
-    found: Vector = view(memory_of(context), NUMBERS + 2 * n * index + n, n)
+    found: Vector = view(method_floats_of(context), NUMBERS + 2 * n * index + n, n)
     return found
 
 
 @fetched
 def matrix(context: Integers, index: int) -> Vector:
-    """Matrix `index` of MEMORY, in room for order n, or 2 n where it is `COMPLEX`."""
+    """Matrix `index` of METHOD_FLOATS, in room for order n, or 2 n where it is `COMPLEX`."""
     n = context[COORDINATES]
     size = 4 * n * n if index == COMPLEX else n * n
-    found: Vector = view(memory_of(context), NUMBERS + 2 * n * ROWS + index * n * n, size)
+    found: Vector = view(method_floats_of(context), NUMBERS + 2 * n * ROWS + index * n * n, size)
     return found
 
 
@@ -81,12 +81,12 @@ def matrix(context: Integers, index: int) -> Vector:
 def pivots(context: Integers, index: int) -> Integers:
     """Pivots of the factored matrix `REAL` or `COMPLEX`."""
     n = context[COORDINATES]
-    found: Integers = view(notes_of(context), COUNTS + (index - 1) * n, (index - 1) * n)
+    found: Integers = view(method_integers_of(context), COUNTS + (index - 1) * n, (index - 1) * n)
     return found
 
 
 @fetched
 def unknowns(context: Integers) -> Integers:
     """Coordinates that are unknowns of the step, of which the first f are valid, (n,)."""
-    found: Integers = view(notes_of(context), COUNTS, context[COORDINATES])
+    found: Integers = view(method_integers_of(context), COUNTS, context[COORDINATES])
     return found

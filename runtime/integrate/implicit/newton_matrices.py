@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.core.array_types import Integers, Vector
-from runtime.core.function_table import COORDINATES, notes_of
+from runtime.core.function_table import COORDINATES, method_integers_of
 from runtime.core.jit import inner
 from runtime.core.workspace import PARTITION, row_of
 from runtime.integrate.implicit import method_memory as mem
@@ -14,7 +14,7 @@ from runtime.linalg.lu import factor, solve
 @inner
 def factor_real(context: Integers, c: float) -> int:
     """Factor I - c G_u̇ - c² G_u; 1 where it is singular, else 0."""
-    f = notes_of(context)[mem.FREEDOMS]
+    f = method_integers_of(context)[mem.FREEDOMS]
     by_u, by_rate = mem.matrix(context, mem.BY_U), mem.matrix(context, mem.BY_RATE)
     a = mem.matrix(context, mem.REAL)
     for i in range(f):
@@ -27,7 +27,7 @@ def factor_real(context: Integers, c: float) -> int:
 @inner
 def factor_complex(context: Integers, c: float, d: float) -> int:
     """Factor I - (c + i d) G_u̇ - (c + i d)² G_u as a real matrix of order 2 f, real parts first."""
-    f = notes_of(context)[mem.FREEDOMS]
+    f = method_integers_of(context)[mem.FREEDOMS]
     by_u, by_rate = mem.matrix(context, mem.BY_U), mem.matrix(context, mem.BY_RATE)
     a = mem.matrix(context, mem.COMPLEX)
     for i in range(f):
@@ -45,14 +45,14 @@ def factor_complex(context: Integers, c: float, d: float) -> int:
 @inner
 def solve_real(context: Integers, x: Vector) -> None:
     """Overwrite the right side `x`, (f,), by the solution with the real matrix."""
-    f = notes_of(context)[mem.FREEDOMS]
+    f = method_integers_of(context)[mem.FREEDOMS]
     solve(mem.matrix(context, mem.REAL), f, mem.pivots(context, mem.REAL), x)
 
 
 @inner
 def solve_complex(context: Integers, x: Vector) -> None:
     """Overwrite the right side `x`, (2 f,), real parts first, by that with the complex matrix."""
-    f = notes_of(context)[mem.FREEDOMS]
+    f = method_integers_of(context)[mem.FREEDOMS]
     solve(mem.matrix(context, mem.COMPLEX), 2 * f, mem.pivots(context, mem.COMPLEX), x)
 
 
@@ -61,11 +61,11 @@ def filtered_error(context: Integers, t: float, state: int, c: float) -> float:
     """Size of (I - c J)⁻¹ (x, y) over the tolerance, over all coordinates and velocities.
 
     x and y, changes of the unknowns and of their rates, are in the second and in the first half of
-    row SLOPE of MEMORY and are used up. Row IN receives the result, completed by the change of the
-    dependent coordinates at the state in row `state`. The matrix takes out what stiff forces do
-    not permit, and turns an error of a position that they hold into that of its velocity.
+    row SLOPE and are used up. Row IN receives the result, completed by the change of the dependent
+    coordinates at the state in row `state`. The matrix takes out what stiff forces do not permit,
+    and turns an error of a position that they hold into that of its velocity.
     """
-    n, f = context[COORDINATES], notes_of(context)[mem.FREEDOMS]
+    n, f = context[COORDINATES], method_integers_of(context)[mem.FREEDOMS]
     by_u, unknown = mem.matrix(context, mem.BY_U), mem.unknowns(context)
     change, allowed = mem.row(context, mem.IN), mem.row(context, mem.TOLERANCE)
     y, x = mem.first_half(context, mem.SLOPE), mem.second_half(context, mem.SLOPE)
@@ -95,7 +95,7 @@ def dependent_error(context: Integers, raw: Vector) -> float:
     of how, and Newton's method for them might come to another way to assemble the machine.
     Velocities are left out: where a stiff force holds a position they are not smooth.
     """
-    if notes_of(context)[mem.PARTITIONED] == 0:
+    if method_integers_of(context)[mem.PARTITIONED] == 0:
         return 0.0
     n = context[COORDINATES]
     partition, allowed = row_of(context, PARTITION), mem.row(context, mem.TOLERANCE)

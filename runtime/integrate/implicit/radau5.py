@@ -95,7 +95,7 @@ def stages(context: Integers, t: float, h: float) -> int:
         y1, end = row_of(context, Y1), row_of(context, K + rs.STATES + 2)
         for i in range(2 * context[ft.COORDINATES]):
             y1[i] = end[i]
-        ft.memory_of(context)[mem.STEP_ERROR] = estimate_error(context, t, h)
+        ft.method_floats_of(context)[mem.STEP_ERROR] = estimate_error(context, t, h)
     return taken
 
 
@@ -106,7 +106,11 @@ def propose(context: Integers, h: float) -> float:
     The predictive controller of K. Gustafsson; a step that could grow by little keeps its length,
     and with it the factored matrices.
     """
-    r, memory, notes = run_record(context), ft.memory_of(context), ft.notes_of(context)
+    r, memory, notes = (
+        run_record(context),
+        ft.method_floats_of(context),
+        ft.method_integers_of(context),
+    )
     now = max(r.error, 1e-10)
     ratio = now**-0.25
     if notes[mem.EQUAL] > 0:
@@ -125,7 +129,7 @@ def propose(context: Integers, h: float) -> float:
 def accepted(context: Integers, t: float, h: float) -> int:
     """Keep the step's polynomial, from which the next one's stages are predicted."""
     y0, y1 = row_of(context, Y0), row_of(context, Y1)
-    memory, notes = ft.memory_of(context), ft.notes_of(context)
+    memory, notes = ft.method_floats_of(context), ft.method_integers_of(context)
     rs.keep_rounding(context, h)
     change = mem.row(context, rs.POLYNOMIAL)
     for i in range(2 * context[ft.COORDINATES]):
@@ -141,7 +145,7 @@ def accepted(context: Integers, t: float, h: float) -> int:
 @compiled(ft.HOOK)
 def restart(context: Integers, t: float, h: float) -> int:
     """Forget the past: the motion goes on under other equations."""
-    notes, low = ft.notes_of(context), mem.row(context, mem.LOW)
+    notes, low = ft.method_integers_of(context), mem.row(context, mem.LOW)
     for j in range(2 * context[ft.COORDINATES]):
         low[j] = 0.0
     notes[mem.EQUAL] = 0

@@ -2,7 +2,7 @@
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core.array_types import Integers, Vector
-from runtime.core.function_table import COORDINATES, notes_of
+from runtime.core.function_table import COORDINATES, method_integers_of
 from runtime.core.jit import inner
 from runtime.core.run_record import run_record
 from runtime.core.workspace import STAGE, Y0, K, row_of
@@ -17,7 +17,7 @@ LAST = 1  # row, after K, of the derivative at the end of the step
 
 @inner
 def embedded_error(context: Integers, t: float, h: float, k0: Vector) -> float:
-    """Size of the filtered error c (k0 + Σ e z / h), which is left in row IN of MEMORY."""
+    """Size of the filtered error c (k0 + Σ e z / h), which is left in row IN of METHOD_FLOATS."""
     n, unknown = context[COORDINATES], mem.unknowns(context)
     y0 = row_of(context, Y0)
     s1, s2 = row_of(context, K + STATES), row_of(context, K + STATES + 1)
@@ -26,7 +26,7 @@ def embedded_error(context: Integers, t: float, h: float, k0: Vector) -> float:
     three = mem.row(context, VELOCITIES + 2)
     rates, raw = mem.row(context, mem.SLOPE), mem.row(context, mem.OUT)
     c = h * C_REAL
-    for i in range(notes_of(context)[mem.FREEDOMS]):
+    for i in range(method_integers_of(context)[mem.FREEDOMS]):
         # The changes of positions are h (c u̇ + A Δu̇), and Σ e c = -1: nothing large cancels.
         j = unknown[i]
         z = E_A[0] * one[i] + E_A[1] * two[i] + E_A[2] * three[i]
@@ -45,7 +45,7 @@ def estimate_error(context: Integers, t: float, h: float) -> float:
     """Error over the tolerance; where it is too large at a first step or again, filtered twice."""
     r, n = run_record(context), context[COORDINATES]
     found = embedded_error(context, t, h, row_of(context, K))
-    if found >= 1.0 and (r.rejected_before != 0 or notes_of(context)[mem.EQUAL] == 0):
+    if found >= 1.0 and (r.rejected_before != 0 or method_integers_of(context)[mem.EQUAL] == 0):
         y0, z = row_of(context, Y0), row_of(context, STAGE)
         slope, change = row_of(context, K + LAST), mem.row(context, mem.IN)
         for i in range(2 * n):

@@ -4,7 +4,7 @@ import numpy as np
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core.array_types import Integers, Matrix, Vector
-from runtime.core.function_table import COORDINATES, memory_of, notes_of
+from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
 from runtime.core.jit import inlined, inner
 from runtime.core.run_record import run_record
 from runtime.core.workspace import Y0, Y1, K, row_of, velocity_rates
@@ -21,7 +21,7 @@ from runtime.integrate.implicit.radau5_coefficients import (
 )
 from runtime.integrate.implicit.state_space_form import evaluate
 
-# Rows of MEMORY: the last step's polynomial; per stage the change of velocities; the right sides.
+# Rows: the last step's polynomial; per stage the change of velocities; the right sides.
 POLYNOMIAL, VELOCITIES, SIDES = 0, 3, 6
 # Rows of the workspace after K: the stages' derivatives and states.
 SLOPES, STATES = 2, 5
@@ -32,13 +32,13 @@ GROW = 10.0  # measured: ratio of two steps' lengths up to which the last one's 
 @inlined
 def combine(rows: Matrix, i: int, x: float, y: float, z: float) -> float:
     """Entry i of a matrix of order 3 times (x, y, z)."""
-    return rows[i, 0] * x + rows[i, 1] * y + rows[i, 2] * z
+    return float(rows[i, 0] * x + rows[i, 1] * y + rows[i, 2] * z)
 
 
 @inner
 def predict_stages(context: Integers, h: float) -> None:
     """Fill the states of the stages: the last step's polynomial continued, or a straight line."""
-    memory, notes = memory_of(context), notes_of(context)
+    memory, notes = method_floats_of(context), method_integers_of(context)
     length = 2 * context[COORDINATES]
     y0, k0 = row_of(context, Y0), row_of(context, K)
     f1, f2 = mem.row(context, POLYNOMIAL), mem.row(context, POLYNOMIAL + 1)
@@ -76,7 +76,7 @@ def mean_velocity(context: Integers, stage: int, i: int, v: float) -> float:
     """Change of unknown i from the start to a stage, over h; `v` is its velocity at the start."""
     one, two = mem.row(context, VELOCITIES), mem.row(context, VELOCITIES + 1)
     three = mem.row(context, VELOCITIES + 2)
-    return C[stage] * v + combine(A, stage, one[i], two[i], three[i])
+    return float(C[stage] * v + combine(A, stage, one[i], two[i], three[i]))
 
 
 @inner
@@ -86,7 +86,7 @@ def set_stages(context: Integers, h: float) -> None:
     y0, low = row_of(context, Y0), mem.row(context, mem.LOW)
     for stage in range(3):
         z, change = row_of(context, K + STATES + stage), mem.row(context, VELOCITIES + stage)
-        for i in range(notes_of(context)[mem.FREEDOMS]):
+        for i in range(method_integers_of(context)[mem.FREEDOMS]):
             j = unknown[i]
             z[n + j] = y0[n + j] + (low[n + j] + change[i])
             z[j] = y0[j] + (low[j] + h * mean_velocity(context, stage, i, y0[n + j]))
@@ -101,7 +101,7 @@ def keep_rounding(context: Integers, h: float) -> None:
     three = mem.row(context, VELOCITIES + 2)
     for j in range(2 * n):
         kept[j] = 0.0
-    for i in range(notes_of(context)[mem.FREEDOMS]):
+    for i in range(method_integers_of(context)[mem.FREEDOMS]):
         j = unknown[i]
         change = low[n + j] + three[i]
         if y1[n + j] == y0[n + j] + change:
@@ -120,7 +120,7 @@ def start_stages(context: Integers, h: float) -> None:
     y0 = row_of(context, Y0)
     for stage in range(3):
         z, change = row_of(context, K + STATES + stage), mem.row(context, VELOCITIES + stage)
-        for i in range(notes_of(context)[mem.FREEDOMS]):
+        for i in range(method_integers_of(context)[mem.FREEDOMS]):
             j = n + unknown[i]
             change[i] = z[j] - y0[j]
     set_stages(context, h)
@@ -145,7 +145,7 @@ def improve_stages(context: Integers, h: float) -> float:
 
     T⁻¹ times their three equations leaves one of them alone, and two that are one complex equation.
     """
-    n, f = context[COORDINATES], notes_of(context)[mem.FREEDOMS]
+    n, f = context[COORDINATES], method_integers_of(context)[mem.FREEDOMS]
     unknown, allowed = mem.unknowns(context), mem.row(context, mem.TOLERANCE)
     one, two = mem.row(context, VELOCITIES), mem.row(context, VELOCITIES + 1)
     three = mem.row(context, VELOCITIES + 2)

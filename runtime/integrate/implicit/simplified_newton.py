@@ -10,7 +10,7 @@ import numpy as np
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core.array_types import Integers, Vector
-from runtime.core.function_table import COORDINATES, ERROR, memory_of, notes_of
+from runtime.core.function_table import COORDINATES, ERROR, method_floats_of, method_integers_of
 from runtime.core.jit import addressed, closure, inner
 from runtime.core.rounding import EPS
 from runtime.core.run_record import run_record
@@ -64,7 +64,7 @@ def step_solver(
     @closure
     def solve_step(context: Integers, t: float, c: float) -> int:
         r = run_record(context)
-        memory, notes = memory_of(context), notes_of(context)
+        memory, notes = method_floats_of(context), method_integers_of(context)
         fresh = False
         while not fresh:
             predict(context, c)
@@ -133,7 +133,7 @@ def _convergence(
 
     `size` is over the tolerance, as that of the change `before`; `left` iterations may follow.
     """
-    memory, notes = memory_of(context), notes_of(context)
+    memory, notes = method_floats_of(context), method_integers_of(context)
     notes[mem.ITERATIONS] = iteration + 1
     if size == 0.0:
         return _DONE
@@ -173,7 +173,11 @@ def set_tolerance(
         Of the matrix I - c G_u̇ - c² G_u. Where it is stiff, the last digit of a position is a force
         that the next velocity has to undo.
     """
-    notes, unknown, by_u = notes_of(context), mem.unknowns(context), mem.matrix(context, mem.BY_U)
+    notes, unknown, by_u = (
+        method_integers_of(context),
+        mem.unknowns(context),
+        mem.matrix(context, mem.BY_U),
+    )
     n, f = context[COORDINATES], notes[mem.FREEDOMS]
     asked = run_record(context).rtol
     relative = share * asked
@@ -205,10 +209,12 @@ def set_tolerance(
             stiff += c * c * entry * size[unknown[k]] / size[j]
         allowed[n + j] += _STIFF * c * force * stiff / (1.0 + stiff) ** 2
     at_rounding = _SOLVED * moved / (relative + _ROUNDED * moved)
-    memory_of(context)[mem.ENOUGH] = max(at_rounding, min(_LOOSEST, newton * asked / relative))
+    method_floats_of(context)[mem.ENOUGH] = max(
+        at_rounding, min(_LOOSEST, newton * asked / relative)
+    )
 
 
 @addressed(ERROR)
 def error(context: Integers, h: float, rtol: float) -> float:
-    """Estimated error of the step over its tolerance, which the step has left in MEMORY."""
-    return float(memory_of(context)[mem.STEP_ERROR])
+    """Estimated error of the step over its tolerance, which the step has left in METHOD_FLOATS."""
+    return float(method_floats_of(context)[mem.STEP_ERROR])

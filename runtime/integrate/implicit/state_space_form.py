@@ -9,15 +9,15 @@ G. Wanner, Solving Ordinary Differential Equations II, section IV.8). Where noth
 from constraints, all coordinates are unknowns.
 """
 
-from runtime.constraints.newton_return import FAILED, WEAK
+from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table as ft
 from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
 from runtime.core.array_views import view
 from runtime.core.jit import compiled, inner
 from runtime.core.kernel_abi import accelerations_tangent_of, correction_tangent_of
-from runtime.core.rhs import field
-from runtime.core.run_record import FREE, MISSING, ConstraintReturn, run_record
+from runtime.core.rhs import evaluate_accelerations
+from runtime.core.run_record import ConstraintReturn, is_near_singularity, run_record
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit.stiffness_estimate import estimate_spectrum
 
@@ -32,12 +32,11 @@ def list_unknowns(context: Integers) -> int:
     They are the independent coordinates. Where steps are not brought back by partitioning, and near
     singular positions, where no coordinates are independent, they are all.
     """
-    notes, unknown = ft.notes_of(context), mem.unknowns(context)
+    notes, unknown = ft.method_integers_of(context), mem.unknowns(context)
     partition = ws.row_of(context, ws.PARTITION)
     constrained = context[ft.CONSTRAINT_COUNT] > 0
     by_partition = constrained and context[ft.CORRECTING] == ConstraintReturn.BY_PARTITION
-    singular = FREE < run_record(context).plan < MISSING
-    notes[mem.PARTITIONED] = 1 if by_partition and not singular else 0
+    notes[mem.PARTITIONED] = 1 if by_partition and not is_near_singularity(context) else 0
     f = 0
     changed = False
     for j in range(context[ft.COORDINATES]):
@@ -60,13 +59,14 @@ def evaluate(context: Integers, t: float, state: int, derivative: int) -> int:
     Returns the iterations that took, or `FAILED`.
     """
     taken = 0
-    if ft.notes_of(context)[mem.PARTITIONED] != 0:
+    if ft.method_integers_of(context)[mem.PARTITIONED] != 0:
         taken = ft.correct_of(context)(context, t, state, ws.PARTITION)
         if taken == FAILED:
             return FAILED
-        taken %= WEAK
     q, v = ws.positions(context, state), ws.velocities(context, state)
-    field(context, t, q, v, ft.modes_of(context), ws.velocity_rates(context, derivative))
+    evaluate_accelerations(
+        context, t, q, v, ft.modes_of(context), ws.velocity_rates(context, derivative)
+    )
     return taken
 
 
@@ -76,7 +76,7 @@ def complete_direction(context: Integers, t: float, state: int) -> None:
 
     Row IN holds the change, zero on the dependent coordinates on entry; row OUT is overwritten.
     """
-    if ft.notes_of(context)[mem.PARTITIONED] == 0:
+    if ft.method_integers_of(context)[mem.PARTITIONED] == 0:
         return
     p = ft.parameters_of(context)
     tangent = correction_tangent_of(context)
@@ -120,7 +120,7 @@ def differentiate_along(context: Integers, t: float, state: int) -> None:
     # The complex matrix, factored after this, lends room of 3 n.
     free = mem.matrix(context, mem.COMPLEX)
     before, moved, after = view(free, 0, n), view(free, n, n), view(free, 2 * n, n)
-    field(context, t, q, v, modes, before)
+    evaluate_accelerations(context, t, q, v, modes, before)
     for j in range(n):
         moved[j] = q[j]
         q[j] += step * dq[j]
@@ -128,7 +128,7 @@ def differentiate_along(context: Integers, t: float, state: int) -> None:
         v[j] += step * dv[j]
     # The state is put back before the accelerations overwrite what keeps its velocities.
     keep_q, keep_v = moved, da
-    field(context, t, q, v, modes, after)
+    evaluate_accelerations(context, t, q, v, modes, after)
     for j in range(n):
         q[j] = keep_q[j]
         v[j] = keep_v[j]
@@ -143,7 +143,11 @@ def differentiate(context: Integers, t: float, state: int) -> int:
     With e_k the change of one unknown, δq = H e_k and the change of dependent velocities that it
     causes are tangents of the recovery of dependent coordinates.
     """
-    memory, notes, unknown = ft.memory_of(context), ft.notes_of(context), mem.unknowns(context)
+    memory, notes, unknown = (
+        ft.method_floats_of(context),
+        ft.method_integers_of(context),
+        mem.unknowns(context),
+    )
     f = notes[mem.FREEDOMS]
     by_u, by_rate = mem.matrix(context, mem.BY_U), mem.matrix(context, mem.BY_RATE)
     dq, dv = mem.first_half(context, mem.IN), mem.second_half(context, mem.IN)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.core.array_types import Integers
-from runtime.core.function_table import COORDINATES, memory_of, notes_of
+from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
 from runtime.core.jit import inner
 from runtime.core.run_record import run_record
 from runtime.core.workspace import SIZE, row_of
@@ -17,7 +17,7 @@ _LONG = 30  # measured: steps at ease until the run returns to it
 @inner
 def stiffness(context: Integers, h: float) -> float:
     """Largest row of h² |G_u| + h |G_u̇|, each entry relative to the sizes of its coordinates."""
-    n, f = context[COORDINATES], notes_of(context)[mem.FREEDOMS]
+    n, f = context[COORDINATES], method_integers_of(context)[mem.FREEDOMS]
     unknown = mem.unknowns(context)
     by_u, by_rate = mem.matrix(context, mem.BY_U), mem.matrix(context, mem.BY_RATE)
     size = row_of(context, SIZE)
@@ -39,7 +39,7 @@ def estimate_spectrum(context: Integers) -> None:
     The power method: the mean growth of an even number of iterations, as u and y have other units
     and their sizes change in turn. Three iterates in a row give a and b in λ² = a λ + b.
     """
-    memory, f = memory_of(context), notes_of(context)[mem.FREEDOMS]
+    memory, f = method_floats_of(context), method_integers_of(context)[mem.FREEDOMS]
     by_u, by_rate = mem.matrix(context, mem.BY_U), mem.matrix(context, mem.BY_RATE)
     x, y, z = mem.row(context, mem.IN), mem.row(context, mem.OUT), mem.row(context, mem.SLOPE)
     memory[mem.STIFFNESS] = 0.0
@@ -89,8 +89,8 @@ def estimate_spectrum(context: Integers) -> None:
 @inner
 def suits_explicit(context: Integers, h: float) -> int:
     """1 where an explicit method could long have taken the same steps, and may be chosen."""
-    r, notes = run_record(context), notes_of(context)
-    quiet = r.automatic != 0 and h * memory_of(context)[mem.STIFFNESS] < _QUIET
+    r, notes = run_record(context), method_integers_of(context)
+    quiet = r.automatic != 0 and h * method_floats_of(context)[mem.STIFFNESS] < _QUIET
     notes[mem.CALM] = notes[mem.CALM] + 1 if quiet else 0
     if notes[mem.CALM] < _LONG * r.patience:
         return 0

@@ -51,7 +51,7 @@ def successor(name: str, freedoms: int, rtol: float) -> str:
 @addressed(ft.STAGES)
 def stages(context: Integers, t: float, h: float) -> int:
     """Take the step from Y0 with derivative K to Y1, and look for stiffness at times."""
-    if ft.notes_of(context)[mem.EQUAL] % _EVERY == 0:
+    if ft.method_integers_of(context)[mem.EQUAL] % _EVERY == 0:
         list_unknowns(context)
         differentiate(context, t, Y0)
     return _stages(context, t, h)
@@ -60,7 +60,7 @@ def stages(context: Integers, t: float, h: float) -> int:
 @compiled(ft.HOOK)
 def accepted(context: Integers, t: float, h: float) -> int:
     """Count the step; 1 where the steps have long been limited by stability."""
-    r, n, notes = run_record(context), context[ft.COORDINATES], ft.notes_of(context)
+    r, n, notes = run_record(context), context[ft.COORDINATES], ft.method_integers_of(context)
     notes[mem.EQUAL] += 1
     size, before, after = row_of(context, SIZE), row_of(context, K), row_of(context, K + _LAST)
     change, largest = 0.0, 0.0
@@ -68,7 +68,7 @@ def accepted(context: Integers, t: float, h: float) -> int:
         change = max(change, abs(after[j] - before[j]) / size[j])
         largest = max(largest, abs(after[j]) / size[j])
     easy = change < _EASY * r.rtol**0.2 * largest
-    turn = h * ft.memory_of(context)[mem.STIFFNESS]
+    turn = h * ft.method_floats_of(context)[mem.STIFFNESS]
     limited = turn > _EDGE or (easy and turn > _TURN)
     notes[mem.STIFF] = notes[mem.STIFF] + 1 if limited else max(0, notes[mem.STIFF] - _DOUBT)
     if notes[mem.STIFF] < _SEEN * r.patience:

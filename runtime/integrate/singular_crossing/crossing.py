@@ -18,7 +18,7 @@ import numpy as np
 from runtime.core.array_types import Vector
 from runtime.core.kernel_abi import find_stand_in
 from runtime.core.outcomes import Outcome
-from runtime.core.run_record import APPROACHING, CROSSING, FREE, LEAVING, MISSING
+from runtime.core.run_record import Plan
 from runtime.core.system import System
 from runtime.core.workspace import Y0, Y1, K
 from runtime.integrate.loop import WEAK_STATES
@@ -85,12 +85,12 @@ class Crossings:
     def look(self) -> int:
         """Answer the loop: go on as planned, or the code of an outcome."""
         r = self.r
-        if r["plan"] == FREE and r["lent"] and r["t"] >= r["lent_until"]:
+        if r["plan"] == Plan.FREE and r["lent"] and r["t"] >= r["lent_until"]:
             self.lending.end()
             return Signal.GOING
-        if r["plan"] == APPROACHING:
+        if r["plan"] == Plan.APPROACHING:
             return self.cross()
-        if r["plan"] == CROSSING:
+        if r["plan"] == Plan.CROSSING:
             return self._crossed()
         return self._plan(float(r["vanishing"]))
 
@@ -114,7 +114,7 @@ class Crossings:
             return False
         v += found.veer
         self.found = found
-        self.r["plan"] = CROSSING
+        self.r["plan"] = Plan.CROSSING
         return self._continued(self._motion(), found)
 
     def leave(self) -> int:
@@ -155,7 +155,7 @@ class Crossings:
         best = self.leaps.best(found, usual)
         if best.lead > ahead - 1e-3 * usual:
             return False
-        r["plan"], r["turn"], r["h"] = APPROACHING, found.t - best.lead, usual
+        r["plan"], r["turn"], r["h"] = Plan.APPROACHING, found.t - best.lead, usual
         return True
 
     def cross(self) -> int:
@@ -165,7 +165,7 @@ class Crossings:
         assert found is not None
         again = self.positions.find_again(motion, found)
         if again is None or again.gap > self.leaps.rounding(motion.q):
-            r["plan"] = FREE
+            r["plan"] = Plan.FREE
             return self._plan(found.t - motion.t) if self.tries < _TRIES else Signal.GOING
         self.found = found = again
         leap = self.leaps.from_here(found, found.t - motion.t, usual)
@@ -177,7 +177,7 @@ class Crossings:
         ):
             return int(Outcome.SINGULAR)
         self.leap, self.before = leap, self._state()
-        r["plan"], r["leap"] = CROSSING, leap.h
+        r["plan"], r["leap"] = Plan.CROSSING, leap.h
         r["permitted"] = 2.0 * leap.method + _ALLOWANCE * (leap.rounding + leap.start)
         blind = np.sqrt(self.leaps.noise(found))
         r["blind_from"], r["blind_to"] = found.t - blind, found.t + blind
@@ -194,7 +194,7 @@ class Crossings:
             # A position in which a run starts, or that lies before its start, is not passed in it.
             if t > self.began + self.leaps.rounding(found.q) / found.speed:
                 self.passed.append(Crossing(t, row, found.lost, found.direction, error))
-            r["plan"], r["quiet"] = LEAVING, r["t"] + r["leap"]
+            r["plan"], r["quiet"] = Plan.LEAVING, r["t"] + r["leap"]
             r["lent_until"] = r["quiet"]
             r["permitted"] = 1.0
             self.tries = 0
@@ -231,7 +231,7 @@ class Crossings:
                 f"by {found.gap:.1e}, too little to be followed in rounded numbers with this rtol."
             )
             return int(Outcome.SINGULAR)
-        r["plan"], r["turn"], r["leap"] = MISSING, found.t, 0.5 * width
+        r["plan"], r["turn"], r["leap"] = Plan.MISSING, found.t, 0.5 * width
         # From further away than the bend is wide, what is missed may turn out to be met.
         r["quiet"] = r["t"] + 0.5 * ahead
         if ahead < width:

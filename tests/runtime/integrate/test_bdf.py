@@ -21,7 +21,7 @@ from runtime.integrate.implicit.method_memory import ROWS as LINES
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import _Run, integrate
 from runtime.integrate.signals import Signal
-from runtime.integrate.step import attempt
+from runtime.integrate.step import take_trial_step
 from tests.runtime.integrate.stiff import DRAWN, SMOOTH_PENDULUM, one, smooth_relay
 from tests.runtime.integrate.systems import pendulum_problem, run_relay
 
@@ -34,7 +34,7 @@ def oscillator(t):
 
 @njit
 def _attempt(table, t, h):
-    return attempt(table, t, h)
+    return take_trial_step(table, t, h)
 
 
 class Stepper:
@@ -49,12 +49,12 @@ class Stepper:
         )
         self.run.start()
         arrays = self.run.wiring.arrays
-        lines = arrays["memory"][NUMBERS : NUMBERS + 2 * LINES].reshape(LINES, 2)
+        lines = arrays["method_floats"][NUMBERS : NUMBERS + 2 * LINES].reshape(LINES, 2)
         past = np.array([oscillator(-i * h) for i in range(7)])
         for j in range(7):
             lines[PAST + j] = sum((-1) ** i * comb(j, i) * past[i] for i in range(j + 1))
-        arrays["memory"][H_BASE] = h
-        arrays["notes"][STEP_ORDER] = arrays["notes"][NEXT_ORDER] = order
+        arrays["method_floats"][H_BASE] = h
+        arrays["method_integers"][STEP_ORDER] = arrays["method_integers"][NEXT_ORDER] = order
         self.h, self.t = h, 0.0
 
     def step(self):
@@ -117,7 +117,7 @@ def test_a_change_of_partition_costs_neither_order_nor_restart():
     # x or y is the independent coordinate, and changes twice a turn.
     problem = pendulum_problem(0.3, 12.0, 20.0)
     run = _Run(SMOOTH_PENDULUM, problem, Options(method="bdf", rtol=1e-8, t_eval=[20.0]))
-    notes, before, orders = run.wiring.arrays["notes"], 0, []
+    notes, before, orders = run.wiring.arrays["method_integers"], 0, []
     code = Signal.GOING if run.start() == Outcome.OK else None
     while code == Signal.GOING:
         code = driver.advance(run.table, 1)
