@@ -7,7 +7,7 @@ inertia force, and equations between its coordinates. One whose orientation is n
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import sympy
 
@@ -27,17 +27,16 @@ class Body:
         In kg and kg m² (about the centre of mass); None where a kinematic scene needs none.
     model
         Token of the model that the body belongs to.
+    fixed, turns
+        Whether the body is the ground, and whether it has an orientation.
     """
 
     name: str
     mass: sympy.Expr | None
     inertia: sympy.Expr | None
     model: object
-
-    @property
-    def fixed(self) -> bool:
-        """Whether the body is the ground."""
-        return False
+    fixed: ClassVar[bool] = False
+    turns: ClassVar[bool] = True
 
     @property
     def x(self) -> Coordinate:
@@ -112,11 +111,6 @@ class Body:
         return ()
 
     @property
-    def turns(self) -> bool:
-        """Whether the body has an orientation."""
-        return True
-
-    @property
     def position(self) -> tuple[sympy.Expr, sympy.Expr]:
         """Global position r of the origin of the body's frame."""
         return (self.x, self.y)
@@ -172,9 +166,11 @@ class Body:
         return self.circle(radius)
 
 
-@dataclass(frozen=True, eq=False)
 class Particle(Body):
     """A point mass: a body without extent, inertia and orientation."""
+
+    turns = False
+    angle = angular_velocity = sympy.S.Zero
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
@@ -186,55 +182,14 @@ class Particle(Body):
         """The diagonal of M, one entry a coordinate."""
         return (self.mass, self.mass)
 
-    @property
-    def turns(self) -> bool:
-        """A point has no orientation."""
-        return False
 
-    @property
-    def angle(self) -> sympy.Expr:
-        """Zero: a point does not turn."""
-        return sympy.S.Zero
-
-    @property
-    def angular_velocity(self) -> sympy.Expr:
-        """Zero: a point does not turn."""
-        return sympy.S.Zero
-
-
-@dataclass(frozen=True, eq=False)
 class Ground(Body):
     """The body that does not move; its frame is the global one."""
 
-    @property
-    def fixed(self) -> bool:
-        """Whether the body is the ground."""
-        return True
-
-    @property
-    def coordinates(self) -> tuple[Coordinate, ...]:
-        """The ground brings no coordinates."""
-        return ()
-
-    @property
-    def position(self) -> tuple[sympy.Expr, sympy.Expr]:
-        """Zeros: the global frame."""
-        return (sympy.S.Zero, sympy.S.Zero)
-
-    @property
-    def velocity(self) -> tuple[sympy.Expr, sympy.Expr]:
-        """Zeros: the ground does not move."""
-        return (sympy.S.Zero, sympy.S.Zero)
-
-    @property
-    def angle(self) -> sympy.Expr:
-        """Zero: the global frame."""
-        return sympy.S.Zero
-
-    @property
-    def angular_velocity(self) -> sympy.Expr:
-        """Zero: the ground does not move."""
-        return sympy.S.Zero
+    fixed = True
+    coordinates = ()
+    position = velocity = (sympy.S.Zero, sympy.S.Zero)
+    angle = angular_velocity = sympy.S.Zero
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,13 +4,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from codegen.declare.element import Constraint, Effect, friction_law
-from codegen.declare.path_points import TRACKED
 from codegen.declare.scene import Scene
 from codegen.derive.equations import active_joints
 from codegen.model import Model
 from codegen.model.couplers import FORMS
 from codegen.model.fidelities import NONE
-from codegen.model.outputs import ALL, GROUPS
+from codegen.model.outputs import ALL, GROUPS, TRACKED
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,7 @@ from typing import Any
 
 from codegen.cubic_spline import fit
 from codegen.declare import units as quantities
-from codegen.declare.parameter import ParameterDeclaration, SignRule
-from codegen.declare.symbols import Parameter
+from codegen.declare.symbols import Parameter, ParameterDeclaration, SignRule
 from codegen.declare.table_function import FEWEST, TableFunction, point_problems
 from codegen.model.base import Declarations
 
