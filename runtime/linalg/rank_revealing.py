@@ -11,7 +11,12 @@ from numba import types
 
 from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, matrix, none, vector
 from runtime.core.jit import allocating, inner
-from runtime.linalg.cholesky import factor_cholesky, multiply_gram, solve_cholesky
+from runtime.linalg.cholesky import (
+    factor_cholesky,
+    factor_semidefinite,
+    multiply_gram,
+    solve_cholesky,
+)
 from runtime.linalg.full_pivoting import factor_fully
 from runtime.linalg.leading_block import complete_solution, null_vectors
 from runtime.linalg.rank_policy import NO_PIVOT
@@ -61,38 +66,34 @@ def solve_least_norm(
     int
         Rank of Φ_q W.
     """
-    count, m = right.shape
-    n = w.size
-    dense = np.zeros((m, n))
-    for k in range(rows.size):
-        dense[rows[k], columns[k]] += values[k]
+    (count, m), n = right.shape, w.size
+    root = np.sqrt(w)
+    across = np.zeros((n, m))  # √W Φ_qᵀ
+    for e in range(rows.size):
+        across[columns[e], rows[e]] += values[e] * root[columns[e]]
     for i in range(m):
         total = 0.0
         for k in range(n):
-            total += dense[i, k] ** 2 * w[k]
+            total += across[k, i] ** 2
         if total > 0.0:
             unit = 1.0 / np.sqrt(total)
             for k in range(n):
-                dense[i, k] *= unit
+                across[k, i] *= unit
             for c in range(count):
                 right[c, i] *= unit
-    normal = np.zeros((m, m))
-    for i in range(m):
-        for k in range(n):
-            if dense[i, k] != 0.0:
-                part = dense[i, k] * w[k]
-                for j in range(i + 1):
-                    normal[i, j] += part * dense[j, k]
-        for j in range(i):
-            normal[j, i] = normal[i, j]
-    row_order, column_order, mu = np.zeros(m, np.int64), np.zeros(m, np.int64), np.zeros(m)
-    rank = factor_fully(normal, row_order, column_order, NO_PIVOT)
+    normal, order = np.zeros((m, m)), np.zeros(m, np.int64)
+    multiply_gram(across, normal)
+    rank = factor_semidefinite(normal, order, NO_PIVOT)
+    mu = np.zeros(rank)
     d[:, :] = 0.0
     for c in range(count):
-        solve_factored(normal, rank, row_order, column_order, right[c], mu)
-        for i in range(m):
-            for k in range(n):
-                d[c, k] += w[k] * dense[i, k] * mu[i]
+        for s in range(rank):
+            mu[s] = right[c, order[s]]
+        solve_cholesky(normal, mu)
+        for k in range(n):
+            for s in range(rank):
+                d[c, k] += across[k, order[s]] * mu[s]
+            d[c, k] *= root[k]
     return int(rank)
 
 

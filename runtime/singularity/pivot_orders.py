@@ -58,10 +58,7 @@ class PivotOrders:
             # Loaded where something is singular.
             from runtime.singularity.schur_complement import reduce_to_weak_part
 
-            weak, free = rows - strong, wide - strong
-            left, null = np.empty((rows, weak)), np.empty((wide, free))
-            square, normal = np.empty((weak, weak)), np.empty((free, free))
-            if reduce_to_weak_part(table, a, left, null, square, normal):
+            if reduce_to_weak_part(table, a, strong):
                 values[strong:] = 0.0
                 smallest = np.linalg.svd(a[strong:, strong:], compute_uv=False)
                 values[strong : strong + smallest.size] = smallest

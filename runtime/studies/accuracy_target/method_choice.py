@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from codegen.errors import InputError
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.formulations import Coordinates
+from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
@@ -56,7 +56,7 @@ def choose(
     if formulation is None and mechanism.has_companion("reduced"):
         chosen = method or "auto"
         try:
-            taken = ready.coordinates("reduced", chosen, correction)
+            taken = formulate(ready, "reduced", chosen, correction)
         except InputError as error:
             why = f"reduced coordinates are refused ({error.problems[0]})"
         else:
@@ -66,7 +66,7 @@ def choose(
     else:
         why = ""
     chosen = method or _method(mechanism, formulation or "cartesian", ready)
-    taken = ready.coordinates(formulation or "cartesian", chosen, correction)
+    taken = formulate(ready, formulation or "cartesian", chosen, correction)
     return Choice(chosen, formulation or "cartesian", taken, free, (why,) if why else ())
 
 
@@ -80,7 +80,7 @@ def revise(
         method = choice.method
         if "method" in choice.free:
             method = _method(ready.mechanism, "cartesian", ready)
-        taken = ready.coordinates("cartesian", method, correction)
+        taken = formulate(ready, "cartesian", method, correction)
         why = f"in reduced coordinates the run ends at t = {run.final_t:.6g} s ({run.outcome.name})"
         return replace(choice, method=method, formulation="cartesian", taken=taken, reasons=(why,))
     if choice.method == "auto" and "method" in choice.free and len(run.methods) == 1:
