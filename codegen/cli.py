@@ -57,18 +57,18 @@ def refuse_stale(stale: Sequence[Path], reason: str, command: str) -> None:
 
 def parse_settings(settings: list[str]) -> dict[str, float]:
     """``NAME=VALUE`` pairs of ``--set``."""
-    found, problems = {}, []
+    values, problems = {}, []
     for setting in settings:
         name, sign, value = setting.partition("=")
         try:
-            found[name.strip()] = float(value)
+            values[name.strip()] = float(value)
         except ValueError:
             sign = ""
         if not sign:
             problems.append(f"--set {setting!r}: write NAME=VALUE with a number, like J1=900.")
     if problems:
         raise ParameterError(problems)
-    return found
+    return values
 
 
 @app.command()
@@ -105,7 +105,7 @@ def build(
     from codegen.driver import build as run
 
     with errors.status("starting", spinner="dots") as status:
-        done = run(
+        report = run(
             model,
             scene,
             out,
@@ -116,22 +116,22 @@ def build(
             progress=lambda message: status.update(escaped(message)),
         )
     if as_json:
-        answer = {"scenes": [asdict(s) for s in done.scenes], "stale": done.stale}
+        answer = {"scenes": [asdict(s) for s in report.scenes], "stale": report.stale}
         typer.echo(json.dumps(answer, default=str))
     else:
-        _print_build(done, check)
+        _print_build(report, check)
     options = f"{f' --out {out}' if out else ''}{' --tangents' * tangents}{' --reduced' * reduced}"
-    refuse_stale(done.stale, "is missing or out of date", f"build {model}{options}")
+    refuse_stale(report.stale, "is missing or out of date", f"build {model}{options}")
 
 
-def _print_build(done: Any, check: bool) -> None:
+def _print_build(report: Any, check: bool) -> None:
     def state(file: Any) -> str:
         return "checked" if check else "written" if file.changed else "unchanged, nothing written"
 
     def listed(counts: dict[str, int]) -> str:
         return ", ".join(f"{name} {count}" for name, count in counts.items())
 
-    for s in done.scenes:
+    for s in report.scenes:
         output.print(f"[bold]{s.model}[/], scene [bold]{s.scene}[/]: {state(s)}")
         output.print(f"  file          {escaped(str(s.path))}")
         output.print(f"  bodies        {', '.join(s.bodies)}")
@@ -194,7 +194,7 @@ def explain(
         )
     timed = (scene or compare) is not None if measure is None else measure
     with errors.status("reading", spinner="dots") as status:
-        found = tuple(
+        ledgers = tuple(
             ledger
             for name in compare or (scene,)
             for ledger in ledgers_of(
@@ -205,10 +205,10 @@ def explain(
                 progress=lambda message: status.update(escaped(message)),
             )
         )
-        comparison = compare_ledgers(*found) if compare else None
-    show(found, comparison, kernels=kernels, as_json=as_json)
+        comparison = compare_ledgers(*ledgers) if compare else None
+    show(ledgers, comparison, kernels=kernels, as_json=as_json)
     if out is not None:
-        errors.print(f"saved {escaped(str(write(found, out)))}")
+        errors.print(f"saved {escaped(str(write(ledgers, out)))}")
 
 
 @app.command()
@@ -243,12 +243,12 @@ def elements(
     elif folder is None and only is not None:
         typer.echo(page(only, declared), nl=False)
     elif folder is not None:
-        done = write(folder, declared, only, check=check)
+        written = write(folder, declared, only, check=check)
         if check:
             reason = "is missing, out of date, or of no kind"
-            refuse_stale(done.stale, reason, f"elements --out {folder}")
-        changed = len(done.stale)
-        output.print(f"{len(done.paths)} pages in {escaped(str(folder))}, {changed} of them new")
+            refuse_stale(written.stale, reason, f"elements --out {folder}")
+        changed = len(written.stale)
+        output.print(f"{len(written.paths)} pages in {escaped(str(folder))}, {changed} of them new")
 
 
 @app.command()

@@ -167,7 +167,7 @@ class OutputEntry:
 
 def output_inventory(model: Model, scene: Scene) -> tuple[OutputEntry, ...]:
     """The groups of outputs, and those of single elements that the scene names."""
-    found = []
+    entries = []
     for word in GROUPS:
         reported = word in ALL if scene.outputs is None else word in scene.outputs
         why = "named by the scene" if reported else "the scene does not name it"
@@ -177,6 +177,6 @@ def output_inventory(model: Model, scene: Scene) -> tuple[OutputEntry, ...]:
             reported, why = False, "a kinematic scene has no masses and no forces"
         elif scene.analysis == "equilibrium" and word in ("powers", "works"):
             reported, why = False, "a scene for equilibrium has no motion"
-        found.append(OutputEntry(word, reported, why))
+        entries.append(OutputEntry(word, reported, why))
     single = [word for word in scene.outputs or () if word not in GROUPS]
-    return (*found, *(OutputEntry(word, True, "named by the scene") for word in single))
+    return (*entries, *(OutputEntry(word, True, "named by the scene") for word in single))

@@ -45,7 +45,7 @@ def explain(
         As `build` does; or if the scene cannot be run.
     """
     file = read_model(model)
-    found = []
+    ledgers = []
     for chosen in valid_scenes(file.model, scene):
         progress(f"{file.model.name}, scene {chosen.name}: deriving")
         runs = None
@@ -56,8 +56,8 @@ def explain(
                     "of both; declare the scene, or explain it without a run."
                 )
             runs = file.path, t_end
-        found.append(_ledger(file.model, chosen, measure, runs, progress))
-    return tuple(found)
+        ledgers.append(_ledger(file.model, chosen, measure, runs, progress))
+    return tuple(ledgers)
 
 
 def _ledger(

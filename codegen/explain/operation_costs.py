@@ -41,13 +41,13 @@ def with_effects(equations: Equations, effects: Collection[str]) -> Equations:
     """The equations with only some of their effects; nothing is derived again."""
     chosen = tuple(e for e in equations.effects if e.name in effects)
     named = tuple((e.name, e.terms) for e in chosen)
-    found = switches(named)
+    functions = switches(named)
     return replace(
         equations,
         effects=chosen,
-        switches=found,
-        sides=held_sides(named, found),
-        contacts=rigid_contacts(named, found),
+        switches=functions,
+        sides=held_sides(named, functions),
+        contacts=rigid_contacts(named, functions),
     )
 
 
@@ -81,22 +81,22 @@ def operations_by_part(programs: tuple[Lowered, ...]) -> Counts:
     element that needed it first. An effect counts the growth of each kernel when it joins those
     before it, which is negative where it saves the others work.
     """
-    found: Counts = {}
+    by_part: Counts = {}
     bare = programs[0].program
     for kernel in bare.kernels:
         for part, count in by_element(bare, kernel).items():
-            found.setdefault(part, {})[kernel.name] = count
+            by_part.setdefault(part, {})[kernel.name] = count
     totals = operations_of(programs[0])
     for lowered in programs[1:]:
         after = operations_of(lowered)
         added = {k: after.get(k, 0) - totals.get(k, 0) for k in {**totals, **after}}
         effect = lowered.scene.equations.effects[-1].name
-        found[effect] = {kernel: count for kernel, count in added.items() if count}
+        by_part[effect] = {kernel: count for kernel, count in added.items() if count}
         totals = after
     for name, total in totals.items():
-        parts = sum(counts.get(name, 0) for counts in found.values())
+        parts = sum(counts.get(name, 0) for counts in by_part.values())
         assert parts == total, (name, parts, total)
-    return found
+    return by_part
 
 
 def timing_stages(programs: tuple[Lowered, ...]) -> tuple[Stage, ...]:
@@ -109,7 +109,7 @@ def timing_stages(programs: tuple[Lowered, ...]) -> tuple[Stage, ...]:
     bare, whole = programs[0], programs[0].kernels.get("accelerations")
     if whole is None or "accelerations" not in programs[-1].kernels:
         return ()
-    found: list[Stage] = []
+    stages: list[Stage] = []
     owners: set[str] = set()
     before = 0
     for constraint in bare.scene.equations.constraints:
@@ -117,13 +117,13 @@ def timing_stages(programs: tuple[Lowered, ...]) -> tuple[Stage, ...]:
         kernel = _terms(bare.program, whole, owners)
         after = operations(bare.program, kernel)
         if after > before:  # without an operation of its own it takes no time
-            found.append(Stage(constraint.name, _alone(bare, kernel)))
+            stages.append(Stage(constraint.name, _alone(bare, kernel)))
             before = after
-    found.append(Stage(SOLUTION, _alone(bare, whole)))
+    stages.append(Stage(SOLUTION, _alone(bare, whole)))
     for lowered in programs[1:]:
         effect = lowered.scene.equations.effects[-1].name
-        found.append(Stage(effect, _alone(lowered, lowered.kernels["accelerations"])))
-    return tuple(found)
+        stages.append(Stage(effect, _alone(lowered, lowered.kernels["accelerations"])))
+    return tuple(stages)
 
 
 def _alone(lowered: Lowered, kernel: Kernel) -> Program:

@@ -72,12 +72,12 @@ def with_times(
         states = about_the_start(whole)
     else:
         states = at(whole, run.samples.t, run.samples.q, run.samples.v)
-    found = measure(equations, timing_stages(programs), states)
-    if found is not None:
-        parts = [_timed(part, found.parts) for part in parts]
+    measured = measure(equations, timing_stages(programs), states)
+    if measured is not None:
+        parts = [_timed(part, measured.parts) for part in parts]
     if run is not None:
         parts = [_share_of_run(part, run) for part in parts]
-    return parts, found.whole if found else None, run.costs if run else None
+    return parts, measured.whole if measured else None, run.costs if run else None
 
 
 def measure(
@@ -91,8 +91,8 @@ def measure(
             _compiled(equations, stage.program, Path(folder) / f"stage_{k}.py")
             for k, stage in enumerate((*stages, stages[-1]))
         ]
-        *found, whole = times(kernels, states, rounds)
-    added = np.diff(found, prepend=0.0).tolist()
+        *cumulative, whole = times(kernels, states, rounds)
+    added = np.diff(cumulative, prepend=0.0).tolist()
     return Measured(dict(zip((stage.part for stage in stages), added, strict=True)), whole)
 
 
@@ -107,10 +107,10 @@ def _compiled(equations: Equations, program: Program, path: Path) -> Timed:
     return Timed(module.accelerations, p, max(slots, len(equations.coordinates)))
 
 
-def _timed(part: Part, found: dict[str, float]) -> Part:
+def _timed(part: Part, times: dict[str, float]) -> Part:
     """The part with its time: zero where it adds no operation, none where it does not act."""
-    if part.name in found:
-        return replace(part, nanoseconds=found[part.name])
+    if part.name in times:
+        return replace(part, nanoseconds=times[part.name])
     inside = part.acts and part.role != "fidelity"
     return replace(part, nanoseconds=0.0) if inside and not part.solving else part
 

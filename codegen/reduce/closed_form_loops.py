@@ -90,14 +90,14 @@ def find_loops(
         Slot of ``p`` for the first branch.
     """
     search = _LoopSearch(graph, q, first_branch)
-    phi, angles, found = dict(phi), list(angles), []
+    phi, angles, loops = dict(phi), list(angles), []
     while loop := search.next_loop(phi, angles):
-        found.append(loop)
+        loops.append(loop)
         for row in loop.rows:
             del phi[row]
         for column in loop.columns:
             angles.remove(column)
-    return found
+    return loops
 
 
 class _LoopSearch:
@@ -111,8 +111,8 @@ class _LoopSearch:
         unknown = {self.q[k]: k for k in angles}
         support = {}
         for i, value in phi.items():
-            met = reached(self.graph, [value])
-            support[i] = tuple(sorted(unknown[number] for number in unknown if number in met))
+            reachable = reached(self.graph, [value])
+            support[i] = tuple(sorted(unknown[number] for number in unknown if number in reachable))
         for i, columns in support.items():
             if len(columns) == 1 and (loop := self._single(i, phi[i], *columns)):
                 return loop

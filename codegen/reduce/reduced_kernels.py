@@ -157,29 +157,31 @@ def _event_kernels(mapping: CoordinateMap) -> list[Kernel]:
     for k, slopes in mapping.slopes.items():
         terms = [graph.mul(slope, own[j]) for j, slope in slopes.items()]
         substitutes[mapping.accelerations[k]] = graph.total([*terms, mapping.bias[k]])
-    made = []
+    repeated = []
     for kernel in (kernels[name] for name in EVENT_KERNELS if name in kernels):
         values = rebuilt(graph, [out.value for out in kernel.outputs], substitutes)
         pairs = zip(kernel.outputs, values, strict=True)
         outputs = tuple(out._replace(value=value) for out, value in pairs)
-        made.append(Kernel(kernel.name, kernel.summary, kernel.arguments, outputs))
-    return made
+        repeated.append(Kernel(kernel.name, kernel.summary, kernel.arguments, outputs))
+    return repeated
 
 
 def _expansion_kernels(mapping: CoordinateMap) -> list[Kernel]:
     """All coordinates by those that are kept, the branches, and the distances to dead centres."""
     graph, scene = mapping.graph, mapping.scene
     turn = graph.constant(TURN)
-    wound = dict(mapping.substitutes)
+    full = dict(mapping.substitutes)
     for slot, angle in enumerate(mapping.angles):
         name = mapping.name(angle.column)
         turns = graph.mul(turn, graph.input("turns", slot, f"turns_{name}"))
-        wound[scene.q[angle.column]] = graph.add(mapping.substitutes[scene.q[angle.column]], turns)
-    formulas = rebuilt(graph, list(mapping.formulas.values()), wound)
-    wound |= {scene.q[k]: value for k, value in zip(mapping.formulas, formulas, strict=True)}
+        q = scene.q[angle.column]
+        full[q] = graph.add(mapping.substitutes[q], turns)
+    formulas = rebuilt(graph, list(mapping.formulas.values()), full)
+    full |= {scene.q[k]: value for k, value in zip(mapping.formulas, formulas, strict=True)}
     rates = [mapping.substitutes[v] for v in scene.v]
-    positions = store("all_q", [wound[q] for q in scene.q], list(map(mapping.name, range(scene.n))))
-    velocities = store("all_v", rates, list(map(mapping.rate_name, range(scene.n))))
+    columns = range(scene.n)
+    positions = store("all_q", [full[q] for q in scene.q], [mapping.name(k) for k in columns])
+    velocities = store("all_v", rates, [mapping.rate_name(k) for k in columns])
     whole = "All coordinates and velocities; angles in closed form plus the given whole turns."
     sides = _sides(mapping)
     names = [mapping.name(angle.column) for angle in sides]

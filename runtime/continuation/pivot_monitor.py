@@ -14,7 +14,7 @@ from runtime.core.array_types import integer_matrix, integers, matrix, named_tup
 from runtime.core.jit import inner
 from runtime.core.kernel_abi import jacobian_of
 from runtime.linalg.rank_policy import REDUNDANT
-from runtime.linalg.row_elimination import eliminate_rows, fill_unit_rows, smallest_pivot
+from runtime.linalg.row_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot
 
 # measured: of the smallest pivot: scaled motion after which pivots are compared again
 MARGIN = 0.5
@@ -50,8 +50,8 @@ def eliminate_at(
     kernels: Any, s: Any, t: Any, q: Any, order: Any, pivots: Any, search: int
 ) -> float:
     """Fill the pivots of Phi_q at (t, q); the smallest of them."""
-    jacobian = jacobian_of(kernels)
-    fill_unit_rows(jacobian, t, q, s.p, s.scale, s.rows, s.columns, s.values, s.dense)
+    jacobian_of(kernels)(t, q, s.p, s.values)
+    fill_unit_rows(Sparse(s.rows, s.columns, s.values), s.scale, s.dense)
     eliminate_rows(s.dense, order, pivots, search)
     return float(smallest_pivot(pivots))
 
