@@ -11,7 +11,13 @@ from runtime.core.workspace import ROWS, Y0, Y1, K
 from runtime.integrate import loop as driver
 from runtime.integrate.implicit.bdf import accepted
 from runtime.integrate.implicit.bdf_history import GAMMA, KAPPA, PAST
-from runtime.integrate.implicit.method_memory import H_BASE, LINES, NEXT_ORDER, NUMBERS, STEP_ORDER
+from runtime.integrate.implicit.method_memory import (
+    H_BASE,
+    NEXT_ORDER,
+    NUMBERS,
+    STEP_ORDER,
+)
+from runtime.integrate.implicit.method_memory import ROWS as LINES
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import Run, integrate
 from runtime.integrate.step import Signal, take_trial_step
