@@ -8,7 +8,7 @@ from runtime.core import workspace as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.modes import SLIDING, Direction
-from runtime.core.rhs import evaluate_accelerations
+from runtime.core.rhs import evaluate_accelerations, write_derivative
 from runtime.core.rounding import EPS
 from runtime.core.run_record import run_record
 from runtime.hybrid import mode_consistency as consistency
@@ -249,9 +249,7 @@ def change_modes(context: Integers, crossing: int, t: float, h: float) -> int:
         if context[ft.SLIDING_COUNT] != 0:
             # From here on velocities off the surfaces are zero, and steps begin with them.
             ft.return_to_surfaces_of(context)(context, t, ws.Y1)
-        derivative = ws.K + r.last
-        copy_vector(v, ws.position_rates(context, derivative))
-        evaluate_accelerations(context, t, q, v, modes, ws.velocity_rates(context, derivative))
-        switching.evaluate_switching_and_rates(context, t, ws.Y1, derivative, ws.G1)
+        write_derivative(context, t, ws.Y1, ws.K + r.last)
+        switching.evaluate_switching_and_rates(context, t, ws.Y1, ws.K + r.last, ws.G1)
         r.rhs += 1
     return logged

@@ -12,7 +12,7 @@ from runtime.core import workspace as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
 from runtime.core.jit import addressed, inner
-from runtime.core.rhs import evaluate_accelerations
+from runtime.core.rhs import write_derivative
 from runtime.hybrid.sliding_modes import (
     CANCELLED,
     combine_accelerations,
@@ -73,10 +73,8 @@ def evaluate_modified_accelerations(
 @addressed(ft.RHS)
 def evaluate_modified_rhs(context: Integers, t: float, state: int, derivative: int) -> int:
     """The right-hand side in sliding modes, with stabilisation, and where stages are corrected."""
-    taken, modes = 0, ft.modes_of(context)
+    taken = 0
     if context[ft.EACH_STAGE] != 0:
         taken = int(ft.correct_of(context)(context, t, state, ws.PARTITION))
-    q, v = ws.positions(context, state), ws.velocities(context, state)
-    evaluate_accelerations(context, t, q, v, modes, ws.velocity_rates(context, derivative))
-    copy_vector(v, ws.position_rates(context, derivative))
+    write_derivative(context, t, state, derivative)
     return taken
