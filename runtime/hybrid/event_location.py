@@ -36,19 +36,19 @@ def mode_sign(context: Integers, k: int) -> float:
 @inner
 def mark_suspects(context: Integers, h: float) -> int:
     """Mark in SUSPECT the functions that may cross in the step, and count them."""
-    band_row = ws.switch_row(context, ws.BAND)
+    modes, band_row = ft.modes_of(context), ws.switch_row(context, ws.BAND)
     g0_row, g1_row = ws.switch_row(context, ws.G0), ws.switch_row(context, ws.G1)
     r0, r1 = ws.switch_row(context, ws.R0), ws.switch_row(context, ws.R1)
-    mismatch, suspect = ws.switch_row(context, ws.MISMATCH), ws.switch_row(context, ws.SUSPECT)
+    s1, s2 = ws.switch_row(context, ws.BETWEEN), ws.switch_row(context, ws.BETWEEN + 1)
+    s3, suspect = ws.switch_row(context, ws.BETWEEN + 2), ws.switch_row(context, ws.SUSPECT)
+    mismatch = ws.switch_row(context, ws.MISMATCH)
     count = 0
     for k in range(context[ft.SWITCHES]):
-        side = mode_sign(context, k)
+        side = 1.0 if modes[k] != 0 else -1.0
         band, g0, g1 = band_row[k], side * g0_row[k], side * g1_row[k]
         c1, c2 = g0 + h * side * r0[k] / 3.0, g1 - h * side * r1[k] / 3.0
-        low, high = min(c1, c2, g1), max(g0, c1, c2, g1)
-        for i in range(3):
-            inside = side * ws.switch_row(context, ws.BETWEEN + i)[k]
-            low, high = min(low, inside), max(high, inside)
+        a1, a2, a3 = side * s1[k], side * s2[k], side * s3[k]
+        low, high = min(c1, c2, g1, a1, a2, a3), max(g0, c1, c2, g1, a1, a2, a3)
         if band == 0.0:
             low = min(low, g0)
         else:
