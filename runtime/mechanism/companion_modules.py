@@ -43,10 +43,7 @@ class Origin(NamedTuple):
 def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) -> ModuleType:
     """The module that belongs to a loaded machine; built if missing or stale.
 
-    Parameters
-    ----------
-    title, path
-        The machine's name and its generated file, for messages.
+    `title` and `path`, the machine's name and its generated file, are for messages.
 
     Raises
     ------
@@ -69,12 +66,11 @@ def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) ->
         return import_generated(place, hashlib.sha256(text.encode()).hexdigest())
     from codegen import build
 
-    options = {kind: True}
-    built = build(origin.model, origin.scene, origin.path.parent, compile=False, **options)  # type: ignore[arg-type]
-    (report,) = built.scenes
+    folder, wanted = origin.path.parent, {kind: True}
+    (report,) = build(origin.model, origin.scene, folder, compile=False, **wanted).scenes  # type: ignore[arg-type]
     companion = report.tangents if kind == "tangents" else report.reduced
-    name = origin.scene if isinstance(origin.scene, str) else origin.scene.name
     if report.digest != origin.digest or companion is None:
+        name = origin.scene if isinstance(origin.scene, str) else origin.scene.name
         raise SupersededError(
             f"{origin.path} is {origin.digest[:12]}... in this machine and {report.digest[:12]}... "
             f"now: the model, or the generator, has changed since the machine of scene '{name}' "
@@ -100,6 +96,7 @@ def _text(origin: Origin, kind: Kind) -> str | None:
 
 
 def _command(origin: Origin, kind: Kind) -> str:
+    """How the user has the companion built anew."""
     if not isinstance(origin.model, Path) or not isinstance(origin.scene, str):
         return f"delete the file, and ask for the {_HOLDS[kind]} again."
     return (

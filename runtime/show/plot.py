@@ -9,7 +9,7 @@ from codegen.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from runtime.results.time_series import TimeSeries
+    from runtime.results.result import Result
 
 
 def new_figure(purpose: str, width: float, height: float, **options: Any) -> "Figure":
@@ -46,7 +46,7 @@ def check_parent(path: Path) -> None:
         raise InputError(f"--out {path}: the folder {path.resolve().parent} does not exist.")
 
 
-def plot(result: "TimeSeries", names: Sequence[str] = ()) -> "Figure":
+def plot(result: "Result", names: Sequence[str] = ()) -> "Figure":
     """Draw series of a result, those of one unit in one panel.
 
     Parameters

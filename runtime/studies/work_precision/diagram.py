@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, NamedTuple
 
 from runtime.integrate.method import IMPLICIT
-from runtime.results.json_values import plain
+from runtime.results.samples import plain
 from runtime.studies.error_norms import Errors, Scale
 
 DONE = "OK"
