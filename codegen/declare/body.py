@@ -15,8 +15,29 @@ from codegen.declare.symbols import Coordinate, Velocity, alpha, coordinate
 from codegen.declare.units import is_quantity, plain_length
 
 
+class Pose:
+    """The coordinates x, y and φ of what has a name."""
+
+    name: str
+
+    @property
+    def x(self) -> Coordinate:
+        """Horizontal position of the origin, m."""
+        return coordinate(self.name, "x")
+
+    @property
+    def y(self) -> Coordinate:
+        """Vertical position of the origin, m."""
+        return coordinate(self.name, "y")
+
+    @property
+    def phi(self) -> Coordinate:
+        """Orientation φ, counter-clockwise from the global x axis, rad."""
+        return coordinate(self.name, "phi")
+
+
 @dataclass(frozen=True, eq=False)
-class Body:
+class Body(Pose):
     """A rigid planar body; its frame x'-y' has its origin at the centre of mass.
 
     Attributes
@@ -39,28 +60,13 @@ class Body:
     turns: ClassVar[bool] = True
 
     @property
-    def x(self) -> Coordinate:
-        """Horizontal position of the centre of mass, m."""
-        return coordinate(self.name, "x")
-
-    @property
-    def y(self) -> Coordinate:
-        """Vertical position of the centre of mass, m."""
-        return coordinate(self.name, "y")
-
-    @property
-    def phi(self) -> Coordinate:
-        """Orientation φ, counter-clockwise from the global x axis, rad."""
-        return coordinate(self.name, "phi")
-
-    @property
     def vx(self) -> Velocity:
-        """Horizontal velocity of the centre of mass, m/s."""
+        """Horizontal velocity of the origin, m/s."""
         return self.x.rate
 
     @property
     def vy(self) -> Velocity:
-        """Vertical velocity of the centre of mass, m/s."""
+        """Vertical velocity of the origin, m/s."""
         return self.y.rate
 
     @property

@@ -7,32 +7,17 @@ from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
 import sympy
 
-from codegen.declare.body import Body, Curve, Point
-from codegen.declare.symbols import KINDS, Coordinate, coordinate, given
+from codegen.declare.body import Body, Curve, Point, Pose
+from codegen.declare.symbols import KINDS, Coordinate, given
 
 Answer = TypeVar("Answer")
 
 
 @dataclass(frozen=True)
-class Frame:
+class Frame(Pose):
     """A body in the equations of an element: its coordinates before any model is known."""
 
     name: str
-
-    @property
-    def x(self) -> Coordinate:
-        """Horizontal position of the origin."""
-        return coordinate(self.name, "x")
-
-    @property
-    def y(self) -> Coordinate:
-        """Vertical position of the origin."""
-        return coordinate(self.name, "y")
-
-    @property
-    def phi(self) -> Coordinate:
-        """Orientation."""
-        return coordinate(self.name, "phi")
 
     @property
     def r(self) -> sympy.Matrix:

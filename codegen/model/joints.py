@@ -161,12 +161,7 @@ class Joints(Declarations):
         return self._joint(Absolute(name, self.ground, point, letter, number))
 
     def relative(
-        self,
-        name: str,
-        i: Point | Body,
-        j: Point | Body,
-        letter: Letter,
-        value: Any,
+        self, name: str, i: Point | Body, j: Point | Body, letter: Letter, value: Any
     ) -> Constraint:
         """Global x or y of point `j`, or φ of its body, minus that of `i` keeps `value`."""
         letter = self._read.choice(letter, LETTERS, f"relative '{name}'")

@@ -23,13 +23,7 @@ def known_units(units: Any) -> bool:
 class Values(Declarations):
     """What is known about a machine in numbers."""
 
-    def parameter(
-        self,
-        name: str,
-        value: Any,
-        unit: str = "",
-        sign: SignRule = "",
-    ) -> Parameter:
+    def parameter(self, name: str, value: Any, unit: str = "", sign: SignRule = "") -> Parameter:
         """A number that runs may change without a new build.
 
         Parameters
@@ -63,12 +57,7 @@ class Values(Declarations):
         return symbol
 
     def table(
-        self,
-        name: str,
-        x: Any,
-        y: Any,
-        periodic: bool = False,
-        units: tuple[str, str] = ("", ""),
+        self, name: str, x: Any, y: Any, periodic: bool = False, units: tuple[str, str] = ("", "")
     ) -> TableFunction:
         """A function through points, by a cubic spline with continuous second derivatives.
 
