@@ -45,34 +45,29 @@ class Start(NamedTuple):
 
 def start_values(mechanism: Mechanism, guess: Values | None) -> Start:
     """The scene's start values, with the user's in place of those of the same name."""
-    table = mechanism.description.coordinates
-    q_places = {row.name: index for index, row in enumerate(table)}
-    v_places = {row.velocity: index for index, row in enumerate(table)}
-    q, v = mechanism.description.neutral, np.zeros(len(table))
-    fixed_q, fixed_v, given_q = np.zeros((3, len(table)), np.bool_)
-    for row in mechanism.description.start:
-        if row.role == "neutral":
-            continue
-        if row.name in q_places:
-            place = q_places[row.name]
-            q[place], fixed_q[place], given_q[place] = row.value, row.role == "fixed", True
-        else:
-            place = v_places[row.name]
-            v[place], fixed_v[place] = row.value, row.role == "fixed"
+    description = mechanism.description
+    table, n = description.coordinates, len(description.coordinates)
+    places = {row.velocity: (1, k) for k, row in enumerate(table)}
+    places |= {row.name: (0, k) for k, row in enumerate(table)}
+    values = np.array([description.neutral, np.zeros(n)])
+    fixed, named = np.zeros((2, 2, n), np.bool_)
+    for row in description.start:
+        if row.role != "neutral":
+            place = places[row.name]
+            values[place], fixed[place], named[place] = row.value, row.role == "fixed", True
     problems = []
     for name, value in (guess or {}).items():
         finite = number(value)
         if finite is None or not np.isfinite(finite):
             problems.append(f"Start value {name} is {value!r}; it must be a finite number.")
-        elif name in q_places:
-            q[q_places[name]], given_q[q_places[name]] = finite, True
-        elif name in v_places:
-            v[v_places[name]] = finite
+        elif name in places:
+            values[places[name]], named[places[name]] = finite, True
         else:
-            problems.append(unknown("coordinate or velocity", name, [*q_places, *v_places]))
+            names = [*table.names, *(row.velocity for row in table)]
+            problems.append(unknown("coordinate or velocity", name, names))
     if problems:
         raise AssemblyError(problems)
-    return Start(q, v, fixed_q, fixed_v, given_q)
+    return Start(values[0], values[1], fixed[0], fixed[1], named[0])
 
 
 def assemble(
@@ -149,15 +144,12 @@ def _velocities(task: Task, start: Start, q: FloatArray) -> tuple[FloatArray, Fl
     gaps = matrix @ v - nu
     speed = max(1.0, float(np.abs(v / task.scale).max(initial=0.0)))
     if np.abs(gaps / task.row_scale).max(initial=0.0) > _VELOCITY_CLOSED * speed:
-        table = equations.description.coordinates
-        fixed = [
-            f"{row.velocity} = {value:g} {row.velocity_unit}"
-            for row, value, is_fixed in zip(table, start.v, start.fixed_v, strict=True)
-            if is_fixed
-        ]
         misses = _misses(task, gaps, _VELOCITY_CLOSED * speed, "/s")
-        if fixed:
-            raise _contradiction(task, "velocities contradict the joints", fixed, misses)
+        if start.fixed_v.any():
+            units = [row.velocity_unit for row in equations.description.coordinates]
+            names = [row.velocity for row in equations.description.coordinates]
+            said = zip(names, start.v, units, start.fixed_v, strict=True)
+            raise _contradiction(task, "velocities contradict the joints", said, misses)
         raise AssemblyError(
             f"{equations.description.title}: no velocities satisfy joints and drivers at "
             f"t = {t:g} s: {misses}. The position is singular for this motion; start elsewhere."
@@ -165,8 +157,11 @@ def _velocities(task: Task, start: Start, q: FloatArray) -> tuple[FloatArray, Fl
     return v, gaps
 
 
-def _contradiction(task: Task, fault: str, fixed: list[str], misses: str) -> AssemblyError:
-    """The error of fixed start values that the joints do not allow."""
+def _contradiction(
+    task: Task, fault: str, said: Iterable[tuple[str, float, str, bool]], misses: str
+) -> AssemblyError:
+    """The error of start values that the joints do not allow: names, values, units, if fixed."""
+    fixed = (f"{name} = {value:g} {unit}" for name, value, unit, is_fixed in said if is_fixed)
     return AssemblyError(
         f"{task.equations.description.title}: the fixed start {fault}. Start says "
         f"{', '.join(fixed)}; with these {misses}. "
@@ -185,15 +180,10 @@ def _why_open(task: Task, start: Start, closing: Closing, drivers: BoolArray) ->
     gaps = _misses(task, closing.phi, CLOSED)
     released = task._replace(free=np.ones_like(task.free))
     if start.fixed_q.any() and close(released, start.q).closed:
-        fixed = [
-            f"{row.name} = {value:g} {row.unit}"
-            for row, value, is_fixed in zip(
-                description.coordinates, start.q, start.fixed_q, strict=True
-            )
-            if is_fixed
-        ]
+        names, units = description.coordinates.names, [r.unit for r in description.coordinates]
+        said = zip(names, start.q, units, start.fixed_q, strict=True)
         fault = f"values contradict the joints at t = {task.t:g} s"
-        return _contradiction(task, fault, fixed, gaps)
+        return _contradiction(task, fault, said, gaps)
     if drivers.any():
         joints = close(released._replace(rows=~drivers), start.q)
         if joints.closed:
@@ -206,9 +196,8 @@ def _why_open(task: Task, start: Start, closing: Closing, drivers: BoolArray) ->
             )
     return AssemblyError(
         f"{description.title}: the machine cannot be assembled at t = {task.t:g} s; the nearest "
-        f"that it comes leaves gaps: {gaps}. Check the "
-        "dimensions and attachment points of these joints, or start nearer to an assembled "
-        "position."
+        f"that it comes leaves gaps: {gaps}. Check the dimensions and attachment points of these "
+        "joints, or start nearer to an assembled position."
     )
 
 
@@ -274,18 +263,17 @@ def _report(
     description = task.equations.description
     coordinates, table = description.coordinates, description.constraints
     moved = []
-    for index, row in enumerate(coordinates):
-        q_row = (row.name, float(start.q[index]), float(closing.q[index]), row.unit)
-        v_row = (row.velocity, float(start.v[index]), float(v[index]), row.velocity_unit)
-        small = _MOVED * task.scale[index]
-        pair = Moved(*q_row), Moved(*v_row)
-        moved += [one for one in pair if abs(one.by) > small * max(1.0, abs(one.reached))]
-    redundant = tuple(
-        Redundant(
-            table[row].name, table[row].element, tuple(sorted({table[k].element for k in sources}))
+    for k, row in enumerate(coordinates):
+        pair = (
+            Moved(row.name, float(start.q[k]), float(closing.q[k]), row.unit),
+            Moved(row.velocity, float(start.v[k]), float(v[k]), row.velocity_unit),
         )
-        for row, sources in findings.lasting
-    )
+        small = _MOVED * task.scale[k]
+        moved += [one for one in pair if abs(one.by) > small * max(1.0, abs(one.reached))]
+    redundant = []
+    for dependent, sources in findings.lasting:
+        elements = tuple(sorted({table[k].element for k in sources}))
+        redundant.append(Redundant(table[dependent].name, table[dependent].element, elements))
     lost = {dependency.row for dependency in findings.lasting}
     shares = redundancy.undetermined_rows(task, closing.q) if redundant else ()
     return Assembly(
@@ -297,7 +285,7 @@ def _report(
         moved=tuple(moved),
         degrees_of_freedom=len(coordinates) - findings.rank,
         singular=tuple(table[dependency.row].name for dependency in findings.here_only),
-        redundant=redundant,
+        redundant=tuple(redundant),
         not_unique=tuple(dict.fromkeys(table[row].element for row in shares)),
         independent=tuple(row for row in range(len(table)) if row not in lost),
         coordinates=coordinates,
