@@ -90,18 +90,16 @@ class Machine(MechanismTables):
         t
             Instant in s.
         q, v : (n,)
-            Coordinates and velocities, on the constraints; the assembled start unless both are
-            given.
+            A state on the constraints; the assembled start unless both are given.
         parameters
             Values by name, in the declared units; the others keep their defaults.
 
         Returns
         -------
         (s,) int64
-            1 where the condition holds, 0 where it does not. A condition exactly at its boundary
-            holds if the motion is about to make it hold. 2 where the switching function stays at
-            zero: the motion slides on the switching surface, friction sticks, or a rigid contact is
-            closed.
+            1 where the condition holds, or is about to, at its boundary; 0 where it does not; 2
+            where the switching function stays at zero: the motion slides on the switching surface,
+            friction sticks, or a rigid contact is closed.
 
         Raises
         ------
@@ -134,10 +132,8 @@ class Machine(MechanismTables):
         guess
             Start values by name of coordinate (m, rad) or velocity (m/s, rad/s), over those of the
             scene; a name that the scene fixes stays fixed, at the new value.
-        parameters
-            Values by name, in the declared units; the others keep their defaults.
-        t
-            Instant in s.
+        parameters, t
+            Values by name, in the declared units, the others keep their defaults; instant in s.
 
         Returns
         -------
@@ -255,10 +251,9 @@ class Machine(MechanismTables):
         ----------
         t_eval
             Instants in s, increasing.
-        parameters
-            Values by name, in the declared units; the others keep their defaults.
-        guess
-            Start values by name of coordinate or velocity, SI units, over those of the scene.
+        parameters, guess
+            Values by name, in the declared units; start values by name of coordinate or velocity,
+            SI units. The others keep their defaults, and what the scene says.
         t_start
             Instant in s to which the start values belong. The machine is assembled there and
             followed to the first of `t_eval`, so that it stays on the branch on which it starts.
@@ -296,16 +291,8 @@ class Machine(MechanismTables):
 
         Parameters
         ----------
-        t_eval
-            Instants in s, increasing.
-        parameters
-            Values by name, in the declared units; the others keep their defaults.
-        guess
-            Start values by name of coordinate or velocity, SI units, over those of the scene.
-        t_start
-            Instant in s to which the start values belong.
-        progress
-            Whether a terminal shows a bar.
+        t_eval, parameters, guess, t_start, progress
+            As for `kinematics`: instants in s, values by name in their units, whether a bar shows.
 
         Raises
         ------
@@ -338,15 +325,11 @@ class Machine(MechanismTables):
         method
             "energy": a minimum of the total potential energy. "settling": a damped motion until
             rest, which also finds the way from a start far off.
-        guess
+        guess, parameters
             Start values by name of coordinate, SI units, over those of the scene; positions that
-            the scene fixes are free here.
-        parameters
-            Values by name, in the declared units; the others keep their defaults.
-        t
-            Instant in s at which drivers and forces are frozen.
-        progress
-            Whether a terminal shows a bar.
+            the scene fixes are free here. Values by name, in the declared units.
+        t, progress
+            Instant in s at which drivers and forces are frozen; whether a terminal shows a bar.
 
         Returns
         -------
