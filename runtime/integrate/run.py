@@ -29,7 +29,7 @@ from runtime.hybrid.sliding_rhs import TIME_SCALE
 from runtime.integrate.initialization import start
 from runtime.integrate.interrupts import Interrupts
 from runtime.integrate.loop import LOG_MARGIN, advance
-from runtime.integrate.method import Method, find_method
+from runtime.integrate.method import LEADING, Method, find_method
 from runtime.integrate.method_change import change_method, fill_method
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.recording import Gathered
@@ -260,7 +260,7 @@ class _Run:
             statistics=Statistics(**counts, largest_dq=float(r["largest_dq"]), seconds=seconds),
             events=self.gathered.events(),
             partitions=self.gathered.partitions(),
-            methods=tuple((t, "dop853" if name == "auto" else name) for t, name in self.methods),
+            methods=tuple((t, LEADING if name == "auto" else name) for t, name in self.methods),
             crossings=tuple(self.crossings.passed),
             note=self.crossings.note or self._given_up(outcome) or note,
         )

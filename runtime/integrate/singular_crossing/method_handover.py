@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from runtime.integrate.method import EXPLICIT
+from runtime.integrate.method import EXPLICIT, LEADING
 from runtime.integrate.method_change import adopt
 from runtime.integrate.singular_crossing.crossing_step import Leaps
 from runtime.integrate.step_control import first_step
@@ -18,7 +18,6 @@ from runtime.singularity.singular_position import Singularity
 if TYPE_CHECKING:
     from runtime.integrate.run import _Run
 
-_LEADING = "dop853"  # across, for methods that do not reach
 _POOR = 10.0  # measured: error over tolerance from which on another method leads across
 _LEARNING = 0.2  # measured: of the way there; the first step of the method that takes over
 
@@ -36,14 +35,14 @@ class Lending:
         """
         run, r = self.run, self.run.r
         name = run.methods[-1][1]
-        if name in {_LEADING, "auto"} or r["lent"]:
+        if name in {LEADING, "auto"} or r["lent"]:
             return False
         if name in EXPLICIT and self.leaps.best(found, usual).total < _POOR:
             return False
         self.kept = float(r["h"])
         r["lent"], r["automatic"] = 1, 0
         r["lent_until"] = found.t + max(ahead, self.kept)
-        adopt(run, _LEADING)
+        adopt(run, LEADING)
         first = first_step(run.table, r["t"], r["h_max"], r["rtol"], r["order"])
         way = _LEARNING * ahead
         r["usual"] = r["h"] = min(first, way) if way > 0.0 else max(first, self.kept)

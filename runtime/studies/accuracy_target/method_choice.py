@@ -11,6 +11,7 @@ from codegen.errors import InputError
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
+from runtime.integrate.method import LEADING
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.mechanism import Mechanism
@@ -84,7 +85,7 @@ def revise(
         why = f"in reduced coordinates the run ends at t = {run.final_t:.6g} s ({run.outcome.name})"
         return replace(choice, method=method, formulation="cartesian", taken=taken, reasons=(why,))
     if choice.method == "auto" and "method" in choice.free and len(run.methods) == 1:
-        return replace(choice, method="dop853")
+        return replace(choice, method=LEADING)
     return choice
 
 
@@ -92,4 +93,4 @@ def _method(mechanism: Mechanism, formulation: Formulation, ready: PreparedSimul
     """The method that detects stiffness, where its derivatives exist; else the explicit one."""
     if formulation == "reduced":
         return "auto"
-    return "auto" if mechanism.has_companion("tangents") and not ready.begin.redundant else "dop853"
+    return "auto" if mechanism.has_companion("tangents") and not ready.begin.redundant else LEADING

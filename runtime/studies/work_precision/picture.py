@@ -1,11 +1,13 @@
 """The work-precision diagram as a picture: digits against milliseconds, a line per setting."""
 
 import math
+from itertools import cycle
 from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
+from runtime.integrate.method import METHODS
 from runtime.show.plot import check_parent, new_figure
 from runtime.studies.work_precision.diagram import Line, WorkPrecision
 from runtime.studies.work_precision.interpretation import front, headline
@@ -15,14 +17,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLOURS = {
-    "dop853": "#1f6fb2",
-    "dopri5": "#2a9d8f",
-    "tsit5": "#8a9a2b",
-    "radau5": "#b23a48",
-    "bdf": "#e07b1a",
-    "auto": "#7b5ea7",
-}
+PALETTE = (
+    "#1f6fb2", "#2a9d8f", "#8a9a2b", "#b23a48", "#e07b1a", "#7b5ea7", "#5d4037", "#c2185b",
+    "#00838f", "#546e7a",
+)  # fmt: skip
+COLOURS = dict(zip(METHODS, cycle(PALETTE), strict=False))
+"""Colour of each method, in the order of the register."""
 STYLES = {("cartesian", "step"): "-", ("reduced", "step"): "--",
           ("cartesian", "stage"): ":", ("cartesian", "projection"): "-."}  # fmt: skip
 MARKERS = {("cartesian", "step"): "o", ("reduced", "step"): "s",
