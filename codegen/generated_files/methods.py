@@ -7,11 +7,11 @@ from codegen.generated_files.generated_file import Written, write_folder
 from codegen.model_file import library_folder
 from codegen.tableaus import tableaus
 
-FOLDER = "runtime/integrate/explicit/generated"
+FOLDER = "generated/methods"
 
 
 def write_methods(folder: Path | None = None, *, check: bool = False) -> Written:
-    """Write one module a tableau into the runtime's folder, or into another; as `write_folder`."""
+    """Write one module a tableau into the library's folder, or into another; as `write_folder`."""
     folder = folder or library_folder() / FOLDER
     texts = {f"{name}.py": module_text(name, tableau) for name, tableau in tableaus().items()}
     return write_folder(folder, texts, others="[!_]*.py", check=check)

@@ -97,6 +97,11 @@ def inner(function: F) -> F:
     return cast(F, _stamped(njit(**_BARE, **_INSIDE)(function)))
 
 
+def closure(function: F) -> F:
+    """As `inner`, for what closes over compiled functions, which is no part of a cache's key."""
+    return cast(F, njit(**{**_BARE, "cache": False}, **_INSIDE)(function))
+
+
 def inlined(function: F) -> F:
     """As `inner`, copied into every place of its use: for what is small and called in stages."""
     return cast(F, _stamped(njit(**_BARE, **_INSIDE, forceinline=True)(function)))
@@ -160,11 +165,11 @@ def _stamped(dispatcher: Any) -> Any:
 
 
 def _stamp() -> str:
-    """Hash of what compiled code is made from: the numerical rooms and users of this module."""
-    digest, runtime = hashlib.sha256(), Path(__file__).parent.parent
-    for path in sorted(runtime.rglob("*.py")):
+    """Hash of what compiled code is made from: numerical rooms, methods, users of this module."""
+    digest, library = hashlib.sha256(), Path(__file__).parents[2]
+    for path in sorted((*library.glob("generated/methods/*.py"), *library.glob("runtime/**/*.py"))):
         text = path.read_bytes()
-        if path.relative_to(runtime).parts[0] in ROOMS or b"runtime.core.jit" in text:
+        if path.relative_to(library).parts[1] in ROOMS or b"runtime.core.jit" in text:
             digest.update(text)
     return digest.hexdigest()
 

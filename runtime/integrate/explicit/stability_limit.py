@@ -22,11 +22,11 @@ from runtime.core.run_record import run_record
 from runtime.core.workspace import SIZE, STAGE, Y1, row_of
 from runtime.integrate.step_control import propose
 
-# Places in MEMORY: sums of products of differences over the last steps; and the logarithm of the
-# vibration's growth since steps were last short enough.
+# Places in METHOD_FLOATS: sums of products of differences over the last steps; and the logarithm
+# of the vibration's growth since steps were last short enough.
 _QQ, _QV, _VV, _AQ, _AV, _AA, _GROWN = 0, 1, 2, 3, 4, 5, 6
 FLOATS = 7
-"""Numbers in MEMORY."""
+"""Numbers in METHOD_FLOATS."""
 
 _KEPT = 0.8  # measured: share of the sums that lasts from one step to the next
 _SEEN = 1e-12  # accuracy: |δq| in sizes; a smaller vibration may grow
@@ -70,6 +70,12 @@ def observe(context: Integers, last: int) -> int:
         memory[_AQ] += a * q
         memory[_AV] += a * v
         memory[_AA] += a * a
+    return 0
+
+
+@compiled(HOOK)
+def idle(context: Integers, t: float, h: float) -> int:
+    """Do nothing: the hook of a method that keeps no more than the state and its derivative."""
     return 0
 
 

@@ -16,8 +16,7 @@ from runtime.integrate import initialization as start
 from runtime.integrate import loop as driver
 from runtime.integrate import sampling as outputs
 from runtime.integrate import step
-from runtime.integrate.explicit.generated import dop853, dopri5
-from runtime.integrate.method import EXPLICIT
+from runtime.integrate.method import EXPLICIT, find_method
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
 from tests.runtime.integrate.systems import PENDULUM, pendulum_problem, relay, run_relay
@@ -62,7 +61,7 @@ def test_second_model_compiles_nothing():
     functions = (
         driver.advance, start.start, step.take_trial_step, repartition.repartition, outputs.emit,
         event_location.locate_event, mode_selection.select_modes, mode_selection.initialize_modes,
-        dopri5.stages, dop853.stages,
+        *(find_method(name).stages for name in EXPLICIT),
     )  # fmt: skip
     integrate(PENDULUM, pendulum_problem(np.pi, 0.0, 0.1), Options())
     run_relay(relay(*BALL, constant=-9.81), 1.0, 0.0, 0.1)
