@@ -8,6 +8,7 @@ from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed, inner
 from runtime.core.run_record import run_record
+from runtime.linalg.vectors import copy_vector
 
 # measured: entries of H, which full pivoting keeps near one, that call for a repartition
 GROWTH_LIMIT = 2.0
@@ -35,8 +36,7 @@ def repartition(context: Integers, t: float, state: int) -> int:
     """
     r = run_record(context)
     weights, before = ws.first_half(context, ws.PARTITION), ws.first_half(context, ws.DELTA)
-    for j in range(weights.size):
-        before[j] = weights[j]
+    copy_vector(weights, before)
     r.rank = choose_independent(context, t, ws.positions(context, state))
     changed = 0
     for j in range(weights.size):

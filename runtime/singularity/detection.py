@@ -19,6 +19,7 @@ from runtime.core.run_record import run_record
 from runtime.linalg.elimination_plan import replay_plan, write_plan
 from runtime.linalg.rank_policy import REDUNDANT
 from runtime.linalg.row_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot
+from runtime.linalg.vectors import copy_vector, largest_ratio
 
 BEHIND = 0.1  # measured: of a step; how far back the motion is looked at
 AHEAD = 2.5  # measured: of a step; how far ahead it is
@@ -41,15 +42,6 @@ def pivot_row(context: Integers, row: int) -> Vector:
     """A row of pivots, (m,)."""
     m = context[ft.CONSTRAINT_COUNT]
     found: Vector = view(ft.pivots_of(context), row * m, m)
-    return found
-
-
-@inner
-def largest_rate(rates: Vector, size: Vector) -> float:
-    """The largest rate of a coordinate, in units of its size."""
-    found = 0.0
-    for j in range(rates.size):
-        found = max(found, abs(rates[j]) / size[j])
     return found
 
 
@@ -134,10 +126,8 @@ def next_zero(
 @inner
 def keep_pivots(context: Integers, instant: float) -> None:
     """Keep the later pivots as those of the last look."""
-    last, later = pivot_row(context, LAST), pivot_row(context, LATER)
     ft.pivot_history_of(context)[WHEN] = instant
-    for i in range(last.size):
-        last[i] = later[i]
+    copy_vector(pivot_row(context, LATER), pivot_row(context, LAST))
 
 
 @inner
@@ -160,7 +150,7 @@ def stays_regular(
     r.look_at = t + _TRUST * ahead
     if _MARGIN * weakest > speed * _TRUST * ahead:
         size = ws.first_half(context, ws.SIZE)
-        haste = largest_rate(ws.velocity_rates(context, ws.K), size)
+        haste = largest_ratio(ws.velocity_rates(context, ws.K), size)
         r.look_at = max(r.look_at, earliest_zero(t, weakest, speed, haste))
     return True
 
@@ -221,8 +211,8 @@ def predict_vanishing_pivot(context: Integers, t: float, h: float, state: int) -
     now, later = pivot_row(context, NOW), pivot_row(context, LATER)
     failed = state == ws.Y0
     speed = max(
-        largest_rate(ws.velocities(context, ws.Y0), size),
-        largest_rate(ws.velocities(context, state), size),
+        largest_ratio(ws.velocities(context, ws.Y0), size),
+        largest_ratio(ws.velocities(context, state), size),
     )
     span, back, ahead = h, 0.0, max(AHEAD * h, r.foresight / max(speed, 1e-300))
     # Only from look to look: in a gap between them a pivot may change its sign twice.
@@ -244,7 +234,7 @@ def predict_vanishing_pivot(context: Integers, t: float, h: float, state: int) -
         weakest = smallest_pivot(now)
         nearest, which = next_zero(context, span, back, ahead, beyond)
         if candidate == 0:
-            haste = largest_rate(ws.velocity_rates(context, ws.K), size)
+            haste = largest_ratio(ws.velocity_rates(context, ws.K), size)
             r.look_at = earliest_zero(t, weakest, speed, haste)
         if not nearest < np.inf:
             if candidate == 0:

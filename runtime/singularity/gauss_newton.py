@@ -11,6 +11,7 @@ from runtime.core.array_types import Integers, Matrix, Vector, f8, integers, mat
 from runtime.core.jit import allocating
 from runtime.linalg.cholesky import orthonormalise, solve_cholesky
 from runtime.linalg.leading_block import complete_solution
+from runtime.linalg.vectors import copy_vector
 from runtime.singularity import schur_complement as schur
 from runtime.singularity import search_table as st
 from runtime.singularity.complement_derivative import factor_normal_equations
@@ -44,8 +45,7 @@ def find_root(context: Integers, z: Vector, left: Matrix, null: Matrix) -> float
     step, gaps = st.step_of(context), st.residuals_of(context)
     a, x, form = np.empty((rows, wide)), np.empty(free), np.empty((weak * free, free))
     square, normal = np.empty((weak, weak)), np.empty((free, free))
-    for j in range(wide):
-        origin[j] = z[j]
+    copy_vector(z, origin)
     for iteration in range(_ITERATIONS):
         if not schur.eliminate_strong_rows(context, z, strong, a, gaps):
             return -1.0

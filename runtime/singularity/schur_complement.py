@@ -23,18 +23,9 @@ def eliminate_strong_rows(
 ) -> bool:
     """Eliminate the strong rows of the Jacobian at z, and of the constraints' values.
 
-    Parameters
-    ----------
-    a : (rows, n + 1)
-        Out: rows and columns in the order of their places, as factors; behind the first `strong`
-        ones the Schur complement.
-    gaps : (rows,)
-        Out: values of the rows in the same order, those of the strong ones eliminated.
-
-    Returns
-    -------
-    bool
-        False where a pivot vanishes.
+    `a`, (rows, n + 1), receives rows and columns in the order of their places, as factors, behind
+    the first `strong` ones the Schur complement; `gaps`, (rows,), the values of the rows, those of
+    the strong ones eliminated. False where a pivot vanishes.
     """
     values, lengths = st.values_of(context), st.lengths_of(context)
     at_row, at_column = st.entry_rows_of(context), st.entry_columns_of(context)

@@ -4,13 +4,9 @@ It is laid out as that of a run (`runtime.core.function_table`). In scaled coord
 z = (q / scale, t speed), of shape (n + 1,).
 """
 
-from typing import Any, NamedTuple
-
-import numpy as np
-
-from runtime.core.array_types import Integers, Kernel, Vector, f8, integers, none, vector
+from runtime.core.array_types import Integers, Vector, f8, integers, none, vector
 from runtime.core.array_views import view
-from runtime.core.jit import addresses, compiled, inner
+from runtime.core.jit import compiled, inner
 from runtime.core.kernel_abi import constraints_of, jacobian_of, velocity_rhs_of
 from runtime.core.table_layout import TableLayout
 
@@ -46,47 +42,6 @@ step_of = TABLE.floats("step", UNKNOWNS)
 origin_of = TABLE.floats("origin", UNKNOWNS)
 residuals_of = TABLE.floats("residuals", ROWS)
 sums_of = TABLE.floats("sums", UNKNOWNS, ROWS)  # uᵀ J' of the left vectors, flat
-
-
-class Layout(NamedTuple):
-    """A table, and the arrays by name whose addresses it holds."""
-
-    table: Integers
-    arrays: dict[str, Any]
-
-
-def lay_out(
-    kernels: tuple[Kernel, Kernel, Kernel],
-    p: Vector,
-    scale: Vector,
-    independent: Integers,
-    m: int,
-    places: tuple[Integers, Integers],
-) -> Layout:
-    """The table of a machine's constraints; arguments as in `ScaledConstraints`."""
-    table = np.zeros(TABLE.size, np.int64)
-    first = TABLE.slots["constraints"]
-    table[first : first + len(kernels)] = addresses(kernels)
-    n, entries = scale.size, places[0].size
-    table[COORDINATES], table[UNKNOWNS], table[CONSTRAINT_COUNT] = n, n + 1, m
-    table[ROWS], table[NONZEROS], table[ENTRIES] = independent.size, entries - m, entries
-    table[PARAMETER_COUNT] = p.size
-    arrays = TABLE.allot(table)
-    for name, values in {"parameters": p, "scale": scale}.items():
-        arrays[name] = np.ascontiguousarray(values, dtype=np.float64)
-    places_of_rows = {
-        "independent": independent,
-        "entry_rows": places[0],
-        "entry_columns": places[1],
-    }
-    for name, numbers in places_of_rows.items():
-        arrays[name] = np.ascontiguousarray(numbers, dtype=np.int64)
-    for name, array in arrays.items():
-        table[TABLE.slots[name]] = array.ctypes.data
-    arrays["lengths"][:], arrays["speed"][:] = 1.0, 1.0
-    for name in ("row_order", "row_place", "column_order", "column_place"):
-        arrays[name][:] = np.arange(arrays[name].size)
-    return Layout(table, arrays)
 
 
 @inner

@@ -37,7 +37,7 @@ method.METHODS = tuple(method.REGISTER)
 method.EXPLICIT = (*method.EXPLICIT, "small")
 
 from runtime.studies.work_precision import picture
-from runtime.studies.work_precision.settings_grid import FORMULATIONS, all_settings
+from runtime.studies.work_precision.diagram import FORMULATIONS, all_settings
 from tests.runtime.integrate.systems import relay, run_relay
 
 errors = []

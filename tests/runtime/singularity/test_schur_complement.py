@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.linalg.full_pivoting import factor_entries
+from runtime.linalg.full_pivoting import factor_fully
 from runtime.singularity.schur_complement import reduce_to_weak_part
 from runtime.singularity.search_table import (
     set_units,
@@ -49,8 +49,8 @@ def test_a_factored_matrix_gives_its_weak_part():
     set_units(table, 1.0, z)
     values = np.empty(8)
     unit_jacobian_entries(table, z, values)
-    a, orders = np.zeros((2, 4)), (np.zeros(2, np.int64), arrays["column_order"])
-    assert factor_entries(values, *scaled.places, 0.5, a, *orders) == 1
+    a = scaled.dense(values)
+    assert factor_fully(a, np.zeros(2, np.int64), arrays["column_order"], 0.5) == 1
     assert reduce_to_weak_part(table, a, 1) == 1
     smallest = np.linalg.svd(scaled.dense(values), compute_uv=False)[-1]
     assert np.linalg.norm(a[1, 1:]) == pytest.approx(smallest, rel=1e-3)
