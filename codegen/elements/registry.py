@@ -121,7 +121,7 @@ def kinds_of_elements() -> dict[str, Kind]:
 
 
 def role(kind: str) -> Role | None:
-    """What elements of a registered kind are."""
+    """The role of a registered kind; None for one that is not."""
     return _KINDS[kind].role if kind in _KINDS else None
 
 
