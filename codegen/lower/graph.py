@@ -1,8 +1,8 @@
 """Values built from values, folding constants and structural zeros on the way."""
 
 import math
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 
 from codegen.cubic_spline import Table
 from codegen.lower.program import Lookup, Op
@@ -25,6 +25,8 @@ UNARY: dict[Op, Callable[[float], float]] = {
 BINARY: dict[Op, Callable[[float, float], float]] = {Op.ATAN2: math.atan2, Op.POW: math.pow}
 ODD = frozenset({Op.SIN, Op.TAN, Op.ASIN, Op.ATAN, Op.SINH, Op.TANH})
 EVEN = frozenset({Op.COS, Op.COSH})
+SUMS = {Op.ADD: 1, Op.SUB: -1, Op.NEG: -1}
+"""Operations of which sums consist → the sign of the last argument."""
 
 
 class Graph(Numbering):
@@ -33,6 +35,20 @@ class Graph(Numbering):
     Signs are carried outside: -a is represented once, and of a - b and b - a one and its opposite,
     so that entries of Φ_q that differ in sign only share their work.
     """
+
+    _cancelling = False
+
+    @contextmanager
+    def cancelling(self, on: bool = True) -> Iterator[None]:
+        """Sums that are formed inside leave out a term that they would add and take back.
+
+        Where the sum with that term is needed as well this may cost more than it saves.
+        """
+        before, self._cancelling = self._cancelling, on
+        try:
+            yield
+        finally:
+            self._cancelling = before
 
     # -- arithmetic --------------------------------------------------------------------------
 
@@ -66,7 +82,42 @@ class Graph(Numbering):
             merged = self._merged(self.add, a, b)
             if merged is not None:
                 return merged
+        if (rest := self._cancelled(a, b, 1)) is not None:
+            return rest
         return self._add(Op.ADD, (a, b))
+
+    def _cancelled(self, a: int, b: int, sign: int) -> int | None:
+        """a ± b without a term that one adds and the other takes back; None where there is none."""
+        opposite = {(term, -sign * s) for term, s in self._terms(b)} if self._cancelling else set()
+        for term, s in self._terms(a) if opposite else ():
+            if (term, s) in opposite:
+                rest = self._without(a, term, s), self._without(b, term, -sign * s)
+                return self.add(*rest) if sign > 0 else self.sub(*rest)
+        return None
+
+    def _terms(self, a: int, sign: int = 1) -> Iterator[tuple[int, int]]:
+        """The terms of a sum, each with its sign."""
+        value = self.values[a]
+        if value.op not in SUMS:
+            yield a, sign
+        elif value.op is Op.NEG:
+            yield from self._terms(value.args[0], -sign)
+        else:
+            yield from self._terms(value.args[0], sign)
+            yield from self._terms(value.args[1], sign * SUMS[value.op])
+
+    def _without(self, a: int, term: int, sign: int) -> int:
+        """A sum without one of its terms."""
+        value = self.values[a]
+        if value.op is Op.NEG:
+            return self.neg(self._without(value.args[0], term, -sign))
+        if value.op not in SUMS:
+            return self.zero
+        x, y = value.args
+        combine = self.add if value.op is Op.ADD else self.sub
+        if (term, sign) in self._terms(x):
+            return combine(self._without(x, term, sign), y)
+        return combine(x, self._without(y, term, sign * SUMS[value.op]))
 
     def _merged(self, combine: Callable[[int, int], int], a: int, b: int) -> int | None:
         """The sum of two choices by one condition that are zero on the same side, as one choice."""
@@ -103,6 +154,8 @@ class Graph(Numbering):
             merged = self._merged(self.sub, a, b)
             if merged is not None:
                 return merged
+        if (rest := self._cancelled(a, b, -1)) is not None:
+            return rest
         known = ((Op.SUB, pair, None) in self._numbers for pair in ((a, b), (b, a)))
         if tuple(known) == (False, True):
             return self.neg(self._add(Op.SUB, (b, a)))

@@ -80,13 +80,16 @@ def least_correction(
 ) -> Kernel:
     """The kernel for constraints, named `rows`, of a graph with or without its scene."""
     rates = [graph.neg(one) for one in nu]
+    trials = []
     with graph.serving("correction"):
         for (i, k), entry in jacobian.items():
             rates[i] = graph.add(rates[i], graph.mul(entry, v[k]))
         right = [[graph.neg(one) for one in phi], [graph.neg(rate) for rate in rates]]
         stems, unknowns = ["rhs_q", "rhs_v"], stemmed(["dq", "dv"], names)
         task = Task(graph, jacobian, right, w, names, rows, stems, unknowns)
-        trials = [_kernel(names, solution) for solution in _solutions(task)]
+        for cancels in (True, False):
+            with graph.cancelling(cancels):
+                trials += [_kernel(names, solution) for solution in _solutions(task)]
     programs = (with_constants(graph, (kernel,), declared=0) for kernel in trials)
     costs = [cost(program, program.kernels[-1]) for program in programs]
     return trials[costs.index(min(costs))]
