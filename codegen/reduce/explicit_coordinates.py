@@ -18,7 +18,7 @@ from codegen.lower.differentiation.tangent import differentiate
 from codegen.lower.graph import Graph
 from codegen.lower.linear.pivots import LEAST_PIVOT
 from codegen.lower.linear.square_systems import ROUNDING
-from codegen.lower.substitution import reached, rebuilt
+from codegen.lower.substitution import dependencies, substitute
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ class ExplicitCoordinates:
         graph = self.graph
         row = self.rows.pop(i)
         inverse = graph.neg(graph.div(graph.one, row.entries.pop(k)))
-        (rest,) = rebuilt(graph, [row.value], {self.q[k]: graph.zero})
+        (rest,) = substitute(graph, [row.value], {self.q[k]: graph.zero})
         formula = graph.mul(inverse, rest)
         rates = Rates(
             {j: graph.mul(inverse, entry) for j, entry in row.entries.items()},
@@ -130,7 +130,7 @@ class ExplicitCoordinates:
 
     def _substitute_in(self, row: Row, k: int, formula: int, rates: Rates) -> None:
         graph = self.graph
-        (row.value,) = rebuilt(graph, [row.value], {self.q[k]: formula})
+        (row.value,) = substitute(graph, [row.value], {self.q[k]: formula})
         factor = row.entries.pop(k)
         for j, slope in rates.slopes.items():
             before, product = row.entries.pop(j, graph.zero), graph.mul(factor, slope)
@@ -147,9 +147,9 @@ class ExplicitCoordinates:
         """Column of each explicit coordinate → its formula in those that remain."""
         known: dict[int, int] = {}
         for one in reversed(self.substitutions):
-            met = reached(self.graph, [one.formula])
+            met = dependencies(self.graph, [one.formula])
             inner = {self.q[k]: value for k, value in known.items() if self.q[k] in met}
-            (known[one.column],) = rebuilt(self.graph, [one.formula], inner)
+            (known[one.column],) = substitute(self.graph, [one.formula], inner)
         return known
 
     def rates(self) -> dict[int, Rates]:

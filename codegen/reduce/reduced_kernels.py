@@ -15,7 +15,7 @@ from codegen.lower.kernels.corrections import least_correction
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Pattern
 from codegen.lower.program import STATE, Kernel, Program, store
-from codegen.lower.substitution import rebuilt
+from codegen.lower.substitution import substitute
 from codegen.reduce.closed_form_loops import Angle
 from codegen.reduce.coordinate_map import EVENT_KERNELS, CoordinateMap
 from codegen.reduce.projected_equations import ProjectedEquations
@@ -174,7 +174,7 @@ def _event_kernels(mapping: CoordinateMap) -> list[Kernel]:
         substitutes[mapping.accelerations[k]] = graph.total([*terms, mapping.bias[k]])
     made = []
     for kernel in (kernels[name] for name in EVENT_KERNELS if name in kernels):
-        values = rebuilt(graph, [out.value for out in kernel.outputs], substitutes)
+        values = substitute(graph, [out.value for out in kernel.outputs], substitutes)
         pairs = zip(kernel.outputs, values, strict=True)
         outputs = tuple(out._replace(value=value) for out, value in pairs)
         made.append(Kernel(kernel.name, kernel.summary, kernel.arguments, outputs))
@@ -190,7 +190,7 @@ def _expansion_kernels(mapping: CoordinateMap) -> list[Kernel]:
         name = mapping.name(angle.column)
         turns = graph.mul(turn, graph.input("turns", slot, f"turns_{name}"))
         wound[scene.q[angle.column]] = graph.add(mapping.substitutes[scene.q[angle.column]], turns)
-    formulas = rebuilt(graph, list(mapping.formulas.values()), wound)
+    formulas = substitute(graph, list(mapping.formulas.values()), wound)
     wound |= {scene.q[k]: value for k, value in zip(mapping.formulas, formulas, strict=True)}
     sides = _sides(mapping)
     names = [mapping.name(angle.column) for angle in sides]

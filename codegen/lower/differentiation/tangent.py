@@ -24,7 +24,7 @@ from codegen.lower.program import (
     Program,
     Value,
 )
-from codegen.lower.substitution import reached
+from codegen.lower.substitution import dependencies
 
 TINY = 1e-300
 """safety: added under a root where the root divides: √(vᵀv) has the slope 0 at v = 0, not 0/0."""
@@ -64,7 +64,7 @@ def tangents(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]) -> 
 
 def _reached(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]) -> list[int]:
     """Values that the outputs depend on, in order, without seeds, leaves and conditions."""
-    needed = reached(graph, outputs, seeds) - seeds.keys()
+    needed = dependencies(graph, outputs, seeds) - seeds.keys()
     return sorted(k for k in needed if graph.values[k].args and graph.values[k].op not in LOGICAL)
 
 

@@ -4,7 +4,7 @@ from codegen.derive.equations import Equations, tracked_points
 from codegen.lower.graph import Graph
 from codegen.lower.program import Input
 from codegen.lower.scene_graph import SceneGraph
-from codegen.lower.substitution import reached
+from codegen.lower.substitution import dependencies
 
 
 class Selection:
@@ -68,5 +68,5 @@ def recovered(scene: SceneGraph, selection: Selection) -> tuple[int, ...]:
 
 def _multipliers(graph: Graph, values: list[int]) -> set[int]:
     """Slots of `lam` that values depend on."""
-    literals = (graph.values[number].literal for number in reached(graph, values))
+    literals = (graph.values[number].literal for number in dependencies(graph, values))
     return {leaf.slot for leaf in literals if isinstance(leaf, Input) and leaf.array == "lam"}
