@@ -41,7 +41,7 @@ def _with_arguments(graph: Graph, value: Value, args: tuple[int, ...]) -> int:
     if value.op in ARITHMETIC:
         return ARITHMETIC[value.op](graph, *args)
     if value.op in (Op.SIN, Op.COS):
-        return _expand_sine(graph, value.op, *args)
+        return expand_sine(graph, value.op, *args)
     if value.op is Op.POW and (exponent := graph.number(args[1])) is not None:
         return graph.power(args[0], exponent)
     if isinstance(value.literal, Lookup):
@@ -49,11 +49,11 @@ def _with_arguments(graph: Graph, value: Value, args: tuple[int, ...]) -> int:
     return graph.function(value.op, *args)
 
 
-def _expand_sine(graph: Graph, op: Op, angle: int) -> int:
+def expand_sine(graph: Graph, op: Op, angle: int) -> int:
     """sin or cos of an angle; of a sum with a constant angle by the addition theorems."""
     value = graph.values[angle]
     if value.op is Op.NEG:
-        same = _expand_sine(graph, op, value.args[0])
+        same = expand_sine(graph, op, value.args[0])
         return graph.neg(same) if op is Op.SIN else same
     if value.op not in (Op.ADD, Op.SUB) or graph.settled[angle]:
         return graph.function(op, angle)
@@ -63,7 +63,7 @@ def _expand_sine(graph: Graph, op: Op, angle: int) -> int:
         moving, fixed, moving_sign, fixed_sign = fixed, moving, fixed_sign, 1
     if not graph.settled[fixed]:
         return graph.function(op, angle)
-    s, c = _expand_sine(graph, Op.SIN, moving), _expand_sine(graph, Op.COS, moving)
+    s, c = expand_sine(graph, Op.SIN, moving), expand_sine(graph, Op.COS, moving)
     fixed_s, fixed_c = graph.function(Op.SIN, fixed), graph.function(Op.COS, fixed)
     s = s if moving_sign > 0 else graph.neg(s)
     fixed_s = fixed_s if fixed_sign > 0 else graph.neg(fixed_s)

@@ -16,8 +16,7 @@ from dataclasses import dataclass, field
 
 from codegen.lower.differentiation.tangent import differentiate
 from codegen.lower.graph import Graph
-from codegen.lower.linear.pivots import LEAST_PIVOT
-from codegen.lower.linear.square_systems import ROUNDING
+from codegen.lower.linear.sparse_rows import LEAST_PIVOT, ROUNDING
 from codegen.lower.substitution import dependencies, substitute
 
 

@@ -8,7 +8,7 @@ import pytest
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
 from codegen.lower.program import Kernel, Op, Program, store
-from codegen.lower.substitution import substitute, turned
+from codegen.lower.substitution import expand_sine, substitute
 from codegen.reduce.closed_form_loops import find_loops
 from codegen.reduce.explicit_coordinates import ExplicitCoordinates
 
@@ -69,7 +69,7 @@ def test_angle_but_for_a_constant_is_turned(graph: Graph, op: Op, form: str) -> 
         "a-x": graph.sub(a, x),
         "x+a+b": graph.add(graph.add(x, a), b),
     }[form]
-    found = turned(graph, op, angle)
+    found = expand_sine(graph, op, angle)
     inputs = {"q": [0.7], "p": [0.4, -1.1]}
     plain = getattr(math, op.value)(value_of(graph, angle, **inputs))
     assert value_of(graph, found, **inputs) == pytest.approx(plain, rel=1e-15)

@@ -102,4 +102,4 @@ def test_a_coordinate_that_follows_two_is_left_to_the_elimination() -> None:
     graph = Graph()
     w = [graph.input("w", k, f"w_{k}") for k in range(3)]
     entries = {(0, k): graph.one for k in range(3)}
-    assert NullSpace(graph, entries, [[graph.one]], w).solve() is None
+    assert NullSpace(graph, entries, [[graph.one]], weights=w).solve() is None
