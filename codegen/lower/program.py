@@ -5,6 +5,7 @@ one number. A *kernel* is a named list of (output slot, value). There is no cont
 ``select``, whose condition depends on modes alone, and no memory but inputs and outputs.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
@@ -208,7 +209,15 @@ STATE = ("t", "q", "v", "p")
 """The arguments that most kernels begin with."""
 
 
-def store(array: str, values: list[int], notes: list[str]) -> tuple[Output, ...]:
+def store(array: str, values: Sequence[int], notes: Sequence[str]) -> tuple[Output, ...]:
     """Outputs that fill `array` in order."""
     pairs = zip(values, notes, strict=True)
     return tuple(Output(array, k, value, note) for k, (value, note) in enumerate(pairs))
+
+
+def storing(
+    name: str, summary: str, arguments: str, values: Sequence[int], notes: Sequence[str]
+) -> Kernel:
+    """The kernel that stores `values` in the last of its arguments, which stand in one string."""
+    names = tuple(arguments.split())
+    return Kernel(name, summary, names, store(names[-1], values, notes))

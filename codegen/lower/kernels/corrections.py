@@ -94,8 +94,7 @@ def _kernel(names: list[str], solution: Solution) -> Kernel:
         store("dq", dq, names) + store("dv", dv, names),
         tuple(checks),
         watched=True,
-        labels=tuple(labels.by_value.values()),
-        steps=tuple(labels.steps),
+        **labels.text,
     )
 
 

@@ -109,8 +109,7 @@ def _dynamics(
         outputs,
         checks,
         watched=True,
-        labels=tuple(labels.by_value.values()),
-        steps=tuple(labels.steps),
+        **labels.text,
     )
 
 
@@ -153,6 +152,5 @@ def _kinematics(scene: SceneGraph) -> Kernel:
         store("a", solution, names),
         tuple(checks),
         watched=True,
-        labels=tuple(labels.by_value.values()),
-        steps=tuple(labels.steps),
+        **labels.text,
     )
