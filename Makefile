@@ -44,7 +44,7 @@ demo: $(READY) ## build the compressor, simulate it, print the table, draw into 
 
 # Collecting imports what the tests import.
 compiled: $(READY) ## compile the runtime into numba's cache, where it is not there yet
-	$(PY) -c 'from runtime.precompile import warm; warm()'
+	$(PY) -m runtime.precompile
 	$(PY) -m pytest --collect-only -qq
 
 test: $(READY) ## run the tests; every warning is an error

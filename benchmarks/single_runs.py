@@ -51,13 +51,14 @@ def single_runs(
 ) -> list[Single]:
     """Every single run that reached its end."""
     from runtime.core.outcomes import Outcome
+    from runtime.dynamics.formulations import formulate
     from runtime.integrate.problem import Options
 
     ready = prepared(machine, t)
     found, longest = [], 0.0
     for formulation, method in product(FORMULATIONS, METHODS):
         try:
-            taken = ready.coordinates(cast(Any, formulation), method, "step")
+            taken = formulate(ready, cast(Any, formulation), method, "step")
         except LinkwrightError:
             continue
         for rtol in grid:

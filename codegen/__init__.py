@@ -43,6 +43,8 @@ __all__ = [
     "I",
     "InputError",
     "J",
+]
+__all__ += [
     "JointReaction",
     "LinkwrightError",
     "Model",
@@ -50,14 +52,8 @@ __all__ = [
     "Point",
     "Scene",
     "Statement",
-    "__version__",
-    "alpha",
-    "build",
-    "coordinate",
-    "element",
-    "given",
-    "t",
 ]
+__all__ += ["__version__", "alpha", "build", "coordinate", "element", "given", "t"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,7 +1,7 @@
 """The command line: ``python -m codegen build``, ``explain``, ``elements`` and ``methods``."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from functools import wraps
 from pathlib import Path
@@ -9,10 +9,11 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
+from rich.markup import escape as escaped
 from rich.table import Table
 
 from codegen.emit.line_wrapping import quantity
-from codegen.errors import InputError, ParameterError
+from codegen.errors import InputError, ParameterError, SceneError
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -22,9 +23,6 @@ app = typer.Typer(
 )
 errors = Console(stderr=True, soft_wrap=True, highlight=False)
 output = Console(soft_wrap=True, highlight=False)
-
-PAPER = 1000
-"""Columns of a table that is as wide as its content, whatever the terminal."""
 
 ModelArgument = Annotated[str, typer.Argument(help="Path, or a bare name for models/NAME.py.")]
 SceneOption = Annotated[str | None, typer.Option(help="One scene; all by default.")]
@@ -46,27 +44,31 @@ def answers_errors(command: Callable[..., None]) -> Callable[..., None]:
     return guarded
 
 
-def escaped(text: str) -> str:
-    """Text that rich prints as it stands."""
-    from rich.markup import escape
-
-    return escape(text)
+def refuse_stale(stale: Sequence[Path], reason: str, command: str) -> None:
+    """Name the stale files and the command that brings them up to date; exit status 1 if any."""
+    for path in stale:
+        errors.print(
+            f"[bold red]stale:[/] {escaped(str(path))} {reason}; "
+            f"run: python -m codegen {escaped(command)}"
+        )
+    if stale:
+        raise typer.Exit(1)
 
 
 def parse_settings(settings: list[str]) -> dict[str, float]:
     """``NAME=VALUE`` pairs of ``--set``."""
-    found, problems = {}, []
+    values, problems = {}, []
     for setting in settings:
         name, sign, value = setting.partition("=")
         try:
-            found[name.strip()] = float(value)
+            values[name.strip()] = float(value)
         except ValueError:
             sign = ""
         if not sign:
             problems.append(f"--set {setting!r}: write NAME=VALUE with a number, like J1=900.")
     if problems:
         raise ParameterError(problems)
-    return found
+    return values
 
 
 @app.command()
@@ -103,7 +105,7 @@ def build(
     from codegen.driver import build as run
 
     with errors.status("starting", spinner="dots") as status:
-        done = run(
+        report = run(
             model,
             scene,
             out,
@@ -114,29 +116,22 @@ def build(
             progress=lambda message: status.update(escaped(message)),
         )
     if as_json:
-        answer = {"scenes": [asdict(s) for s in done.scenes], "stale": done.stale}
+        answer = {"scenes": [asdict(s) for s in report.scenes], "stale": report.stale}
         typer.echo(json.dumps(answer, default=str))
     else:
-        _print_build(done, check)
-    for path in done.stale:
-        errors.print(
-            f"[bold red]stale:[/] {escaped(str(path))} is missing or out of date; "
-            f"run: python -m codegen build {escaped(model)}"
-            f"{f' --out {escaped(str(out))}' if out else ''}{' --tangents' if tangents else ''}"
-            f"{' --reduced' if reduced else ''}"
-        )
-    if done.stale:
-        raise typer.Exit(1)
+        _print_build(report, check)
+    options = f"{f' --out {out}' if out else ''}{' --tangents' * tangents}{' --reduced' * reduced}"
+    refuse_stale(report.stale, "is missing or out of date", f"build {model}{options}")
 
 
-def _print_build(done: Any, check: bool) -> None:
+def _print_build(report: Any, check: bool) -> None:
     def state(file: Any) -> str:
         return "checked" if check else "written" if file.changed else "unchanged, nothing written"
 
     def listed(counts: dict[str, int]) -> str:
         return ", ".join(f"{name} {count}" for name, count in counts.items())
 
-    for s in done.scenes:
+    for s in report.scenes:
         output.print(f"[bold]{s.model}[/], scene [bold]{s.scene}[/]: {state(s)}")
         output.print(f"  file          {escaped(str(s.path))}")
         output.print(f"  bodies        {', '.join(s.bodies)}")
@@ -188,14 +183,18 @@ def explain(
     as_json: JsonOption = False,
 ) -> None:
     """Explain a scene: the parts compiled into it or left out, why, and the cost of each."""
-    from codegen.explain.command import one_question, save, show
     from codegen.explain.ledger import explain as ledgers_of
-    from codegen.explain.scene_comparison import compare as side_by_side
+    from codegen.explain.picture import write
+    from codegen.explain.scene_comparison import compare as compare_ledgers
+    from codegen.explain.terminal_table import show
 
-    one_question(scene, compare)
+    if scene is not None and compare is not None:
+        raise SceneError(
+            f"--scene {scene} beside --compare {' '.join(compare)}: give the one or the other."
+        )
     timed = (scene or compare) is not None if measure is None else measure
     with errors.status("reading", spinner="dots") as status:
-        found = tuple(
+        ledgers = tuple(
             ledger
             for name in compare or (scene,)
             for ledger in ledgers_of(
@@ -206,10 +205,10 @@ def explain(
                 progress=lambda message: status.update(escaped(message)),
             )
         )
-        beside = side_by_side(*found) if compare else None
-    show(found, beside, kernels=kernels, as_json=as_json)
+        comparison = compare_ledgers(*ledgers) if compare else None
+    show(ledgers, comparison, kernels=kernels, as_json=as_json)
     if out is not None:
-        errors.print(f"saved {escaped(str(save(found, out)))}")
+        errors.print(f"saved {escaped(str(write(ledgers, out)))}")
 
 
 @app.command()
@@ -235,6 +234,8 @@ def elements(
     only = find_kind(kind) if kind else None
     folder = out or (Path("docs/elements") if check else None)
     if folder is None and only is None:
+        from codegen.explain.terminal_table import PAPER
+
         table = Table("kind", "role", "summary")
         for name, registered in chosen_kinds(declared).items():
             table.add_row(name, registered.role, escaped(registered.summary))
@@ -242,16 +243,12 @@ def elements(
     elif folder is None and only is not None:
         typer.echo(page(only, declared), nl=False)
     elif folder is not None:
-        done = write(folder, declared, only, check=check)
-        for path in done.stale if check else ():
-            errors.print(
-                f"[bold red]stale:[/] {escaped(str(path))} is missing, out of date, "
-                f"or of no kind; run: python -m codegen elements --out {escaped(str(folder))}"
-            )
-        if check and done.stale:
-            raise typer.Exit(1)
-        changed = len(done.stale)
-        output.print(f"{len(done.pages)} pages in {escaped(str(folder))}, {changed} of them new")
+        written = write(folder, declared, only, check=check)
+        if check:
+            reason = "is missing, out of date, or of no kind"
+            refuse_stale(written.stale, reason, f"elements --out {folder}")
+        changed = len(written.stale)
+        output.print(f"{len(written.paths)} pages in {escaped(str(folder))}, {changed} of them new")
 
 
 @app.command()
@@ -266,13 +263,8 @@ def methods(
     from codegen.generated_files.methods import write_methods
 
     written, stale = write_methods(out, check=check)
-    for path in stale if check else ():
-        errors.print(
-            f"[bold red]stale:[/] {escaped(str(path))} is missing, or not what its tableau gives; "
-            "run: python -m codegen methods"
-        )
-    if check and stale:
-        raise typer.Exit(1)
+    if check:
+        refuse_stale(stale, "is missing, or not what its tableau gives", "methods")
     output.print(f"{len(written)} methods in {escaped(str(written[0].parent))}, {len(stale)} new")
 
 

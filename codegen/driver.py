@@ -27,13 +27,7 @@ from codegen.emit.module import module_text
 from codegen.errors import ModelError, SceneError
 from codegen.generated_files.build_report import BuildReport, report
 from codegen.generated_files.companions import COMPANIONS
-from codegen.generated_files.generated_file import (
-    Clock,
-    File,
-    Progress,
-    is_current,
-    write_if_changed,
-)
+from codegen.generated_files.generated_file import Clock, File, Progress
 from codegen.generated_files.machine_code import compile_modules
 from codegen.generated_files.parameter_overrides import with_settings, without_overridden
 from codegen.generated_files.provenance import default_folder, file_name, origin
@@ -95,10 +89,11 @@ def build(
     """
     progress("reading the model")
     started = perf_counter()
+    settings = settings or {}
     file = read_model(model)
-    declared = with_settings(file.model, settings or {})
+    declared = with_settings(file.model, settings)
     reading = perf_counter() - started
-    scenes = [without_overridden(s, settings or {}) for s in valid_scenes(declared, scene)]
+    scenes = [without_overridden(s, settings) for s in valid_scenes(declared, scene)]
     folder = Path(out) if out is not None else default_folder(file)
     prepared = []
     for chosen in scenes:
@@ -109,15 +104,16 @@ def build(
         if requested[kind.name]:
             kind.refuse(declared.name, [e for e, *_ in prepared], named=scene is not None)
     files = [
-        _emit(file, equations, lowered, clock, folder, settings or {}, requested)
+        _emit(file, equations, lowered, clock, folder, settings, requested)
         for equations, lowered, _, clock in prepared
     ]
     every = [f for main in files for f in (main, *main.companions.values())]
     for f in every:
-        f.changed = not is_current(f.path, f.text) if check else write_if_changed(f.path, f.text)
+        f.bring_up_to_date(check)
     if compile and not check:
         progress(f"{declared.name}: compile")
-        _compile(every)
+        for f, seconds in zip(every, compile_modules([f.path for f in every]), strict=True):
+            f.clock.seconds["compile"] = seconds
     reports = (
         report(equations, lowered, findings, written)
         for (equations, lowered, findings, _), written in zip(prepared, files, strict=True)
@@ -144,11 +140,6 @@ def _emit(
             provenance = origin(GENERATOR, file, equations, path, settings, f" --{kind.name}")
             main.companions[kind.name] = kind.file(lowered, provenance, main)
     return main
-
-
-def _compile(files: list[File]) -> None:
-    for file, seconds in zip(files, compile_modules([f.path for f in files]), strict=True):
-        file.clock.seconds["compile"] = seconds
 
 
 def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowered, Findings]:

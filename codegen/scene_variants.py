@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from codegen.declare.path_points import TRACKED
 from codegen.declare.scene import Scene
 from codegen.driver import valid_scenes
 from codegen.model import Model
 from codegen.model.couplers import FORMS
 from codegen.model.fidelities import NONE
+from codegen.model.outputs import TRACKED
 from codegen.model_file import read_model
 
 
@@ -59,37 +59,29 @@ def variants(model: Model, scene: Scene, *, fidelities: bool = True) -> tuple[Va
 
     In a kinematic scene no effect acts, but a link may replace a body.
     """
-    found: list[Variant] = []
     acting = {} if scene.analysis == "kinematics" else model.acting(scene)
     acting = {name: effect for name, effect in acting.items() if effect.kind != TRACKED}
-    found += [Variant(name, effect.kind, NONE, True) for name, effect in acting.items()]
+    found = [Variant(name, effect.kind, NONE, True) for name, effect in acting.items()]
     if not fidelities:
         return tuple(found)
     how = dict(scene.fidelity)
-    for name, effect in acting.items():
-        forms = model.fidelities.get(name, {})
-        found += [
-            Variant(name, effect.kind, word, False)
-            for word, form in forms.items()
-            if not isinstance(form, str) and form is not effect
-        ]
+    found += [
+        Variant(name, effect.kind, word, False)
+        for name, effect in acting.items()
+        for word, form in model.fidelities.get(name, {}).items()
+        if not isinstance(form, str) and form is not effect
+    ]
     for name, bodies in model.couplers.items():
         taken = how.get(name, FORMS[0])
         if taken != FORMS[0] or any(body.name in scene.bodies for body in bodies):
             found += [Variant(name, "coupler", word, False) for word in FORMS if word != taken]
-    stood_for = dict.fromkeys(
-        body.name
-        for joint in model.joints.values()
-        if (body := getattr(joint, "instead_of", None)) is not None
-    )
+    replaced = (getattr(joint, "instead_of", None) for joint in model.joints.values())
     found += [
         Variant(name, "body", "link", True)
-        for name in stood_for
+        for name in dict.fromkeys(body.name for body in replaced if body is not None)
         if name in scene.bodies and name not in model.couplers
     ]
     for group, choices in model.groups.items():
-        default = next(iter(choices))
-        named = [c for c, names in choices.items() if any(n in scene.effects for n in names)]
-        taken = how.get(group) or (named[0] if len(named) == 1 else default)
+        taken = model.choice(group, how, scene.effects)
         found += [Variant(group, "alternatives", word, False) for word in choices if word != taken]
     return tuple(found)

@@ -196,7 +196,11 @@ def read(path: Path) -> list[Constant]:
 
 def all_constants() -> list[Constant]:
     """The constants of all modules, by path and line."""
-    files = [p for room in ("codegen", "runtime") for p in (ROOT / room).rglob("*.py")]
+    files = [
+        p
+        for room in ("codegen", "generated/methods", "runtime")
+        for p in (ROOT / room).rglob("*.py")
+    ]
     return [
         constant
         for path in sorted(files)

@@ -340,7 +340,7 @@ class Machine(MechanismTables):
         AssemblyError, InputError
             As `simulate`.
         """
-        from runtime.dynamics.inverse_dynamics import inverse_dynamics
+        from runtime.dynamics.kinematics import inverse_dynamics
 
         require_motion(self.mechanism, "inverse_dynamics")
         given: dict[str, Any] = {"parameters": parameters, "guess": guess, "t_start": t_start}

@@ -1,26 +1,55 @@
-"""Compilation of the runtime into numba's cache ahead of the first run.
+"""Compilation of the runtime into numba's cache: `python -m runtime.precompile [METHOD ...]`.
 
-It takes half a minute once an installation, which the first run would otherwise wait for.
+The first run after an installation would otherwise wait for one processor. Here several processes
+import the modules with compiled code, each the next one that none has begun; the lock of a function
+(`runtime.core.jit`) keeps two of them from compiling it both.
 """
 
+import os
+import sys
+from concurrent.futures import ProcessPoolExecutor
 from importlib import import_module
+from multiprocessing import get_context
+from pathlib import Path
 
-from runtime.integrate.method import METHODS
-from runtime.integrate.wiring import function_table
+from runtime.core.jit import ROOMS
+from runtime.integrate.method import METHODS, REGISTER
 
-ALWAYS = (
-    "runtime.integrate.run",
-    "runtime.dynamics.output_quantities",
-    "runtime.continuation.predictor_corrector",
-    "runtime.singularity.gauss_newton",
-    "runtime.singularity.complement_derivative",
-)
-SOMETIMES = ("runtime.statics.kinetic_damping",)
+_PROCESSES = 4  # measured: more of them only wait for each other
+_OUTSIDE = ("dynamics", "continuation", "statics", "mechanism")
+"""Rooms with some compiled code beside those that consist of it."""
 
 
-def warm(*methods: str) -> None:
-    """Compile the modules of every run, and the methods named; without names, all modules."""
-    for name in ALWAYS if methods else (*ALWAYS, *SOMETIMES):
-        import_module(name)
-    for method in methods or METHODS:
-        function_table(method)
+def precompile(*methods: str) -> None:
+    """Compile what runs with these methods need; without names, with any."""
+    context = get_context("spawn")
+    processes = min(_PROCESSES, os.cpu_count() or 1)
+    with ProcessPoolExecutor(processes, mp_context=context) as pool:
+        list(pool.map(_import, _modules(methods or METHODS)))
+
+
+def _import(module: str) -> None:
+    import_module(module)
+
+
+def _modules(methods: tuple[str, ...]) -> list[str]:
+    """Names of modules with compiled code, the lower rooms first."""
+    package = Path(__file__).parent
+    files = [
+        path.relative_to(package.parent)
+        for room in (*ROOMS, *_OUTSIDE)
+        for path in sorted((package / room).rglob("*.py"))
+        if b"runtime.core.jit" in path.read_bytes()
+    ]
+    names = [
+        ".".join(path.with_suffix("").parts)
+        for path in files
+        if not {"explicit", "implicit"}.intersection(path.parts)
+    ]
+    return names + [REGISTER[method].module for method in methods]
+
+
+if __name__ == "__main__":
+    if unknown := set(sys.argv[1:]).difference(METHODS):
+        sys.exit(f"no such method: {', '.join(sorted(unknown))}; there are {', '.join(METHODS)}")
+    precompile(*sys.argv[1:])

@@ -1,38 +1,41 @@
 """Checks of the sticking frictions and rigid contacts of a scene."""
 
 from collections.abc import Iterator
+from itertools import combinations
 
 import sympy
 
 from codegen.check.expressions import all_problems
-from codegen.declare.element import Rigid, Sticking
+from codegen.declare.element import Rigid, Sticking, label
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, Time, Velocity, kinds
 from codegen.derive.effects import effect_terms
-from codegen.derive.switching_functions import Named, Switch, switches
+from codegen.derive.switching_functions import Named, switches
 from codegen.model import Model
 
+Numbers = dict[sympy.Symbol, float]
+ROUNDING = (
+    1e-12  # accuracy: difference of two ratios of friction coefficients that rounding explains
+)
 
-def hold_problems(model: Model, scene: Scene) -> list[str]:
+
+def contact_problems(model: Model, scene: Scene) -> list[str]:
     """Check the numbers that parameters give, and surfaces that two effects share."""
     bodies = tuple(model.bodies[name] for name in scene.bodies)
     chosen = [] if scene.analysis == "kinematics" else list(model.acting(scene).values())
     named = [(effect.name, effect_terms(effect, bodies)) for effect in chosen]
     if not any(terms.hold for _, terms in named):
         return []
-    values = {p.name: p.value for p in model.parameters.values()} | dict(scene.parameters)
-    numbers = {Parameter(name, real=True): value for name, value in values.items()}
+    overrides = {Parameter(name, real=True): value for name, value in scene.parameters}
+    numbers = model.defaults | overrides
     problems: list[str] = []
     for effect, (_, terms) in zip(chosen, named, strict=True):
-        where = f"scene '{scene.name}': {effect.kind} '{effect.name}'"
+        where = f"scene '{scene.name}': {label(effect)}"
         if isinstance(terms.hold, Sticking):
             problems += _friction(where, terms.hold, numbers)
         elif isinstance(terms.hold, Rigid):
             problems += _contact(where, terms.hold, numbers)
     return [*problems, *_shared(scene, named)]
-
-
-Numbers = dict[sympy.Symbol, float]
 
 
 def _friction(where: str, hold: Sticking, numbers: Numbers) -> Iterator[str]:
@@ -71,32 +74,26 @@ def _contact(where: str, hold: Rigid, numbers: Numbers) -> Iterator[str]:
 
 def _shared(scene: Scene, named: list[Named]) -> Iterator[str]:
     """Switching surfaces of two effects whose forces one share α cannot determine."""
-    where = f"scene '{scene.name}'"
-    met: list[tuple[str, Switch]] = []
-    for name, terms in named:
-        for switch in switches([(name, terms)]):
-            for other, known in met:
-                if switch.g not in (known.g, -known.g):
-                    continue
-                pair = f"'{other}' and '{name}'"
-                if switch.kind == known.kind == "contact":
-                    yield (
-                        f"{where}: {pair} are contacts at the same gap {known.g}, whose reactions "
-                        "no motion distinguishes; leave one of them out."
-                    )
-                elif "contact" not in (switch.kind, known.kind) and not _equal(
-                    switch.ratio, known.ratio
-                ):
-                    holds = other if known.ratio is not None else name
-                    yield (
-                        f"{where}: {pair} both change where {known.g} = 0, and '{holds}' has a "
-                        "static coefficient, which applies to both; leave static= out, or "
-                        "give both frictions the same coefficients."
-                    )
-            met.append((name, switch))
+    every = [(name, switch) for name, terms in named for switch in switches([(name, terms)])]
+    for (first, one), (second, other) in combinations(every, 2):
+        if other.g not in (one.g, -one.g):
+            continue
+        where = f"scene '{scene.name}': '{first}' and '{second}'"
+        if one.kind == other.kind == "contact":
+            yield (
+                f"{where} are contacts at the same gap {one.g}, whose reactions no motion "
+                "distinguishes; leave one of them out."
+            )
+        elif "contact" not in (one.kind, other.kind) and not _equal(one.ratio, other.ratio):
+            holder = first if one.ratio is not None else second
+            yield (
+                f"{where} both change where {one.g} = 0, and '{holder}' has a static coefficient, "
+                "which applies to both; leave static= out, or give both frictions the same "
+                "coefficients."
+            )
 
 
 def _equal(one: sympy.Expr | None, other: sympy.Expr | None) -> bool:
     """Whether two ratios are the same, but for the rounding of their numbers."""
     difference = (sympy.S.One if one is None else one) - (sympy.S.One if other is None else other)
-    return bool(difference == 0 or (difference.is_number and abs(difference) < 1e-12))
+    return bool(difference == 0 or (difference.is_number and abs(difference) < ROUNDING))

@@ -5,29 +5,26 @@ them are reported together.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import sympy
 
-from codegen.check.contacts import hold_problems
+from codegen.check.contacts import contact_problems
 from codegen.check.expressions import all_problems, constraint_problems
 from codegen.check.outputs import output_problems
+from codegen.declare import element as elements
 from codegen.declare.body import Body
 from codegen.declare.element import (
     ConjugateReaction,
     Constraint,
     Effect,
-    I,
-    J,
-    friction_law,
-    hold,
+    Element,
+    label,
     own_coordinates,
-    pulling,
-    reported,
 )
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import SPEED, Coordinate, Given, Parameter, Velocity, kinds, side, t
+from codegen.declare.symbols import SPEED, Coordinate, Given, Velocity, kinds, side, t
 from codegen.derive.equations import active_joints
 from codegen.model import Model
 
@@ -39,32 +36,21 @@ def check_model(model: Model) -> list[str]:
     problems = list(model.problems)
     if not model.bodies:
         problems.append(f"model '{model.name}' has no body; declare one with model.body(...).")
-    elements: list[Constraint | Effect] = [*model.joints.values(), *model.drivers.values()]
+    constraints = [*model.joints.values(), *model.drivers.values()]
     effects = _all_effects(model)
-    elements += effects
-    for element in elements:
-        problems += _bodies(model, element)
-        problems += element.problems()
-        problems += _words(element)
-    masses = _masses(model)
-    for constraint in (*model.joints.values(), *model.drivers.values()):
-        if constraint.problems():
-            continue
+    for element in (*constraints, *effects):
+        problems += [*_bodies(model, element), *element.problems(), *_words(element)]
+    masses = {body.name: list(_mass_problems(model, body)) for body in model.bodies.values()}
+    for constraint in (c for c in constraints if not c.problems()):
         statement = constraint.statement()
         expressions = (*statement.phi, *statement.bindings.values())
-        for symbol in _strangers(model, constraint, expressions):
-            problems.append(_unknown(model, constraint, symbol))
-        problems += constraint_problems(constraint)
-        problems += _orientations(constraint)
-    for effect in effects:
-        if effect.problems():
-            continue
-        sound = tuple(body for name, body in model.bodies.items() if name not in masses)
+        problems += _unknown_symbols(model, constraint, expressions)
+        problems += [*constraint_problems(constraint), *_orientations(constraint)]
+    sound = tuple(body for name, body in model.bodies.items() if not masses[name])
+    for effect in (e for e in effects if not e.problems()):
         terms = _effect_expressions(effect, sound)
-        for symbol in _strangers(model, effect, terms):
-            problems.append(_unknown(model, effect, symbol))
-        where = f"{effect.kind} '{effect.name}'"
-        problems += all_problems(where, terms, may_switch=True)
+        problems += _unknown_symbols(model, effect, terms)
+        problems += all_problems(label(effect), terms, may_switch=True)
     problems += [sentence for sentences in masses.values() for sentence in sentences]
     problems += filter(None, (p.problem(p.value) for p in model.parameters.values()))
     problems += _collisions(model)
@@ -82,15 +68,13 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
             f"{', '.join(model.bodies)} in."
         )
     if scene.analysis != "kinematics":
-        for name in scene.bodies:
-            body = model.bodies[name]
+        for body in (model.bodies[name] for name in scene.bodies):
             words = ("mass", "inertia") if body.turns else ("mass",)
-            missing = [word for word in words if getattr(body, word) is None]
-            if missing:
+            if missing := [word for word in words if getattr(body, word) is None]:
                 arguments = ", ".join(f"{word}=..." for word in words)
                 problems.append(
-                    f"{where}: body '{name}' has no {' and no '.join(missing)}; give it in "
-                    f"model.{'body' if body.turns else 'particle'}('{name}', {arguments}), or "
+                    f"{where}: body '{body.name}' has no {' and no '.join(missing)}; give it in "
+                    f"model.{'body' if body.turns else 'particle'}('{body.name}', {arguments}), or "
                     "declare the scene with analysis='kinematics'."
                 )
     for kind, names in (("effect", scene.effects), ("driver", scene.drivers)):
@@ -107,12 +91,9 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
             problems.append(
                 f"{where}: {name} has a start value, but its {model.kind(owner)} takes no part."
             )
-    problems += output_problems(model, scene)
-    problems += hold_problems(model, scene)
-    for name, value in scene.parameters:
-        if problem := model.parameters[name].problem(value):
-            problems.append(f"{where}: {problem}")
-    return problems
+    problems += [*output_problems(model, scene), *contact_problems(model, scene)]
+    values = (model.parameters[name].problem(value) for name, value in scene.parameters)
+    return problems + [f"{where}: {problem}" for problem in values if problem]
 
 
 def _all_effects(model: Model) -> list[Effect]:
@@ -124,7 +105,7 @@ def _all_effects(model: Model) -> list[Effect]:
     return effects
 
 
-def _words(element: Constraint | Effect) -> Iterator[str]:
+def _words(element: Element) -> Iterator[str]:
     """Check the texts of a user-defined element that appear in the generated module."""
     where = f"element {element.name!r}"
     if not WORDS.fullmatch(str(element.kind)):
@@ -142,14 +123,12 @@ def _words(element: Constraint | Effect) -> Iterator[str]:
             yield f"{where}: its reactions {parts!r} must be {count} pairs of a word and a unit."
 
 
-def _bodies(model: Model, element: Constraint | Effect) -> Iterator[str]:
-    where = f"{element.kind} '{element.name}'"
+def _bodies(model: Model, element: Element) -> Iterator[str]:
+    where = label(element)
     for body in element.bodies:
         if body.model is not model.token:
-            yield (
-                f"{where}: body '{body.name}' belongs to another model; "
-                f"use a body of '{model.name}'."
-            )
+            advice = f"use a body of '{model.name}'."
+            yield f"{where}: body '{body.name}' belongs to another model; {advice}"
         elif not body.fixed and model.bodies.get(body.name) is not body:
             yield f"{where}: body '{body.name}' is not declared in '{model.name}'."
     pair = element.bodies if isinstance(element, Constraint) else ()
@@ -161,7 +140,7 @@ def _orientations(constraint: Constraint) -> Iterator[str]:
     """Joints that would turn a particle, or ask for an angle that a body has not."""
     statement = constraint.statement()
     phi = sympy.Tuple(*statement.phi)
-    for frame in (I, J):
+    for frame in (elements.I, elements.J):
         centred = phi.xreplace(dict.fromkeys(frame.s, sympy.S.Zero))
         if not centred.has(frame.phi):
             continue
@@ -170,13 +149,13 @@ def _orientations(constraint: Constraint) -> Iterator[str]:
         if body and body.angle is None and phi.xreplace(statement.bindings).has(frame.phi):
             letters = ", ".join(q.letter for q in body.coordinates)
             yield (
-                f"{constraint.kind} '{constraint.name}' asks for the angle of '{body.name}', which "
+                f"{label(constraint)} asks for the angle of '{body.name}', which "
                 f"is oriented by {letters} and counts none; use joints that ask for points and "
                 "axes, such as revolute, point-on-line or distance, or model.constraint(...)."
             )
         if body and not body.turns:
             yield (
-                f"{constraint.kind} '{constraint.name}' holds an angle of '{body.name}', which is "
+                f"{label(constraint)} holds an angle of '{body.name}', which is "
                 "a particle and has none; use a joint that leaves it free to turn, or a body."
             )
 
@@ -186,58 +165,45 @@ def _needed(model: Model, scene: Scene, name: str) -> list[str]:
     element: Constraint | Effect = model.drivers.get(name) or model.acting(scene)[name]
     needed = [body.name for body in element.bodies if not body.fixed]
     if isinstance(element, Effect):
-        bodies = tuple(model.bodies[b] for b in scene.bodies)
-        if law := friction_law(element):
+        if law := elements.friction_law(element):
             needed.append(law.joint)
+        bodies = tuple(model.bodies[b] for b in scene.bodies)
         for expression in _effect_expressions(element, bodies):
-            owners = (s.name.rpartition("_")[0] for s in kinds(expression, Coordinate, Velocity))
-            needed += owners
+            needed += [s.name.rpartition("_")[0] for s in kinds(expression, Coordinate, Velocity)]
     return list(dict.fromkeys(needed))
 
 
 def _effect_expressions(effect: Effect, bodies: tuple[Body, ...]) -> list[sympy.Basic]:
-    potential = effect.potential(bodies)
     forces = effect.forces(bodies)
-    law = friction_law(effect)
-    expressions: list[sympy.Basic] = [*forces, *forces.values()]
-    expressions += [e for pair in pulling(effect, bodies) for e in pair]
-    expressions += [] if potential is None else [potential]
-    expressions += [value for _, _, value in reported(effect, bodies)]
-    hold_law = hold(effect, bodies)
-    if hold_law is not None:
-        expressions += [e for e in vars(hold_law).values() if e is not None]
-    if law is not None:
-        expressions += [e for e in (law.strength, law.creep, law.along) if e is not None]
-    return expressions
+    expressions: list[sympy.Basic | None] = [*forces, *forces.values(), effect.potential(bodies)]
+    expressions += [e for pair in elements.pulling(effect, bodies) for e in pair]
+    expressions += [value for _, _, value in elements.reported(effect, bodies)]
+    if hold := elements.hold(effect, bodies):
+        expressions += vars(hold).values()
+    if law := elements.friction_law(effect):
+        expressions += (law.strength, law.creep, law.along)
+    return [e for e in expressions if e is not None]
 
 
-def _strangers(
-    model: Model,
-    element: Constraint | Effect,
-    expressions: list[sympy.Basic] | tuple[sympy.Basic, ...],
-) -> list[sympy.Symbol]:
+def _unknown_symbols(
+    model: Model, element: Constraint | Effect, expressions: Iterable[sympy.Basic]
+) -> Iterator[str]:
     """Symbols that mean nothing in the model."""
-    known: set[sympy.Symbol] = {Parameter(name, real=True) for name in model.parameters}
-    known.add(SPEED)
-    for body in (*model.bodies.values(), *element.bodies):
-        known.update(body.coordinates)
-        known.update(q.rate for q in body.coordinates)
-    for joint in model.joints.values():
-        for q in own_coordinates(joint):
-            known |= {q, q.rate}
-    placeholders: set[sympy.Symbol] = set()
+    known: set[sympy.Symbol] = {*model.defaults, SPEED, side(element.name), t}
+    coordinates = [
+        q for body in (*model.bodies.values(), *element.bodies) for q in body.coordinates
+    ]
+    coordinates += [q for joint in model.joints.values() for q in own_coordinates(joint)]
+    known |= {symbol for q in coordinates for symbol in (q, q.rate)}
+    symbols = set().union(*(e.free_symbols for e in expressions)) - known
     if isinstance(element, Constraint):
-        placeholders = {s for place in element.statement().bindings for s in place.free_symbols}
-    symbols = set().union(*(e.free_symbols for e in expressions)) - known - placeholders
-    allowed = isinstance(element, Constraint)
-    return sorted(
-        (s for s in symbols - {side(element.name), t} if not (allowed and isinstance(s, Given))),
-        key=lambda s: s.name,
-    )
+        symbols -= {s for place in element.statement().bindings for s in place.free_symbols}
+        symbols = {s for s in symbols if not isinstance(s, Given)}
+    for symbol in sorted(symbols, key=lambda s: s.name):
+        yield _unknown(model, label(element), symbol)
 
 
-def _unknown(model: Model, element: Constraint | Effect, symbol: sympy.Symbol) -> str:
-    where = f"{element.kind} '{element.name}'"
+def _unknown(model: Model, where: str, symbol: sympy.Symbol) -> str:
     if isinstance(symbol, Coordinate | Velocity):
         owner = symbol.name.rpartition("_")[0]
         if owner in model.bodies:
@@ -262,27 +228,18 @@ def _unknown(model: Model, element: Constraint | Effect, symbol: sympy.Symbol) -
     )
 
 
-def _masses(model: Model) -> dict[str, list[str]]:
-    """Body → problems of its mass and inertia."""
-    problems = {body.name: list(_mass_problems(model, body)) for body in model.bodies.values()}
-    return {name: sentences for name, sentences in problems.items() if sentences}
-
-
 def _mass_problems(model: Model, body: Body) -> Iterator[str]:
-    defaults = {Parameter(p.name, real=True): p.value for p in model.parameters.values()}
     for word, unit in (("mass", "kg"), ("inertia", "kg m^2")):
         value = getattr(body, word)
         if value is None:
             continue
-        strangers = [s.name for s in value.free_symbols if s not in defaults]
-        if strangers:
+        if unknown := sorted(s.name for s in value.free_symbols if s not in model.defaults):
             yield (
-                f"{word} of body '{body.name}': unknown symbol "
-                f"{', '.join(map(repr, sorted(strangers)))}; "
+                f"{word} of body '{body.name}': unknown symbol {', '.join(map(repr, unknown))}; "
                 "a mass is a number or an expression of parameters."
             )
             continue
-        number = value.subs(defaults)
+        number = value.subs(model.defaults)
         if not (number.is_real and 0 < number < sympy.oo):
             shown = f"{float(number):g}" if number.is_real else str(number)
             yield (
@@ -294,14 +251,11 @@ def _mass_problems(model: Model, body: Body) -> Iterator[str]:
 def _collisions(model: Model) -> Iterator[str]:
     """Two things that would have one name in the generated text."""
     owners: dict[str, str] = {"t": "the time"}
-    for body in model.bodies.values():
-        for q in body.coordinates:
-            for symbol in (q, q.rate):
-                owners[symbol.name] = f"a coordinate or velocity of body '{body.name}'"
-    for joint in model.joints.values():
-        for q in own_coordinates(joint):
-            for symbol in (q, q.rate):
-                owners[symbol.name] = f"a coordinate or velocity of joint '{joint.name}'"
+    brought = [("body", body.name, body.coordinates) for body in model.bodies.values()]
+    brought += [("joint", joint.name, own_coordinates(joint)) for joint in model.joints.values()]
+    for kind, owner, coordinates in brought:
+        for symbol in (s for q in coordinates for s in (q, q.rate)):
+            owners[symbol.name] = f"a coordinate or velocity of {kind} '{owner}'"
     for name in model.parameters:
         if name in owners:
             yield f"parameter '{name}' has the name of {owners[name]}; rename it."

@@ -7,7 +7,7 @@ import sympy
 from sympy.core.relational import Relational
 from sympy.functions.elementary.piecewise import ExprCondPair
 
-from codegen.declare.element import Constraint
+from codegen.declare.element import Constraint, label
 from codegen.declare.symbols import Coordinate, Given, Time, Velocity, kinds
 from codegen.declare.table_function import Interpolant
 from codegen.derive.conditions import KINKED
@@ -22,8 +22,7 @@ UNDEFINED = f"contains nan{FINITE}"
 
 def constraint_problems(constraint: Constraint) -> Iterator[str]:
     """Problems of a constraint: its equations contain coordinates, parameters and time only."""
-    where = f"{constraint.kind} '{constraint.name}'"
-    statement = constraint.statement()
+    where, statement = label(constraint), constraint.statement()
     fixed = {k: v for k, v in statement.bindings.items() if isinstance(k, Given)}
     expressions = (*statement.phi, *fixed.values())
     yield from all_problems(where, expressions, may_switch=False)

@@ -1,13 +1,11 @@
 """A look at a mechanism before it is compiled: whether its constraints can be independent.
 
 The equations are evaluated by the interpreter, near the start values; the constraints are closed
-by Gauss-Newton steps of least norm; then Gaussian elimination with full pivoting finds the rows
-of Φ_q that depend on others (Haug 3.4). Drivers stand last, so that a driver that repeats a
-joint is the one named.
+by Gauss-Newton steps of least norm; then orthogonalisation finds the rows of Φ_q that depend on
+earlier ones (Haug 3.4). Drivers stand last, so that a driver that repeats a joint is the one named.
 """
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -44,38 +42,30 @@ class Findings(NamedTuple):
 
 def examine(equations: Equations, lowered: Lowered) -> Findings:
     """Look for constraints that are too many near the start values."""
-    rows = [
-        (c.name, c.kind, c.driver, row) for c in equations.constraints for row in c.statement.rows
-    ]
-    n = len(equations.coordinates)
+    rows = [(c, row) for c in equations.constraints for row in c.statement.rows]
     if not rows:
         return Findings((), (), 0)
-    named = dict((*equations.scene.guess, *equations.scene.start))
-    guess = np.array(
-        [named.get(f"{q.owner}.{q.letter}", q.measure.neutral) for q in equations.coordinates]
-    )
-    dependent = min(
-        (_dependent_rows(_jacobian_near(equations, lowered, guess, k)) for k in range(PROBES)),
-        key=len,
-    )
+    known = dict((*equations.scene.guess, *equations.scene.start))
+    coordinates = equations.coordinates
+    guess = np.array([known.get(f"{q.owner}.{q.letter}", q.measure.neutral) for q in coordinates])
+    probes = (_jacobian_near(equations, lowered, guess, k) for k in range(PROBES))
+    dependent = [rows[i] for i in min(map(_dependent_rows, probes), key=len)]
     independent = len(rows) - len(dependent)
     if not dependent:
         return Findings((), (), independent)
-    found = [rows[i] for i in dependent]
-    redundant = ", ".join(f"{name}.{row} ({kind})" for name, kind, _, row in found)
+    redundant = ", ".join(f"{c.name}.{row} ({c.kind})" for c, row in dependent)
     head = (
-        f"scene '{equations.scene.name}': {len(rows)} constraints on {n} coordinates, of which "
-        f"only {independent} are independent; redundant: {redundant}."
+        f"scene '{equations.scene.name}': {len(rows)} constraints on {len(coordinates)} "
+        f"coordinates, of which only {independent} are independent; redundant: {redundant}."
     )
-    drivers = sorted({name for name, _kind, driver, _row in found if driver})
+    drivers = {c.name for c, _ in dependent if c.driver}
+    names = " or ".join(map(repr, sorted(drivers or {c.name for c, _ in dependent})))
     if drivers:
-        blamed = " or ".join(repr(name) for name in drivers)
-        problem = f"{head} Remove or relax {blamed}: no motion is left for them to prevent."
+        problem = f"{head} Remove or relax {names}: no motion is left for them to prevent."
         return Findings((problem,), (), independent)
-    elements = " or ".join(repr(name) for name in sorted({row[0] for row in found}))
     note = (
         f"{head} The scene runs as long as its parameters let them agree, at some cost, and "
-        f"reactions of joints that share a load are not unique. Remove or relax {elements} to "
+        f"reactions of joints that share a load are not unique. Remove or relax {names} to "
         f"avoid both."
     )
     return Findings((), (note,), independent)
@@ -123,33 +113,28 @@ def _jacobian(equations: Equations, lowered: Lowered, q: Array) -> Array:
 
 
 def _flat(equations: Equations, lowered: Lowered, kernel: str, array: str, q: Array) -> Array:
-    arguments = {
-        "t": 0.0,
-        "q": q.tolist(),
-        "p": [p.value for p in equations.parameters],
-    }
+    """The array that a kernel writes, or nan throughout where it is undefined."""
+    parameters = [p.value for p in equations.parameters]
+    arguments = {"t": 0.0, "q": q.tolist(), "p": parameters}
     try:
         slots = evaluate(lowered.program, kernel, arguments, math).get(array, {})
     except (ZeroDivisionError, ValueError, OverflowError):
-        slots = {}
-        (outputs,) = (k for k in lowered.program.kernels if k.name == kernel)
-        return np.full(len(outputs.outputs), np.nan)
+        (undefined,) = (k for k in lowered.program.kernels if k.name == kernel)
+        return np.full(len(undefined.outputs), np.nan)
     return np.array([slots[k] for k in range(len(slots))])
 
 
-def _dependent_rows(jacobian: Array) -> Sequence[int]:
-    """Rows that depend on earlier ones, by elimination with pivots from the first rows on."""
-    work = jacobian / np.maximum(np.linalg.norm(jacobian, axis=1, keepdims=True), 1e-300)
-    basis: list[Array] = []
+def _dependent_rows(jacobian: Array) -> list[int]:
+    """Rows that depend on earlier ones, by Gram-Schmidt, each row orthogonalised twice."""
+    basis = np.zeros((0, jacobian.shape[1]))
     dependent = []
-    for i, row in enumerate(work):
-        rest = row.copy()
+    for i, row in enumerate(jacobian):
+        rest = row / max(float(np.linalg.norm(row)), 1e-300)  # safety: a row of zeros
         for _ in range(2):
-            for b in basis:
-                rest -= (b @ rest) * b
+            rest = rest - basis.T @ (basis @ rest)
         size = float(np.linalg.norm(rest))
         if size > TOLERANCE:
-            basis.append(rest / size)
+            basis = np.vstack([basis, rest / size])
         else:
             dependent.append(i)
     return dependent

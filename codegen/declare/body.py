@@ -7,7 +7,7 @@ inertia force, and equations between its coordinates. One whose orientation is n
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import sympy
 
@@ -15,8 +15,29 @@ from codegen.declare.symbols import Coordinate, Velocity, alpha, coordinate
 from codegen.declare.units import is_quantity, plain_length
 
 
+class Pose:
+    """The coordinates x, y and φ of what has a name."""
+
+    name: str
+
+    @property
+    def x(self) -> Coordinate:
+        """Horizontal position of the origin, m."""
+        return coordinate(self.name, "x")
+
+    @property
+    def y(self) -> Coordinate:
+        """Vertical position of the origin, m."""
+        return coordinate(self.name, "y")
+
+    @property
+    def phi(self) -> Coordinate:
+        """Orientation φ, counter-clockwise from the global x axis, rad."""
+        return coordinate(self.name, "phi")
+
+
 @dataclass(frozen=True, eq=False)
-class Body:
+class Body(Pose):
     """A rigid planar body; its frame x'-y' has its origin at the centre of mass.
 
     Attributes
@@ -27,41 +48,25 @@ class Body:
         In kg and kg m² (about the centre of mass); None where a kinematic scene needs none.
     model
         Token of the model that the body belongs to.
+    fixed, turns
+        Whether the body is the ground, and whether it has an orientation.
     """
 
     name: str
     mass: sympy.Expr | None
     inertia: sympy.Expr | None
     model: object
-
-    @property
-    def fixed(self) -> bool:
-        """Whether the body is the ground."""
-        return False
-
-    @property
-    def x(self) -> Coordinate:
-        """Horizontal position of the centre of mass, m."""
-        return coordinate(self.name, "x")
-
-    @property
-    def y(self) -> Coordinate:
-        """Vertical position of the centre of mass, m."""
-        return coordinate(self.name, "y")
-
-    @property
-    def phi(self) -> Coordinate:
-        """Orientation φ, counter-clockwise from the global x axis, rad."""
-        return coordinate(self.name, "phi")
+    fixed: ClassVar[bool] = False
+    turns: ClassVar[bool] = True
 
     @property
     def vx(self) -> Velocity:
-        """Horizontal velocity of the centre of mass, m/s."""
+        """Horizontal velocity of the origin, m/s."""
         return self.x.rate
 
     @property
     def vy(self) -> Velocity:
-        """Vertical velocity of the centre of mass, m/s."""
+        """Vertical velocity of the origin, m/s."""
         return self.y.rate
 
     @property
@@ -110,11 +115,6 @@ class Body:
     def equations(self) -> tuple[tuple[str, sympy.Expr], ...]:
         """(word, Φ) of equations Φ = 0 between the body's coordinates; most bodies have none."""
         return ()
-
-    @property
-    def turns(self) -> bool:
-        """Whether the body has an orientation."""
-        return True
 
     @property
     def position(self) -> tuple[sympy.Expr, sympy.Expr]:
@@ -172,9 +172,11 @@ class Body:
         return self.circle(radius)
 
 
-@dataclass(frozen=True, eq=False)
 class Particle(Body):
     """A point mass: a body without extent, inertia and orientation."""
+
+    turns = False
+    angle = angular_velocity = sympy.S.Zero
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
@@ -186,55 +188,14 @@ class Particle(Body):
         """The diagonal of M, one entry a coordinate."""
         return (self.mass, self.mass)
 
-    @property
-    def turns(self) -> bool:
-        """A point has no orientation."""
-        return False
 
-    @property
-    def angle(self) -> sympy.Expr:
-        """Zero: a point does not turn."""
-        return sympy.S.Zero
-
-    @property
-    def angular_velocity(self) -> sympy.Expr:
-        """Zero: a point does not turn."""
-        return sympy.S.Zero
-
-
-@dataclass(frozen=True, eq=False)
 class Ground(Body):
     """The body that does not move; its frame is the global one."""
 
-    @property
-    def fixed(self) -> bool:
-        """Whether the body is the ground."""
-        return True
-
-    @property
-    def coordinates(self) -> tuple[Coordinate, ...]:
-        """The ground brings no coordinates."""
-        return ()
-
-    @property
-    def position(self) -> tuple[sympy.Expr, sympy.Expr]:
-        """Zeros: the global frame."""
-        return (sympy.S.Zero, sympy.S.Zero)
-
-    @property
-    def velocity(self) -> tuple[sympy.Expr, sympy.Expr]:
-        """Zeros: the ground does not move."""
-        return (sympy.S.Zero, sympy.S.Zero)
-
-    @property
-    def angle(self) -> sympy.Expr:
-        """Zero: the global frame."""
-        return sympy.S.Zero
-
-    @property
-    def angular_velocity(self) -> sympy.Expr:
-        """Zero: the ground does not move."""
-        return sympy.S.Zero
+    fixed = True
+    coordinates = ()
+    position = velocity = (sympy.S.Zero, sympy.S.Zero)
+    angle = angular_velocity = sympy.S.Zero
 
 
 @dataclass(frozen=True, eq=False)

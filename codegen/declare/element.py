@@ -2,38 +2,26 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar, Protocol, runtime_checkable
+from itertools import chain
+from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
 import sympy
 
-from codegen.declare.body import Body, Point
-from codegen.declare.symbols import Coordinate, given
+from codegen.declare.body import Body, Curve, Point, Pose
+from codegen.declare.symbols import KINDS, Coordinate, given
+
+Answer = TypeVar("Answer")
 
 
 @dataclass(frozen=True)
-class Frame:
+class Frame(Pose):
     """A body in the equations of an element: its coordinates before any model is known."""
 
     name: str
 
     @property
-    def x(self) -> Coordinate:
-        """Horizontal position of the centre of mass."""
-        return Coordinate(f"{self.name}_x", real=True)
-
-    @property
-    def y(self) -> Coordinate:
-        """Vertical position of the centre of mass."""
-        return Coordinate(f"{self.name}_y", real=True)
-
-    @property
-    def phi(self) -> Coordinate:
-        """Orientation."""
-        return Coordinate(f"{self.name}_phi", real=True)
-
-    @property
     def r(self) -> sympy.Matrix:
-        """Position of the centre of mass, 2 × 1."""
+        """Position of the origin, 2 × 1."""
         return sympy.Matrix([self.x, self.y])
 
     @property
@@ -101,6 +89,13 @@ class ConjugateReaction:
     """
 
     components: tuple[tuple[str, str], ...]
+
+    @classmethod
+    def along(cls, letter: str) -> "ConjugateReaction":
+        """The force or torque along a coordinate of that letter."""
+        kind = KINDS[letter]
+        name = f"f{letter}" if kind.unit == "m" else "torque" if kind.unit == "rad" else "force"
+        return cls(((name, kind.force_unit),))
 
 
 @dataclass(frozen=True)
@@ -208,20 +203,30 @@ class Rigid:
 
 
 class Element(Protocol):
-    """The common part of joints, drivers and effects."""
+    """The common part of joints, drivers and effects.
+
+    A class may derive from `Constraint` or `Effect`, and then inherits the answers that stand
+    here, or answer the same words without deriving from them.
+    """
 
     kind: ClassVar[str]
-
-    @property
-    def name(self) -> str:
-        """The modeller's name, an identifier."""
+    """A few words, the same for all elements of the class."""
+    name: str
+    """The modeller's name, an identifier."""
 
     @property
     def bodies(self) -> tuple[Body, ...]:
-        """The bodies that the element takes hold of; empty: all of the scene (gravity)."""
+        """The bodies that the element takes hold of; empty: all of the scene (gravity).
+
+        Those of its fields that are points, curves, bodies or tuples of them, in their order.
+        """
+        values = (v if isinstance(v, tuple) else (v,) for v in vars(self).values())
+        places = (v for v in chain.from_iterable(values) if isinstance(v, Body | Point | Curve))
+        return tuple(v if isinstance(v, Body) else v.body for v in places)
 
     def problems(self) -> list[str]:
-        """Problems of the element alone, one sentence each."""
+        """Problems of the element alone, one sentence each, which `label` begins."""
+        return []
 
 
 @runtime_checkable
@@ -232,53 +237,12 @@ class Constraint(Element, Protocol):
         """The equations."""
 
 
-def own_coordinates(constraint: Constraint) -> tuple[Coordinate, ...]:
-    """The coordinates that a sound joint brings itself."""
-    return () if constraint.problems() else tuple(q for _, q in constraint.statement().own)
-
-
 @runtime_checkable
 class Located(Protocol):
     """A joint that estimates the coordinates it brings from a rough pose."""
 
     def near(self, numbers: Mapping[sympy.Symbol, float]) -> dict[Coordinate, float]:
         """Its coordinates, from values of the bodies' coordinates and of the parameters."""
-
-
-def friction_law(effect: "Effect") -> FrictionLaw | None:
-    """The law of an effect that follows from a joint's reaction."""
-    answer = getattr(effect, "friction", None)
-    law: FrictionLaw | None = answer() if answer is not None else None
-    return law
-
-
-def hold(effect: "Effect", bodies: tuple[Body, ...]) -> Sticking | Rigid | None:
-    """How an effect holds on to its surface, if it is one that does."""
-    answer = getattr(effect, "hold", None)
-    law: Sticking | Rigid | None = answer(bodies) if answer is not None else None
-    return law
-
-
-def pulling(
-    effect: "Effect", bodies: tuple[Body, ...]
-) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
-    """(s, f) of the forces that tend to make a scalar s(q, t) smaller, Q = -f s_q.
-
-    Its virtual work is -f δs; with s a length this is Haug's Q of a tension (6.1). f may contain
-    `SPEED`, the rate of s.
-    """
-    answer = getattr(effect, "pulls", None)
-    pairs: tuple[tuple[sympy.Expr, sympy.Expr], ...] = answer(bodies) if answer is not None else ()
-    return pairs
-
-
-def reported(effect: "Effect", bodies: tuple[Body, ...]) -> tuple[tuple[str, str, sympy.Expr], ...]:
-    """(component, unit, value) of the forces that an effect reports."""
-    answer = getattr(effect, "reported", None)
-    components: tuple[tuple[str, str, sympy.Expr], ...] = (
-        answer(bodies) if answer is not None else ()
-    )
-    return components
 
 
 @runtime_checkable
@@ -288,11 +252,60 @@ class Effect(Element, Protocol):
     One that follows from a joint's reaction answers, besides, ``friction() -> FrictionLaw``; one
     that sticks, or is a rigid contact, ``hold(bodies) -> Sticking | Rigid | None``; one whose
     forces act along scalars ``pulls(bodies) -> ((s, f), ...)``; one that reports a force
-    ``reported(bodies) -> ((component, unit, value), ...)``.
+    ``reported(bodies) -> ((component, unit, value), ...)``. `bodies` are those of the scene.
     """
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
         """V in joule, if the effect has a potential."""
+        return None
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
         """Generalized forces Q that have no potential, less those of `pulls`."""
+        return {}
+
+
+Pulls = tuple[tuple[sympy.Expr, sympy.Expr], ...]
+"""(s, f) of forces that tend to make a scalar s(q, t) smaller, Q = -f s_q.
+
+The virtual work is -f δs; with s a length this is Haug's Q of a tension (6.1). f may contain
+`SPEED`, the rate of s.
+"""
+Reported = tuple[tuple[str, str, sympy.Expr], ...]
+"""(component, unit, value) of the forces that an effect reports."""
+
+
+def label(element: Element) -> str:
+    """``revolute 'A'``: the element in messages."""
+    return f"{element.kind} '{element.name}'"
+
+
+def own_coordinates(constraint: Constraint) -> tuple[Coordinate, ...]:
+    """The coordinates that a sound joint brings itself."""
+    return () if constraint.problems() else tuple(q for _, q in constraint.statement().own)
+
+
+def friction_law(effect: Effect) -> FrictionLaw | None:
+    """The law of an effect that follows from a joint's reaction."""
+    return _optional(effect, "friction", None)
+
+
+def hold(effect: Effect, bodies: tuple[Body, ...]) -> Sticking | Rigid | None:
+    """How an effect keeps its switching function at zero, if it does."""
+    return _optional(effect, "hold", None, bodies)
+
+
+def pulling(effect: Effect, bodies: tuple[Body, ...]) -> Pulls:
+    """The forces of an effect along scalars."""
+    return _optional(effect, "pulls", (), bodies)
+
+
+def reported(effect: Effect, bodies: tuple[Body, ...]) -> Reported:
+    """The forces that an effect reports."""
+    return _optional(effect, "reported", (), bodies)
+
+
+def _optional(effect: Effect, word: str, otherwise: Answer, *arguments: Any) -> Answer:
+    """The answer of a method that not every effect has."""
+    method = getattr(effect, word, None)
+    answer: Answer = otherwise if method is None else method(*arguments)
+    return answer

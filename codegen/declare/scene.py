@@ -42,20 +42,18 @@ class Request:
         explicit
             The ones of `frozen`, `analysis` and `outputs` that the extension states.
         """
+
+        def both(key: str) -> tuple[Any, ...]:
+            return (*getattr(self, key), *getattr(by, key))
+
         taken = {*by.effects, *by.drivers}
-        gone = tuple(name for name in self.without if name not in taken)
-        changes = {name: getattr(by, name) for name in explicit}
-        return replace(
-            self,
-            effects=tuple(dict.fromkeys((*self.effects, *by.effects))),
-            drivers=tuple(dict.fromkeys((*self.drivers, *by.drivers))),
-            without=tuple(dict.fromkeys((*gone, *by.without))),
-            fidelity=tuple((dict(self.fidelity) | dict(by.fidelity)).items()),
-            start=tuple((dict(self.start) | dict(by.start)).items()),
-            guess=tuple((dict(self.guess) | dict(by.guess)).items()),
-            parameters=tuple((dict(self.parameters) | dict(by.parameters)).items()),
-            **changes,
-        )
+        gone = (n for n in self.without if n not in taken)
+        changes: dict[str, Any] = {name: getattr(by, name) for name in explicit}
+        changes["without"] = tuple(dict.fromkeys((*gone, *by.without)))
+        changes |= {k: tuple(dict.fromkeys(both(k))) for k in ("effects", "drivers")}
+        for key in ("fidelity", "start", "guess", "parameters"):
+            changes[key] = tuple(dict(both(key)).items())
+        return replace(self, **changes)
 
 
 class Owner(Protocol):

@@ -1,8 +1,14 @@
 """The symbols of a declaration, distinguished by class and not by name."""
 
-from typing import Any, NamedTuple
+import math
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
 
 import sympy
+
+Letter = Literal["x", "y", "phi"]
+LETTERS = ("x", "y", "phi")
+SignRule = Literal["", "positive", "nonnegative"]
 
 
 class CoordinateKind(NamedTuple):
@@ -123,6 +129,29 @@ class Given(sympy.Symbol):  # type: ignore[misc]
 
 class Parameter(sympy.Symbol):  # type: ignore[misc]
     """A number that may change between runs without a new build."""
+
+
+@dataclass(frozen=True)
+class ParameterDeclaration:
+    """A parameter's name, default value, unit label, and the rule that its values obey."""
+
+    name: str
+    value: float
+    unit: str
+    sign: SignRule
+
+    @property
+    def symbol(self) -> Parameter:
+        """The parameter in expressions."""
+        return Parameter(self.name, real=True)
+
+    def problem(self, value: float) -> str | None:
+        """Why `value` is not allowed, or None."""
+        if not math.isfinite(value):
+            return f"parameter '{self.name}' is {value}; give a finite number."
+        if (self.sign == "positive" and value <= 0) or (self.sign == "nonnegative" and value < 0):
+            return f"parameter '{self.name}' is {value:g} {self.unit}, but must be {self.sign}."
+        return None
 
 
 t = Time("t", real=True)

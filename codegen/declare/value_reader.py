@@ -1,12 +1,34 @@
-"""Values of a declaration → SymPy expressions in SI units; problems are collected."""
+"""Values and names in a declaration → SymPy expressions in SI units, and names that are known.
+
+Problems are collected, one sentence each; unknown names get a hint.
+"""
 
 import math
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import sympy
 from sympy.core.relational import Relational
 
+from codegen.declare.body import Body
+from codegen.declare.element import Constraint, Effect
+from codegen.declare.names import nearest
+from codegen.declare.symbols import Coordinate, ParameterDeclaration
 from codegen.declare.units import expression, in_unit
+
+Names = Iterable["str | Body | Constraint | Effect"]
+Values = Mapping["str | sympy.Symbol", Any]
+NamedValues = tuple[tuple[str, float], ...]
+
+
+def name_of(element: Any) -> str:
+    """The name of an element that is given by its name or as an object."""
+    return str(getattr(element, "name", element))
+
+
+def dotted(symbol: sympy.Symbol) -> str:
+    """``crank_phi`` → ``crank.phi``."""
+    return ".".join(symbol.name.rsplit("_", 1))
 
 
 class Reader:
@@ -21,15 +43,19 @@ class Reader:
     def __init__(self) -> None:
         self.problems: list[str] = []
 
+    def note(self, problem: str) -> None:
+        """Add a problem."""
+        self.problems.append(problem)
+
     def value(self, value: Any, unit: str, where: str) -> Any:
         """A number, quantity or expression, as an expression in `unit`."""
         if value is None:
-            self.problems.append(f"{where} is missing; give it{f' in {unit}' if unit else ''}.")
+            self.note(f"{where} is missing; give it{f' in {unit}' if unit else ''}.")
             return sympy.S.One  # stands in, so that nothing else is said of it
         try:
             return expression(in_unit(value, unit, where, self.problems))
         except (TypeError, sympy.SympifyError):
-            self.problems.append(f"{where}: {value!r} is neither a number nor an expression.")
+            self.note(f"{where}: {value!r} is neither a number nor an expression.")
             return sympy.S.Zero
 
     def pair(
@@ -39,7 +65,7 @@ class Reader:
         try:
             first, second = value
         except (TypeError, ValueError):
-            self.problems.append(f"{where}: {value!r} is no pair; write {like}.")
+            self.note(f"{where}: {value!r} is no pair; write {like}.")
             first, second = 1, 0
         return self.value(first, unit, where), self.value(second, unit, where)
 
@@ -54,7 +80,7 @@ class Reader:
             return force
         if not isinstance(when, Relational | sympy.And | sympy.Or | sympy.Not):
             reason = "never changes" if str(when) in ("True", "False") else "is no condition"
-            self.problems.append(
+            self.note(
                 f"{where}: when={when!r} {reason}; compare coordinates, velocities, parameters or "
                 "t by <, <=, > or >=, joined by And, Or and Not, or leave it out."
             )
@@ -66,7 +92,7 @@ class Reader:
         try:
             return float(in_unit(value, unit, where, self.problems))
         except (TypeError, ValueError, OverflowError):
-            self.problems.append(f"{where}: {value!r} is not a number.")
+            self.note(f"{where}: {value!r} is not a number.")
             return 1.0
 
     def finite(self, value: Any, unit: str, where: str) -> float:
@@ -74,13 +100,56 @@ class Reader:
         number = self.number(value, unit, where)
         if math.isfinite(number):
             return number
-        self.problems.append(f"{where}: the value is {number}; give a finite number.")
+        self.note(f"{where}: the value is {number}; give a finite number.")
         return 0.0
 
     def choice(self, value: Any, allowed: tuple[str, ...], where: str) -> Any:
         """One of a few words."""
         if value in allowed:
             return value
-        words = ", ".join(map(repr, allowed))
-        self.problems.append(f"{where}: {value!r} is none of {words}.")
+        self.note(f"{where}: {value!r} is none of {', '.join(map(repr, allowed))}.")
         return allowed[0]
+
+    def mapping(self, value: Any, word: str, like: str, where: str) -> Mapping[Any, Any]:
+        """The mapping that the keyword `word` takes; None, and anything else, is read as empty."""
+        if value is None or isinstance(value, Mapping):
+            return value or {}
+        self.note(f"{where}: {word}={value!r} is no mapping; write {like}.")
+        return {}
+
+    def elements(
+        self, names: Names, known: Mapping[str, Any], kind: str, where: str
+    ) -> tuple[str, ...]:
+        """The known elements among `names`, in the order of their declaration."""
+        chosen = [name_of(e) for e in ((names,) if isinstance(names, str) else names)]
+        for name in (n for n in chosen if n not in known):
+            self.note(f"{where}: no {kind} '{name}'; {nearest(name, known)}")
+        return tuple(name for name in known if name in chosen)
+
+    def states(self, values: Values, coordinates: Iterable[Coordinate], where: str) -> NamedValues:
+        """Values of coordinates and velocities (``"crank.phi"``, or the symbol) in SI units."""
+        units: dict[str, str] = {}
+        for q in coordinates:
+            units |= {dotted(q): q.unit, dotted(q.rate): q.measure.rate_unit}
+        numbers = {}
+        for key, value in values.items():
+            name = key if isinstance(key, str) else dotted(key)
+            if name in units:
+                numbers[name] = self.finite(value, units[name], f"{where}, {name}")
+            else:
+                hint = nearest(name, units)
+                self.note(f"{where}: '{name}' is no coordinate or velocity; {hint}")
+        return tuple(numbers.items())
+
+    def overrides(
+        self, values: Values, parameters: Mapping[str, ParameterDeclaration], where: str
+    ) -> NamedValues:
+        """Values of parameters in their declared units."""
+        numbers = {}
+        for name, value in ((name_of(key), value) for key, value in values.items()):
+            if name in parameters:
+                unit = parameters[name].unit
+                numbers[name] = self.number(value, unit, f"{where}, parameter '{name}'")
+            else:
+                self.note(f"{where}: no parameter '{name}'; {nearest(name, parameters)}")
+        return tuple(numbers.items())

@@ -6,10 +6,8 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Element, Statement
-from codegen.declare.parameter import ParameterDeclaration
-from codegen.declare.path_points import TRACKED
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import Coordinate, Parameter
+from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration
 from codegen.derive.constraints import (
     ConstraintTerms,
     constraint_terms,
@@ -29,6 +27,7 @@ from codegen.derive.switching_functions import (
     switches,
 )
 from codegen.model import Model
+from codegen.model.outputs import TRACKED
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from inspect import cleandoc
-from typing import Any, Literal, TypeVar, overload
+from typing import Any, Literal, TypeVar, dataclass_transform, overload
 
+from codegen.declare.element import Constraint
 from codegen.errors import ModelError
 
 Role = Literal["joint", "driver", "force"]
@@ -66,16 +67,20 @@ _KINDS: dict[str, Kind] = {}
 def element(cls: Class, /) -> Class: ...
 @overload
 def element(*, driver: bool = False) -> Callable[[Class], Class]: ...
+@dataclass_transform(eq_default=False, frozen_default=True)
 def element(
     cls: type[Any] | None = None, /, *, driver: bool = False
 ) -> type[Any] | Callable[[type[Any]], type[Any]]:
     """Register a class of joints, drivers or forces under its `kind`; a class decorator.
+
+    The class becomes ``@dataclass(frozen=True, eq=False)``, unless it has an ``__init__`` already.
 
     Parameters
     ----------
     cls
         A class that answers `Constraint` (`kind`, `name`, `bodies`, `problems()`, `statement()`)
         or `Effect` (`potential()` and `forces()` in place of `statement()`), with a docstring.
+        One that derives from either inherits all but `kind`, `name` and `statement()`.
     driver
         Whether its equations prescribe a motion: ``@element(driver=True)``.
 
@@ -96,6 +101,8 @@ def element(
         problems = _problems(cls)
         if problems:
             raise ModelError(problems)
+        if not any("__init__" in vars(c) for c in cls.__mro__[:-1] if not _is_protocol(c)):
+            cls = dataclass(frozen=True, eq=False)(cls)
         role: Role = "driver" if driver else "joint" if hasattr(cls, "statement") else "force"
         _KINDS[cls.kind] = Kind(cls.kind, role, cls)
         return cls
@@ -126,6 +133,10 @@ def _load() -> None:
         importlib.import_module(info.name)
 
 
+def _is_protocol(cls: type[Any]) -> bool:
+    return bool(getattr(cls, "_is_protocol", False))
+
+
 def _of_library(cls: type[Any]) -> bool:
     return cls.__module__.startswith(f"{LIBRARY}.")
 
@@ -139,6 +150,8 @@ def _problems(cls: type[Any]) -> list[str]:
         problems.append(f"{where} has no docstring; say in one sentence what it holds or exerts.")
     declared = {*dir(cls)}.union(*(vars(c).get("__annotations__", ()) for c in cls.__mro__))
     required = CONSTRAINT if "statement" in declared else EFFECT
+    if getattr(cls, "statement", None) is Constraint.statement:
+        declared.remove("statement")
     if missing := [word for word in required if word not in declared]:
         problems.append(
             f"{where} lacks {', '.join(missing)}; a joint or driver answers "

@@ -153,7 +153,7 @@ def _tables(lowered: Lowered, origin: Origin) -> dict[str, Any]:
         "DRIVERS": told.drivers,
         "SWITCHES": told.switches,
         **({"RIGID": told.rigid} if told.rigid else {}),
-        **({"SOUGHT": told.sought} if told.sought else {}),
+        **({"STICTION": told.stiction} if told.stiction else {}),
         "REACTIONS": told.reactions,
         "POWERS": told.powers,
         "START": told.start,

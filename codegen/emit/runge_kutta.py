@@ -23,6 +23,19 @@ FUNCTIONS = {
 ROWS = {"y0": "Y0", "y1": "Y1", "z": "STAGE", "atol": "ATOL"}
 """Rows of the workspace by the names that the text gives them."""
 
+IMPORTS = """
+import numpy as np
+
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
+from runtime.core.array_types import Integers
+from runtime.core.dense_output import hermite_rows
+from runtime.core.jit import addressed
+from runtime.core.rhs import evaluate_rhs
+from runtime.integrate.explicit import stability_limit
+from runtime.integrate.method import Method
+"""
+
 
 def module_text(name: str, tableau: Tableau) -> str:
     """The whole module of a method."""
@@ -31,8 +44,8 @@ def module_text(name: str, tableau: Tableau) -> str:
         f"# Do not edit: change the tableau, then run {COMMAND}",
         f'"""{tableau.about.strip()}',
         '"""',
-        "",
-        *_imports(tableau),
+        *IMPORTS.rstrip().split("\n"),
+        *_step_control(tableau),
         *_stages(tableau),
         *_error(tableau),
         *_dense(tableau),
@@ -42,31 +55,14 @@ def module_text(name: str, tableau: Tableau) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _imports(tableau: Tableau) -> Iterator[str]:
-    limited = tableau.stability_edge is not None
-    names = f"COORDINATES, DENSE, ERROR, {'PROPOSE, ' if limited else ''}STAGES"
-    yield from ("import numpy as np", "")
-    yield "from runtime.core.array_types import Integers"
-    yield "from runtime.core.dense_output import hermite_rows"
-    yield f"from runtime.core.function_table import {names}"
-    yield "from runtime.core.jit import addressed"
-    yield "from runtime.core.rhs import slope"
-    dense = "F, " if tableau.dense else ""
-    yield f"from runtime.core.workspace import ATOL, STAGE, Y0, Y1, {dense}K, row_of"
-    if limited:
-        yield "from runtime.integrate.explicit.stability_limit import ("
-        for name in ("memory", "observe", "permits_growth", "restart", "stable_ratio"):
-            yield f"    {name},"
-        yield ")"
-    hooks = "accepted" if limited else "accepted, restart"
-    yield f"from runtime.integrate.explicit.stateless import {hooks}"
-    yield "from runtime.integrate.method import Method"
-    if limited:
-        powers = ", ".join(repr(float(x)) for x in reversed(tableau.stability_function))
-        yield from ("", f"EDGE = {tableau.stability_edge!r}  # accuracy: as the tableau says")
-        yield from filled("POWERS = np.array([", items(powers), "])")
-    else:
+def _step_control(tableau: Tableau) -> Iterator[str]:
+    """The names that step control takes."""
+    if tableau.stability_edge is None:
         yield "from runtime.integrate.step_control import propose"
+        return
+    powers = ", ".join(repr(float(x)) for x in reversed(tableau.stability_function))
+    yield from ("", f"EDGE = {tableau.stability_edge!r}  # accuracy: as the tableau says")
+    yield from filled("POWERS = np.array([", items(powers), "])")
 
 
 def _stages(tableau: Tableau) -> Iterator[str]:
@@ -85,7 +81,7 @@ def _stage(number: int, stage: Stage) -> Iterator[str]:
     yield "    for j in range(length):"
     yield from filled("        z[j] = y0[j] + h * (", _terms(stage.a), ")")
     instant = "t + h" if stage.c == 1 else f"t + {float(stage.c)!r} * h"
-    called = f"slope(context, {instant}, STAGE, {_row(number)})"
+    called = f"evaluate_rhs(context, {instant}, ws.STAGE, {_row(number)})"
     yield f"    taken += {called}"
 
 
@@ -100,8 +96,8 @@ def _error(tableau: Tableau) -> Iterator[str]:
         yield f"        ratio = estimate / ({scale})"
         yield "        total += ratio * ratio"
         if tableau.stability_edge is not None:
-            yield "    if permits_growth(rtol, length, EDGE):"
-            yield f"        observe(context, {_row(tableau.last + 1)})"
+            yield "    if stability_limit.permits_growth(rtol, length, EDGE):"
+            yield f"        stability_limit.observe(context, {_row(tableau.last + 1)})"
         yield "    return float(np.sqrt(total / length))"
         return
     second = [*_terms(tableau.b), *_terms(tuple(-x for x in tableau.lower), first=False)]
@@ -131,7 +127,7 @@ def _dense(tableau: Tableau) -> Iterator[str]:
         yield from _stage(number, stage)
     yield f"    hermite_rows(context, h, {_row(tableau.last + 1)})"
     for k in range(len(tableau.dense)):
-        yield f"    f{HERMITE + k} = row_of(context, F + {HERMITE + k})"
+        yield f"    f{HERMITE + k} = ws.row_of(context, ws.F + {HERMITE + k})"
     if tableau.dense:
         yield "    for j in range(length):"
     for k, weights in enumerate(tableau.dense, HERMITE):
@@ -141,7 +137,7 @@ def _dense(tableau: Tableau) -> Iterator[str]:
 
 def _propose(tableau: Tableau) -> Iterator[str]:
     yield from _head("propose", "Ratio of the next step's length to this accepted one's.")
-    yield "    return float(stable_ratio(context, h, POWERS, EDGE))"
+    yield "    return float(stability_limit.stable_ratio(context, h, POWERS, EDGE))"
 
 
 def _record(tableau: Tableau) -> Iterator[str]:
@@ -156,11 +152,14 @@ def _record(tableau: Tableau) -> Iterator[str]:
     yield from filled("    nodes=(", items(nodes), "),")
     for name in ("beta", "safety", "shrink", "grow"):
         yield f"    {name}={getattr(tableau, name)!r},"
-    for name in ("stages", "error", "dense", "propose", "accepted", "restart"):
+    for name in FUNCTIONS:
         yield f"    {name}={name},"
-    if tableau.stability_edge is not None:
-        yield "    memory=memory,"
-    yield ")"
+    yield "    accepted=stability_limit.idle,"
+    if tableau.stability_edge is None:
+        yield from ("    restart=stability_limit.idle,", ")")
+    else:
+        hooks = ("restart", "memory")
+        yield from (*(f"    {name}=stability_limit.{name}," for name in hooks), ")")
 
 
 # -- lines -----------------------------------------------------------------------------------
@@ -168,22 +167,22 @@ def _record(tableau: Tableau) -> Iterator[str]:
 
 def _head(name: str, summary: str) -> Iterator[str]:
     kind, arguments, result = FUNCTIONS[name]
-    yield from ("", "", f"@addressed({kind})")
+    yield from ("", "", f"@addressed(ft.{kind})")
     yield from filled(f"def {name}(", items(arguments), f") -> {result}:")
     yield f'    """{summary}"""'
 
 
 def _views(rows: Sequence[str], stages: Sequence[int]) -> Iterator[str]:
-    yield "    length = 2 * context[COORDINATES]"
+    yield "    length = 2 * context[ft.COORDINATES]"
     for name in rows:
-        yield f"    {name} = row_of(context, {ROWS[name]})"
+        yield f"    {name} = ws.row_of(context, ws.{ROWS[name]})"
     for number in stages:
-        yield f"    k{number} = row_of(context, {_row(number)})"
+        yield f"    k{number} = ws.row_of(context, {_row(number)})"
 
 
 def _row(number: int) -> str:
     """The workspace's row of a stage's derivative."""
-    return "K" if number == 1 else f"K + {number - 1}"
+    return "ws.K" if number == 1 else f"ws.K + {number - 1}"
 
 
 def _used(*rows: Weights) -> list[int]:

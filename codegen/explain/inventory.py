@@ -4,13 +4,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from codegen.declare.element import Constraint, Effect, friction_law
-from codegen.declare.path_points import TRACKED
 from codegen.declare.scene import Scene
 from codegen.derive.equations import active_joints
 from codegen.model import Model
 from codegen.model.couplers import FORMS
 from codegen.model.fidelities import NONE
-from codegen.model.outputs import ALL, GROUPS
+from codegen.model.outputs import ALL, GROUPS, TRACKED
 
 
 @dataclass(frozen=True)
@@ -48,15 +47,13 @@ class _Inventory:
         self.joints = active_joints(model, scene)
 
     def entries(self) -> Iterator[Entry]:
-        """Joints, drivers, effects, then what comes in more than one fidelity."""
-        for joint in self.model.joints.values():
-            yield self._joint(joint)
+        """Joints, drivers, effects, then the fidelities."""
+        yield from map(self._joint, self.model.joints.values())
         for name, driver in self.model.drivers.items():
             acts = name in self.scene.drivers
             why = self._named(name) if acts else self._absent(name)
             yield Entry(name, driver.kind, "driver", acts, why)
-        for name in self.model.effects:
-            yield self._effect(name)
+        yield from map(self._effect, self.model.effects)
         yield from self._fidelities()
 
     def _joint(self, joint: Constraint) -> Entry:
@@ -142,23 +139,21 @@ class _Inventory:
             for word, form in forms.items():
                 acts = taken is not None and self.scene.analysis != "kinematics" and word == whole
                 why = f"'{whole}' is chosen" if taken is not None else f"'{name}' does not act"
-                if isinstance(form, str):
-                    why = f"it {form}"
-                elif acts:
-                    why = "chosen by the scene" if name in self.how else "as declared"
-                yield Entry(f"{name}: {word}", "fidelity", "fidelity", acts, why)
-        for name in self.model.couplers:
-            yield from self._words_of(name, FORMS, self.how.get(name, FORMS[0]))
-        for group, choices in self.model.groups.items():
-            yield from self._words_of(group, tuple(choices), self.choices[group])
+                yield self._word(name, word, acts, f"it {form}" if isinstance(form, str) else why)
+        choices: dict[str, tuple[tuple[str, ...], str]] = {
+            name: (FORMS, self.how.get(name, FORMS[0])) for name in self.model.couplers
+        }
+        choices |= {
+            group: (tuple(c), self.choices[group]) for group, c in self.model.groups.items()
+        }
+        for name, (words, chosen) in choices.items():
+            for word in dict.fromkeys(words):
+                yield self._word(name, word, word == chosen, f"'{chosen}' is chosen")
 
-    def _words_of(self, name: str, words: tuple[str, ...], chosen: str) -> Iterator[Entry]:
-        for word in dict.fromkeys(words):
-            acts = word == chosen
-            why = f"'{chosen}' is chosen"
-            if acts:
-                why = "chosen by the scene" if name in self.how else "as declared"
-            yield Entry(f"{name}: {word}", "fidelity", "fidelity", acts, why)
+    def _word(self, name: str, word: str, acts: bool, otherwise: str) -> Entry:
+        """A word that a fidelity may take."""
+        taken = "chosen by the scene" if name in self.how else "as declared"
+        return Entry(f"{name}: {word}", "fidelity", "fidelity", acts, taken if acts else otherwise)
 
 
 @dataclass(frozen=True)
@@ -172,7 +167,7 @@ class OutputEntry:
 
 def output_inventory(model: Model, scene: Scene) -> tuple[OutputEntry, ...]:
     """The groups of outputs, and those of single elements that the scene names."""
-    found = []
+    entries = []
     for word in GROUPS:
         reported = word in ALL if scene.outputs is None else word in scene.outputs
         why = "named by the scene" if reported else "the scene does not name it"
@@ -182,6 +177,6 @@ def output_inventory(model: Model, scene: Scene) -> tuple[OutputEntry, ...]:
             reported, why = False, "a kinematic scene has no masses and no forces"
         elif scene.analysis == "equilibrium" and word in ("powers", "works"):
             reported, why = False, "a scene for equilibrium has no motion"
-        found.append(OutputEntry(word, reported, why))
+        entries.append(OutputEntry(word, reported, why))
     single = [word for word in scene.outputs or () if word not in GROUPS]
-    return (*found, *(OutputEntry(word, True, "named by the scene") for word in single))
+    return (*entries, *(OutputEntry(word, True, "named by the scene") for word in single))

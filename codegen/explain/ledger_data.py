@@ -16,10 +16,9 @@ class Part:
     acts, why
         Whether it is in, and the reason.
     operations
-        Kernel → what this part adds; see `codegen.explain.incremental_cost.operations_by_part`.
+        Kernel → its incremental cost (`codegen.explain.operation_costs`).
     own
-        Of an effect: kernel → operations that would be gone without it
-        (`codegen.explain.marginal_cost`).
+        Of an effect: kernel → its marginal cost.
     nanoseconds
         Measured time that it adds to an evaluation of `accelerations`; None without a measurement.
     events
@@ -42,10 +41,29 @@ class Part:
     run_retakes: float | None = None
     run_seconds: float | None = None
 
+    @property
+    def solving(self) -> int:
+        """Its operations in the kernel `accelerations`."""
+        return self.operations.get("accelerations", 0)
+
+    @property
+    def total(self) -> int:
+        """Its operations in all kernels."""
+        return sum(self.operations.values())
+
 
 @dataclass(frozen=True)
 class RunCosts:
-    """Costs of a run; see `codegen.explain.run_cost.Run`."""
+    """Costs of a run with the scene's defaults.
+
+    Attributes
+    ----------
+    evaluations, steps, rejected, retakes
+        Evaluations of `accelerations`; steps accepted, rejected for their error, and repeated for
+        the location of events.
+    seconds
+        Wall time of the integration.
+    """
 
     t_end: float
     evaluations: int
@@ -84,3 +102,13 @@ class Ledger:
     outputs: tuple[OutputEntry, ...]
     nanoseconds: float | None = None
     run: RunCosts | None = None
+
+    @property
+    def title(self) -> str:
+        """Machine and scene."""
+        return f"{self.model}, scene {self.scene}"
+
+    @property
+    def parts_nanoseconds(self) -> float:
+        """Sum of the times of the parts."""
+        return sum(part.nanoseconds or 0.0 for part in self.parts)

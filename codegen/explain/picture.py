@@ -4,7 +4,7 @@ import io
 from collections.abc import Iterator, Sequence
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from codegen.errors import InputError
 from codegen.explain.ledger_data import Ledger, Part
@@ -47,8 +47,7 @@ def write(ledgers: Sequence[Ledger], path: Path) -> Path:
         if path.suffix == ".html":
             path.write_text(page(ledgers), encoding="utf-8")
         else:
-            picture = figure(ledgers)
-            _saved(picture, path)
+            _save(figure(ledgers), path)
     except OSError as error:
         raise InputError(f"--out {path}: {error.strerror or error}.") from error
     return path
@@ -64,13 +63,13 @@ def figure(ledgers: Sequence[Ledger]) -> "Figure":
         ) from error
     bars = [bar for ledger in ledgers for bar in _panels(ledger)]
     heights = [0.55 + 0.3 * len(rows) for _, _, rows, _ in bars]
-    made = Figure(figsize=(9.0, 0.5 + sum(heights)), layout="constrained", dpi=130)
-    axes = made.subplots(len(bars), 1, squeeze=False, height_ratios=heights)[:, 0]
+    picture = Figure(figsize=(9.0, 0.5 + sum(heights)), layout="constrained", dpi=130)
+    axes = picture.subplots(len(bars), 1, squeeze=False, height_ratios=heights)[:, 0]
     for place, (ledger, unit, rows, title) in zip(axes, bars, strict=True):
         _stack(place, _coloured(ledger), rows)
         place.set_title(title, loc="left", fontsize=10)
         place.set_xlabel(unit, fontsize=9)
-    return made
+    return picture
 
 
 Rows = dict[str, dict[str, float]]
@@ -78,15 +77,15 @@ Rows = dict[str, dict[str, float]]
 
 
 def _panels(ledger: Ledger) -> Iterator[tuple[Ledger, str, Rows, str]]:
-    title = f"{ledger.model}, scene {ledger.scene}"
     operations: Rows = {
         kernel: {p.name: float(p.operations.get(kernel, 0)) for p in ledger.parts}
         for kernel in ledger.kernels
     }
-    yield ledger, "operations", operations, f"{title}: operations"
+    yield ledger, "operations", operations, f"{ledger.title}: operations"
     if ledger.nanoseconds is not None:
         times = {p.name: p.nanoseconds or 0.0 for p in ledger.parts}
-        yield ledger, "ns", {"accelerations": times}, f"{title}: time of an evaluation, measured"
+        title = f"{ledger.title}: time of an evaluation, measured"
+        yield ledger, "ns", {"accelerations": times}, title
 
 
 def _coloured(ledger: Ledger) -> dict[str, str]:
@@ -100,7 +99,7 @@ def _coloured(ledger: Ledger) -> dict[str, str]:
 
 
 def _weight(part: Part) -> float:
-    return sum(part.operations.values()) + 10 * abs(part.nanoseconds or 0.0)
+    return part.total + 10 * abs(part.nanoseconds or 0.0)
 
 
 def _stack(axes: "Axes", colours: dict[str, str], rows: Rows) -> None:
@@ -123,9 +122,9 @@ def _stack(axes: "Axes", colours: dict[str, str], rows: Rows) -> None:
     axes.tick_params(axis="x", labelsize=8)
     axes.grid(visible=True, axis="x", alpha=0.3, linewidth=0.4)
     axes.set_axisbelow(True)
-    totals = [sum(x for x in row.values() if x > 0.0) for row in rows.values()]
+    above = [sum(x for x in row.values() if x > 0.0) for row in rows.values()]
     below = [sum(x for x in row.values() if x < 0.0) for row in rows.values()]
-    axes.set_xlim(1.05 * min(below, default=0.0), 1.08 * max(totals, default=1.0) or 1.0)
+    axes.set_xlim(1.05 * min(below, default=0.0), 1.08 * max(above, default=1.0) or 1.0)
     _legend(axes, colours, rows)
 
 
@@ -147,15 +146,13 @@ def _short(value: float) -> str:
     return f"{value:.0f}" if value == round(value) else f"{value:.1f}"
 
 
-def _saved(picture: "Figure", target: Path | io.StringIO) -> None:
+def _save(picture: "Figure", target: Path | io.StringIO) -> None:
     import matplotlib as mpl
 
     svg = isinstance(target, io.StringIO) or target.suffix == ".svg"
+    options: dict[str, Any] = {"format": "svg", "metadata": {"Date": None}} if svg else {}
     with mpl.rc_context({"svg.hashsalt": "linkwright", "svg.fonttype": "none"}):
-        if svg:
-            picture.savefig(target, format="svg", metadata={"Date": None})
-        else:
-            picture.savefig(target)
+        picture.savefig(target, **options)
 
 
 def page(ledgers: Sequence[Ledger]) -> str:
@@ -163,10 +160,10 @@ def page(ledgers: Sequence[Ledger]) -> str:
     parts = []
     for ledger in ledgers:
         stream = io.StringIO()
-        _saved(figure([ledger]), stream)
+        _save(figure([ledger]), stream)
         text = stream.getvalue()
-        heading = escape(f"{ledger.model}, scene {ledger.scene}")
-        parts += [f"<h1>{heading}</h1>", text[text.index("<svg") :], _table(ledger)]
+        heading = f"<h1>{escape(ledger.title)}</h1>"
+        parts += [heading, text[text.index("<svg") :], _table(ledger)]
     body = "\n".join(parts)
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>What a scene costs'
@@ -180,8 +177,8 @@ def _table(ledger: Ledger) -> str:
     for part in ledger.parts:
         texts = (part.name, "in" if part.acts else "out", part.kind, part.why)
         numbers = (
-            part.operations.get("accelerations", 0) or "",
-            sum(part.operations.values()) or "",
+            part.solving or "",
+            part.total or "",
             "" if part.nanoseconds is None else f"{part.nanoseconds:.1f}",
             len(part.events) or "",
         )

@@ -5,45 +5,24 @@ module is imported. The import rules name the exception.
 """
 
 from collections import Counter
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from codegen.errors import InputError
-from codegen.explain.kernel_timer import Floats
+from codegen.explain.ledger_data import RunCosts
 from codegen.explain.sample_states import COUNT
 
 MEASURED = 2  # measured: runs of which the faster counts; the first may find cold caches
 
 
-@dataclass(frozen=True)
-class Run:
-    """A run with the scene's defaults.
+class Run(NamedTuple):
+    """The costs of a run, effect → number of its events, and the states along it: t, q, v."""
 
-    Attributes
-    ----------
-    evaluations, steps, rejected, retakes
-        Evaluations of `accelerations`; steps accepted, rejected for their error, and repeated for
-        the location of events.
-    seconds
-        Wall time of the integration.
-    events
-        Effect → number of its events.
-    t, q, v
-        States along the run, (k,), (k, n), (k, n).
-    """
-
-    t_end: float
-    evaluations: int
-    steps: int
-    rejected: int
-    retakes: int
-    seconds: float
-    events: dict[str, int]
-    t: Floats
-    q: Floats
-    v: Floats
+    costs: RunCosts
+    events: Counter[str]
+    samples: Any
 
 
 def simulate(model: Path, scene: str, t_end: float) -> Run:
@@ -62,15 +41,10 @@ def simulate(model: Path, scene: str, t_end: float) -> Run:
     first = results[0]
     if first.failed:
         raise InputError(f"--run: the run does not reach its end; {first.message}")
-    return Run(
-        t_end,
-        int(first.stats["rhs_evaluations"]),
-        int(first.stats["steps"]),
-        int(first.stats["rejected"]),
-        int(first.stats["retakes"]),
-        min(result.stats["integration_seconds"] for result in results),
-        Counter(event.name.partition(":")[0] for event in first.events),
-        first.samples.t,
-        first.samples.q,
-        first.samples.v,
+    events = Counter(event.name.partition(":")[0] for event in first.events)
+    seconds = min(result.stats["integration_seconds"] for result in results)
+    evaluations, steps, rejected, retakes = (
+        int(first.stats[name]) for name in ("rhs_evaluations", "steps", "rejected", "retakes")
     )
+    costs = RunCosts(t_end, evaluations, steps, rejected, retakes, events.total(), seconds)
+    return Run(costs, events, first.samples)

@@ -1,18 +1,18 @@
 """Comparison of two scenes of a machine, part by part."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from codegen.explain.ledger_data import Ledger, Part
 
 
 @dataclass(frozen=True)
 class Row:
-    """A part in both scenes; a side is None where the scene's ledger does not know it.
+    """A part in both scenes.
 
     Attributes
     ----------
     acts
-        Whether it is in.
+        Whether it is in; None where the scene's ledger does not know it.
     accelerations, operations
         Operations of the kernel `accelerations`, and of all kernels.
     nanoseconds
@@ -39,37 +39,31 @@ class Comparison:
 def compare(first: Ledger, second: Ledger) -> Comparison:
     """The parts of two ledgers in the order of declaration, shared work last."""
     sides = [{part.name: part for part in ledger.parts} for ledger in (first, second)]
-    names = [name for name, part in sides[0].items() if part.role != "shared"]
-    names += [name for name, part in sides[1].items() if part.role != "shared"]
-    names += [name for side in sides for name, part in side.items() if part.role == "shared"]
-    rows = tuple(
-        _row(name, sides[0].get(name), sides[1].get(name)) for name in dict.fromkeys(names)
-    )
-    total = Row(
-        "total",
-        (None, None),
-        (first.totals.get("accelerations", 0), second.totals.get("accelerations", 0)),
-        (sum(first.totals.values()), sum(second.totals.values())),
-        (_whole(first), _whole(second)),
-    )
-    return Comparison(first, second, rows, total)
+    names = [
+        name
+        for shared in (False, True)
+        for side in sides
+        for name, part in side.items()
+        if (part.role == "shared") is shared
+    ]
+    rows = tuple(_row(name, *(side.get(name) for side in sides)) for name in dict.fromkeys(names))
+    whole = (_whole(ledger) for ledger in (first, second))
+    return Comparison(first, second, rows, replace(_row("total", *whole), acts=(None, None)))
+
+
+def _whole(ledger: Ledger) -> Part:
+    """All parts as one."""
+    time = None if ledger.nanoseconds is None else ledger.parts_nanoseconds
+    return Part("total", "", "", True, "", ledger.totals, nanoseconds=time)
 
 
 def _row(name: str, one: Part | None, other: Part | None) -> Row:
-    pair = (one, other)
-    acts, time = ([getattr(p, key, None) for p in pair] for key in ("acts", "nanoseconds"))
-    solving = [p.operations.get("accelerations", 0) if p else 0 for p in pair]
-    every = [sum(p.operations.values()) if p else 0 for p in pair]
+    absent = Part(name, "", "", False, "")
+    a, b = one or absent, other or absent
     return Row(
         name,
-        (acts[0], acts[1]),
-        (solving[0], solving[1]),
-        (every[0], every[1]),
-        (time[0], time[1]),
+        (one.acts if one else None, other.acts if other else None),
+        (a.solving, b.solving),
+        (a.total, b.total),
+        (a.nanoseconds, b.nanoseconds),
     )
-
-
-def _whole(ledger: Ledger) -> float | None:
-    if ledger.nanoseconds is None:
-        return None
-    return sum(part.nanoseconds or 0.0 for part in ledger.parts)

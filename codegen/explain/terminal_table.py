@@ -1,15 +1,46 @@
-"""Ledgers on a terminal: a part a row, no wider than a person reads."""
+"""Ledgers on a terminal: a part a row, no wider than a person reads; or as one JSON object."""
 
+import json
 import shutil
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict
 
+import typer
+from rich.console import Console
 from rich.table import Table
 
-from codegen.explain.ledger_data import Ledger, Part
+from codegen.explain.ledger_data import Ledger, Part, RunCosts
 from codegen.explain.scene_comparison import Comparison
 
 NARROW, WIDE, UNKNOWN = 80, 140, 120
 """Columns that a table has at least and at most, and where nothing says how wide the screen is."""
+PAPER = 1000
+"""Columns of a table that is as wide as its content, whatever the terminal."""
+
+
+def show(
+    ledgers: tuple[Ledger, ...], comparison: Comparison | None, *, kernels: bool, as_json: bool
+) -> None:
+    """Print the ledgers, or their comparison, on stdout; with `kernels` also the wide tables."""
+    if as_json:
+        answer: dict[str, object] = {"scenes": [asdict(ledger) for ledger in ledgers]}
+        if comparison is not None:
+            answer["differences"] = [asdict(row) for row in (*comparison.rows, comparison.total)]
+        typer.echo(json.dumps(answer))
+        return
+    screen = Console(width=width(), highlight=False)
+    if comparison is not None:
+        screen.print(comparison_table(comparison))
+    for ledger in ledgers:
+        if comparison is None:
+            screen.print(part_table(ledger))
+        if ledger.run is not None:
+            screen.print(run_table(ledger, ledger.run))
+        if kernels:
+            Console(width=PAPER, highlight=False).print(kernel_table(ledger))
+        scene = f"{ledger.scene}: " if comparison is not None else ""
+        for line in notes(ledger):
+            screen.print(f"  {scene}{line}", markup=False)
 
 
 def width() -> int:
@@ -17,70 +48,78 @@ def width() -> int:
     return min(max(shutil.get_terminal_size((UNKNOWN, 24)).columns, NARROW), WIDE)
 
 
-Column = tuple[str, Callable[[Part], str]]
-
-
-def table(ledger: Ledger) -> Table:
-    """What is in, with its costs, and what is out, with the reason."""
-    made = Table(title=f"{ledger.model}, scene {ledger.scene}")
-    made.add_column("part", no_wrap=True, max_width=24)
-    made.add_column("", no_wrap=True)
-    made.add_column("why", overflow="fold", ratio=1)
+def part_table(ledger: Ledger) -> Table:
+    """The parts that are in, with their costs, and those that are out, with the reason."""
+    table = Table(title=ledger.title)
+    table.add_column("part", no_wrap=True, max_width=24)
+    table.add_column("", no_wrap=True)
+    table.add_column("why", overflow="fold", ratio=1)
     columns = _columns(ledger)
-    for title, _ in columns:
-        made.add_column(title, justify="right", no_wrap=True)
+    for title, *_ in columns:
+        table.add_column(title, justify="right", no_wrap=True)
     for section in _sections(ledger):
         for part in section:
-            texts = (show(part) for _, show in columns)
+            texts = (text(part) for _, text, _ in columns)
             reason = part.kind if part.role == "shared" else f"{part.kind}; {part.why}"
-            made.add_row(part.name, "in" if part.acts else "out", reason, *texts)
-        made.add_section()
-    made.add_row("total", "", "", *(_total(ledger, title) for title, _ in columns))
-    return made
+            table.add_row(part.name, "in" if part.acts else "out", reason, *texts)
+        table.add_section()
+    table.add_row("total", "", "", *(total for *_, total in columns))
+    return table
 
 
-def run_table(ledger: Ledger) -> Table:
-    """What a run spent on each part that took any of it."""
-    made = Table("part", title=f"{ledger.model}, scene {ledger.scene}: the run")
-    whole = ledger.run.seconds if ledger.run else 0.0
+def _columns(ledger: Ledger) -> list[tuple[str, Callable[[Part], str], str]]:
+    """(title, text of a part, total) of each column of numbers."""
+    solving, every = ledger.totals.get("accelerations", 0), sum(ledger.totals.values())
+    events = sum(len(part.events) for part in ledger.parts)
+    time = f"{ledger.parts_nanoseconds:.1f}"
+    columns: list[tuple[str, Callable[[Part], str], str]] = [
+        ("acc.", lambda part: _count(part.solving), str(solving)),
+        ("all", lambda part: _count(part.total), str(every)),
+        ("ns", lambda part: _number(part.nanoseconds or None), time),
+        ("events", lambda part: _count(len(part.events)), str(events)),
+    ]
+    return [column for column in columns if column[0] != "ns" or ledger.nanoseconds is not None]
+
+
+def run_table(ledger: Ledger, run: RunCosts) -> Table:
+    """The time that a run spent on each part that took any of it."""
+    table = Table("part", title=f"{ledger.title}: the run")
     for title in ("events", "steps again", "µs", "% of the run"):
-        made.add_column(title, justify="right", no_wrap=True)
+        table.add_column(title, justify="right", no_wrap=True)
+
+    def costs(seconds: float) -> tuple[str, str]:
+        share = f"{100 * seconds / run.seconds:.2f}" if run.seconds else ""
+        return f"{1e6 * seconds:.1f}", share
+
     spent = [part for part in ledger.parts if part.run_seconds or part.run_events]
-    rest = whole - sum(part.run_seconds or 0.0 for part in spent)
     for part in spent:
         again = _count(round(part.run_retakes or 0.0))
-        costs = _microseconds(part.run_seconds or 0.0, whole)
-        made.add_row(part.name, _count(part.run_events or 0), again, *costs)
-    made.add_section()
-    made.add_row("all other work of the run", "", "", *_microseconds(rest, whole))
-    if ledger.run is not None:
-        counts = str(ledger.run.events), str(ledger.run.retakes)
-        made.add_row("total", *counts, *_microseconds(whole, whole))
-    return made
+        table.add_row(part.name, _count(part.run_events or 0), again, *costs(part.run_seconds or 0))
+    table.add_section()
+    rest = run.seconds - sum(part.run_seconds or 0.0 for part in spent)
+    table.add_row("all other work of the run", "", "", *costs(rest))
+    table.add_row("total", str(run.events), str(run.retakes), *costs(run.seconds))
+    return table
 
 
-def _microseconds(seconds: float, whole: float) -> tuple[str, str]:
-    return f"{1e6 * seconds:.1f}", f"{100 * seconds / whole:.2f}" if whole else ""
-
-
-def matrix(ledger: Ledger) -> Table:
+def kernel_table(ledger: Ledger) -> Table:
     """Operations of every part in every kernel."""
-    made = Table("part", "kind", title=f"{ledger.model}, scene {ledger.scene}: operations")
+    table = Table("part", "kind", title=f"{ledger.title}: operations")
     for kernel in ledger.kernels:
-        made.add_column(kernel, justify="right")
+        table.add_column(kernel, justify="right")
     for part in ledger.parts:
         if part.acts and part.role != "fidelity":
             counts = (str(part.operations.get(k, "")) for k in ledger.kernels)
-            made.add_row(part.name, part.kind, *counts)
-    made.add_section()
-    made.add_row("total", "", *(str(ledger.totals[k]) for k in ledger.kernels))
-    return made
+            table.add_row(part.name, part.kind, *counts)
+    table.add_section()
+    table.add_row("total", "", *(str(ledger.totals[k]) for k in ledger.kernels))
+    return table
 
 
 def notes(ledger: Ledger) -> Iterator[str]:
-    """What a table has no room for, a line each."""
-    told = [entry.name for entry in ledger.outputs if entry.asked]
-    yield f"outputs: {', '.join(told) or 'the motion alone'}"
+    """Outputs, measurement and run, for which a table has no room, a line each."""
+    reported = [entry.name for entry in ledger.outputs if entry.asked]
+    yield f"outputs: {', '.join(reported) or 'the motion alone'}"
     silent: dict[str, list[str]] = {}
     for entry in ledger.outputs:
         if not entry.asked:
@@ -88,12 +127,12 @@ def notes(ledger: Ledger) -> Iterator[str]:
     for why, names in silent.items():
         yield f"without {', '.join(names)}: {why}"
     if ledger.nanoseconds is not None:
-        parts = sum(part.nanoseconds or 0.0 for part in ledger.parts)
+        parts = ledger.parts_nanoseconds
         off = parts - ledger.nanoseconds
-        part = 100 * off / ledger.nanoseconds if ledger.nanoseconds > 0.0 else 0.0
+        percent = 100 * off / ledger.nanoseconds if ledger.nanoseconds > 0.0 else 0.0
         yield (
             f"an evaluation of accelerations, timed by itself: {ledger.nanoseconds:.1f} ns; its "
-            f"parts add up to {parts:.1f} ns ({off:+.1f} ns, {part:+.1f} %)"
+            f"parts add up to {parts:.1f} ns ({off:+.1f} ns, {percent:+.1f} %)"
         )
     if ledger.run is not None:
         took = ledger.run
@@ -104,36 +143,27 @@ def notes(ledger: Ledger) -> Iterator[str]:
         )
 
 
-def compared(comparison: Comparison) -> Table:
+def comparison_table(comparison: Comparison) -> Table:
     """Two scenes side by side, and what the second has more."""
     first, second = comparison.first, comparison.second
-    made = Table(title=f"{first.model}: A = {first.scene}, B = {second.scene}")
-    made.add_column("part", overflow="fold")
+    table = Table(title=f"{first.model}: A = {first.scene}, B = {second.scene}")
+    table.add_column("part", overflow="fold")
     timed = first.nanoseconds is not None or second.nanoseconds is not None
-    for what in ("in", "accelerations", "all kernels", *(["ns"] if timed else [])):
-        short = {"accelerations": "acc.", "all kernels": "all"}.get(what, what)
-        for side in ("A", "B"):
-            made.add_column(f"{short} {side}", justify="right", no_wrap=True)
-        if what != "in":
-            made.add_column("B-A", justify="right", no_wrap=True)
-    rows = [*comparison.rows, None]
-    for row in rows:
-        found = row or comparison.total
-        if row is None:
-            made.add_section()
-        texts = [_sided(found.acts, lambda x: "in" if x else "out")] if row else [["", ""]]
-        texts += [_pair(found.accelerations), _pair(found.operations)]
-        texts += [_pair(found.nanoseconds)] if timed else []
-        made.add_row(found.name, *(text for pair in texts for text in pair))
-    return made
-
-
-def _sided(pair: tuple[object, object], show: Callable[[object], str]) -> list[str]:
-    return ["-" if side is None else show(side) for side in pair]
+    for title in ("in", "acc.", "all", *(["ns"] if timed else [])):
+        for head in (f"{title} A", f"{title} B", *(["B-A"] if title != "in" else [])):
+            table.add_column(head, justify="right", no_wrap=True)
+    for row in (*comparison.rows, comparison.total):
+        acts = ["-" if side is None else "in" if side else "out" for side in row.acts]
+        if row is comparison.total:
+            table.add_section()
+            acts = ["", ""]
+        times = _pair(row.nanoseconds) if timed else []
+        table.add_row(row.name, *acts, *_pair(row.accelerations), *_pair(row.operations), *times)
+    return table
 
 
 def _pair(pair: tuple[float | None, float | None]) -> list[str]:
-    """Both values and their difference; what is nothing in both is left blank."""
+    """Both values and their difference; blank where both are nothing."""
     if not any(pair):
         return ["", "", ""]
     change = (pair[1] or 0) - (pair[0] or 0)
@@ -146,33 +176,12 @@ def _number(value: float | None, sign: str = "") -> str:
     return f"{value:{sign}d}" if isinstance(value, int) else f"{value:{sign}.1f}"
 
 
+def _count(number: int) -> str:
+    return str(number) if number else ""
+
+
 def _sections(ledger: Ledger) -> Iterator[Sequence[Part]]:
     inside = [part for part in ledger.parts if part.acts]
     yield [part for part in inside if part.role != "shared"]
     yield [part for part in inside if part.role == "shared"]
     yield [part for part in ledger.parts if not part.acts]
-
-
-def _columns(ledger: Ledger) -> list[Column]:
-    found: list[Column] = [
-        ("acc.", lambda part: _count(part.operations.get("accelerations", 0))),
-        ("all", lambda part: _count(sum(part.operations.values()))),
-    ]
-    if ledger.nanoseconds is not None:
-        found.append(("ns", lambda part: _number(part.nanoseconds or None)))
-    found.append(("events", lambda part: _count(len(part.events))))
-    return found
-
-
-def _count(number: int) -> str:
-    return str(number) if number else ""
-
-
-def _total(ledger: Ledger, title: str) -> str:
-    if title == "acc.":
-        return str(ledger.totals.get("accelerations", 0))
-    if title == "all":
-        return str(sum(ledger.totals.values()))
-    if title == "ns":
-        return f"{sum(part.nanoseconds or 0.0 for part in ledger.parts):.1f}"
-    return str(sum(len(part.events) for part in ledger.parts))

@@ -69,7 +69,7 @@ class SceneReport:
     @property
     def companions(self) -> tuple[CompanionReport, ...]:
         """Its companion modules."""
-        return tuple(made for made in (self.tangents, self.reduced) if made)
+        return tuple(report for report in (self.tangents, self.reduced) if report)
 
 
 @dataclass(frozen=True)

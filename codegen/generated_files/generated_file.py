@@ -3,11 +3,12 @@
 import hashlib
 import os
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
+from typing import NamedTuple
 
 from codegen.artefact import alone
 from codegen.errors import GeneratedFileError
@@ -68,6 +69,38 @@ class File:
         """SHA-256 of the text."""
         return hashlib.sha256(self.text.encode()).hexdigest()
 
+    def bring_up_to_date(self, check: bool) -> None:
+        """Write the file unless it is current or this is a check; note whether it was stale."""
+        stale = not is_current(self.path, self.text)
+        self.changed = stale if check else write_if_changed(self.path, self.text)
+
+
+class Written(NamedTuple):
+    """The files of a folder, and those among them that were missing, old, or of nothing."""
+
+    paths: tuple[Path, ...]
+    stale: tuple[Path, ...]
+
+
+def write_folder(
+    folder: Path, texts: Mapping[str, str], *, others: str = "", check: bool = False
+) -> Written:
+    """Write texts by name into a folder, those that are not there; unless `check`, write nothing.
+
+    Files that match the pattern `others` and have no text count as stale, and are left alone.
+
+    Raises
+    ------
+    GeneratedFileError
+        If the folder cannot be created or written.
+    """
+    files = {folder / name: text for name, text in texts.items()}
+    stale = [path for path, text in files.items() if not is_current(path, text)]
+    for path in () if check else stale:
+        write_if_changed(path, files[path])
+    stale += sorted(path for path in folder.glob(others) if path not in files) if others else []
+    return Written(tuple(files), tuple(stale))
+
 
 def write_if_changed(path: Path, text: str) -> bool:
     """Write `text` to `path`, whole or not at all; False if the file holds it already.
@@ -83,7 +116,7 @@ def write_if_changed(path: Path, text: str) -> bool:
         if is_current(path, text):
             return False
         path.parent.mkdir(parents=True, exist_ok=True)
-        with alone(path):
+        with alone(path) if path.suffix == ".py" else nullcontext():
             _replace(path, text)
     except OSError as error:
         raise GeneratedFileError(

@@ -43,15 +43,15 @@ def _compile_apart(path: Path) -> float:
     )
     folder = Path(__file__).resolve().parents[2]
     path_list = os.pathsep.join(filter(None, [str(folder), os.environ.get("PYTHONPATH")]))
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", code, str(path)],
         env={**os.environ, "PYTHONPATH": path_list},
         capture_output=True,
         text=True,
         check=False,
     )
-    if done.returncode:
+    if process.returncode:
         raise GeneratedFileError(
-            f"{path} does not compile; numba says: {done.stderr.strip().splitlines()[-1:]}"
+            f"{path} does not compile; numba says: {process.stderr.strip().splitlines()[-1:]}"
         )
     return perf_counter() - started

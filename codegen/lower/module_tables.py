@@ -41,7 +41,7 @@ class Description:
         (effect, condition), and ``"friction"`` or ``"contact"`` where it is one.
     rigid
         (effect, number of its switch) of each rigid contact.
-    sought
+    stiction
         (effect, number of its switch) of each friction whose stiction force a run determines; these
         forces stand in ``p`` behind the parameters.
     reactions
@@ -71,7 +71,7 @@ class Description:
     drivers: tuple[str, ...]
     switches: tuple[tuple[str, ...], ...]
     rigid: tuple[tuple[str, int], ...]
-    sought: tuple[tuple[str, int], ...]
+    stiction: tuple[tuple[str, int], ...]
     reactions: tuple[tuple[str, str, str], ...]
     powers: tuple[tuple[str, str], ...]
     start: tuple[tuple[str, float, str], ...]
@@ -126,7 +126,7 @@ def describe(
             for s in equations.switches
         ),
         rigid=tuple((contact.effect, contact.switch) for contact in equations.contacts),
-        sought=equations.stiction,
+        stiction=equations.stiction,
         reactions=tuple(scene.reactions[k][:3] for k in reported),
         powers=tuple((source, kind) for source, kind, _ in powers),
         start=tuple(start),

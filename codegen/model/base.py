@@ -2,17 +2,27 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import sympy
 
 from codegen.declare.body import Body, Ground, Point
 from codegen.declare.element import Constraint, Effect, own_coordinates
 from codegen.declare.names import name_problem
-from codegen.declare.parameter import ParameterDeclaration, SignRule
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import Coordinate, Parameter, Velocity, kinds
+from codegen.declare.symbols import (
+    Coordinate,
+    Parameter,
+    ParameterDeclaration,
+    SignRule,
+    Velocity,
+    kinds,
+)
 from codegen.declare.value_reader import Reader
+
+JointType = TypeVar("JointType", bound=Constraint)
+EffectType = TypeVar("EffectType", bound=Effect)
+Ends = tuple[Point, Point]
 
 
 class Declarations:
@@ -42,16 +52,31 @@ class Declarations:
         """Problems of the declaration so far, one sentence each."""
         return tuple(self._read.problems)
 
-    def _note(self, problem: str) -> None:
-        self._read.problems.append(problem)
+    @property
+    def defaults(self) -> dict[sympy.Symbol, float]:
+        """Parameter → its default value."""
+        return {p.symbol: p.value for p in self.parameters.values()}
 
-    def _ruled(self, read: sympy.Expr, sign: SignRule) -> sympy.Expr:
-        """An expression; a parameter that stands alone obeys the sign rule from now on."""
-        if isinstance(read, Parameter) and read.name in self.parameters:
+    @property
+    def elements(self) -> dict[str, Body | Constraint | Effect]:
+        """All bodies, joints, effects and drivers by name."""
+        return {**self.bodies, **self.joints, **self.effects, **self.drivers}
+
+    def _note(self, problem: str) -> None:
+        self._read.note(problem)
+
+    def _value(self, value: Any, unit: str, where: str, sign: SignRule = "") -> Any:
+        """An expression in `unit`; a parameter that stands alone obeys the sign rule henceforth."""
+        read = self._read.value(value, unit, where)
+        if sign and isinstance(read, Parameter) and read.name in self.parameters:
             declared = self.parameters[read.name]
             if declared.sign != "positive":
                 self.parameters[declared.name] = replace(declared, sign=sign)
         return read
+
+    def _optional(self, value: Any, unit: str, where: str, sign: SignRule = "") -> Any:
+        """The same of a value that may be left out, None."""
+        return None if value is None else self._value(value, unit, where, sign)
 
     def kind(self, name: str) -> str:
         """The role of a declared name: ``"body"``, ``"joint"``, ``"driver"`` and so on."""
@@ -71,12 +96,19 @@ class Declarations:
         self._kinds[name] = kind
         return True
 
-    def _joint(self, element: Constraint) -> Constraint:
+    def _joint(self, element: JointType) -> JointType:
         if self._claim("joint", element.name):
             self.joints[element.name] = element
         return element
 
-    def _effect(self, element: Effect, forms: dict[str, Effect | str] | None = None) -> Effect:
+    def _driver(self, element: JointType) -> JointType:
+        if self._claim("driver", element.name):
+            self.drivers[element.name] = element
+        return element
+
+    def _effect(
+        self, element: EffectType, forms: dict[str, Effect | str] | None = None
+    ) -> EffectType:
         """Declare an effect; `forms`: fidelity → its effect, or why it has none."""
         if self._claim("effect", element.name):
             self.effects[element.name] = element
@@ -99,7 +131,7 @@ class Declarations:
             sx = sy = sympy.S.Zero
         return Point(point.body, sx, sy)
 
-    def _pair(self, name: str, i: Any, j: Any) -> tuple[Point, Point]:
+    def _pair(self, name: str, i: Any, j: Any) -> Ends:
         return self._point(name, i), self._point(name, j)
 
     def _coordinates(self) -> tuple[Coordinate, ...]:
@@ -112,6 +144,6 @@ class Declarations:
         owners = {
             s.name.rpartition("_")[0] for e in expressions for s in kinds(e, Coordinate, Velocity)
         }
-        for name, joint in self.joints.items():
-            owners |= {body.name for body in joint.bodies} if name in owners else set()
+        for name in owners & {*self.joints}:
+            owners |= {body.name for body in self.joints[name].bodies}
         return tuple(body for name, body in self.bodies.items() if name in owners)

@@ -51,5 +51,5 @@ class Bodies(Declarations):
         if value is None:
             return None
         known = len(self.problems)
-        read = self._ruled(self._read.value(value, unit, where), "positive")
+        read = self._value(value, unit, where, "positive")
         return read if len(self.problems) == known else None

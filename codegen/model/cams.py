@@ -10,7 +10,7 @@ import sympy
 from codegen.cubic_spline import fit
 from codegen.declare.body import Body, Curve, Point
 from codegen.declare.cam_profile import pace, profile_problems
-from codegen.declare.symbols import Parameter, alpha
+from codegen.declare.symbols import alpha
 from codegen.declare.table_function import FEWEST, TableFunction
 from codegen.elements.joints.cam_flat_follower import CamFlatFollower
 from codegen.elements.joints.cam_follower import CamFollower
@@ -44,9 +44,7 @@ class Cams(Declarations):
         """
         profile = self._curve(name, cam, closed=True, convex=True)
         line = self._read.axis(axis, name)
-        element = CamFlatFollower(name, profile, self._point(name, face), line)
-        self._joint(element)
-        return element
+        return self._joint(CamFlatFollower(name, profile, self._point(name, face), line))
 
     def cam_follower(self, name: str, cam: Curve, follower: Curve) -> CamFollower:
         """Two closed profiles touch; a roller is ``body.circle(radius)``.
@@ -55,15 +53,11 @@ class Cams(Declarations):
         outside; for a roller inside a ring, give start guesses of both.
         """
         curves = (self._curve(name, curve, closed=True) for curve in (cam, follower))
-        element = CamFollower(name, *curves)
-        self._joint(element)
-        return element
+        return self._joint(CamFollower(name, *curves))
 
     def point_follower(self, name: str, curve: Curve, point: Point | Body) -> PointFollower:
         """A point of one body moves along a curve of another, open or closed."""
-        element = PointFollower(name, self._curve(name, curve), self._point(name, point))
-        self._joint(element)
-        return element
+        return self._joint(PointFollower(name, self._curve(name, curve), self._point(name, point)))
 
     def curve_through(
         self, name: str, body: Body, points: Sequence[tuple[Any, Any]], closed: bool = True
@@ -119,8 +113,7 @@ class Cams(Declarations):
         where = f"curve of '{name}' on body '{curve.body.name}'"
         known = len(self.problems)
         x, y = (self._read.value(c, "m", where) for c in (curve.x, curve.y))
-        defaults = {Parameter(p.name, real=True): p.value for p in self.parameters.values()}
-        shape = sympy.Matrix([x, y]).subs(defaults)
+        shape = sympy.Matrix([x, y]).subs(self.defaults)
         if len(self.problems) == known:
             for problem in profile_problems(shape, closed, convex):
                 self._note(f"{where}: {problem}")

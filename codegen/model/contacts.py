@@ -1,20 +1,23 @@
 """The effects between surfaces: contact, and friction in joints and on belts."""
 
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint, Effect
+from codegen.declare.symbols import SignRule
 from codegen.elements.forces.contact import Contact, gap_between
 from codegen.elements.forces.dry_friction import DryFriction
 from codegen.elements.forces.friction import JointFriction
 from codegen.elements.forces.rigid_contact import RigidContact
 from codegen.elements.forces.scalar_force import rate
-from codegen.model.base import Declarations
+from codegen.model.base import Declarations, Ends
 
-ContactLaw = Literal["penalty", "rigid"]
+Optional: TypeAlias = "sympy.Expr | None"
+Law = Callable[[Optional, Optional], Effect]
+"""(creep speed, static coefficient) → friction."""
 FrictionLaw = Literal["sticking", "regularised"]
 
 
@@ -35,7 +38,7 @@ class Contacts(Declarations):
         may_pull: bool = True,
         restitution: Any = None,
         typical_force: Any = None,
-        fidelity: ContactLaw | None = None,
+        fidelity: Literal["penalty", "rigid"] | None = None,
     ) -> Effect:
         """A contact while a gap is closed: by a spring and damper (Haug 8.4.2), or rigid.
 
@@ -80,11 +83,9 @@ class Contacts(Declarations):
                 stiffness = 1
             if typical_force is not None and restitution is None:
                 self._note(f"{where}: typical_force= is a rigid contact's; leave it out.")
-            stiff = self._read.value(stiffness, "N/m", f"stiffness of {where}")
-            damp = self._read.value(
-                0 if damping is None else damping, "N s/m", f"damping of {where}"
-            )
-            forms["penalty"] = Contact(name, g, stiff, damp, bodies, bool(may_pull))
+            k = self._value(stiffness, "N/m", f"stiffness of {where}")
+            c = self._value(0 if damping is None else damping, "N s/m", f"damping of {where}")
+            forms["penalty"] = Contact(name, g, k, c, bodies, bool(may_pull))
         if restitution is not None:
             if soft and not both:
                 self._note(
@@ -94,30 +95,12 @@ class Contacts(Declarations):
                 )
             if not may_pull and not (both and soft):
                 self._note(f"{where}: a rigid contact never pulls; leave may_pull out.")
-            e, scale = self._impact(where, restitution, typical_force)
+            e = self._value(restitution, "", f"restitution of {where}", "nonnegative")
+            scale = self._optional(typical_force, "N", f"typical force of {where}", "positive")
             forms["rigid"] = RigidContact(name, g, e, bodies, scale)
-        return self._taken(
+        return self._chosen_form(
             where, both or ("rigid" if restitution is not None else "penalty"), forms
         )
-
-    def _impact(
-        self, where: str, restitution: Any, typical_force: Any
-    ) -> tuple[sympy.Expr, sympy.Expr | None]:
-        """Restitution and typical force of a rigid contact."""
-        word = f"restitution of {where}"
-        e = self._ruled(self._read.value(restitution, "", word), "nonnegative")
-        if typical_force is None:
-            return e, None
-        read = self._read.value(typical_force, "N", f"typical force of {where}")
-        return e, self._ruled(read, "positive")
-
-    def _taken(self, where: str, word: str, forms: dict[str, Effect | str]) -> Effect:
-        """Declare an effect of several fidelities, of which `word` is the default."""
-        chosen = forms[word]
-        if isinstance(chosen, str):
-            self._note(f"{where}: the fidelity '{word}' {chosen}")
-            chosen = next(form for form in forms.values() if not isinstance(form, str))
-        return self._effect(chosen, forms)
 
     def friction(
         self,
@@ -153,21 +136,17 @@ class Contacts(Declarations):
             a declaration may give the numbers of both.
         """
         where = f"friction '{name}'"
-        pin = getattr(joint, "kind", "") == "revolute"
-        mu, rest, speed = self._coefficients(
-            where, coefficient, static, creep, "rad/s" if pin else "m/s"
-        )
-        pin_radius, bearing = (
-            None
-            if size is None
-            else self._ruled(self._read.value(size, "m", f"{word} of {where}"), "positive")
+        unit = "rad/s" if getattr(joint, "kind", "") == "revolute" else "m/s"
+        mu, mu_s, speed = self._coefficients(where, coefficient, static, creep, unit)
+        pin, bearing = (
+            self._optional(size, "m", f"{word} of {where}", "positive")
             for size, word in ((radius, "radius"), (length, "length"))
         )
 
-        def law(creep: sympy.Expr | None, static: sympy.Expr | None) -> Effect:
-            return JointFriction(name, joint, mu, creep, pin_radius, bearing, static)
+        def law(creep: Optional, static: Optional) -> Effect:
+            return JointFriction(name, joint, mu, creep, pin, bearing, static)
 
-        return self._rubbing(where, law, speed, rest, fidelity)
+        return self._friction_law(where, law, speed, mu_s, fidelity)
 
     def dry_friction(
         self,
@@ -208,61 +187,58 @@ class Contacts(Declarations):
             a declaration may give the numbers of both.
         """
         where = f"dry friction '{name}'"
-        mu, rest, speed = self._coefficients(where, coefficient, static, creep, "m/s")
-        load = self._ruled(self._read.value(normal, "N", f"normal of {where}"), "nonnegative")
+        mu, mu_s, speed = self._coefficients(where, coefficient, static, creep, "m/s")
+        load = self._value(normal, "N", f"normal of {where}", "nonnegative")
         if slip is not None:
             if i is not None or j is not None:
                 self._note(f"{where} has both slip= and points; give one of them.")
-            s = self._read.value(slip, "m/s", f"slip of {where}")
+            s = self._value(slip, "m/s", f"slip of {where}")
             bodies = self._bodies_in(s)
         else:
-            if i is None or j is None:
-                self._note(f"{where} has no slip; give two points, or slip= a velocity.")
-            ends = self._pair(name, *(self.ground if end is None else end for end in (i, j)))
+            missing = f"{where} has no slip; give two points, or slip= a velocity."
+            ends, bodies = self._surfaces(name, i, j, missing)
             along = self._direction(where, "axis", axis) or (sympy.S.One, sympy.S.Zero)
             s = rate(gap_between(*ends, along, sympy.S.Zero))
-            bodies = (ends[0].body, ends[1].body)
 
-        def law(creep: sympy.Expr | None, static: sympy.Expr | None) -> Effect:
+        def law(creep: Optional, static: Optional) -> Effect:
             return DryFriction(name, s, load, mu, bodies, static, creep)
 
-        return self._rubbing(where, law, speed, rest, fidelity)
+        return self._friction_law(where, law, speed, mu_s, fidelity)
 
-    def _rubbing(
-        self,
-        where: str,
-        law: Callable[[sympy.Expr | None, sympy.Expr | None], Effect],
-        creep: sympy.Expr | None,
-        static: sympy.Expr | None,
-        fidelity: str | None,
+    def _chosen_form(self, where: str, word: str, forms: dict[str, Effect | str]) -> Effect:
+        """Declare an effect of several fidelities, of which `word` is the default."""
+        chosen = forms[word]
+        if isinstance(chosen, str):
+            self._note(f"{where}: the fidelity '{word}' {chosen}")
+            chosen = next(form for form in forms.values() if not isinstance(form, str))
+        return self._effect(chosen, forms)
+
+    def _friction_law(
+        self, where: str, law: Law, creep: Optional, static: Optional, fidelity: str | None
     ) -> Effect:
-        """A friction from its law of the creep speed and the static coefficient."""
+        """Declare a friction from its law of the creep speed and the static coefficient."""
         words = ("", "sticking", "regularised")
         chosen = self._read.choice(fidelity or "", words, f"{where}, fidelity")
+        missing = "needs creep= in its declaration."
         forms: dict[str, Effect | str] = {
             "sticking": law(None, static),
-            "regularised": "needs creep= in its declaration."
-            if creep is None
-            else law(creep, None),
+            "regularised": missing if creep is None else law(creep, None),
         }
         if not chosen and creep is not None and static is not None:
             return self._effect(law(creep, static))  # two laws at once, as its check says
-        return self._taken(where, chosen or ("sticking" if creep is None else "regularised"), forms)
+        default = "sticking" if creep is None else "regularised"
+        return self._chosen_form(where, chosen or default, forms)
 
     def _coefficients(
         self, where: str, coefficient: Any, static: Any, creep: Any, unit: str
-    ) -> tuple[sympy.Expr, sympy.Expr | None, sympy.Expr | None]:
+    ) -> tuple[sympy.Expr, Optional, Optional]:
         """μ, μ_s and the creep speed."""
-        mu = self._read.value(coefficient, "", f"coefficient of {where}")
-        self._ruled(mu, "nonnegative" if static is None else "positive")
-        rest, speed = (
-            None if value is None else self._ruled(self._read.value(value, u, word), "positive")
-            for value, u, word in (
-                (static, "", f"static coefficient of {where}"),
-                (creep, unit, f"creep speed of {where}"),
-            )
+        sign: SignRule = "nonnegative" if static is None else "positive"
+        return (
+            self._value(coefficient, "", f"coefficient of {where}", sign),
+            self._optional(static, "", f"static coefficient of {where}", "positive"),
+            self._optional(creep, unit, f"creep speed of {where}", "positive"),
         )
-        return mu, rest, speed
 
     def _direction(
         self, where: str, word: str, vector: Any
@@ -274,6 +250,13 @@ class Contacts(Declarations):
             return None
         return ux, uy
 
+    def _surfaces(self, name: str, i: Any, j: Any, missing: str) -> tuple[Ends, tuple[Body, ...]]:
+        """Two points and their bodies; one that is missing is noted, and the ground."""
+        if i is None or j is None:
+            self._note(missing)
+        ends = self._pair(name, *(self.ground if end is None else end for end in (i, j)))
+        return ends, tuple(end.body for end in ends)
+
     def _gap(
         self, name: str, i: Any, j: Any, free_length: Any, direction: Any, gap: Any
     ) -> tuple[sympy.Expr, tuple[Body, ...]]:
@@ -282,12 +265,10 @@ class Contacts(Declarations):
         if gap is not None:
             if i is not None or j is not None or direction is not None:
                 self._note(f"{where} has both gap= and points; give one of them.")
-            g = self._read.value(gap, "m", f"gap of {where}")
-            free = self._read.value(free_length, "m", f"free length of {where}")
-            return g - free, self._bodies_in(g)
-        if i is None or j is None:
-            self._note(f"{where} has no gap; give two points, or gap= an expression.")
-        ends = self._pair(name, *(self.ground if end is None else end for end in (i, j)))
+            g = self._value(gap, "m", f"gap of {where}")
+            return g - self._value(free_length, "m", f"free length of {where}"), self._bodies_in(g)
+        missing = f"{where} has no gap; give two points, or gap= an expression."
+        ends, bodies = self._surfaces(name, i, j, missing)
         along = None if direction is None else self._direction(where, "direction", direction)
-        free = self._read.value(free_length, "m", f"free length of {where}")
-        return gap_between(*ends, along, free), (ends[0].body, ends[1].body)
+        free = self._value(free_length, "m", f"free length of {where}")
+        return gap_between(*ends, along, free), bodies

@@ -41,7 +41,7 @@ class Couplers(Bodies, Joints):
         mass, inertia
             As in `body`; the inertia about the centre of mass.
         """
-        span = self._read.value(length, "m", f"length of '{name}'")
+        span = self._value(length, "m", f"length of '{name}'")
         rod = self.body(name, mass, inertia)
         ends = self._pair(name, i, j)
         self.revolute(f"{name}_i", ends[0], Point(rod, -span / 2, 0))

@@ -4,11 +4,11 @@ Each takes its name, the driven quantity, and its law: an expression of the time
 parameters. Positions are in m and angles in rad; differences and distances go from `i` to `j`.
 """
 
-from typing import Any, Literal
+from typing import Any
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint
-from codegen.declare.symbols import KINDS, Coordinate
+from codegen.declare.symbols import KINDS, LETTERS, Coordinate, Letter
 from codegen.elements.drivers.coordinate import Motion
 from codegen.elements.drivers.distance import DistanceDriver
 from codegen.elements.drivers.point import PointDriver
@@ -16,22 +16,20 @@ from codegen.elements.drivers.relative import RelativeDriver
 from codegen.elements.drivers.translation import TranslationDriver
 from codegen.model.base import Declarations
 
-Letter = Literal["x", "y", "phi"]
-
 
 class Drivers(Declarations):
     """The drivers of a declaration."""
 
     def driver(self, name: str, driven: Any, law: Any) -> Constraint:
         """A coordinate, or any expression of coordinates, follows `law`, an expression of t."""
-        left = self._read.value(driven, "", f"driver '{name}'")
+        left = self._value(driven, "", f"driver '{name}'")
         unit = left.unit if isinstance(left, Coordinate) else ""
         right = self._law(name, law, unit)
         return self._driver(Motion(name, left, right, self._bodies_in(left)))
 
     def point_driver(self, name: str, on: Point | Body, letter: Letter, law: Any) -> Constraint:
         """A point's global x or y, or its body's φ, follows `law`."""
-        letter = self._read.choice(letter, ("x", "y", "phi"), f"driver '{name}'")
+        letter = self._read.choice(letter, LETTERS, f"driver '{name}'")
         right = self._law(name, law, KINDS[letter].unit)
         return self._driver(PointDriver(name, self._point(name, on), letter, right))
 
@@ -39,7 +37,7 @@ class Drivers(Declarations):
         self, name: str, i: Point | Body, j: Point | Body, letter: Letter, law: Any
     ) -> Constraint:
         """Global x or y of point `j`, or φ of its body, minus that of `i` follows `law`."""
-        letter = self._read.choice(letter, ("x", "y", "phi"), f"driver '{name}'")
+        letter = self._read.choice(letter, LETTERS, f"driver '{name}'")
         right = self._law(name, law, KINDS[letter].unit)
         return self._driver(RelativeDriver(name, *self._pair(name, i, j), letter, right))
 
@@ -48,12 +46,7 @@ class Drivers(Declarations):
         return self.relative_driver(name, i, j, "phi", law)
 
     def translation_driver(
-        self,
-        name: str,
-        i: Point | Body,
-        j: Point | Body,
-        law: Any,
-        axis: tuple[Any, Any] = (1, 0),
+        self, name: str, i: Point | Body, j: Point | Body, law: Any, axis: tuple[Any, Any] = (1, 0)
     ) -> Constraint:
         """How far `j` is ahead of `i` along `axis` of body `i` follows `law`: a driven slider."""
         line = self._read.axis(axis, name)
@@ -66,9 +59,4 @@ class Drivers(Declarations):
         return self._driver(DistanceDriver(name, *self._pair(name, i, j), right))
 
     def _law(self, name: str, law: Any, unit: str) -> Any:
-        return self._read.value(law, unit, f"law of driver '{name}'")
-
-    def _driver(self, element: Constraint) -> Constraint:
-        if self._claim("driver", element.name):
-            self.drivers[element.name] = element
-        return element
+        return self._value(law, unit, f"law of driver '{name}'")

@@ -6,7 +6,7 @@ from typing import Any
 from codegen.declare.element import Effect
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
-from codegen.declare.value_reader import Reader
+from codegen.declare.value_reader import Reader, name_of
 from codegen.model.couplers import FORMS, Couplers
 
 NONE = "none"
@@ -17,10 +17,7 @@ class Fidelities(Couplers):
     """Effects with several laws, couplers, and groups of alternatives."""
 
     def alternatives(
-        self,
-        name: str,
-        choices: Mapping[str, Iterable[Any]],
-        default: str | None = None,
+        self, name: str, choices: Mapping[str, Iterable[Any]], default: str | None = None
     ) -> str:
         """Elements that stand for one another: a scene takes those of one choice.
 
@@ -44,10 +41,10 @@ class Fidelities(Couplers):
             The name.
         """
         where = f"alternatives '{name}'"
-        known = self.bodies | self.joints | self.effects | self.drivers
+        known = self.elements
         read: dict[str, tuple[str, ...]] = {}
         for choice, elements in choices.items():
-            names = [str(getattr(e, "name", e)) for e in elements]
+            names = [name_of(e) for e in elements]
             for missing in (n for n in names if n not in known):
                 self._note(f"{where}, {choice}: there is no '{missing}'; {nearest(missing, known)}")
             read[str(choice)] = tuple(n for n in names if n in known)
@@ -71,51 +68,33 @@ class Fidelities(Couplers):
         return effects
 
     def _read_fidelities(
-        self, read: Reader, where: str, mapping: Any, couplers: Any
+        self, read: Reader, where: str, fidelity: Any, couplers: Any
     ) -> tuple[tuple[str, str], ...]:
         """The fidelities that a scene names; impossible ones are noted as problems."""
-        if couplers is not None and not isinstance(couplers, Mapping):
-            read.problems.append(
-                f"{where}: couplers={couplers!r} is no mapping; write {{'rod': 'link'}}."
-            )
-            couplers = None
-        if mapping is not None and not isinstance(mapping, Mapping):
-            read.problems.append(
-                f"{where}: fidelity={mapping!r} is no mapping; write {{'rub': 'sticking'}}."
-            )
-            mapping = None
-        fidelities: dict[str, str] = {}
-        for key, form in (couplers or {}).items():
-            name = str(getattr(key, "name", key))
+        taken: dict[str, str] = {}
+        for key, form in read.mapping(couplers, "couplers", "{'rod': 'link'}", where).items():
+            name = name_of(key)
             if name in self.couplers:
-                fidelities[name] = read.choice(form, FORMS, f"{where}, coupler '{name}'")
+                taken[name] = read.choice(form, FORMS, f"{where}, coupler '{name}'")
             else:
-                read.problems.append(
-                    f"{where}: there is no coupler '{name}'; {nearest(name, self.couplers)}"
-                )
-        for key, word in (mapping or {}).items():
-            name = str(getattr(key, "name", key))
-            if not isinstance(word, str):
-                words = f"{word!r}"
-                read.problems.append(
-                    f"{where}: '{name}' with the fidelity {words}; a scene takes one at a time: "
-                    "give one word, or declare a scene for each."
-                )
-                continue
-            if name in fidelities and fidelities[name] != word:
-                read.problems.append(
-                    f"{where}: '{name}' is asked for as '{fidelities[name]}' and as '{word}'; "
-                    "give one fidelity."
-                )
-                continue
-            if problem := self._fidelity_problem(name, word):
-                read.problems.append(f"{where}: {problem}")
-                continue
-            fidelities[name] = word
-        return tuple(fidelities.items())
+                read.note(f"{where}: there is no coupler '{name}'; {nearest(name, self.couplers)}")
+        for key, word in read.mapping(fidelity, "fidelity", "{'rub': 'sticking'}", where).items():
+            name = name_of(key)
+            if problem := self._fidelity_problem(name, word, taken.get(name, word)):
+                read.note(f"{where}: {problem}")
+            else:
+                taken[name] = word
+        return tuple(taken.items())
 
-    def _fidelity_problem(self, name: str, word: str) -> str | None:
-        several = self.fidelities | self.groups | dict.fromkeys(self.couplers)
+    def _fidelity_problem(self, name: str, word: Any, named: Any) -> str | None:
+        """Why an element cannot be taken as `word`; `named`: its form among the couplers."""
+        if not isinstance(word, str):
+            return (
+                f"'{name}' with the fidelity {word!r}; a scene takes one at a time: "
+                "give one word, or declare a scene for each."
+            )
+        if named != word:
+            return f"'{name}' is asked for as '{named}' and as '{word}'; give one fidelity."
         if name in self.couplers:
             choices: Mapping[str, Any] = dict.fromkeys(FORMS)
         elif name in self.groups:
@@ -128,7 +107,8 @@ class Fidelities(Couplers):
                     f"taken as '{word}'; leave fidelity= out."
                 )
         else:
-            return f"nothing called '{name}' has fidelities; {nearest(name, several)}"
+            hint = nearest(name, self.fidelities | self.groups | dict.fromkeys(self.couplers))
+            return f"nothing called '{name}' has fidelities; {hint}"
         if word not in choices:
             return f"'{name}' cannot be taken as '{word}'; {nearest(word, choices)}"
         lacking = choices[word]
@@ -158,7 +138,7 @@ class Fidelities(Couplers):
             members = choices[choice]
             others = [n for names in choices.values() for n in names if n not in members]
             if clash := [n for n in others if n in effects]:
-                read.problems.append(
+                read.note(
                     f"{where}: '{clash[0]}' acts only in another choice of '{group}' than "
                     f"'{choice}', which the scene takes; give fidelity={{'{group}': ...}} and "
                     "leave the other's effects out."

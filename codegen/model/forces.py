@@ -11,10 +11,9 @@ from codegen.declare.symbols import Coordinate
 from codegen.elements.forces.applied import AppliedForce, AppliedTorque
 from codegen.elements.forces.bushing import AXES, Bushing, Triple
 from codegen.elements.forces.gravity import Gravity
-from codegen.elements.forces.point_distance import Line
-from codegen.elements.forces.scalar_force import rate
+from codegen.elements.forces.scalar_force import Line, rate, relative_angle
 from codegen.elements.forces.spring import Spring
-from codegen.elements.forces.torsion_spring import TorsionSpring, turn
+from codegen.elements.forces.torsion_spring import TorsionSpring
 from codegen.elements.forces.user_expression import GeneralizedForce, Potential
 from codegen.model.base import Declarations
 
@@ -52,7 +51,7 @@ class Forces(Declarations):
 
     def potential(self, name: str, energy: Any) -> Effect:
         """A potential energy V(q) in J, as a plain expression."""
-        v = self._read.value(energy, "J", f"potential '{name}'")
+        v = self._value(energy, "J", f"potential '{name}'")
         return self._effect(Potential(name, v, self._bodies_in(v)))
 
     def generalized_force(
@@ -96,17 +95,16 @@ class Forces(Declarations):
             force in N, positive in tension; added to the rest. ``lambda l, v: 5 * (l - 1) ** 3``.
         """
         where = f"spring '{name}'"
-        if free_length is None and not _nothing(stiffness):
+        if free_length is None and not (isinstance(stiffness, int | float) and stiffness == 0):
             self._note(f"{where} has a stiffness but no free length; give free_length= in m.")
         ends = self._pair(name, i, j)
         line = Line(*ends)
-        pull = self._read.value(actuator, "N", f"actuator of {where}")
+        pull = self._value(actuator, "N", f"actuator of {where}")
         pull += self._characteristic(force, line.length, line.rate, "force", "N", where)
-        stiff = self._read.value(stiffness, "N/m", f"stiffness of {where}")
-        free = self._read.value(
-            0 if free_length is None else free_length, "m", f"free length of {where}"
-        )
-        damp = self._read.value(damping, "N s/m", f"damping of {where}")
+        stiff = self._value(stiffness, "N/m", f"stiffness of {where}")
+        rest = 0 if free_length is None else free_length
+        free = self._value(rest, "m", f"free length of {where}")
+        damp = self._value(damping, "N s/m", f"damping of {where}")
         return self._effect(Spring(name, *ends, stiff, free, damp, pull))
 
     def torsion_spring(
@@ -136,12 +134,12 @@ class Forces(Declarations):
         """
         where = f"torsion spring '{name}'"
         first, second = self._whole(where, i), self._whole(where, j)
-        turning = self._read.value(actuator, "N m", f"actuator of {where}")
-        angle = turn(first, second)
+        turning = self._value(actuator, "N m", f"actuator of {where}")
+        angle = relative_angle(first, second)
         turning += self._characteristic(torque, angle, rate(angle), "torque", "N m", where)
-        stiff = self._read.value(stiffness, "N m/rad", f"stiffness of {where}")
-        free = self._read.value(free_angle, "rad", f"free angle of {where}")
-        damp = self._read.value(damping, "N m s/rad", f"damping of {where}")
+        stiff = self._value(stiffness, "N m/rad", f"stiffness of {where}")
+        free = self._value(free_angle, "rad", f"free angle of {where}")
+        damp = self._value(damping, "N m s/rad", f"damping of {where}")
         return self._effect(TorsionSpring(name, first, second, stiff, free, damp, turning))
 
     def bushing(
@@ -170,7 +168,7 @@ class Forces(Declarations):
         ends = self._pair(name, i, j)
         stiff = self._along_axes(stiffness, tuple(row[1] for row in AXES), f"stiffness of {where}")
         damp = self._along_axes(damping, tuple(row[2] for row in AXES), f"damping of {where}")
-        free = self._read.value(free_angle, "rad", f"free angle of {where}")
+        free = self._value(free_angle, "rad", f"free angle of {where}")
         return self._effect(Bushing(name, *ends, stiff, damp, free))
 
     def _along_axes(self, values: Any, units: tuple[str, ...], where: str) -> Triple:
@@ -178,7 +176,7 @@ class Forces(Declarations):
         if not isinstance(values, tuple | list) or len(values) != len(units):
             self._note(f"{where}: {values!r} must be three values, along x, along y and about φ.")
             values = (0,) * len(units)
-        x, y, phi = (self._read.value(v, u, where) for v, u in zip(values, units, strict=True))
+        x, y, phi = (self._value(v, u, where) for v, u in zip(values, units, strict=True))
         return x, y, phi
 
     def _characteristic(
@@ -193,7 +191,7 @@ class Forces(Declarations):
                 "give an expression as actuator=."
             )
             return sympy.S.Zero
-        return self._read.value(law(s, speed), unit, f"{word} of {where}")
+        return self._value(law(s, speed), unit, f"{word} of {where}")
 
     def _whole(self, where: str, body: Any) -> Body:
         """A body, where a point means nothing."""
@@ -202,7 +200,3 @@ class Forces(Declarations):
         label = f"Point of '{body.body.name}'" if isinstance(body, Point) else repr(body)
         self._note(f"{where}: {label} is no body; a torsion spring turns two bodies.")
         return self.ground
-
-
-def _nothing(value: Any) -> bool:
-    return isinstance(value, int | float) and value == 0

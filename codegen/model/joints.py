@@ -1,11 +1,11 @@
 """The joints of a declaration, one method a type."""
 
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint
-from codegen.declare.symbols import KINDS
+from codegen.declare.symbols import KINDS, LETTERS, Letter
 from codegen.elements.joints.absolute import Absolute
 from codegen.elements.joints.distance import Distance
 from codegen.elements.joints.gear import Gear
@@ -47,7 +47,7 @@ class Joints(Declarations):
             φ_j - φ_i, rad.
         """
         line = self._read.axis(axis, name)
-        offset = self._read.value(angle, "rad", f"angle of '{name}'")
+        offset = self._value(angle, "rad", f"angle of '{name}'")
         return self._joint(Translational(name, *self._pair(name, i, j), line, offset))
 
     def revolute_revolute(
@@ -57,7 +57,7 @@ class Joints(Declarations):
 
         With `instead_of`, the link acts in those scenes that leave this body out.
         """
-        span = self._ruled(self._read.value(length, "m", f"length of '{name}'"), "positive")
+        span = self._value(length, "m", f"length of '{name}'", "positive")
         return self._joint(RevoluteRevolute(name, *self._pair(name, i, j), span, instead_of))
 
     def revolute_translational(
@@ -86,13 +86,13 @@ class Joints(Declarations):
             this body out.
         """
         line = self._read.axis(axis, name)
-        offset = self._read.value(distance, "m", f"distance of '{name}'")
+        offset = self._value(distance, "m", f"distance of '{name}'")
         pair = self._pair(name, i, j)
         return self._joint(RevoluteTranslational(name, *pair, line, offset, instead_of))
 
     def weld(self, name: str, i: Point | Body, j: Point | Body, angle: Any = 0) -> Constraint:
         """Points `i` and `j` coincide and φ_j - φ_i keeps `angle`, rad: two bodies move as one."""
-        offset = self._read.value(angle, "rad", f"angle of '{name}'")
+        offset = self._value(angle, "rad", f"angle of '{name}'")
         return self._joint(Weld(name, *self._pair(name, i, j), offset))
 
     def gear(
@@ -118,9 +118,8 @@ class Joints(Declarations):
             φ_i = φ_j = 0. Left out, it is as the bearings hold the centres, the carrier at φ = 0;
             without bearings to be seen it is 0.
         """
-        ri, rj = (self._read.value(r, "m", f"radius of '{name}'") for r in (radius_i, radius_j))
-        where = f"line of centres of '{name}'"
-        angle = None if line is None else self._read.value(line, "rad", where)
+        ri, rj = (self._value(r, "m", f"radius of '{name}'") for r in (radius_i, radius_j))
+        angle = self._optional(line, "rad", f"line of centres of '{name}'")
         joints = MappingProxyType(self.joints)
         return self._joint(Gear(name, *self._pair(name, i, j), ri, rj, angle, joints))
 
@@ -148,40 +147,33 @@ class Joints(Declarations):
         offset
             How far along `axis` the centre lies from `rack`, m, where both bodies have the same φ.
         """
-        size = self._read.value(radius, "m", f"radius of '{name}'")
+        size = self._value(radius, "m", f"radius of '{name}'")
         line = self._read.axis(axis, name)
-        start = self._read.value(offset, "m", f"offset of '{name}'")
+        start = self._value(offset, "m", f"offset of '{name}'")
         pair = self._pair(name, pinion, rack)
         return self._joint(RackAndPinion(name, *pair, size, line, start))
 
-    def absolute(
-        self, name: str, on: Point | Body, letter: Literal["x", "y", "phi"], value: Any
-    ) -> Constraint:
+    def absolute(self, name: str, on: Point | Body, letter: Letter, value: Any) -> Constraint:
         """A point's global x or y, or a body's φ, keeps `value`."""
-        letter = self._read.choice(letter, ("x", "y", "phi"), f"absolute '{name}'")
-        number = self._read.value(value, KINDS[letter].unit, f"value of '{name}'")
+        letter = self._read.choice(letter, LETTERS, f"absolute '{name}'")
+        number = self._value(value, KINDS[letter].unit, f"value of '{name}'")
         point = self._point(name, on)
         return self._joint(Absolute(name, self.ground, point, letter, number))
 
     def relative(
-        self,
-        name: str,
-        i: Point | Body,
-        j: Point | Body,
-        letter: Literal["x", "y", "phi"],
-        value: Any,
+        self, name: str, i: Point | Body, j: Point | Body, letter: Letter, value: Any
     ) -> Constraint:
         """Global x or y of point `j`, or φ of its body, minus that of `i` keeps `value`."""
-        letter = self._read.choice(letter, ("x", "y", "phi"), f"relative '{name}'")
-        number = self._read.value(value, KINDS[letter].unit, f"value of '{name}'")
+        letter = self._read.choice(letter, LETTERS, f"relative '{name}'")
+        number = self._value(value, KINDS[letter].unit, f"value of '{name}'")
         return self._joint(Relative(name, *self._pair(name, i, j), letter, number))
 
     def distance(self, name: str, i: Point | Body, j: Point | Body, value: Any) -> Constraint:
         """Points `i` and `j` keep the distance `value`, m; either may be on the ground."""
-        span = self._ruled(self._read.value(value, "m", f"distance of '{name}'"), "positive")
+        span = self._value(value, "m", f"distance of '{name}'", "positive")
         return self._joint(Distance(name, *self._pair(name, i, j), span))
 
     def constraint(self, name: str, *phi: Any) -> Constraint:
         """Plain equations: each expression of coordinates, parameters and t is kept at zero."""
-        equations = tuple(self._read.value(e, "", f"constraint '{name}'") for e in phi)
+        equations = tuple(self._value(e, "", f"constraint '{name}'") for e in phi)
         return self._joint(ExpressionConstraint(name, equations, self._bodies_in(*equations)))

@@ -52,8 +52,8 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
                 self.bodies[element.name] = element
             return element
         if isinstance(element, Constraint):
-            _ = self._driver(element) if role(element.kind) == "driver" else self._joint(element)
-            return element
+            is_driver = role(element.kind) == "driver"
+            return self._driver(element) if is_driver else self._joint(element)
         candidate: object = element
         if isinstance(candidate, Effect):
             self._effect(candidate)

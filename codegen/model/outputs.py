@@ -2,11 +2,12 @@
 
 import re
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
 from codegen.declare.body import Body, Point
+from codegen.declare.element import Effect, Reported, label
 from codegen.declare.names import nearest
-from codegen.declare.path_points import TrackedPoint, tracked
 from codegen.declare.value_reader import Reader
 from codegen.model.base import Declarations
 
@@ -14,6 +15,26 @@ ALL = ("reactions", "energy", "powers")
 """Outputs of a scene that names none."""
 GROUPS = (*ALL, "paths", "works")
 ONE = re.compile(r"(reaction|power|path|work)\((\w+)\)\Z")
+TRACKED = "tracked point"
+
+
+@dataclass(frozen=True, eq=False)
+class TrackedPoint(Effect):
+    """A point of a body, r + A s', as an effect without a force that reports where it is."""
+
+    kind = TRACKED
+    name: str
+    point: Point
+
+    def reported(self, bodies: tuple[Body, ...]) -> Reported:
+        """Its global coordinates, m."""
+        return (("x", "m", self.point.x), ("y", "m", self.point.y))
+
+    def problems(self) -> list[str]:
+        """A point of the ground does not move."""
+        if self.point.body.fixed:
+            return [f"{label(self)} is a point of the ground; give one of a body."]
+        return []
 
 
 class Outputs(Declarations):
@@ -27,32 +48,35 @@ class Outputs(Declarations):
         point
             A point of a body; a body means its centre of mass.
         """
-        element = TrackedPoint(name, self._point(name, point))
-        self._effect(element)
-        return element
+        return self._effect(TrackedPoint(name, self._point(name, point)))
+
+    def _tracked(self) -> list[str]:
+        """Names of the tracked points."""
+        return [name for name, effect in self.effects.items() if effect.kind == TRACKED]
 
     def _brought(self, outputs: tuple[str, ...] | None, bodies: Iterable[str]) -> tuple[str, ...]:
         """Points whose paths are outputs: all on the bodies that take part, or the named ones."""
-        points = tracked(self.effects.values())
         words, present = outputs or (), set(bodies)
-        reachable = [n for n in points if {b.name for b in self.effects[n].bodies} <= present]
-        if "paths" in words:
-            return tuple(reachable)
-        return tuple(name for name in reachable if f"path({name})" in words)
+        return tuple(
+            name
+            for name in self._tracked()
+            if "paths" in words or f"path({name})" in words
+            if {body.name for body in self.effects[name].bodies} <= present
+        )
 
     def _read_outputs(self, read: Reader, where: str, outputs: Any) -> tuple[str, ...] | None:
         """The words in a fixed order, each once; None for all that there is."""
         if outputs is None or outputs == "all":
             return None
         if not isinstance(outputs, str | Iterable):
-            read.problems.append(
+            read.note(
                 f"{where}: outputs={outputs!r} is no list; write outputs=['energy', 'power(gas)']."
             )
             return None
         words = []
         for word in (outputs,) if isinstance(outputs, str) else outputs:
             if problem := self._output_problem(word):
-                read.problems.append(f"{where}: {problem}")
+                read.note(f"{where}: {problem}")
             else:
                 words.append(str(word))
         order = (*GROUPS, *sorted(set(words) - set(GROUPS)))
@@ -62,13 +86,12 @@ class Outputs(Declarations):
         if word in GROUPS:
             return None
         match = ONE.match(word) if isinstance(word, str) else None
-        points = tracked(self.effects.values())
+        points = self._tracked()
         acting = [n for n in (*self.joints, *self.drivers, *self.effects) if n not in points]
         if match is None:
-            kinds = ("reaction", "power", "work")
-            words = [*GROUPS, *(f"{group}({n})" for group in kinds for n in acting)]
+            words = [f"{group}({n})" for group in ("reaction", "power", "work") for n in acting]
             words += [f"path({n})" for n in points]
-            return f"no output {word!r}; {nearest(str(word), words)}"
+            return f"no output {word!r}; {nearest(str(word), (*GROUPS, *words))}"
         group, name = match.groups()
         if group == "path" and name not in points:
             hint = nearest(name, points) if points else "declare it with model.track(...)."

@@ -6,8 +6,7 @@ from typing import Any
 
 from codegen.cubic_spline import fit
 from codegen.declare import units as quantities
-from codegen.declare.parameter import ParameterDeclaration, SignRule
-from codegen.declare.symbols import Parameter
+from codegen.declare.symbols import Parameter, ParameterDeclaration, SignRule
 from codegen.declare.table_function import FEWEST, TableFunction, point_problems
 from codegen.model.base import Declarations
 
@@ -24,13 +23,7 @@ def known_units(units: Any) -> bool:
 class Values(Declarations):
     """What is known about a machine in numbers."""
 
-    def parameter(
-        self,
-        name: str,
-        value: Any,
-        unit: str = "",
-        sign: SignRule = "",
-    ) -> Parameter:
+    def parameter(self, name: str, value: Any, unit: str = "", sign: SignRule = "") -> Parameter:
         """A number that runs may change without a new build.
 
         Parameters
@@ -64,12 +57,7 @@ class Values(Declarations):
         return symbol
 
     def table(
-        self,
-        name: str,
-        x: Any,
-        y: Any,
-        periodic: bool = False,
-        units: tuple[str, str] = ("", ""),
+        self, name: str, x: Any, y: Any, periodic: bool = False, units: tuple[str, str] = ("", "")
     ) -> TableFunction:
         """A function through points, by a cubic spline with continuous second derivatives.
 

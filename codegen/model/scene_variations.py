@@ -2,11 +2,12 @@
 
 import hashlib
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 from codegen.declare.names import nearest
 from codegen.declare.scene import Request, Scene
-from codegen.declare.value_reader import Reader
+from codegen.declare.value_reader import Reader, name_of
 from codegen.model.scenes import Scenes
 
 WIDEST = 100
@@ -31,35 +32,27 @@ class Variations(Scenes):
             As in `scene`.
         """
         read, root = Reader(), scene.root or scene
-        where = f"scene '{scene.name}', varied"
-        gone, back = (tuple(str(getattr(e, "name", e)) for e in one) for one in (out, taken))
-        known = self.bodies | self.joints | self.effects | self.drivers
-        read.problems += [
-            f"{where}: there is no '{name}' to {'leave out' if name in gone else 'take in'}; "
-            f"{nearest(name, scene.effects if name in gone else known)}"
-            for name in (*gone, *back)
-            if name not in known and not (name in back and name in self.groups)
-        ]
-        read.problems += [
-            f"{where}: '{name}' does not act in it, so it cannot be left out; "
-            f"{nearest(name, (*scene.effects, *scene.drivers))}"
-            for name in gone
-            if name in self.effects | self.drivers and name not in scene.effects + scene.drivers
-        ]
-        read.problems += [
-            f"{where}: with_ knows no {word}=; {nearest(word, (*CHANGES, 'fidelity'))}"
-            for word in changes
-            if word not in CHANGES
-        ]
-        words = {"without": [n for n in gone if n in known], "fidelity": fidelity}
-        words |= {key: changes.get(key) for key in CHANGES}
-        request, explicit = self._read_request(
-            read,
-            where,
-            [n for n in back if n in self.effects],
-            [n for n in back if n in self.drivers],
-            **words,
-        )
+        where, known = f"scene '{scene.name}', varied", self.elements
+        gone, back = (tuple(map(name_of, names)) for names in (out, taken))
+        for name in (*gone, *back):
+            if name not in known and not (name in back and name in self.groups):
+                leave = name in gone
+                hint = nearest(name, scene.effects if leave else known)
+                verb = "leave out" if leave else "take in"
+                read.note(f"{where}: there is no '{name}' to {verb}; {hint}")
+        acting = (*scene.effects, *scene.drivers)
+        for name in gone:
+            if name in self.effects | self.drivers and name not in acting:
+                hint = nearest(name, acting)
+                read.note(f"{where}: '{name}' does not act in it, so it cannot be left out; {hint}")
+        for word in changes:
+            if word not in CHANGES:
+                hint = nearest(word, (*CHANGES, "fidelity"))
+                read.note(f"{where}: with_ knows no {word}=; {hint}")
+        effects, drivers = ([n for n in back if n in of] for of in (self.effects, self.drivers))
+        words = {key: changes.get(key) for key in CHANGES} | {"fidelity": fidelity}
+        words["without"] = [n for n in gone if n in known]
+        request, explicit = self._read_request(read, where, effects, drivers, **words)
         returned = tuple(n for n in scene.request.without if n not in back)
         base = replace(scene.request, without=returned)
         merged = self._extend(read, where, replace(scene, request=base), request, explicit)
@@ -78,9 +71,8 @@ class Variations(Scenes):
 
     def _without_traces(self, request: Request, gone: tuple[str, ...]) -> Request:
         """The request without effects and drivers that are left out now."""
-        chosen = {
-            n for choices in self.groups.values() for names in choices.values() for n in names
-        }
+        choices = chain.from_iterable(group.values() for group in self.groups.values())
+        chosen = {*chain.from_iterable(choices)}
         forces = {n for n in gone if n in self.effects | self.drivers}
         return replace(
             request,
@@ -103,36 +95,29 @@ class Variations(Scenes):
         """A name from the differences to the root scene."""
         before = root.request
         old, new = dict(before.fidelity), dict(request.fidelity)
-        inside = {*before.effects, *before.drivers} - {*before.without}
-        now = {*request.effects, *request.drivers} - {*request.without}
+        out_before, out_now = {*before.without}, {*request.without}
+        acted = {*before.effects, *before.drivers} - out_before
+        acting = {*request.effects, *request.drivers} - out_now
         order = [*self.bodies, *self.joints, *self.effects, *self.drivers]
-        gone = [
-            n for n in order if n in {*request.without} - {*before.without} or n in inside - now
-        ]
-        took = [
-            n for n in order if n in now - inside or n in {*before.without} - {*request.without}
-        ]
+        gone = [n for n in order if n in (out_now - out_before) | (acted - acting)]
+        took = [n for n in order if n in (out_before - out_now) | (acting - acted)]
         took += [n for n in new if new[n] != old.get(n) and n not in took]
         name = root.name
         if gone:
             name += f"_without_{'_'.join(gone)}"
         if took:
             name += f"_with_{'_'.join(f'{n}_{new[n]}' if n in new else n for n in took)}"
-        rest = [getattr(request, key) for key in CHANGES if key != "couplers"]
-        if rest != [getattr(self._inherited(root, request), k) for k in CHANGES if k != "couplers"]:
+        keys, inherited = CHANGES[1:], self._inherited(root, request)
+        rest = [getattr(request, key) for key in keys]
+        if rest != [getattr(inherited, key) for key in keys]:
             name += f"_{_hash(rest)}"
         name = name.replace("__", "_")
         return name if len(name) <= WIDEST else f"{name[: WIDEST - 9].rstrip('_')}_{_hash(name)}"
 
     def _inherited(self, root: Scene, request: Request) -> Request:
         """The request of the root with the same elements left out and taken in."""
-        same = replace(
-            root.request,
-            effects=request.effects,
-            drivers=request.drivers,
-            without=request.without,
-            fidelity=request.fidelity,
-        )
+        names = ("effects", "drivers", "without", "fidelity")
+        same = replace(root.request, **{key: getattr(request, key) for key in names})
         return self._drop_unused_starts(same, Request())
 
 

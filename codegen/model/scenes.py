@@ -5,26 +5,17 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any, cast
 
-import sympy
-
 from codegen.declare.body import Body
 from codegen.declare.element import Located, own_coordinates
 from codegen.declare.names import name_problem, nearest
 from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene
-from codegen.declare.scene_values import (
-    NamedValues,
-    Names,
-    Values,
-    dotted,
-    named,
-    overrides,
-    states,
-)
-from codegen.declare.symbols import Parameter
-from codegen.declare.value_reader import Reader
+from codegen.declare.value_reader import NamedValues, Names, Reader, Values, dotted
 from codegen.model.couplers import Form
 from codegen.model.fidelities import NONE, Fidelities
 from codegen.model.outputs import Outputs
+
+DEFAULTS = {"frozen": False, "analysis": "dynamics", "outputs": None}
+"""Keywords of a scene that an extension inherits unless it names them."""
 
 
 class Scenes(Fidelities, Outputs):
@@ -113,24 +104,22 @@ class Scenes(Fidelities, Outputs):
         self, read: Reader, where: str, effects: Names, drivers: Names, **words: Any
     ) -> tuple[Request, frozenset[str]]:
         """The request of a scene, and its explicit keywords among those with a default."""
-        known = self.bodies | self.joints | self.effects | self.drivers
         coordinates = self._coordinates()
-        plain = {"frozen": False, "analysis": "dynamics", "outputs": None}
-        explicit = {key: plain[key] if words[key] is None else words[key] for key in plain}
-        analysis = read.choice(explicit["analysis"], ANALYSES, f"{where}, analysis")
+        explicit = {key: words[key] for key in DEFAULTS if words[key] is not None}
+        chosen = DEFAULTS | explicit
         request = Request(
-            effects=named(read, where, "effect", effects, self.effects),
-            drivers=named(read, where, "driver", drivers, self.drivers),
-            without=named(read, where, "body or joint", words["without"], known),
+            effects=read.elements(effects, self.effects, "effect", where),
+            drivers=read.elements(drivers, self.drivers, "driver", where),
+            without=read.elements(words["without"], self.elements, "body or joint", where),
             fidelity=self._read_fidelities(read, where, words["fidelity"], words["couplers"]),
-            start=states(read, where, coordinates, words["start"] or {}),
-            guess=states(read, where, coordinates, words["guess"] or {}),
-            parameters=overrides(read, where, self.parameters, words["parameters"] or {}),
-            frozen=bool(explicit["frozen"]),
-            analysis=analysis,
-            outputs=self._read_outputs(read, where, explicit["outputs"]),
+            start=read.states(words["start"] or {}, coordinates, where),
+            guess=read.states(words["guess"] or {}, coordinates, where),
+            parameters=read.overrides(words["parameters"] or {}, self.parameters, where),
+            frozen=bool(chosen["frozen"]),
+            analysis=read.choice(chosen["analysis"], ANALYSES, f"{where}, analysis"),
+            outputs=self._read_outputs(read, where, chosen["outputs"]),
         )
-        return request, frozenset(key for key in plain if words[key] is not None)
+        return request, frozenset(explicit)
 
     def _extend(
         self,
@@ -143,18 +132,15 @@ class Scenes(Fidelities, Outputs):
         base = extends if isinstance(extends, Scene) else self.scenes.get(extends)
         if base is None:
             hint = nearest(str(extends), self.scenes)
-            read.problems.append(f"{where} extends '{extends}', which is no scene; {hint}")
+            read.note(f"{where} extends '{extends}', which is no scene; {hint}")
             return request
         inherited = base.request
         for group, choice in request.fidelity:
-            others = {
-                name
-                for word, names in self.groups.get(group, {}).items()
-                if word != choice
-                for name in names
-            }
-            kept = tuple(e for e in inherited.effects if e not in others)
-            inherited = replace(inherited, effects=kept)
+            choices = self.groups.get(group, {})
+            others = {n for word, names in choices.items() if word != choice for n in names}
+            inherited = replace(
+                inherited, effects=tuple(e for e in inherited.effects if e not in others)
+            )
         return self._drop_unused_starts(inherited.extended(request, explicit), request)
 
     def _drop_unused_starts(self, merged: Request, mine: Request) -> Request:
@@ -164,11 +150,8 @@ class Scenes(Fidelities, Outputs):
         renewed = {name for name, _ in (*mine.start, *mine.guess)}
 
         def fits(values: NamedValues) -> NamedValues:
-            return tuple(
-                (name, value)
-                for name, value in values
-                if name in renewed or name.rpartition(".")[0] in present
-            )
+            owned = ((*pair, pair[0].rpartition(".")[0]) for pair in values)
+            return tuple((n, x) for n, x, owner in owned if n in renewed or owner in present)
 
         return replace(merged, start=fits(merged.start), guess=fits(merged.guess))
 
@@ -176,13 +159,13 @@ class Scenes(Fidelities, Outputs):
         """Resolve a request to its scene."""
         where = f"scene '{name}'"
         how = dict(request.fidelity)
-        wanted = tuple(e for e in request.effects if e not in request.without)
-        brought, others = self._chosen(read, where, how, wanted)
+        named = tuple(e for e in request.effects if e not in request.without)
+        brought, others = self._chosen(read, where, how, named)
         gone = (*request.without, *others)
         absent = (*gone, *self._left_out(read, where, gone, how))
         idle = {e for e, word in how.items() if word == NONE}
         present = [b for b in self.bodies if b not in absent]
-        acting = {*wanted, *brought, *self._brought(request.outputs, present)}
+        acting = {*named, *brought, *self._brought(request.outputs, present)}
         acting -= idle | {*request.without}
         read.problems += [
             f"{where}: '{e}' has a fidelity but does not act; name it among the effects."
@@ -212,18 +195,15 @@ class Scenes(Fidelities, Outputs):
         self, start: NamedValues, absent: tuple[str, ...], guess: NamedValues
     ) -> NamedValues:
         """The guess, with the places of contacts that nobody named."""
-        named_ones = dict((*guess, *start))
-        numbers: dict[sympy.Symbol, float] = {
-            Parameter(p.name, real=True): p.value for p in self.parameters.values()
-        }
-        for q in self._coordinates():
-            numbers[q] = named_ones.get(dotted(q), q.measure.neutral)
-        found = dict(guess)
+        known = dict((*guess, *start))
+        coordinates = self._coordinates()
+        numbers = self.defaults | {q: known.get(dotted(q), q.measure.neutral) for q in coordinates}
+        places = dict(guess)
         for name, joint in self.joints.items():
-            missing = [q for q in own_coordinates(joint) if dotted(q) not in named_ones]
+            missing = [q for q in own_coordinates(joint) if dotted(q) not in known]
             taking_part = name not in absent and not any(b.name in absent for b in joint.bodies)
             if missing and taking_part and isinstance(joint, Located):
                 with suppress(TypeError, ValueError):  # what is wrong with it, `build` says
                     near = joint.near(numbers)
-                    found |= {dotted(q): near[q] for q in missing}
-        return tuple(found.items())
+                    places |= {dotted(q): near[q] for q in missing}
+        return tuple(places.items())

@@ -14,10 +14,10 @@ numerically: an identity of analytic functions that holds at a few random points
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 from random import Random
+from typing import NamedTuple
 
 from codegen.lower.differentiation.tangent import differentiate
 from codegen.lower.graph import Graph
@@ -31,8 +31,7 @@ AGREED = 1e-9
 """accuracy: difference of two numbers, in parts of their sizes, below which they are equal."""
 
 
-@dataclass(frozen=True)
-class Angle:
+class Angle(NamedTuple):
     """An angle in closed form.
 
     Attributes
@@ -58,8 +57,7 @@ class Angle:
     branch: int | None = None
 
 
-@dataclass(frozen=True)
-class Loop:
+class Loop(NamedTuple):
     """Rows that are solved for as many angles."""
 
     rows: tuple[int, ...]
@@ -72,7 +70,11 @@ class Loop:
 
 
 def find_loops(
-    graph: Graph, q: Sequence[int], phi: dict[int, int], angles: list[int], first_branch: int
+    graph: Graph,
+    q: Sequence[int],
+    phi: Mapping[int, int],
+    angles: Sequence[int],
+    first_branch: int,
 ) -> list[Loop]:
     """The loops with a solution in closed form, in an order in which each needs only those before.
 
@@ -87,58 +89,55 @@ def find_loops(
     first_branch
         Slot of ``p`` for the first branch.
     """
-    return _LoopSearch(graph, q, phi, angles, first_branch).found
+    search = _LoopSearch(graph, q, first_branch)
+    phi, angles, loops = dict(phi), list(angles), []
+    while loop := search.next_loop(phi, angles):
+        loops.append(loop)
+        for row in loop.rows:
+            del phi[row]
+        for column in loop.columns:
+            angles.remove(column)
+    return loops
 
 
-@dataclass
 class _LoopSearch:
-    """The search; attributes as the parameters of `find_loops`."""
+    """The forms of a loop, and the branches that they have taken."""
 
-    graph: Graph
-    q: Sequence[int]
-    phi: dict[int, int]
-    angles: list[int]
-    first_branch: int
-    found: list[Loop] = field(default_factory=list, init=False)
+    def __init__(self, graph: Graph, q: Sequence[int], first_branch: int) -> None:
+        self.graph, self.q, self.branch = graph, q, first_branch
 
-    def __post_init__(self) -> None:
-        self._branches = 0
-        while loop := self._next():
-            self.found.append(loop)
-            for row in loop.rows:
-                del self.phi[row]
-            for angle in loop.angles:
-                self.angles.remove(angle.column)
-
-    def _next(self) -> Loop | None:
-        unknown = {self.q[k]: k for k in self.angles}
+    def next_loop(self, phi: dict[int, int], angles: list[int]) -> Loop | None:
+        """A loop of one row, else of two."""
+        unknown = {self.q[k]: k for k in angles}
         support = {}
-        for i, value in self.phi.items():
-            met = dependencies(self.graph, [value])
-            support[i] = tuple(sorted(unknown[number] for number in unknown if number in met))
+        for i, value in phi.items():
+            reachable = dependencies(self.graph, [value])
+            support[i] = tuple(sorted(unknown[number] for number in unknown if number in reachable))
         for i, columns in support.items():
-            if len(columns) == 1 and (loop := self._single(i, *columns)):
+            if len(columns) == 1 and (loop := self._single(i, phi[i], *columns)):
                 return loop
         for i, j in combinations(support, 2):
             columns = tuple(sorted({*support[i], *support[j]}))
             if len(columns) == 2 and len(support[i]) > 0 < len(support[j]):
-                for one, other in (columns, columns[::-1]):
-                    if loop := self._pair(i, j, one, other):
+                for pair in (columns, columns[::-1]):
+                    if loop := self._pair((i, j), (phi[i], phi[j]), *pair):
                         return loop
         return None
 
     # -- forms -------------------------------------------------------------------------------
 
-    def _single(self, row: int, column: int) -> Loop | None:
-        form = self._form(self.phi[row], (column,))
+    def _single(self, row: int, phi: int, column: int) -> Loop | None:
+        form = self._form(phi, (column,))
         if form is None:
             return None
         start, ((a, b),) = form
         return Loop((row,), (self._angle(row, column, a, b, start),))
 
-    def _pair(self, row: int, other: int, column: int, last: int) -> Loop | None:
+    def _pair(
+        self, rows: tuple[int, int], phi: tuple[int, int], column: int, last: int
+    ) -> Loop | None:
         graph = self.graph
-        forms = [self._form(self.phi[i], (column, last)) for i in (row, other)]
+        forms = [self._form(value, (column, last)) for value in phi]
         if forms[0] is None or forms[1] is None:
             return None
         (u, ((a, b), (d, e))), (w, ((f, g), (h, k))) = forms[0], forms[1]
@@ -153,27 +152,27 @@ class _LoopSearch:
         sine = graph.mul(two, graph.add(graph.mul(u, a), graph.mul(w, f)))
         cosine = graph.mul(two, graph.add(graph.mul(u, b), graph.mul(w, g)))
         rest = graph.add(self._squares(u, w), graph.sub(arm, reach))
-        angle = self._angle(max(row, other), column, sine, cosine, rest)
+        angle = self._angle(max(rows), column, sine, cosine, rest)
         x = graph.total([u, graph.mul(a, angle.s), graph.mul(b, angle.c)])
         y = graph.total([w, graph.mul(f, angle.s), graph.mul(g, angle.c)])
         # [d e; h k] (s, c) = -(x, y), by the transposed.
         inverse = graph.neg(graph.div(graph.one, reach))
         s = graph.mul(inverse, graph.add(graph.mul(d, x), graph.mul(h, y)))
         c = graph.mul(inverse, graph.add(graph.mul(e, x), graph.mul(k, y)))
-        return Loop((row, other), (angle, Angle(last, max(row, other), s, c)))
+        return Loop(rows, (angle, Angle(last, max(rows), s, c)))
 
     def _angle(self, row: int, column: int, a: int, b: int, start: int) -> Angle:
         graph = self.graph
         name = graph.values[self.q[column]].literal.name  # type: ignore[union-attr]
-        branch = graph.input("p", self.first_branch + self._branches, f"branch_{name}")
-        self._branches += 1
+        branch = graph.input("p", self.branch, f"branch_{name}")
+        self.branch += 1
         square = self._squares(a, b)
         discriminant = graph.sub(square, graph.mul(start, start))
         root = graph.mul(branch, graph.power(discriminant, 0.5))
         inverse = graph.div(graph.one, square)
         s = graph.neg(graph.add(graph.mul(a, start), graph.mul(b, root)))
         c = graph.sub(graph.mul(a, root), graph.mul(b, start))
-        sine, cosine = (graph.function(op, self.q[column]) for op in (Op.SIN, Op.COS))
+        sine, cosine = self._sine_cosine(column)
         slope = graph.sub(graph.mul(a, cosine), graph.mul(b, sine))
         return Angle(
             column, row, graph.mul(inverse, s), graph.mul(inverse, c), discriminant, slope, branch
@@ -187,7 +186,7 @@ class _LoopSearch:
     ) -> tuple[int, tuple[tuple[int, int], ...]] | None:
         """C and (A, B) of each angle, if the value is linear in their sines and cosines."""
         graph = self.graph
-        ends = [(self._sine(k), self._cosine(k)) for k in columns]
+        ends = [self._sine_cosine(k) for k in columns]
         inside = {number for pair in ends for number in pair}
         stop = dict.fromkeys(inside)
         if dependencies(graph, [value], stop) & {self.q[k] for k in columns}:
@@ -210,11 +209,9 @@ class _LoopSearch:
         (slope,) = differentiate(self.graph, [value], {number: self.graph.one})
         return substitute(self.graph, [slope], still)[0]
 
-    def _sine(self, column: int) -> int:
-        return self.graph.function(Op.SIN, self.q[column])
-
-    def _cosine(self, column: int) -> int:
-        return self.graph.function(Op.COS, self.q[column])
+    def _sine_cosine(self, column: int) -> tuple[int, int]:
+        angle = self.q[column]
+        return self.graph.function(Op.SIN, angle), self.graph.function(Op.COS, angle)
 
     def _zero(self, value: int, size: int) -> bool:
         """Whether a value is zero at random points, compared with the size of another."""
@@ -245,9 +242,5 @@ class RandomPoint(dict[str, object]):
             return draw.uniform(0.1, 1.0)
         if array == "modes":
             return [draw.random() < 0.5 for _ in range(10_000)]
-        return _Drawn(draw, (0.5, 1.5) if array == "p" else (-3.0, 3.0))
-
-
-class _Drawn(list[float]):
-    def __init__(self, draw: Random, span: tuple[float, float]) -> None:
-        super().__init__(draw.uniform(*span) for _ in range(10_000))
+        span = (0.5, 1.5) if array == "p" else (-3.0, 3.0)
+        return [draw.uniform(*span) for _ in range(10_000)]

@@ -34,14 +34,24 @@ class CoordinateMap:
     """
 
     def __init__(self, lowered: Lowered) -> None:
-        self.lowered, self.scene = lowered, lowered.scene
-        self.description: Description = lowered.description
-        self.graph = graph = self.scene.graph
+        self.lowered, self.scene, self.description = lowered, lowered.scene, lowered.description
+        scene, graph = self.scene, self.scene.graph
+        self.graph = graph
         self.accelerations = [
             graph.input("a", k, f"{q.rate.name}_rate")
-            for k, q in enumerate(self.scene.equations.coordinates)
+            for k, q in enumerate(scene.equations.coordinates)
         ]
-        self.explicit = self._explicit()
+        massless = {k for k in range(scene.n) if scene.mass[k, k] == graph.zero}
+        self.explicit = ExplicitCoordinates(
+            graph,
+            scene.q,
+            scene.phi,
+            scene.jacobian,
+            scene.nu,
+            scene.gamma,
+            frozenset(fixed_at_start(self.description)),
+            frozenset(massless),
+        )
         self.formulas = self.explicit.formulas()
         self.loops = self._loops()
         closed = {k for loop in self.loops for k in loop.columns}
@@ -80,20 +90,6 @@ class CoordinateMap:
 
     # -- selection ---------------------------------------------------------------------------
 
-    def _explicit(self) -> ExplicitCoordinates:
-        scene = self.scene
-        massless = {k for k in range(scene.n) if scene.mass[k, k] == self.graph.zero}
-        return ExplicitCoordinates(
-            self.graph,
-            scene.q,
-            scene.phi,
-            scene.jacobian,
-            scene.nu,
-            scene.gamma,
-            frozenset(fixed_at_start(self.description)),
-            frozenset(massless),
-        )
-
     def _loops(self) -> list[Loop]:
         """Loops in closed form, of angles that enter all else by sine and cosine alone."""
         left, rows = self.explicit.coordinates, self.explicit.rows
@@ -103,24 +99,20 @@ class CoordinateMap:
         values = self._required()
         angles = [k for k in left if k not in independent and self._is_periodic(k, values)]
         while True:
-            found = find_loops(
+            loops = find_loops(
                 self.graph,
                 self.scene.q,
                 {i: row.value for i, row in rows.items()},
                 list(angles),
                 len(self.description.parameters),
             )
-            wound = [
-                k
-                for loop in found
-                for k in loop.columns
-                if not self._is_periodic(
-                    k, [r.value for i, r in rows.items() if i not in loop.rows]
-                )
-            ]
-            if not wound:
-                return found
-            angles = [k for k in angles if k not in wound]
+            bare = set()
+            for loop in loops:
+                others = [row.value for i, row in rows.items() if i not in loop.rows]
+                bare |= {k for k in loop.columns if not self._is_periodic(k, others)}
+            if not bare:
+                return loops
+            angles = [k for k in angles if k not in bare]
 
     def _required(self) -> list[int]:
         """The values that the equations of motion and the events need, explicit ones substituted.
@@ -192,7 +184,7 @@ class CoordinateMap:
                 for j, slope in self.slopes[k].items()
             ]
             velocities[k] = graph.total([*terms, *self.substituted([one.velocity])])
-        self.substitutes |= {scene.v[k]: velocities[k] for k in rates}
+        self.substitutes |= {scene.v[k]: value for k, value in velocities.items()}
         bias = self.substituted(rates[k].acceleration for k in rates)
         self.bias = dict(zip(rates, bias, strict=True))
 

@@ -13,6 +13,7 @@ with the coordinates c that remain.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from codegen.lower.differentiation.tangent import differentiate
 from codegen.lower.graph import Graph
@@ -20,8 +21,7 @@ from codegen.lower.linear.sparse_rows import LEAST_PIVOT, ROUNDING
 from codegen.lower.substitution import dependencies, substitute
 
 
-@dataclass(frozen=True)
-class Rates:
+class Rates(NamedTuple):
     """q̇ = Σ slopes · ċ + velocity, q̈ = Σ slopes · c̈ + acceleration."""
 
     slopes: dict[int, int]
@@ -39,8 +39,7 @@ class Row:
     gamma: int
 
 
-@dataclass(frozen=True)
-class Substitution:
+class Substitution(NamedTuple):
     """A coordinate and its formula, in the coordinates that remained when it was found."""
 
     column: int
@@ -95,16 +94,16 @@ class ExplicitCoordinates:
         for row in self.rows.values():
             for k in row.entries:
                 counts[k] = counts.get(k, 0) + 1
-        found = []
+        candidates = []
         for i, row in self.rows.items():
             sizes = {k: abs(self.graph.number(entry) or 0.0) for k, entry in row.entries.items()}
             least = LEAST_PIVOT * max(sizes.values(), default=0.0)
-            found += [
+            candidates += [
                 (k in self.preferred, (len(sizes) - 1) * (counts[k] - 1), len(sizes), i, k)
                 for k, size in sizes.items()
                 if size > 0.0 and size >= least and k not in self.kept and self._affine(row, k)
             ]
-        return min(found)[3:] if found else None
+        return min(candidates)[3:] if candidates else None
 
     def _affine(self, row: Row, k: int) -> bool:
         """Whether the derivative of the constraint itself is that in its Jacobian."""
@@ -112,8 +111,7 @@ class ExplicitCoordinates:
         return self.graph.number(slope) == self.graph.number(row.entries[k])
 
     def _substitute(self, i: int, k: int) -> None:
-        graph = self.graph
-        row = self.rows.pop(i)
+        graph, row = self.graph, self.rows.pop(i)
         inverse = graph.neg(graph.div(graph.one, row.entries.pop(k)))
         (rest,) = substitute(graph, [row.value], {self.q[k]: graph.zero})
         formula = graph.mul(inverse, rest)
@@ -146,8 +144,8 @@ class ExplicitCoordinates:
         """Column of each explicit coordinate → its formula in those that remain."""
         known: dict[int, int] = {}
         for one in reversed(self.substitutions):
-            met = dependencies(self.graph, [one.formula])
-            inner = {self.q[k]: value for k, value in known.items() if self.q[k] in met}
+            reachable = dependencies(self.graph, [one.formula])
+            inner = {self.q[k]: value for k, value in known.items() if self.q[k] in reachable}
             (known[one.column],) = substitute(self.graph, [one.formula], inner)
         return known
 

@@ -94,62 +94,47 @@ def _sides(mapping: CoordinateMap) -> list[Angle]:
     return [angle for angle in mapping.angles if angle.branch is not None]
 
 
+def _kernel(
+    name: str,
+    summary: str,
+    inputs: tuple[str, ...],
+    array: str,
+    values: list[int],
+    notes: list[str],
+) -> Kernel:
+    """A kernel that fills one array."""
+    return Kernel(name, summary, (*inputs, array), store(array, values, notes))
+
+
 def _constraint_kernels(equations: ProjectedEquations) -> list[Kernel]:
-    mapping = equations.mapping
-    rows = mapping.row_names
-    notes = [f"{rows[i]}, {mapping.name(mapping.kept[k])}" for i, k in equations.jacobian]
+    mapping, jacobian = equations.mapping, equations.jacobian
+    rows, position = mapping.row_names, ("t", "q", "p")
+    notes = [f"{rows[i]}, {mapping.name(mapping.kept[k])}" for i, k in jacobian]
+    entries, nu, gamma = list(jacobian.values()), equations.nu, equations.gamma
+    left = "Φ_r: the constraints that are left."
+    sparse = "Structural non-zeros of Φ_r, at JACOBIAN_ROWS, JACOBIAN_COLUMNS."
     return [
-        Kernel(
-            "constraints",
-            "Φ_r: the constraints that are left.",
-            ("t", "q", "p", "phi"),
-            store("phi", equations.phi, rows),
-        ),
-        Kernel(
-            "jacobian",
-            "Structural non-zeros of Φ_r, at JACOBIAN_ROWS, JACOBIAN_COLUMNS.",
-            ("t", "q", "p", "values"),
-            store("values", list(equations.jacobian.values()), notes),
-        ),
-        Kernel(
-            "velocity_rhs",
-            "ν_r = -∂Φ_r/∂t, so that Φ_r u̇ = ν_r.",
-            ("t", "q", "p", "nu"),
-            store("nu", equations.nu, rows),
-        ),
-        Kernel(
-            "acceleration_rhs",
-            "γ_r, so that Φ_r ü = γ_r.",
-            (*STATE, "gamma"),
-            store("gamma", equations.gamma, rows),
-        ),
+        _kernel("constraints", left, position, "phi", equations.phi, rows),
+        _kernel("jacobian", sparse, position, "values", entries, notes),
+        _kernel("velocity_rhs", "ν_r = -∂Φ_r/∂t, so that Φ_r u̇ = ν_r.", position, "nu", nu, rows),
+        _kernel("acceleration_rhs", "γ_r, so that Φ_r ü = γ_r.", STATE, "gamma", gamma, rows),
     ]
 
 
 def _motion_kernels(equations: ProjectedEquations) -> list[Kernel]:
-    mapping, graph = equations.mapping, equations.graph
+    mapping, mass = equations.mapping, equations.mass
     names = [mapping.name(k) for k in mapping.kept]
-    weights = [graph.input("w", slot, f"w_{name}") for slot, name in enumerate(names)]
+    weights = [mapping.graph.input("w", slot, f"w_{name}") for slot, name in enumerate(names)]
+    notes = [f"{names[i]}, {names[k]}" for i, k in mass]
+    entries = list(mass.values())
+    sparse = "Structural non-zeros of M_r = Tᵀ M T, at MASS_ROWS, MASS_COLUMNS."
+    pull = "Generalized forces Q_r = Tᵀ (Q - M γ)."
     return [
-        Kernel(
-            "mass",
-            "Structural non-zeros of M_r = Tᵀ M T, at MASS_ROWS, MASS_COLUMNS.",
-            ("q", "p", "values"),
-            store(
-                "values",
-                list(equations.mass.values()),
-                [f"{names[i]}, {names[k]}" for i, k in equations.mass],
-            ),
-        ),
-        Kernel(
-            "applied_forces",
-            "Generalized forces Q_r = Tᵀ (Q - M γ).",
-            (*STATE, "modes", "Q"),
-            store("Q", equations.force, names),
-        ),
+        _kernel("mass", sparse, ("q", "p"), "values", entries, notes),
+        _kernel("applied_forces", pull, (*STATE, "modes"), "Q", equations.force, names),
         equations.accelerations(),
         least_correction(
-            graph,
+            mapping.graph,
             equations.jacobian,
             equations.phi,
             equations.nu,
@@ -172,46 +157,39 @@ def _event_kernels(mapping: CoordinateMap) -> list[Kernel]:
     for k, slopes in mapping.slopes.items():
         terms = [graph.mul(slope, own[j]) for j, slope in slopes.items()]
         substitutes[mapping.accelerations[k]] = graph.total([*terms, mapping.bias[k]])
-    made = []
+    repeated = []
     for kernel in (kernels[name] for name in EVENT_KERNELS if name in kernels):
         values = substitute(graph, [out.value for out in kernel.outputs], substitutes)
         pairs = zip(kernel.outputs, values, strict=True)
         outputs = tuple(out._replace(value=value) for out, value in pairs)
-        made.append(Kernel(kernel.name, kernel.summary, kernel.arguments, outputs))
-    return made
+        repeated.append(Kernel(kernel.name, kernel.summary, kernel.arguments, outputs))
+    return repeated
 
 
 def _expansion_kernels(mapping: CoordinateMap) -> list[Kernel]:
     """All coordinates by those that are kept, the branches, and the distances to dead centres."""
     graph, scene = mapping.graph, mapping.scene
     turn = graph.constant(TURN)
-    wound = dict(mapping.substitutes)
+    full = dict(mapping.substitutes)
     for slot, angle in enumerate(mapping.angles):
         name = mapping.name(angle.column)
         turns = graph.mul(turn, graph.input("turns", slot, f"turns_{name}"))
-        wound[scene.q[angle.column]] = graph.add(mapping.substitutes[scene.q[angle.column]], turns)
-    formulas = substitute(graph, list(mapping.formulas.values()), wound)
-    wound |= {scene.q[k]: value for k, value in zip(mapping.formulas, formulas, strict=True)}
+        q = scene.q[angle.column]
+        full[q] = graph.add(mapping.substitutes[q], turns)
+    formulas = substitute(graph, list(mapping.formulas.values()), full)
+    full |= {scene.q[k]: value for k, value in zip(mapping.formulas, formulas, strict=True)}
+    rates = [mapping.substitutes[v] for v in scene.v]
+    columns = range(scene.n)
+    positions = store("all_q", [full[q] for q in scene.q], [mapping.name(k) for k in columns])
+    velocities = store("all_v", rates, [mapping.rate_name(k) for k in columns])
+    whole = "All coordinates and velocities; angles in closed form plus the given whole turns."
     sides = _sides(mapping)
     names = [mapping.name(angle.column) for angle in sides]
+    slopes = [angle.slope for angle in sides if angle.slope is not None]
+    branch = "∂Φ/∂θ of each loop in closed form, in all coordinates; its sign is the branch."
     return [
-        Kernel(
-            "expand",
-            "All coordinates and velocities; angles in closed form plus the given whole turns.",
-            (*STATE, "turns", "all_q", "all_v"),
-            store("all_q", [wound[q] for q in scene.q], [mapping.name(k) for k in range(scene.n)])
-            + store(
-                "all_v",
-                [mapping.substitutes[v] for v in scene.v],
-                [mapping.rate_name(k) for k in range(scene.n)],
-            ),
-        ),
-        Kernel(
-            "branches",
-            "∂Φ/∂θ of each loop in closed form, in all coordinates; its sign is the branch.",
-            ("t", "q", "p", "out"),
-            store("out", [angle.slope for angle in sides if angle.slope is not None], names),
-        ),
+        Kernel("expand", whole, (*STATE, "turns", "all_q", "all_v"), positions + velocities),
+        _kernel("branches", branch, ("t", "q", "p"), "out", slopes, names),
         _dead_centres(mapping, sides, names),
     ]
 
@@ -228,9 +206,5 @@ def _dead_centres(mapping: CoordinateMap, sides: list[Angle], names: list[str]) 
         (discriminant,) = mapping.substituted([angle.discriminant])
         values += [discriminant, *differentiate(graph, [discriminant], seeds)]
         notes += [f"{name}: ρ²", f"{name}: its rate"]
-    return Kernel(
-        "dead_centres",
-        "ρ² of each loop in closed form, which vanishes at its dead centres, and its rate.",
-        (*STATE, "out"),
-        store("out", values, notes),
-    )
+    summary = "ρ² of each loop in closed form, which vanishes at its dead centres, and its rate."
+    return _kernel("dead_centres", summary, STATE, "out", values, notes)

@@ -1,6 +1,7 @@
 """The page of one kind: its description, declaration, equations, reaction and cost."""
 
 import inspect
+import re
 from collections.abc import Iterator
 
 from codegen.declare.element import Constraint
@@ -11,7 +12,6 @@ from codegen.errors import ModelError
 from codegen.lower.kernels.scene_kernels import lower
 from codegen.lower.operation_count import by_element
 from codegen.model import Model
-from codegen.reference.docstrings import markdown
 from codegen.reference.equations import constraint_sections, effect_sections
 from codegen.reference.examples import Example, example_of
 
@@ -22,6 +22,10 @@ COUNTED = (
     *("gap_accelerations", "switched_reactions"),
 )
 """Kernels in the order in which a page lists them."""
+
+UNDERLINE = re.compile(r"-{3,}\s*")
+LISTS = ("Attributes", "Parameters", "Raises", "Returns")
+"""Sections of a docstring in numpy's form, by the line below a heading, and lists among them."""
 
 COST = """## Cost
 
@@ -112,3 +116,23 @@ def _equations(example: Example) -> Equations:
         f"no scene of model '{model.name}' has {element.kind} '{element.name}' in it; name it "
         "in one."
     )
+
+
+def markdown(docstring: str | None) -> str:
+    """A docstring in numpy's form as Markdown: headings of sections in bold, entries as lists."""
+    lines = inspect.cleandoc(docstring or "").splitlines()
+    shown: list[str] = []
+    listing = False
+    for k, line in enumerate(lines):
+        if UNDERLINE.fullmatch(line):
+            listing = lines[k - 1] in LISTS
+        elif k + 1 < len(lines) and UNDERLINE.fullmatch(lines[k + 1]):
+            shown += [f"**{line}**", ""]
+        elif listing and line and not line.startswith(" "):
+            names = ", ".join(f"`{name.strip()}`" for name in line.split(","))
+            shown.append(f"- {names}:")
+        elif listing and line:
+            shown.append(f"  {line.strip()}")
+        else:
+            shown.append(line)
+    return "\n".join(shown).strip()

@@ -1,26 +1,23 @@
 """All pages of the reference as files in a folder, and whether they are up to date."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from codegen.declare.names import nearest
 from codegen.elements.registry import Kind, kinds_of_elements
-from codegen.errors import GeneratedFileError, ModelError
-from codegen.generated_files.generated_file import is_current
+from codegen.errors import ModelError
+from codegen.generated_files.generated_file import Written, write_folder
 from codegen.model import Model
 from codegen.reference.page import page
 
 INDEX = "index.md"
+ABOUT = """# Elements
+
+The joints, drivers and forces of the library. Each page shows the equations of an element as they \
+are compiled, and their cost in operations. In them i and j are the two bodies of an element, with \
+the coordinates x, y, φ; s'_i is a point in the frame of body i, s_i = A_i s'_i the same vector in \
+global axes, and d the way from the point of i to that of j."""
+WRITTEN = "*Written by `python -m codegen elements --out docs/elements`.*"
 ROLES = {"joint": "Joints", "driver": "Drivers", "force": "Forces"}
-
-
-@dataclass(frozen=True)
-class Written:
-    """The pages of a folder, and those among them that were missing, old, or of no kind."""
-
-    pages: tuple[Path, ...]
-    stale: tuple[Path, ...]
 
 
 def slug(kind: str) -> str:
@@ -57,72 +54,32 @@ def chosen_kinds(model: Model | None = None, only: str | None = None) -> dict[st
 def write(
     folder: Path, model: Model | None = None, only: str | None = None, *, check: bool = False
 ) -> Written:
-    """Write the pages of all kinds and their index, or the page of one kind.
+    """Write the pages of all kinds and their index, or the page of one kind; as `write_folder`.
 
     Parameters
     ----------
-    folder
-        Where the pages are; made where it is missing.
     model
         A model with elements of one's own.
     only
         One kind, without the index.
-    check
-        Write nothing; only say what is stale.
 
     Raises
     ------
     InputError
         If a kind has no sound example, or the folder cannot be written.
     """
-    texts = {folder / name: text for name, text in _texts(model, only)}
-    stale = []
-    for path, text in texts.items():
-        if not is_current(path, text):
-            stale.append(path)
-            if not check:
-                _put(path, text)
-    if only is None and folder.is_dir():
-        stale += sorted(path for path in folder.glob("*.md") if path not in texts)
-    return Written(tuple(texts), tuple(stale))
-
-
-def _put(path: Path, text: str) -> None:
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(text.encode())
-    except OSError as error:
-        raise GeneratedFileError(
-            f"cannot write {path}: {error.strerror or error}; choose another folder with --out."
-        ) from error
-
-
-def _texts(model: Model | None, only: str | None) -> Iterator[tuple[str, str]]:
     kinds = chosen_kinds(model, only)
-    for name in kinds:
-        yield f"{slug(name)}.md", page(name, model)
-    if only is None:
-        yield INDEX, index(kinds)
+    texts = {f"{slug(name)}.md": page(name, model) for name in kinds}
+    if only is not None:
+        return write_folder(folder, texts, check=check)
+    return write_folder(folder, texts | {INDEX: index(kinds)}, others="*.md", check=check)
 
 
 def index(kinds: dict[str, Kind]) -> str:
     """The list of the kinds, role by role."""
-    parts = [
-        "# Elements",
-        (
-            "The joints, drivers and forces of the library. Each page shows the equations of an "
-            "element as they are compiled, and their cost in operations. In them i and j are "
-            "the two bodies of an element, with the coordinates x, y, φ; s'_i is a point in the "
-            "frame of body i, s_i = A_i s'_i the same vector in global axes, and d the way from "
-            "the point of i to that of j."
-        ),
-    ]
+    sections = []
     for role, heading in ROLES.items():
-        rows = [
-            f"- [{kind.name}]({slug(kind.name)}.md): {kind.summary}"
-            for kind in kinds.values()
-            if kind.role == role
-        ]
-        parts.append("\n".join((f"## {heading}", "", *rows)))
-    parts.append("*Written by `python -m codegen elements --out docs/elements`.*")
-    return "\n\n".join(parts) + "\n"
+        chosen = (kind for kind in kinds.values() if kind.role == role)
+        rows = (f"- [{kind.name}]({slug(kind.name)}.md): {kind.summary}" for kind in chosen)
+        sections.append("\n".join((f"## {heading}", "", *rows)))
+    return "\n\n".join((ABOUT, *sections, WRITTEN)) + "\n"

@@ -21,7 +21,7 @@ from models.studies.gallery import Shown, markdown
 from models.studies.rows import Row
 
 console = Console(highlight=False)
-WARM = "from runtime.precompile import warm; warm('dop853')"
+PRECOMPILE = (sys.executable, "-m", "runtime.precompile", "dop853")
 NAMES = tuple(study.name for study in STUDIES)
 
 
@@ -47,10 +47,10 @@ def main(
     with console.status("starting") as status:
         clock = perf_counter()
         # The runtime's own loops compile beside the machines' kernels, the first time.
-        warming = subprocess.Popen([sys.executable, "-c", WARM])
+        compiling = subprocess.Popen(PRECOMPILE)
         built = [build(study.path, study.scenes, progress=status.update) for study in chosen]
         status.update("compiling the runtime, once")
-        warming.wait()
+        compiling.wait()
         scenes = [scene for report in built for scene in report.scenes]
         operations = sum(sum(scene.operations.values()) for scene in scenes)
         console.print(

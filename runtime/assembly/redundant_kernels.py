@@ -13,6 +13,7 @@ from runtime.core.kernel_abi import SIGNATURES, Kernels
 from runtime.integrate.method import EXPLICIT, IMPLICIT, alternatives
 from runtime.integrate.problem import Correction
 from runtime.linalg.rank_revealing import solve_least_norm, solve_motion
+from runtime.linalg.row_elimination import Sparse
 from runtime.mechanism.description import Description
 from runtime.mechanism.mechanism import Mechanism
 from runtime.results.assembled_state import Assembly
@@ -108,16 +109,15 @@ def _accelerations(kernels: Kernels, description: Description, n: int, m: int, s
             gamma_of(t, q, v, p, gamma)
         mass_of(q, p, masses)
         forces(t, q, v, p, modes, force)
-        lost = solve_motion(
-            rows, columns, values, mass_rows, mass_columns, masses, force, gamma, a, lam
-        )
+        slopes, inertia = Sparse(rows, columns, values), Sparse(mass_rows, mass_columns, masses)
+        lost = solve_motion(slopes, inertia, force, gamma, a, lam)
         return 0 if lost <= spare else m
 
     def kinematic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
         values, right, d = np.empty(rows.size), np.empty((1, m)), np.empty((1, n))
         jacobian(t, q, p, values)
         gamma_of(t, q, v, p, right[0])
-        rank = solve_least_norm(rows, columns, values, np.ones(n), right, d)
+        rank = solve_least_norm(Sparse(rows, columns, values), np.ones(n), right, d)
         a[:] = d[0]
         lam[:] = 0.0
         return 0 if rank >= m - spare else m
@@ -139,7 +139,7 @@ def _correction(kernels: Kernels, description: Description, n: int, m: int, coun
             right[0, i] = -right[0, i]
         for k in range(rows.size):
             right[1, rows[k]] -= values[k] * v[columns[k]]
-        rank = solve_least_norm(rows, columns, values, w, right, d)
+        rank = solve_least_norm(Sparse(rows, columns, values), w, right, d)
         dq[:] = d[0]
         dv[:] = d[1]
         return 0 if rank >= count else m

@@ -13,23 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import typer
 
 from codegen.errors import InputError
-from runtime.cli.accuracy import accuracy
-from runtime.cli.common import (
-    Guess,
-    Json,
-    Model,
-    MotionStart,
-    Parameters,
-    Scene,
-    TEnd,
-    TStart,
-    exit_on_error,
-    print_json,
-    refuse,
-    start_values,
-    write_line,
-)
-from runtime.cli.matters import matters
+from runtime.cli import common, studies
+from runtime.cli.common import Guess, Json, Model, MotionStart, Parameters, Scene, TEnd, TStart
 from runtime.integrate.method import METHODS, alternatives
 
 if TYPE_CHECKING:
@@ -44,8 +29,8 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-app.command()(matters)
-app.command()(accuracy)
+app.command()(studies.matters)
+app.command()(studies.accuracy)
 
 Out = Annotated[
     Path | None, typer.Option(help="File for the result: .nc, .csv, .parquet or .html.")
@@ -103,36 +88,23 @@ def simulate(
     """Dynamics: the motion of the machine under the forces that act on it."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
+        # A run of no length is the assembled state; every other one has a positive span.
+        t_eval = [t_end] if t_end == t_start else _instants(t_start, t_end, points)
+        words = {"correction": cast(Any, correction), "formulation": cast(Any, formulation)}
         return machine.simulate(
-            t_end=t_end,
-            # A run of no length is the assembled state; every other one has a positive span.
-            t_eval=[t_end] if t_end == t_start else _instants(t_start, t_end, points),
-            t_start=t_start,
-            accuracy=accuracy,
-            quantities=quantity,
-            method=method,
-            rtol=rtol,
-            atol=atol,
-            correction=cast(Any, correction),  # `simulate` refuses a word that is none
-            formulation=cast(Any, formulation),
-            **values,
-        )
+            t_end, t_eval, t_start=t_start, accuracy=accuracy, quantities=quantity, method=method,
+            rtol=rtol, atol=atol, **words, **values,
+        )  # fmt: skip
 
     _run(analyse, model, scene, settings, guess, out, as_json)
 
 
 @app.command()
 def kinematics(
-    model: Model,
-    t_end: TEnd,
-    t_start: TStart = 0.0,
-    scene: Scene = None,
-    settings: Parameters = None,
-    guess: Guess = None,
-    points: Points = 501,
-    out: Out = None,
+    model: Model, t_end: TEnd, t_start: TStart = 0.0, scene: Scene = None,
+    settings: Parameters = None, guess: Guess = None, points: Points = 501, out: Out = None,
     as_json: Json = False,
-) -> None:
+) -> None:  # fmt: skip
     """Kinematics: the motion that the drivers prescribe, one for every degree of freedom."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
@@ -143,16 +115,10 @@ def kinematics(
 
 @app.command()
 def inverse(
-    model: Model,
-    t_end: TEnd,
-    t_start: TStart = 0.0,
-    scene: Scene = None,
-    settings: Parameters = None,
-    guess: Guess = None,
-    points: Points = 501,
-    out: Out = None,
+    model: Model, t_end: TEnd, t_start: TStart = 0.0, scene: Scene = None,
+    settings: Parameters = None, guess: Guess = None, points: Points = 501, out: Out = None,
     as_json: Json = False,
-) -> None:
+) -> None:  # fmt: skip
     """Inverse dynamics: the forces that the prescribed motion takes."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
@@ -163,16 +129,11 @@ def inverse(
 
 @app.command()
 def report(
-    model: Model,
-    out: Annotated[Path, typer.Option(help="The page to write, .html.")],
-    t_end: TEnd = 1.0,
-    scene: Scene = None,
-    settings: Parameters = None,
-    guess: Guess = None,
-    points: Points = 501,
-    rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 1e-8,
+    model: Model, out: Annotated[Path, typer.Option(help="The page to write, .html.")],
+    t_end: TEnd = 1.0, scene: Scene = None, settings: Parameters = None, guess: Guess = None,
+    points: Points = 501, rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 1e-8,
     as_json: Json = False,
-) -> None:
+) -> None:  # fmt: skip
     """A page about a run: a simulation, or the driven motion where drivers leave no freedom."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
@@ -184,21 +145,17 @@ def report(
         return machine.simulate(t_end, instants, rtol=rtol, **values)
 
     if out.suffix != ".html":
-        refuse((f"{out}: a report is an .html page. Change the ending.",), 2, as_json)
+        common.refuse((f"{out}: a report is an .html page. Change the ending.",), 2, as_json)
     _run(analyse, model, scene, settings, guess, out, as_json)
 
 
 @app.command()
 def equilibrium(
-    model: Model,
-    scene: Scene = None,
-    settings: Parameters = None,
-    guess: Guess = None,
+    model: Model, scene: Scene = None, settings: Parameters = None, guess: Guess = None,
     method: Annotated[str, typer.Option(help="energy or settling.")] = "energy",
     t: Annotated[float, typer.Option(help="Instant at which the drivers stand, in s.")] = 0.0,
-    out: Out = None,
-    as_json: Json = False,
-) -> None:
+    out: Out = None, as_json: Json = False,
+) -> None:  # fmt: skip
     """Equilibrium: the position of rest, and whether it is stable."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
@@ -213,16 +170,11 @@ def main() -> None:
 
 
 def _run(
-    analyse: Callable[..., "Result"],
-    model: str,
-    scene: str | None,
-    settings: list[str] | None,
-    guess: list[str] | None,
-    out: Path | None,
-    as_json: bool,
-) -> None:
+    analyse: Callable[..., "Result"], model: str, scene: str | None, settings: list[str] | None,
+    guess: list[str] | None, out: Path | None, as_json: bool,
+) -> None:  # fmt: skip
     """Load, analyse, save and summarise; ends the process with the exit status."""
-    with exit_on_error(as_json):
+    with common.exit_on_error(as_json):
         if out is not None:
             from runtime.results.files import check_place
 
@@ -230,22 +182,22 @@ def _run(
         from runtime.load import load
 
         machine = load(model, scene)
-        result = analyse(machine, **start_values(settings, guess))
+        result = analyse(machine, **common.start_values(settings, guess))
         saved = None if out is None else result.save(out)
     from runtime.results.summary import accuracy, events, last_values, summary
 
     failed = result.failed
     for line in (repr(result), *accuracy(result), *events(result)):
-        write_line(line)
+        common.write_line(line)
     if saved is not None:
         count = len(result.t)
-        upto = f" up to t = {result.t[-1]:g} s" if failed and count else ""
-        what = "What was computed" if failed else "Saved"
-        write_line(f"  {what}: {count} instants{upto} in {saved}")
+        until = f" up to t = {result.t[-1]:g} s" if failed and count else ""
+        subject = "What was computed" if failed else "Saved"
+        common.write_line(f"  {subject}: {count} instants{until} in {saved}")
     elif failed:
-        write_line("  Nothing was saved; give --out FILE to keep what was computed.")
+        common.write_line("  Nothing was saved; give --out FILE to keep what was computed.")
     if as_json:
-        print_json(summary(result, saved))
+        common.print_json(summary(result, saved))
     elif not failed:
         for line in last_values(result):
             sys.stdout.write(line + "\n")

@@ -30,25 +30,17 @@ MotionStart = Annotated[
 
 
 def start_values(parameters: list[str] | None, guess: list[str] | None) -> dict[str, Any]:
-    """The arguments `parameters` and `guess` of an analysis, from the options --set and --guess.
-
-    Raises
-    ------
-    InputError
-        With every text that is not NAME=VALUE.
-    """
-    options = {"parameters": ("--set", parameters), "guess": ("--guess", guess)}
-    values: dict[str, dict[str, float]] = {name: {} for name in options}
+    """The arguments `parameters` and `guess` of an analysis, from the options --set and --guess."""
+    values: dict[str, dict[str, float]] = {"parameters": {}, "guess": {}}
+    options = [("parameters", "--set", text) for text in parameters or ()]
+    options += [("guess", "--guess", text) for text in guess or ()]
     problems = []
-    for argument, (option, texts) in options.items():
-        for text in texts or []:
-            name, equals, value = text.partition("=")
-            try:
-                values[argument][name.strip()] = float(value)
-            except ValueError:
-                equals = ""
-            if not equals:
-                problems.append(f"{option} {text}: write NAME=VALUE with a number.")
+    for argument, option, text in options:
+        name, _, value = text.partition("=")
+        try:
+            values[argument][name.strip()] = float(value)  # "" where there is no =
+        except ValueError:
+            problems.append(f"{option} {text}: write NAME=VALUE with a number.")
     if problems:
         raise InputError(problems)
     return values

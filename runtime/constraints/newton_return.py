@@ -7,31 +7,24 @@ steps, where the partition may be singular, are projected in the metric of the m
 
 import numpy as np
 
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
-from runtime.core.function_table import COORDINATES, CORRECT, parameters_of
 from runtime.core.jit import addressed
 from runtime.core.kernel_abi import correction_of
-from runtime.core.workspace import (
-    DELTA,
-    SIZE,
-    first_half,
-    positions,
-    row_of,
-    second_half,
-    velocities,
-)
+from runtime.core.rounding import EPS
+from runtime.core.run_record import run_record
 
 ITERATIONS = 10  # safety: Newton iterations before the return counts as failed
-WEAK = 64  # a converged result of WEAK * c + i: i iterations, constraint c - 1 has a weak pivot
 FAILED = -1_000_000  # negative also when iterations of other stages are added to it
 # accuracy: relative change of a position that is rounding; a machine at rest stays there
-_ROUNDING = 4e-16
+_ROUNDING = 2.0 * EPS
 # accuracy: relative change of a position below which the velocities are right too
 _POSITION = 3e-14
 _VELOCITY = 1e-8  # accuracy: relative change of a velocity that one linear solve brings to rounding
 
 
-@addressed(CORRECT)
+@addressed(ft.CORRECT)
 def return_to_constraints(context: Integers, t: float, index: int, weighing: int) -> int:
     """Bring the state in row `index` of the workspace onto the constraints at time `t`.
 
@@ -41,24 +34,18 @@ def return_to_constraints(context: Integers, t: float, index: int, weighing: int
     Returns
     -------
     int
-        Calls of `correction`, plus `WEAK` times (1 + index of a constraint with a weak pivot);
-        `FAILED` where the iteration does not converge.
+        Calls of `correction`; `FAILED` where the iteration does not converge. `run.weak_return`
+        names a constraint with a weak pivot.
     """
-    p = parameters_of(context)
-    correction = correction_of(context)
-    n = context[COORDINATES]
-    q = positions(context, index)
-    v = velocities(context, index)
-    dq = first_half(context, DELTA)
-    dv = second_half(context, DELTA)
-    weights = first_half(context, weighing)
-    size = row_of(context, SIZE)
+    correction, p, r = correction_of(context), ft.parameters_of(context), run_record(context)
+    q, v = ws.positions(context, index), ws.velocities(context, index)
+    dq, dv = ws.first_half(context, ws.DELTA), ws.second_half(context, ws.DELTA)
+    weights, size = ws.first_half(context, weighing), ws.row_of(context, ws.SIZE)
+    n = q.size
     previous = np.inf
-    weak = 0
     for iteration in range(1, ITERATIONS + 1):
-        weak = int(correction(t, q, v, p, weights, dq, dv))
-        moved = 0.0
-        turned = 0.0
+        r.weak_return = correction(t, q, v, p, weights, dq, dv)
+        moved, turned = 0.0, 0.0
         for j in range(n):
             if not np.isfinite(dq[j] + dv[j]):  # which a maximum would pass over
                 return FAILED
@@ -70,6 +57,6 @@ def return_to_constraints(context: Integers, t: float, index: int, weighing: int
         settled = moved <= _POSITION and turned <= _VELOCITY
         at_rounding = previous < 1e-10 and moved > 0.25 * previous
         if settled or at_rounding:
-            return iteration + WEAK * weak
+            return iteration
         previous = moved
     return FAILED

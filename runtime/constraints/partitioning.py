@@ -9,21 +9,28 @@ Mechanical Design 104, 1982.)
 
 import numpy as np
 
-from runtime.core.array_types import (
-    Integers,
-    Kernel,
-    Matrix,
-    Vector,
-    f8,
-    i8,
-    integers,
-    matrix,
-    vector,
-)
-from runtime.core.jit import compiled, inner
-from runtime.core.kernel_abi import TYPES
+from runtime.core import function_table as ft
+from runtime.core import kernel_abi as abi
+from runtime.core import workspace as ws
+from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, matrix, vector
+from runtime.core.jit import compiled, fetched, inner
 from runtime.linalg.full_pivoting import factor_fully
 from runtime.linalg.rank_policy import NO_PIVOT
+from runtime.linalg.row_elimination import Sparse, fill_dense
+
+
+@inner
+def factor_over_largest(dense: Matrix, row_order: Integers, column_order: Integers) -> int:
+    """As `factor_fully`, each row first divided by its largest entry."""
+    m, n = dense.shape
+    for i in range(m):
+        largest = 0.0
+        for j in range(n):
+            largest = max(largest, abs(dense[i, j]))
+        if largest > 0.0:
+            for j in range(n):
+                dense[i, j] /= largest
+    return factor_fully(dense, row_order, column_order, NO_PIVOT)
 
 
 @compiled(i8(matrix, vector, integers, integers))
@@ -48,75 +55,31 @@ def order_by_pivots(
     int
         The rank.
     """
-    m, n = dense.shape
-    for i in range(m):
-        largest = 0.0
-        for j in range(n):
+    for i in range(dense.shape[0]):
+        for j in range(dense.shape[1]):
             dense[i, j] *= scale[j]
-            largest = max(largest, abs(dense[i, j]))
-        if largest > 0.0:
-            for j in range(n):
-                dense[i, j] /= largest
-    return factor_fully(dense, row_order, column_order, NO_PIVOT)
+    return factor_over_largest(dense, row_order, column_order)
 
 
-@compiled(
-    i8(
-        TYPES["jacobian"],
-        f8,
-        vector,
-        vector,
-        vector,
-        integers,
-        integers,
-        vector,
-        matrix,
-        vector,
-        integers,
-        integers,
-    )
-)
-def choose_independent(
-    jacobian: Kernel,
-    t: float,
-    q: Vector,
-    p: Vector,
-    scale: Vector,
-    rows: Integers,
-    columns: Integers,
-    values: Vector,
-    dense: Matrix,
-    weights: Vector,
-    row_order: Integers,
-    column_order: Integers,
-) -> int:
-    """Choose the independent coordinates at a position and set the weights of the correction.
+@fetched
+def evaluate_jacobian(context: Integers, t: float, q: Vector) -> Sparse:
+    """Φ_q at (t, q)."""
+    values = ft.jacobian_values_of(context)
+    abi.jacobian_of(context)(t, q, ft.parameters_of(context), values)
+    return Sparse(ft.jacobian_rows_of(context), ft.jacobian_columns_of(context), values)
 
-    Parameters
-    ----------
-    jacobian
-        Kernel that writes the Jacobian's structural non-zeros at (t, q) into `values`.
-    scale : (n,) float64
-        Typical size of a change of each coordinate, 1 / sqrt(M_kk).
-    rows, columns : (nnz,) int64
-        Where each of `values` belongs.
-    dense : (m, n) float64
-        Workspace.
-    weights : (n,) float64
-        Out: 0 on independent coordinates, scale ** 2 on dependent ones.
-    row_order, column_order : (m,), (n,) int64
-        Out: as in `order_by_pivots`.
 
-    Returns
-    -------
-    int
-        The rank of the Jacobian.
+@inner
+def choose_independent(context: Integers, t: float, q: Vector) -> int:
+    """Choose the independent coordinates at (t, q); the rank of the Jacobian.
+
+    Sets the weights of the correction, which are 0 on independent coordinates and scale² on
+    dependent ones, and the orders of rows and columns as `order_by_pivots` does.
     """
-    jacobian(t, q, p, values)
-    dense[:, :] = 0.0
-    for k in range(rows.size):
-        dense[rows[k], columns[k]] += values[k]
-    rank = order_by_pivots(dense, scale, row_order, column_order)
+    weights, scale = ws.first_half(context, ws.PARTITION), ws.second_half(context, ws.PARTITION)
+    dense, column_order = ft.dense_jacobian_of(context), ft.column_order_of(context)
+    fill_dense(evaluate_jacobian(context, t, q), scale, dense)
+    rank = factor_over_largest(dense, ft.row_order_of(context), column_order)
     for position in range(column_order.size):
         j = column_order[position]
         weights[j] = scale[j] ** 2 if position < rank else 0.0
@@ -124,42 +87,21 @@ def choose_independent(
 
 
 @inner
-def driven_velocities(
-    correction: Kernel,
-    t: float,
-    q: Vector,
-    p: Vector,
-    weights: Vector,
-    probe: Vector,
-    dq: Vector,
-    dv: Vector,
-) -> None:
-    """Write into `dv` the dependent velocities with the independent coordinates at rest."""
-    probe[:] = 0.0
-    correction(t, q, probe, p, weights, dq, dv)
-
-
-@inner
-def column_norm(
-    correction: Kernel,
-    t: float,
-    independent: int,
-    q: Vector,
-    p: Vector,
-    weights: Vector,
-    scale: Vector,
-    probe: Vector,
-    dq: Vector,
-    dv: Vector,
-    driven: Vector,
-) -> float:
-    """Largest entry of a column of H in dq_dependent = H dq_independent, coordinates scaled.
+def column_norm(context: Integers, t: float, independent: int) -> float:
+    """Largest entry of a column of H in dq_dependent = H dq_independent at Y1, coordinates scaled.
 
     It costs two calls of `correction`, and grows without bound where the partition becomes
     singular. Where `independent` is negative, all columns of H are added, with signs that are drawn
-    by this number.
+    by this number. Row `UNIT` is left with the velocities of the probe, and the dependent
+    velocities with the independent coordinates at rest.
     """
-    driven_velocities(correction, t, q, p, weights, probe, dq, driven)
+    correction, p = abi.correction_of(context), ft.parameters_of(context)
+    q = ws.positions(context, ws.Y1)
+    weights, scale = ws.first_half(context, ws.PARTITION), ws.second_half(context, ws.PARTITION)
+    dq, dv = ws.first_half(context, ws.DELTA), ws.second_half(context, ws.DELTA)
+    probe, driven = ws.first_half(context, ws.UNIT), ws.second_half(context, ws.UNIT)
+    probe[:] = 0.0
+    correction(t, q, probe, p, weights, dq, driven)
     if independent >= 0:
         probe[independent] = scale[independent]
     else:

@@ -3,34 +3,12 @@
 import numpy as np
 
 from runtime.constraints.partitioning import choose_independent, column_norm
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
-from runtime.core.function_table import (
-    COORDINATES,
-    REPARTITION,
-    column_order_of,
-    dense_jacobian_of,
-    jacobian_columns_of,
-    jacobian_rows_of,
-    jacobian_values_of,
-    log_sets_of,
-    log_times_of,
-    parameters_of,
-    row_order_of,
-)
 from runtime.core.jit import addressed, inner
-from runtime.core.kernel_abi import correction_of, jacobian_of
 from runtime.core.run_record import run_record
-from runtime.core.workspace import (
-    DELTA,
-    PARTITION,
-    UNIT,
-    Y1,
-    first_half,
-    positions,
-    row_of,
-    second_half,
-    velocities,
-)
+from runtime.linalg.vectors import copy_vector
 
 # measured: entries of H, which full pivoting keeps near one, that call for a repartition
 GROWTH_LIMIT = 2.0
@@ -40,50 +18,28 @@ _CHECK_EVERY = 4  # measured: steps between probes of the independent coordinate
 @inner
 def log_partition(context: Integers, t: float) -> None:
     """Append the time and the independent coordinates in force (1, others 0) to the log."""
-    partition = row_of(context, PARTITION)
-    r = run_record(context)
-    n = context[COORDINATES]
-    at = r.logged_repartitions
-    times = log_times_of(context)
-    sets = log_sets_of(context)
+    r, weights = run_record(context), ws.first_half(context, ws.PARTITION)
+    times, sets, at = ft.log_times_of(context), ft.log_sets_of(context), r.logged_repartitions
     times[at] = t
-    for j in range(n):
-        sets[at, j] = 1 if partition[j] == 0.0 else 0
+    for j in range(weights.size):
+        sets[at, j] = 1 if weights[j] == 0.0 else 0
     r.logged_repartitions += 1
     r.repartitions += 1
 
 
-@addressed(REPARTITION)
+@addressed(ft.REPARTITION)
 def repartition(context: Integers, t: float, state: int) -> int:
     """Choose the independent coordinates anew at the state in row `state`; log a change.
 
     Returns 1 where the choice changed, else 0. Where it did not, the limits that led here are
     doubled, so that the partition is not judged again at every step.
     """
-    p = parameters_of(context)
     r = run_record(context)
-    n = context[COORDINATES]
-    weights = first_half(context, PARTITION)
-    scale = second_half(context, PARTITION)
-    before = first_half(context, DELTA)
-    for j in range(n):
-        before[j] = weights[j]
-    r.rank = choose_independent(
-        jacobian_of(context),
-        t,
-        positions(context, state),
-        p,
-        scale,
-        jacobian_rows_of(context),
-        jacobian_columns_of(context),
-        jacobian_values_of(context),
-        dense_jacobian_of(context),
-        weights,
-        row_order_of(context),
-        column_order_of(context),
-    )
+    weights, before = ws.first_half(context, ws.PARTITION), ws.first_half(context, ws.DELTA)
+    copy_vector(weights, before)
+    r.rank = choose_independent(context, t, ws.positions(context, state))
     changed = 0
-    for j in range(n):
+    for j in range(weights.size):
         if (before[j] > 0.0) != (weights[j] > 0.0):
             changed = 1
     if changed != 0:
@@ -106,21 +62,11 @@ def is_poorly_chosen(context: Integers, t: float) -> int:
     probed one by one, a chain of ten bars would keep a poor partition for a hundred steps. Large
     velocities alone do not condemn a partition: a driver may cause them.
     """
-    p = parameters_of(context)
-    r = run_record(context)
-    n = context[COORDINATES]
+    r, n = run_record(context), context[ft.COORDINATES]
     if r.rank >= n:
         return 0
-    correction = correction_of(context)
-    column_order = column_order_of(context)
-    q = positions(context, Y1)
-    v = velocities(context, Y1)
-    weights = first_half(context, PARTITION)
-    scale = second_half(context, PARTITION)
-    probe = positions(context, UNIT)
-    driven = velocities(context, UNIT)
-    dq = first_half(context, DELTA)
-    dv = second_half(context, DELTA)
+    column_order, v = ft.column_order_of(context), ws.velocities(context, ws.Y1)
+    weights, scale = ws.first_half(context, ws.PARTITION), ws.second_half(context, ws.PARTITION)
     fastest_independent = 0.0
     fastest_dependent = 0.0
     for j in range(n):
@@ -129,24 +75,19 @@ def is_poorly_chosen(context: Integers, t: float) -> int:
             fastest_independent = max(fastest_independent, speed)
         else:
             fastest_dependent = max(fastest_dependent, speed)
-    free = n - r.rank
-    uneven = fastest_dependent > r.ratio_limit * fastest_independent
-    if not uneven:
+    if not fastest_dependent > r.ratio_limit * fastest_independent:
         r.check_in -= 1
         if r.check_in > 0:
             return 0
         r.check_in = _CHECK_EVERY
         r.probe += 1
         r.corrections += 2
-        together = column_norm(correction, t, -r.probe, q, p, weights, scale, probe, dq, dv, driven)
         # Entries of either sign add up to some more than one of them, the more the more they are.
-        return 1 if together > r.growth_limit * np.sqrt(0.75 + 0.25 * free) else 0
+        limit = r.growth_limit * np.sqrt(0.75 + 0.25 * (n - r.rank))
+        return 1 if column_norm(context, t, -r.probe) > limit else 0
     largest = 0.0
     for position in range(r.rank, n):
-        column = column_order[position]
-        largest = max(
-            largest, column_norm(correction, t, column, q, p, weights, scale, probe, dq, dv, driven)
-        )
+        largest = max(largest, column_norm(context, t, column_order[position]))
         r.corrections += 2
     if largest > r.growth_limit:
         return 1

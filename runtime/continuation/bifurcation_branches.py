@@ -5,11 +5,11 @@ missing equations are the solvability conditions of the accelerations: l gamma(v
 l Phi_q = 0. They are k quadratic equations in c: with k = 1 two branches, one, or none.
 """
 
+from collections.abc import Callable
 from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from runtime.linalg.rank_policy import LOST, NO_PIVOT
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -34,76 +34,70 @@ class Branch(NamedTuple):
     far: float
 
 
-class RankDeficiency(NamedTuple):
-    """Phi_q with unit rows, scaled columns, and its singular vectors; `k` values are lost.
+class RankDeficiency:
+    """Phi_q at (t, q), unit rows, scaled columns, and its singular vectors; `k` values are lost.
 
     Rows that follow from others everywhere are left out; m is the number of the others, whose
-    indices are `rows`. `left` has shape (m, k), `null` (n, k), `inverse` (n, m), `lengths` (m,).
+    indices are `rows`. `left` has shape (m, k), `null` (n, k), `inverse` (n, m), `lengths` (m,). At
+    least `least` of the smallest `values` count as lost.
     """
 
-    rows: npt.NDArray[np.int64]
-    matrix: FloatArray
-    lengths: FloatArray
-    values: FloatArray
-    left: FloatArray
-    null: FloatArray
-    inverse: FloatArray
+    def __init__(
+        self, equations: Equations, t: float, q: FloatArray, scale: FloatArray, least: int = 0
+    ) -> None:
+        self.equations, self.t, self.q, self.scale = equations, t, q, scale
+        self.rows = equations.independent
+        matrix = equations.jacobian(t, q)[self.rows] * scale
+        self.lengths: FloatArray = np.linalg.norm(matrix, axis=1)
+        self.lengths[self.lengths == 0.0] = 1.0
+        self.matrix = matrix / self.lengths[:, None]
+        left, self.values, right = np.linalg.svd(self.matrix)
+        self.k = max(int((self.values < LOST).sum()), least)
+        kept = len(self.values) - self.k
+        self.left, self.null = left[:, kept:], right[kept:].T
+        self.inverse = right[:kept].T @ (left[:, :kept].T / self.values[:kept, None])
 
     @property
-    def k(self) -> int:
-        """Rank deficiency."""
-        return int(self.left.shape[1])
+    def nu(self) -> FloatArray:
+        """-Phi_t of the rows, (m,)."""
+        return self.equations.velocity_rhs(self.t, self.q)[self.rows] / self.lengths
+
+    def gamma(self, v: FloatArray) -> FloatArray:
+        """gamma of the rows, (m,)."""
+        return self.equations.acceleration_rhs(self.t, self.q, v)[self.rows] / self.lengths
+
+    def drift(self, rate: float) -> float:
+        """|uᵀ nu| / rate, the second-order test: rounding where motions cross, else a lock-up."""
+        return float(np.linalg.norm(self.left.T @ self.nu)) / rate
+
+    def branches(self, preferred: FloatArray) -> list[Branch]:
+        """The branches, nearest to the `preferred` velocities first; none if no motion exists."""
+        if self.k == 0 or self.left.shape[0] != self.null.shape[0]:
+            return []
+        scale, nu = self.scale, self.nu
+        base = preferred / scale
+        base = base - self.inverse @ (self.matrix @ base - nu)
+        speed = max(float(np.abs(base).max()), 1e-300)
+        if float(np.abs(self.left.T @ nu).max()) > SOLVED * speed:
+            return []
+
+        def velocity(c: FloatArray) -> FloatArray:
+            v: FloatArray = (base + speed * (self.null @ c)) * scale
+            return v
+
+        def residual(c: FloatArray) -> FloatArray:
+            missing: FloatArray = self.left.T @ self.gamma(velocity(c)) / speed**2
+            return missing
+
+        found = []
+        for c in _roots(*_quadratic(residual, self.k)):
+            v = velocity(c)
+            far = speed * float(np.linalg.norm(c))
+            found.append(Branch(v, (self.inverse @ self.gamma(v)) * scale, far))
+        return sorted(found, key=lambda branch: branch.far)
 
 
-def rank_deficiency(
-    equations: Equations, t: float, q: FloatArray, scale: FloatArray, least: int = 0
-) -> RankDeficiency:
-    """Singular vectors of Phi_q at q; at least `least` of the smallest values count as lost."""
-    rows = equations.independent
-    matrix = equations.jacobian(t, q)[rows] * scale
-    lengths = np.linalg.norm(matrix, axis=1)
-    lengths[lengths == 0.0] = 1.0
-    matrix = matrix / lengths[:, None]
-    left, values, right = np.linalg.svd(matrix)
-    k = max(int((values < LOST).sum()), least)
-    kept = len(values) - k
-    inverse = right[:kept].T @ (left[:, :kept].T / values[:kept, None])
-    return RankDeficiency(rows, matrix, lengths, values, left[:, kept:], right[kept:].T, inverse)
-
-
-def branches(
-    equations: Equations, t: float, q: FloatArray, preferred: FloatArray, scale: FloatArray
-) -> list[Branch]:
-    """The branches at q, nearest to the preferred velocities first; none where no motion exists."""
-    at = rank_deficiency(equations, t, q, scale)
-    if at.k == 0 or at.left.shape[0] != at.null.shape[0]:
-        return []
-    nu = equations.velocity_rhs(t, q)[at.rows] / at.lengths
-    base = preferred / scale
-    base = base - at.inverse @ (at.matrix @ base - nu)
-    speed = max(float(np.abs(base).max()), 1e-300)
-    if float(np.abs(at.left.T @ nu).max()) > SOLVED * speed:
-        return []
-
-    def velocity(c: FloatArray) -> FloatArray:
-        v: FloatArray = (base + speed * (at.null @ c)) * scale
-        return v
-
-    def lack(c: FloatArray) -> FloatArray:
-        gamma = equations.acceleration_rhs(t, q, velocity(c))[at.rows] / at.lengths
-        missing: FloatArray = at.left.T @ gamma / speed**2
-        return missing
-
-    found = []
-    for c in _roots(*_quadratic(lack, at.k)):
-        v = velocity(c)
-        gamma = equations.acceleration_rhs(t, q, v)[at.rows] / at.lengths
-        far = speed * float(np.linalg.norm(c))
-        found.append(Branch(v, (at.inverse @ gamma) * scale, far))
-    return sorted(found, key=lambda branch: branch.far)
-
-
-def ambiguous(found: list[Branch], scale: FloatArray) -> bool:
+def is_ambiguous(found: list[Branch], scale: FloatArray) -> bool:
     """Whether the nearest two are equally near."""
     if len(found) < 2:
         return False
@@ -111,18 +105,20 @@ def ambiguous(found: list[Branch], scale: FloatArray) -> bool:
     return found[1].far - found[0].far <= _ALIKE * speed
 
 
-def _quadratic(lack, k: int) -> tuple[FloatArray, FloatArray, FloatArray]:  # type: ignore[no-untyped-def]
-    """`lack` as constant + slope c + c square c; shapes (k,), (k, k), (k, k, k)."""
+def _quadratic(
+    residual: Callable[[FloatArray], FloatArray], k: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """`residual` as constant + slope c + c square c; shapes (k,), (k, k), (k, k, k)."""
     unit = np.eye(k)
-    constant = lack(np.zeros(k))
+    constant = residual(np.zeros(k))
     slope, square = np.zeros((k, k)), np.zeros((k, k, k))
     for i in range(k):
-        ahead, behind = lack(unit[i]), lack(-unit[i])
+        ahead, behind = residual(unit[i]), residual(-unit[i])
         slope[:, i] = 0.5 * (ahead - behind)
         square[:, i, i] = 0.5 * (ahead + behind) - constant
     for i in range(k):
         for j in range(i):
-            both = lack(unit[i] + unit[j]) - constant - slope[:, i] - slope[:, j]
+            both = residual(unit[i] + unit[j]) - constant - slope[:, i] - slope[:, j]
             square[:, i, j] = square[:, j, i] = 0.5 * (both - square[:, i, i] - square[:, j, j])
     return constant, slope, square
 
@@ -137,9 +133,10 @@ def _roots(constant: FloatArray, slope: FloatArray, square: FloatArray) -> list[
         b, a = float(slope[0, 0]), float(square[0, 0, 0])
         terms = [a, b, constant[0]] if abs(a) > _FLAT * size else [b, constant[0]]
         return [np.array([c.real]) for c in np.roots(terms) if abs(c.imag) <= _REAL]
-    grid = product((0.0, 2.0, -2.0), repeat=k) if k <= _GRID else [np.zeros(k), *_axes(k)]
+    axes = [2.0 * sign * axis for axis in np.eye(k) for sign in (1.0, -1.0)]
+    starts = product((0.0, 2.0, -2.0), repeat=k) if k <= _GRID else [np.zeros(k), *axes]
     found: list[FloatArray] = []
-    for start in grid:
+    for start in starts:
         c = np.array(start, dtype=np.float64)
         for _ in range(_ITERATIONS):
             left = constant + slope @ c + (square @ c) @ c
@@ -148,12 +145,7 @@ def _roots(constant: FloatArray, slope: FloatArray, square: FloatArray) -> list[
             if not np.linalg.norm(step) > 1e-14 * (1.0 + np.linalg.norm(c)):
                 break
         left = constant + slope @ c + (square @ c) @ c
-        if np.abs(left).max() <= _FLAT * size and all(
-            np.linalg.norm(c - other) > _ALIKE * (1.0 + np.linalg.norm(c)) for other in found
-        ):
+        new = all(np.linalg.norm(c - other) > _ALIKE * (1.0 + np.linalg.norm(c)) for other in found)
+        if new and np.abs(left).max() <= _FLAT * size:
             found.append(c)
     return found
-
-
-def _axes(k: int) -> list[FloatArray]:
-    return [2.0 * sign * axis for axis in np.eye(k) for sign in (1.0, -1.0)]

@@ -10,17 +10,17 @@ from typing import NamedTuple
 import numpy as np
 
 from runtime.continuation.bifurcation_branches import Branch
-from runtime.continuation.predictor_corrector import settle
+from runtime.continuation.predictor_corrector import return_to_motion
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.singularity.local_motion import Motion, interpolate
 
 # measured: of the time scale; states at this and twice this distance are interpolated
 DISTANCE = 2e-2
 # measured: multiples of `DISTANCE`, in the order in which they are tried
-_TRIED = (1.0, 0.5, 2.0, 0.25, 4.0, 0.125)
+_FACTORS = (1.0, 0.5, 2.0, 0.25, 4.0, 0.125)
 # accuracy: distance from its branch, over that of the next branch, at which a state is on it
 _NEAR = 0.2
-_ENDS = (-1.0, 1.0, -2.0, 2.0)  # formula: nodes of the interpolation, in units of the distance
+_NODES = (-1.0, 1.0, -2.0, 2.0)  # formula: nodes of the interpolation, in units of the distance
 
 
 class Zone(NamedTuple):
@@ -39,63 +39,55 @@ class Zone(NamedTuple):
         return self.motion.at(t - self.t)
 
 
-def zone(
+def distance_between(choices: list[Branch], scale: FloatArray) -> float:
+    """Distance of the next branch's velocity from that of the first, scaled, 1/s."""
+    first = choices[0].v
+    distances = (float(np.linalg.norm((other.v - first) / scale)) for other in choices[1:])
+    return min(distances, default=np.inf)
+
+
+def interpolate_branch(
     equations: Equations,
     t: float,
     q: FloatArray,
-    branch: Branch,
-    apart: float,
+    choices: list[Branch],
     scale: FloatArray,
     rate: float,
 ) -> Zone | None:
-    """The branch about (t, q); None where it does not go on smoothly on both sides.
+    """The first branch about (t, q); None where it does not go on smoothly on both sides.
 
-    Parameters
-    ----------
-    apart
-        Distance of the next branch's velocity, scaled, 1/s; infinite where there is none.
-    rate
-        How fast the machine and its singular value move, 1/s.
+    `rate` tells how fast the machine and its singular value move, 1/s.
     """
-    for factor in _TRIED:
-        found = _zone(equations, t, q, branch, apart, scale, factor * DISTANCE / rate)
-        if found is not None:
-            return found
+    apart = _NEAR * distance_between(choices, scale)
+    for factor in _FACTORS:
+        unit = factor * DISTANCE / rate
+        states = _compute_nodes(equations, t, q, choices[0], scale, apart, unit)
+        if states is not None:
+            orders = [0] * len(_NODES) + [1] * len(_NODES)
+            return Zone(t, 2.0 * unit, interpolate(t, unit, 2 * _NODES, orders, states))
     return None
 
 
-def _zone(
-    equations: Equations,
-    t: float,
-    q: FloatArray,
-    branch: Branch,
-    apart: float,
-    scale: FloatArray,
-    unit: float,
-) -> Zone | None:
-    w = scale * scale
-    values: list[FloatArray] = []
-    rates: list[FloatArray] = []
-    a = branch.a
-    for x in _ENDS:
+def _compute_nodes(
+    equations: Equations, t: float, q: FloatArray, branch: Branch, scale: FloatArray,
+    apart: float, unit: float,
+) -> FloatArray | None:  # fmt: skip
+    """q, then dq/dt, at the nodes, shape (2 nodes, n); None where one misses the branch."""
+    nodes, n = len(_NODES), len(q)
+    states = np.zeros((2 * nodes, n))
+    a, p = branch.a, equations.p
+    for i, x in enumerate(_NODES):
         h = x * unit
         there, v = q + h * (branch.v + 0.5 * h * a), branch.v + h * a
-        guess, info = there.copy(), np.zeros(3)
-        dq, dv = np.zeros_like(q), np.zeros_like(q)
-        weak = settle(
-            equations.kernels.correction, t + h, there, v, equations.p, w, scale, dq, dv, info
-        )
-        if weak != 0:
-            return None
+        guess, guessed_v = there.copy(), v.copy()
+        correction, work = equations.kernels.correction, np.zeros((2, n))
+        code, *_ = return_to_motion(correction, t + h, there, v, p, scale * scale, scale, *work)
         off = float(np.linalg.norm((there - guess) / scale))
-        veered = float(np.linalg.norm((v - branch.v - h * a) / scale))
-        if off > _NEAR * apart * abs(h) or veered > _NEAR * apart:
+        veered = float(np.linalg.norm((v - guessed_v) / scale))
+        if code != 0 or off > apart * abs(h) or veered > apart:
             return None
-        values.append(there)
-        rates.append(v)
-        if x == 1.0:
+        states[i], states[nodes + i] = there, v
+        if i == 1:
             # What the equations leave open of the acceleration follows from the nearer two.
-            a = (rates[1] - rates[0]) / (2.0 * unit)
-    orders = [0] * len(_ENDS) + [1] * len(_ENDS)
-    motion = interpolate(t, unit, 2 * _ENDS, orders, np.vstack([*values, *rates]))
-    return Zone(t, 2.0 * unit, motion)
+            a = (states[nodes + 1] - states[nodes]) / (2.0 * unit)
+    return states

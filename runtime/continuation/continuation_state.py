@@ -6,21 +6,7 @@ import numpy as np
 
 from runtime.continuation.arclength import Curve, Piece
 from runtime.continuation.branch_interpolation import Zone
-from runtime.continuation.pivot_monitor import (
-    BARRIER,
-    BEST,
-    GOOD_MARK,
-    GOOD_Q,
-    GOOD_T,
-    GOOD_V,
-    LEAST,
-    MARK,
-    RECORD,
-    ROWS,
-    STEP,
-    TRAVEL,
-    T,
-)
+from runtime.continuation.pivot_monitor import RECORD, Workspace
 from runtime.continuation.predictor_corrector import advance
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -51,7 +37,7 @@ class ContinuationState:
 
     Attributes
     ----------
-    q, v, a, lam
+    q, v, a
         The present state; `weak` is 1 + the constraint with a weak pivot at the start, or 0.
     q_out, v_out
         Samples, shape (instants, n).
@@ -65,36 +51,35 @@ class ContinuationState:
 
     def __init__(self, equations: Equations, times: FloatArray, start: Assembly) -> None:
         description, n, m = equations.description, equations.n, equations.m
+        rows, columns = description.jacobian_rows, description.jacobian_columns
         self.equations, self.times = equations, times
         self.scale = equations.scale(equations.size(start.t, start.q))
         self.q, self.v = start.q.copy(), start.v.copy()
         self.modes = np.zeros(len(description.switches), dtype=np.int64)
-        self.a, self.lam, self.weak = equations.motion(start.t, self.q, self.v, self.modes)
-        self.q_out, self.v_out = np.zeros((len(times), n)), np.zeros((len(times), n))
+        self.a, lam, self.weak = equations.motion(start.t, self.q, self.v, self.modes)
+        self.q_out, self.v_out = np.zeros((2, len(times), n))
         self.began, self.span = start.t, max(abs(float(times[-1]) - start.t), 1e-300)
-        self.record = np.zeros(RECORD)
-        self.record[T], self.record[STEP] = start.t, max(self.span, 1.0)
-        self.record[LEAST], self.record[BARRIER] = -1.0, np.nan
-        self._work = (
-            np.zeros((ROWS, n)),
-            np.ascontiguousarray(
-                [description.jacobian_rows, description.jacobian_columns], dtype=np.int64
-            ),
-            np.zeros(len(description.jacobian_rows)),
-            np.zeros((m, n)),
-            np.zeros((3, m)),
-            np.zeros((2, m), dtype=np.int64),
-        )
+        self.record = np.rec.array(np.zeros(1, RECORD))[0]
+        self.record.t, self.record.step = start.t, max(self.span, 1.0)
+        self.record.least, self.record.barrier = -1.0, np.nan
+        self._workspace = Workspace(
+            p=equations.p, scale=self.scale, weights=self.scale**2, q=self.q, v=self.v, a=self.a,
+            lam=lam, modes=self.modes, q_out=self.q_out, v_out=self.v_out,
+            rows=rows.astype(np.int64), columns=columns.astype(np.int64),
+            values=np.zeros(len(rows)), dense=np.zeros((m, n)), pivots=np.zeros((3, m)),
+            orders=np.zeros((2, m), np.int64), compared=np.zeros((2, n)), good=np.zeros((2, n)),
+            trial=np.zeros((4, n)),
+        )  # fmt: skip
 
     @property
     def t(self) -> float:
         """Present instant, s."""
-        return float(self.record[T])
+        return float(self.record.t)
 
     @property
     def mark(self) -> int:
         """Number of instants done."""
-        return int(self.record[MARK])
+        return int(self.record.mark)
 
     @property
     def ahead(self) -> float:
@@ -113,14 +98,8 @@ class ContinuationState:
 
     def advance(self) -> int:
         """Continue through some of the instants; the code of `predictor_corrector.advance`."""
-        chunk = min(self.mark + _CHUNK, len(self.times))
-        return int(
-            advance(
-                self.equations.table, self.times[:chunk], self.equations.p, self.scale**2,
-                self.scale, self.q, self.v, self.a, self.modes, self.lam, self.q_out, self.v_out,
-                self.record, *self._work,
-            )
-        )  # fmt: skip
+        times = self.times[: self.mark + _CHUNK]
+        return int(advance(self.equations.table, times, self._workspace, self.record))
 
     def cross(self, zone: Zone, coming: float) -> bool:
         """Sample within the zone and leave it towards the next instant; whether it was crossed.
@@ -141,7 +120,7 @@ class ContinuationState:
             reached = float(times[done])
             self.q_out[done], self.v_out[done] = zone.at(reached)
             done += 1
-        self.record[MARK] = done
+        self.record.mark = done
         if done < len(times):
             side = 1.0 if times[done] > zone.t else -1.0
             reached = zone.t + side * zone.reach
@@ -152,25 +131,23 @@ class ContinuationState:
     def resume(self, t: float, step: float) -> None:
         """Restart the predictor-corrector at the present state."""
         r = self.record
-        r[T], r[STEP], r[LEAST], r[BARRIER], r[TRAVEL] = t, step, -1.0, np.nan, 0.0
-        r[BEST] = 0.0
-        motion = self.equations.motion(t, self.q, self.v, self.modes)
-        self.a[:], self.lam[:] = motion.a, motion.lam
+        r.t, r.step, r.least, r.barrier, r.travel, r.best = t, step, -1.0, np.nan, 0.0, 0.0
+        self.a[:] = self.equations.motion(t, self.q, self.v, self.modes).a
 
     def sample(self) -> None:
         """Store the state if the next instant is the present one, so that `ahead` has a sign."""
         done = self.mark
         if not self.finished and self.times[done] == self.t:
             self.q_out[done], self.v_out[done] = self.q, self.v
-            self.record[MARK] = done + 1
+            self.record.mark = done + 1
 
     def return_to_good(self) -> None:
         """Return to the state at which the pivots were last good."""
-        r, rows = self.record, self._work[0]
-        if r[GOOD_T] != self.t:
-            self.q[:], self.v[:] = rows[GOOD_Q], rows[GOOD_V]
-            r[MARK] = r[GOOD_MARK]
-            self.resume(float(r[GOOD_T]), float(r[STEP]))
+        r = self.record
+        if r.good_t != self.t:
+            self.q[:], self.v[:] = self._workspace.good
+            r.mark = r.good_mark
+            self.resume(float(r.good_t), float(r.step))
             self.sample()
 
     def sample_piece(self, curve: Curve, piece: Piece, ahead: float) -> None:
@@ -183,4 +160,4 @@ class ContinuationState:
             done += 1
             if ahead < 0.0 and done < len(times) and times[done] > times[done - 1]:
                 break
-        self.record[MARK] = done
+        self.record.mark = done

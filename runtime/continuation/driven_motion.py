@@ -13,25 +13,18 @@ import numpy as np
 
 from runtime.continuation import singularity_classification as classification
 from runtime.continuation.arclength import Curve, Point
-from runtime.continuation.bifurcation_branches import Branch, ambiguous, branches
-from runtime.continuation.branch_interpolation import DISTANCE, Zone, zone
-from runtime.continuation.continuation_state import ContinuationState, DrivenMotion
-from runtime.continuation.pivot_monitor import (
-    BARRIER,
-    END,
-    MARK,
-    NEWTON,
-    REJECTED,
-    STEP,
-    STEPS,
-    ZERO,
-    T,
+from runtime.continuation.bifurcation_branches import Branch, RankDeficiency, is_ambiguous
+from runtime.continuation.branch_interpolation import (
+    DISTANCE,
+    Zone,
+    distance_between,
+    interpolate_branch,
 )
+from runtime.continuation.continuation_state import ContinuationState, DrivenMotion
 from runtime.continuation.predictor_corrector import ARRIVED, DONE, SUSPECT
 from runtime.core.outcomes import Outcome
 from runtime.core.rounding import EPS
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism import Mechanism
 from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly
 from runtime.results.singular_positions import Kind, SingularPosition
@@ -101,27 +94,27 @@ class Continuation:
         """Find why the predictor-corrector stopped, and continue; or return the end of the run."""
         state, r = self.state, self.state.record
         t, ahead, speed = state.t, state.ahead, state.speed
-        stretch = abs(float(r[END]) - t) if suspect else _ABOUT / speed
-        guess = ahead * stretch * float(r[ZERO]) if suspect else 0.0
+        stretch = abs(float(r.end) - t) if suspect else _ABOUT / speed
+        guess = ahead * stretch * float(r.zero) if suspect else 0.0
         found = self.positions.find(taylor(t, state.q, state.v, state.a), guess)
         if found is not None and not self._on_the_way(found, ahead, stretch):
             found = None
         if found is not None and found.gap <= self._rounding():
             known = self.awaited is not None and abs(self.awaited.t - found.t) * speed < 1e-6
-            if suspect and known and (r[BARRIER] - t) * ahead > 0.0:
-                r[STEP] = 0.25 * stretch  # it strayed on the way there
+            if suspect and known and (r.barrier - t) * ahead > 0.0:
+                r.step = 0.25 * stretch  # it strayed on the way there
                 return None
             self.awaited = found
             state.return_to_good()
-            r[STEP] = max(r[STEP], _ABOUT / speed)
+            r.step = max(r.step, _ABOUT / speed)
             t, ahead = state.t, state.ahead
             barrier = found.t - ahead * 2.0 * DISTANCE / max(found.rate, found.speed)
             if (barrier - t) * ahead > 0.0:
-                r[BARRIER] = barrier
+                r.barrier = barrier
                 return None
             return self._cross(found)
         if found is None and suspect and stretch * speed > _CLOSE:
-            r[STEP] = 0.25 * stretch
+            r.step = 0.25 * stretch
             return None
         return self._trace(found, t + ahead * stretch if suspect else t)
 
@@ -135,8 +128,7 @@ class Continuation:
         room = 1e-3 / found.speed
         if not (found.rate > 0.0 and -room < way < 1.5 * stretch + room):
             return False
-        drift = classification.drift(self.equations, found.t, found.q, self.scale, self.pace)
-        return drift < _DRIFT
+        return self._deficiency(found.t, found.q, least=1).drift(self.pace) < _DRIFT
 
     # -- branch points ------------------------------------------------------------------------
 
@@ -144,44 +136,45 @@ class Continuation:
         """Cross a branch point with continuous velocity; end where the branch is undecided."""
         state, equations = self.state, self.equations
         coming = state.v + (found.t - state.t) * state.a
-        t, q, choices = found.t, found.q, branches(equations, found.t, found.q, coming, self.scale)
+        t, q = found.t, found.q
+        choices = self._deficiency(t, q).branches(coming)
         if choices:
             # Once more from there: located from afar, it is as accurate as one Newton step.
             motion = taylor(t, q, choices[0].v, choices[0].a)
             q = (self.positions.find(motion, 0.0) or found).q
             t = classification.driven_instant(equations, t, q)
-            choices = branches(equations, t, q, coming, self.scale)
+            choices = self._deficiency(t, q).branches(coming)
         branch_zone = None
         if choices and (len(choices) == 1 or choices[0].far < _NEARER * choices[1].far):
             branch_zone = self._zone(t, q, choices, found.rate)
         if branch_zone is not None and branch_zone.holds(state.t):
             off = np.linalg.norm((branch_zone.at(state.t)[0] - state.q) / self.scale)
-            if off > _NEARER * self._apart(choices) * abs(t - state.t) + 1e-9:
+            apart = distance_between(choices, self.scale)
+            if off > _NEARER * apart * abs(t - state.t) + 1e-9:
                 branch_zone = None
         if branch_zone is None:
             return Outcome.SINGULAR, self._unclear()
         entry = branch_zone.t - state.ahead * _WITHIN * branch_zone.reach
         if not branch_zone.holds(state.t) and (entry - state.t) * state.ahead > 0.0:
-            state.record[BARRIER] = entry  # nearer than most: go there first
+            state.record.barrier = entry  # nearer than most: go there first
             return None
         self.awaited = None
         if state.cross(branch_zone, np.sign(t - state.t) or state.ahead):
-            row = self._met("crossing", t, q, choices[0].v)
-            self.singular.append(row)
+            self._record("crossing", t, q, choices[0].v)
         return None
 
     def begin(self, preferred: FloatArray) -> None:
         """Start in a singular configuration, on the branch nearest to `preferred` velocities."""
         state, equations, scale = self.state, self.equations, self.scale
         t, q = state.t, state.q.copy()
-        choices = branches(equations, t, q, preferred, scale)
-        position = self._met("start", t, q, state.v)
-        if not choices or ambiguous(choices, scale):
+        choices = self._deficiency(t, q).branches(preferred)
+        position = self._describe("start", t, q, state.v)
+        if not choices or is_ambiguous(choices, scale):
             raise classification.no_start(equations, position, choices)
         state.v[:], state.a[:] = choices[0].v, choices[0].a
         if (state.times == t).all():
             state.q_out[:], state.v_out[:] = q, state.v
-            state.record[MARK] = len(state.times)
+            state.record.mark = len(state.times)
         else:
             found = self.positions.find(taylor(t, q, state.v, state.a), 0.0)
             branch_zone = self._zone(t, q, choices, state.speed if found is None else found.rate)
@@ -197,22 +190,13 @@ class Continuation:
     def _zone(self, t: float, q: FloatArray, choices: list[Branch], rate: float) -> Zone | None:
         speed = float(np.linalg.norm(choices[0].v / self.scale))
         rate = max(rate, speed, 1e-3)
-        return zone(self.equations, t, q, choices[0], self._apart(choices), self.scale, rate)
-
-    def _apart(self, choices: list[Branch]) -> float:
-        """Distance of the next branch's velocity from that of the first, scaled, 1/s."""
-        first = choices[0].v
-        return min(
-            (float(np.linalg.norm((other.v - first) / self.scale)) for other in choices[1:]),
-            default=np.inf,
-        )
+        return interpolate_branch(self.equations, t, q, choices, self.scale, rate)
 
     # -- folds and near misses of branch points ------------------------------------------------
 
     def _trace(self, missed: Singularity | None, end: float) -> tuple[Outcome, str] | None:
         """Follow the curve of positions by its arc length until Phi_q is regular beyond `end`."""
-        state, equations, ahead = self.state, self.equations, self.state.ahead
-        rate = self.pace
+        state, ahead, rate = self.state, self.state.ahead, self.pace
         curve = Curve(self.constraints, state.t, state.q, rate)
         along = ahead * np.append(state.v / self.scale, rate)
         begin = curve.point(curve.z(state.t, state.q), along)
@@ -229,19 +213,18 @@ class Continuation:
         trace = curve.trace(begin, ahead, free, avoid)
         for piece in trace.pieces:
             state.sample_piece(curve, piece, ahead)
-        state.record[STEPS] += len(trace.pieces)
+        state.record.steps += len(trace.pieces)
         if state.finished:
             return None
         point = trace.pieces[-1].end if trace.pieces else begin
         t, q = curve.position(point.z)
-        state.q[:], state.record[T] = q, t
+        state.q[:], state.record.t = q, t
         if trace.lost:
             return self._stopped(t, q)
         if trace.folded:
             state.v[:] = np.nan
-            found = self._met("lock-up", t, q, state.v)
-            self.singular.append(found)
-            return Outcome.LOCKED, classification.lock_up(equations, found)
+            found = self._record("lock-up", t, q, state.v)
+            return Outcome.LOCKED, classification.lock_up(self.equations, found)
         state.v[:] = curve.velocity(point)
         state.resume(t, trace.pieces[-1].h / rate)
         self.awaited = None
@@ -255,23 +238,27 @@ class Continuation:
     def _unclear(self) -> str:
         """Record the present position as singular, and say why no motion leads on."""
         state = self.state
-        row = self._met("unclear", state.t, state.q, state.v)
-        self.singular.append(row)
-        return classification.unclear(row)
+        return classification.unclear(self._record("unclear", state.t, state.q, state.v))
 
-    def _met(self, kind: Kind, t: float, q: FloatArray, v: FloatArray) -> SingularPosition:
-        return classification.describe(self.equations, kind, t, q, v, self.scale, self.pace)
+    def _deficiency(self, t: float, q: FloatArray, least: int = 0) -> RankDeficiency:
+        return RankDeficiency(self.equations, t, q, self.scale, least)
+
+    def _describe(self, kind: Kind, t: float, q: FloatArray, v: FloatArray) -> SingularPosition:
+        return classification.describe(self._deficiency(t, q, least=1), kind, v, self.pace)
+
+    def _record(self, kind: Kind, t: float, q: FloatArray, v: FloatArray) -> SingularPosition:
+        self.singular.append(self._describe(kind, t, q, v))
+        return self.singular[-1]
 
     def _rounding(self) -> float:
         return _ROUNDING * float(np.abs(self.state.q / self.scale).max(initial=1.0))
 
 
 def follow(
-    mechanism: Mechanism,
+    equations: Equations,
     times: FloatArray,
     start: Assembly,
     preferred: FloatArray,
-    p: FloatArray,
     progress: Progress,
 ) -> DrivenMotion:
     """Continue from the assembled start through `times`.
@@ -279,7 +266,7 @@ def follow(
     `preferred` are the start velocities that the user gave; they choose the branch at a singular
     start.
     """
-    continuation = Continuation(Equations(mechanism, p), times, start)
+    continuation = Continuation(equations, times, start)
     state = continuation.state
     if state.weak or start.singular:
         # Here Phi_q determines neither the branch nor its curvature.
@@ -288,9 +275,9 @@ def follow(
     done, r = state.mark, state.record
     crossed = [row for row in continuation.singular if row.kind == "crossing"]
     stats: dict[str, float] = {
-        "steps": int(r[STEPS]),
-        "rejected": int(r[REJECTED]),
-        "newton_iterations": int(r[NEWTON]),
+        "steps": int(r.steps),
+        "rejected": int(r.rejected),
+        "newton_iterations": int(r.newton),
         "singular_crossings": len(crossed),
     }
     t, q, v = times[:done], state.q_out[:done], state.v_out[:done]

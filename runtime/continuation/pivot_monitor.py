@@ -5,106 +5,123 @@ two of them meet or almost meet. So the pivots of Phi_q are compared now and the
 one assembly the determinant keeps its sign.
 """
 
-from typing import Any
+from collections import namedtuple
+from typing import Any, cast
 
 import numpy as np
 
+from runtime.core.array_types import integer_matrix, integers, matrix, named_tuple_type, vector
 from runtime.core.jit import inner
+from runtime.core.kernel_abi import jacobian_of
 from runtime.linalg.rank_policy import REDUNDANT
-from runtime.linalg.row_elimination import eliminate_rows, fill_unit_rows, smallest_pivot
+from runtime.linalg.row_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot
 
-# Entries of the record that a continuation keeps. BARRIER: an instant to stop at, or not a number.
-# TRAVEL: scaled motion since pivots were looked at; LEAST: the smallest then, negative where they
-# are to be looked at first. At a suspicion, END: until when the pivots were followed, and ZERO:
-# where between there and now one of them vanishes.
-T, STEP, STEPS, REJECTED, NEWTON, MARK, BARRIER, TRAVEL, LEAST, END, ZERO = range(11)
-# LOOK_T, LOOK_MARK: when pivots were looked at; GOOD_T, GOOD_MARK: when they were last about as
-# good as the BEST since the walk began or was resumed.
-LOOK_T, LOOK_MARK, GOOD_T, GOOD_MARK, BEST = range(11, 16)
-RECORD = 16
-# Rows of the work array, (ROWS, n): states at the last look, and where pivots were last good.
-LOOK_Q, LOOK_V, SPARE, GOOD_Q, GOOD_V = range(5, 10)
-ROWS = 10
-
-# measured: of the smallest pivot: scaled motion after which pivots are looked at again
+# measured: of the smallest pivot: scaled motion after which pivots are compared again
 MARGIN = 0.5
 _POOR = 0.5  # measured: of the smallest pivots at both ends; a smaller one in between is suspicious
-_GOOD = 0.05  # measured: smallest pivot of a state that the walk may return to
+_GOOD = 0.05  # measured: smallest pivot of a state to which the continuation may return
+
+# The record that a continuation keeps. t: instant of the state; barrier: instant to stop at, or not
+# a number; travel: scaled motion since pivots were compared; least: the smallest then, negative
+# where they are to be computed first; best: the largest of these since the continuation began or
+# was resumed. At a suspicion, end: instant until which pivots were followed; zero: part of the way
+# there at which one of them vanishes. compared: when pivots were compared last; good: when they
+# were last about as good as the best; mark: number of instants done.
+_FLOATS = ["t", "step", "barrier", "travel", "least", "best", "end", "zero", "compared_t", "good_t"]
+_COUNTS = ["mark", "compared_mark", "good_mark", "steps", "rejected", "newton"]
+RECORD = np.dtype([(name, float) for name in _FLOATS] + [(name, np.int64) for name in _COUNTS])
+
+# Its arrays: those of the equations; the state, q to modes; samples, (instants, n); Phi_q, (m, n),
+# the pivots at the last comparison, now and in between, (3, m), and their columns at the last
+# comparison and elsewhere, (2, m); q and v at the last comparison, where pivots were good, and of a
+# trial step, with their changes.
+_WORKSPACE = {
+    **dict.fromkeys(("p", "scale", "weights", "q", "v", "a", "lam", "values"), vector),
+    **dict.fromkeys(("modes", "rows", "columns"), integers),
+    **dict.fromkeys(("q_out", "v_out", "dense", "pivots", "compared", "good", "trial"), matrix),
+    "orders": integer_matrix,
+}
+Workspace: Any = cast(Any, namedtuple)("Workspace", _WORKSPACE)
+WORKSPACE = named_tuple_type(list(_WORKSPACE.values()), Workspace)
 
 
 @inner
-def look(
-    jacobian: Any, t: Any, q: Any, v: Any, p: Any, scale: Any, sparse: Any, values: Any,
-    dense: Any, pivots: Any, order: Any, record: Any, work: Any,
-) -> None:  # fmt: skip
-    """Keep this state and the pivots there as what the next look is compared with."""
-    n = len(q)
-    fill_unit_rows(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
-    eliminate_rows(dense, order, pivots[0], 1)
-    record[LEAST] = smallest_pivot(pivots[0])
-    record[TRAVEL] = 0.0
-    record[LOOK_T] = t
-    record[LOOK_MARK] = record[MARK]
-    for i in range(n):
-        work[LOOK_Q, i] = q[i]
-        work[LOOK_V, i] = v[i]
-    record[BEST] = max(record[BEST], record[LEAST])
-    if record[LEAST] >= min(_GOOD, 0.5 * record[BEST]):
-        record[GOOD_T] = t
-        record[GOOD_MARK] = record[MARK]
-        for i in range(n):
-            work[GOOD_Q, i] = q[i]
-            work[GOOD_V, i] = v[i]
+def eliminate_at(
+    kernels: Any, s: Any, t: Any, q: Any, order: Any, pivots: Any, search: int
+) -> float:
+    """Fill the pivots of Phi_q at (t, q); the smallest of them."""
+    jacobian_of(kernels)(t, q, s.p, s.values)
+    fill_unit_rows(Sparse(s.rows, s.columns, s.values), s.scale, s.dense)
+    eliminate_rows(s.dense, order, pivots, search)
+    return float(smallest_pivot(pivots))
 
 
 @inner
-def restore_look(record: Any, work: Any, q: Any, v: Any) -> None:
-    """Take the state of the last look back, and let the next look come at once."""
-    for i in range(len(q)):
-        q[i] = work[LOOK_Q, i]
-        v[i] = work[LOOK_V, i]
-    record[T] = record[LOOK_T]
-    record[MARK] = record[LOOK_MARK]
-    record[TRAVEL] = np.inf
+def keep_state(state: Any, s: Any) -> None:
+    """Store q and v in the two rows of `state`."""
+    for i in range(s.q.size):
+        state[0, i] = s.q[i]
+        state[1, i] = s.v[i]
 
 
 @inner
-def suspicious(
-    jacobian: Any, t: Any, q: Any, p: Any, scale: Any, sparse: Any, values: Any, dense: Any,
-    pivots: Any, order: Any, spare: Any, record: Any, work: Any,
-) -> bool:  # fmt: skip
-    """Whether the constraints were, or may have been, dependent since the last look.
+def restore_state(state: Any, s: Any) -> None:
+    """Return to q and v in the two rows of `state`."""
+    for i in range(s.q.size):
+        s.q[i] = state[0, i]
+        s.v[i] = state[1, i]
+
+
+@inner
+def record_pivots(kernels: Any, s: Any, r: Any) -> None:
+    """Keep this state and its pivots for the next comparison."""
+    r.least = eliminate_at(kernels, s, r.t, s.q, s.orders[0], s.pivots[0], 1)
+    r.travel = 0.0
+    r.compared_t, r.compared_mark = r.t, r.mark
+    keep_state(s.compared, s)
+    r.best = max(r.best, r.least)
+    if r.least >= min(_GOOD, 0.5 * r.best):
+        r.good_t, r.good_mark = r.t, r.mark
+        keep_state(s.good, s)
+
+
+@inner
+def return_to_comparison(s: Any, r: Any) -> None:
+    """Return to the state of the last comparison, and let the next one come at once."""
+    restore_state(s.compared, s)
+    r.t, r.mark = r.compared_t, r.compared_mark
+    r.travel = np.inf
+
+
+@inner
+def is_suspicious(kernels: Any, s: Any, r: Any) -> bool:
+    """Whether the constraints were, or may have been, dependent since the last comparison.
 
     A pivot that vanishes only in this order of pivots takes another through infinity: signs change
     in pairs, and the position in between is a good one with an order of its own. An odd number of
     changes is a change of the determinant's sign.
     """
-    now, later, between = pivots[0], pivots[1], pivots[2]
-    before, moved = work[LOOK_Q], work[SPARE]
-    fill_unit_rows(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
-    eliminate_rows(dense, order, later, 0)
+    before, now, between, middle = s.pivots[0], s.pivots[1], s.pivots[2], s.trial[2]
+    eliminate_at(kernels, s, r.t, s.q, s.orders[0], now, 0)
     changes = 0
     poorest = np.inf
-    for i in range(now.size):
-        if min(abs(now[i]), abs(later[i])) <= REDUNDANT or now[i] * later[i] > 0.0:
+    for i in range(before.size):
+        if min(abs(before[i]), abs(now[i])) <= REDUNDANT or before[i] * now[i] > 0.0:
             continue
         changes += 1
-        share = now[i] / (now[i] - later[i])
-        middle = record[LOOK_T] + share * (t - record[LOOK_T])
-        for j in range(len(q)):
-            moved[j] = before[j] + share * (q[j] - before[j])
-        fill_unit_rows(jacobian, middle, moved, p, scale, sparse[0], sparse[1], values, dense)
-        eliminate_rows(dense, spare, between, 1)
-        least = smallest_pivot(between)
+        part = before[i] / (before[i] - now[i])
+        for j in range(s.q.size):
+            middle[j] = s.compared[0, j] + part * (s.q[j] - s.compared[0, j])
+        t = r.compared_t + part * (r.t - r.compared_t)
+        least = eliminate_at(kernels, s, t, middle, s.orders[1], between, 1)
         if least < poorest:
             poorest = least
-            record[ZERO] = share
+            r.zero = part
+    if changes == 0:
+        return False
     if changes % 2 == 0:
-        if changes == 0:
+        least = eliminate_at(kernels, s, r.t, s.q, s.orders[1], between, 1)
+        if poorest >= _POOR * min(r.least, least):
             return False
-        fill_unit_rows(jacobian, t, q, p, scale, sparse[0], sparse[1], values, dense)
-        eliminate_rows(dense, spare, between, 1)
-        if poorest >= _POOR * min(record[LEAST], smallest_pivot(between)):
-            return False
-    record[END] = t
+    r.end = r.t
     return True

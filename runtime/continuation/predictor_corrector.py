@@ -13,194 +13,155 @@ comparison, and the code is SUSPECT.
 from typing import Any
 
 import numpy as np
-from numba import types
+from numba import from_dtype
 
 from runtime.continuation.pivot_monitor import (
-    BARRIER,
-    LEAST,
     MARGIN,
-    MARK,
-    NEWTON,
-    REJECTED,
-    STEP,
-    STEPS,
-    TRAVEL,
-    T,
-    look,
-    restore_look,
-    suspicious,
+    RECORD,
+    WORKSPACE,
+    is_suspicious,
+    record_pivots,
+    return_to_comparison,
 )
-from runtime.core.array_types import f8, integer_matrix, integers, matrix, vector
+from runtime.core.array_types import f8, i8, tuple_type, vector
 from runtime.core.jit import ADDRESSES, compiled, inner
-from runtime.core.kernel_abi import TYPES, accelerations_of, correction_of, jacobian_of
+from runtime.core.kernel_abi import TYPES, accelerations_of, correction_of
+from runtime.linalg.vectors import largest_ratio
 
 DONE, STUCK, SUSPECT, ARRIVED = 0, 1, 2, 3
 
 # measured: scaled error of a prediction up to which it is trusted to name the branch
 _PREDICTED = 0.05
 _TRAVEL = 0.5  # measured: scaled motion of the longest step
+_ITERATIONS = 30  # safety: of Newton's method for a position
 
 
 @compiled(
-    types.int64(
-        TYPES["correction"], f8, vector, vector, vector, vector, vector, vector, vector, vector
-    ),
+    tuple_type((i8, f8, f8, i8))(
+        TYPES["correction"], f8, vector, vector, vector, vector, vector, vector, vector
+    )
 )
-def settle(
-    correction: Any, t: Any, q: Any, v: Any, p: Any, w: Any, scale: Any, dq: Any, dv: Any, info: Any
-) -> int:
+def return_to_motion(
+    correction: Any, t: Any, q: Any, v: Any, p: Any, w: Any, scale: Any, dq: Any, dv: Any
+) -> tuple[int, float, float, int]:
     """Newton's method for q(t), then v, from a prediction.
 
-    Returns 0, 1 + the constraint whose pivot is weak, or -1 where it does not contract. `info`
-    receives the first scaled change of q, of v, and the number of iterations.
+    Returns 0, 1 + the constraint whose pivot is weak, or -1 where it does not contract; the first
+    scaled changes of q and of v; and the number of iterations.
     """
-    n = len(q)
-    previous = 0.0
-    converged = False
-    info[2] = 0.0
-    for iteration in range(30):
+    previous, first, iterations = 0.0, np.inf, 0
+    while True:
         weak = correction(t, q, v, p, w, dq, dv)
-        info[2] += 1.0
+        iterations += 1
         if weak != 0:
-            return int(weak)
-        size = 0.0
-        largest = 1.0
-        for i in range(n):
-            if not np.isfinite(dq[i]):
-                return -1
-            size = max(size, abs(dq[i]) / scale[i])
-            largest = max(largest, abs(q[i]) / scale[i])
-        if not size < 1e6:
-            return -1
-        if iteration == 0:
-            info[0] = size
+            return int(weak), first, np.inf, iterations
+        size = largest_ratio(dq, scale)
+        if iterations == 1:
+            first = size
         elif size > 0.5 * previous and size > 1e-9:
-            return -1
-        for i in range(n):
+            return -1, first, np.inf, iterations
+        if not size < 1e6:
+            return -1, first, np.inf, iterations
+        largest = max(1.0, largest_ratio(q, scale))
+        for i in range(q.size):
             q[i] += dq[i]
-        if size <= 4e-16 * largest or (iteration > 0 and size <= 1e-9 and size > 0.25 * previous):
-            converged = True
+        if size <= 4e-16 * largest or (iterations > 1 and size <= 1e-9 and size > 0.25 * previous):
             break
+        if iterations == _ITERATIONS:
+            return -1, first, np.inf, iterations
         previous = size
-    if not converged:
-        return -1
-    info[1] = 0.0
-    for iteration in range(2):
+    first_v = 0.0
+    for turn in range(2):
         weak = correction(t, q, v, p, w, dq, dv)
         if weak != 0:
-            return int(weak)
-        for i in range(n):
-            if iteration == 0:
-                info[1] = max(info[1], abs(dv[i]) / scale[i])
+            return int(weak), first, np.inf, iterations
+        if turn == 0:
+            first_v = largest_ratio(dv, scale)
+        for i in range(v.size):
             v[i] += dv[i]
-    return 0
+    return 0, first, first_v, iterations
 
 
 @inner
-def attempt(
-    correction: Any, accelerations: Any, new: Any, q: Any, v: Any, a: Any, p: Any, w: Any,
-    scale: Any, modes: Any, lam: Any, record: Any, work: Any,
-) -> bool:  # fmt: skip
-    """Predict q and v at the instant `new` in two rows of `work`, and correct them there.
+def try_step(kernels: Any, new: Any, s: Any, r: Any) -> float:
+    """Predict q and v at the instant `new` in two rows of `trial`, and correct them there.
 
-    Accelerations become those at `new`; where the prediction is too poor to tell the branch, they
-    stay, and the answer is False.
+    Returns the scaled error of the predicted q, and the accelerations become those at `new`; where
+    the prediction is too poor to tell the branch, it is infinite, and they stay.
     """
-    t, n = record[T], len(q)
-    h = new - t
-    q_new, v_new, info = work[0], work[1], work[4]
-    for i in range(n):
-        q_new[i] = q[i] + h * (v[i] + 0.5 * h * a[i])
-        v_new[i] = v[i] + h * a[i]
-    reason = settle(correction, new, q_new, v_new, p, w, scale, work[2], work[3], info)
-    record[NEWTON] += info[2]
-    good = reason == 0 and info[0] <= _PREDICTED and abs(h) * info[1] <= 4.0 * _PREDICTED
-    if good and accelerations(new, q_new, v_new, p, modes, a, lam) != 0:
-        accelerations(t, q, v, p, modes, a, lam)
-        good = False
-    return good
+    h = new - r.t
+    q, v = s.trial[0], s.trial[1]
+    for i in range(q.size):
+        q[i] = s.q[i] + h * (s.v[i] + 0.5 * h * s.a[i])
+        v[i] = s.v[i] + h * s.a[i]
+    code, off, veered, iterations = return_to_motion(
+        correction_of(kernels), new, q, v, s.p, s.weights, s.scale, s.trial[2], s.trial[3]
+    )
+    r.newton += iterations
+    if code != 0 or off > _PREDICTED or abs(h) * veered > 4.0 * _PREDICTED:
+        return np.inf
+    accelerations = accelerations_of(kernels)
+    if accelerations(new, q, v, s.p, s.modes, s.a, s.lam) == 0:
+        return off
+    accelerations(r.t, s.q, s.v, s.p, s.modes, s.a, s.lam)
+    return np.inf
 
 
-@compiled(types.int64(
-    ADDRESSES, vector, vector, vector, vector, vector, vector, vector, integers, vector, matrix,
-    matrix, vector, matrix, integer_matrix, vector, matrix, matrix, integer_matrix,
-))  # fmt: skip
-def advance(
-    kernels: Any, times: Any, p: Any, w: Any, scale: Any, q: Any, v: Any, a: Any, modes: Any,
-    lam: Any, q_out: Any, v_out: Any, record: Any, work: Any, sparse: Any, values: Any,
-    dense: Any, pivots: Any, orders: Any,
-) -> int:  # fmt: skip
-    """Advance the state (q, v, a, at record[T]) through `times` and store it at each.
+@compiled(i8(ADDRESSES, vector, WORKSPACE, from_dtype(RECORD)))
+def advance(kernels: Any, times: Any, s: Any, r: Any) -> int:
+    """Advance the state (q, v, a, at `r.t`) through `times` and store it at each.
 
-    record[MARK] counts the instants done. `sparse` (2, nnz) contains rows and columns of Phi_q;
-    `values` (nnz,), `dense` (m, n), `pivots` (3, m) and `orders` (2, m) are work arrays that, like
-    the record, persist between calls.
+    `r.mark` counts the instants done.
 
     Returns DONE; STUCK with the state at the last position reached; SUSPECT, where the pivots at
-    record[END] are suspicious, with the state of the last good ones; ARRIVED at the barrier.
+    `r.end` are suspicious, with the state of the last good ones; ARRIVED at the barrier.
     """
-    correction = correction_of(kernels)
-    accelerations = accelerations_of(kernels)
-    jacobian = jacobian_of(kernels)
-    n = len(q)
-    q_new, v_new, info = work[0], work[1], work[4]
-    order, spare = orders[0], orders[1]
-    done = int(record[MARK])
-    if record[LEAST] < 0.0:
-        look(
-            jacobian, record[T], q, v, p, scale, sparse, values, dense, pivots, order, record, work
-        )
-    while done < len(times):
-        target = times[done]
-        t = record[T]
+    q, v = s.trial[0], s.trial[1]
+    if r.least < 0.0:
+        record_pivots(kernels, s, r)
+    while r.mark < len(times):
+        target, t = times[r.mark], r.t
         if t == target:
-            for i in range(n):
-                q_out[done, i] = q[i]
-                v_out[done, i] = v[i]
-            done += 1
-            record[MARK] = done
+            for i in range(q.size):
+                s.q_out[r.mark, i] = s.q[i]
+                s.v_out[r.mark, i] = s.v[i]
+            r.mark += 1
             continue
-        if t == record[BARRIER]:
+        if t == r.barrier:
             return ARRIVED
-        speed = 0.0
-        for i in range(n):
-            speed = max(speed, abs(v[i]) / scale[i])
         sign = 1.0 if target > t else -1.0
-        barred = (target - record[BARRIER]) * sign > 0.0 and (record[BARRIER] - t) * sign > 0.0
+        barred = (target - r.barrier) * sign > 0.0 and (r.barrier - t) * sign > 0.0
         if barred:
-            target = record[BARRIER]
-        step = min(record[STEP], _TRAVEL / max(speed, 1e-300))
+            target = r.barrier
+        step = min(r.step, _TRAVEL / max(largest_ratio(s.v, s.scale), 1e-300))
         last = step >= abs(target - t)
         new = target if last else t + sign * step
-        h = new - t
-        if abs(h) <= 8e-16 * max(abs(t), 1e-3 * abs(target)) and not last:
+        h = abs(new - t)
+        if h <= 8e-16 * max(abs(t), 1e-3 * abs(target)) and not last:
             return STUCK
-        if not attempt(
-            correction, accelerations, new, q, v, a, p, w, scale, modes, lam, record, work
-        ):
-            record[REJECTED] += 1.0
-            record[STEP] = 0.5 * abs(h)
-            if abs(h) <= 1e-15 * max(abs(t), abs(target)):
+        off = try_step(kernels, new, s, r)
+        if off > _PREDICTED:
+            r.rejected += 1
+            r.step = 0.5 * h
+            if h <= 1e-15 * max(abs(t), abs(target)):
                 return STUCK
             continue
         travel = 0.0
-        for i in range(n):
-            travel = max(travel, abs(q_new[i] - q[i]) / scale[i])
-            q[i] = q_new[i]
-            v[i] = v_new[i]
-        record[T] = new
-        record[STEPS] += 1.0
-        record[TRAVEL] += travel
-        if info[0] < 0.2 * _PREDICTED:
-            record[STEP] = max(record[STEP], 2.0 * abs(h))
-        ends = last and (barred or done + 1 == len(times))
-        if record[TRAVEL] < MARGIN * record[LEAST] and not ends:
+        for i in range(q.size):
+            travel = max(travel, abs(q[i] - s.q[i]) / s.scale[i])
+            s.q[i] = q[i]
+            s.v[i] = v[i]
+        r.t = new
+        r.steps += 1
+        r.travel += travel
+        if off < 0.2 * _PREDICTED:
+            r.step = max(r.step, 2.0 * h)
+        ends = last and (barred or r.mark + 1 == len(times))
+        if r.travel < MARGIN * r.least and not ends:
             continue
-        if suspicious(
-            jacobian, new, q, p, scale, sparse, values, dense, pivots, order, spare, record, work
-        ):
-            restore_look(record, work, q, v)
-            accelerations(record[T], q, v, p, modes, a, lam)
+        if is_suspicious(kernels, s, r):
+            return_to_comparison(s, r)
+            accelerations_of(kernels)(r.t, s.q, s.v, s.p, s.modes, s.a, s.lam)
             return SUSPECT
-        look(jacobian, new, q, v, p, scale, sparse, values, dense, pivots, order, record, work)
+        record_pivots(kernels, s, r)
     return DONE

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from codegen.errors import AnalysisError
-from runtime.continuation.bifurcation_branches import SOLVED, Branch, rank_deficiency
+from runtime.continuation.bifurcation_branches import SOLVED, Branch, RankDeficiency
 from runtime.integrate.trajectory import Crossing
 from runtime.linalg.rank_policy import LOST
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -22,21 +22,12 @@ _TAKING = 0.05
 _FEW = 4  # layout: branches that a message lists
 
 
-def describe(
-    equations: Equations,
-    kind: Kind,
-    t: float,
-    q: FloatArray,
-    v: FloatArray,
-    scale: FloatArray,
-    rate: float,
-) -> SingularPosition:
-    """Describe the singular position (t, q); `rate` is the drivers' pace, 1/s."""
-    description = equations.description
-    at = rank_deficiency(equations, t, q, scale, least=1)
+def describe(at: RankDeficiency, kind: Kind, v: FloatArray, rate: float) -> SingularPosition:
+    """Describe a singular position and the velocities there; `rate` is the drivers' pace, 1/s."""
+    description = at.equations.description
     count, null = at.k, at.null
-    if len(at.rows) < equations.m:
-        count, null = _of_all(equations, t, q, scale, count)
+    if len(at.rows) < at.equations.m:
+        count, null = _of_all(at)
     part = np.abs(at.left).max(axis=1)
     taking = [
         description.constraints[int(at.rows[row])].element
@@ -46,21 +37,21 @@ def describe(
     named = tuple(dict.fromkeys(taking))
     return SingularPosition(
         kind=kind,
-        time=t,
+        time=at.t,
         drivers=tuple(name for name in named if name in description.drivers),
         joints=tuple(name for name in named if name not in description.drivers),
         lost=count,
-        null_directions=tuple(_named(equations, x) for x in _simple(null)),
+        null_directions=tuple(_named(at.equations, x) for x in _simple(null)),
         singular_value=float(at.values[-1]),
-        drift=drift(equations, t, q, scale, rate),
-        q=q.copy(),
+        drift=at.drift(rate),
+        q=at.q.copy(),
         v=v.copy(),
     )
 
 
 def describe_crossings(
     equations: Equations, t: float, q: FloatArray, mobility: FloatArray, run: Sequence[Crossing]
-) -> list[SingularPosition]:
+) -> tuple[SingularPosition, ...]:
     """Describe the crossings of a simulation that began at (t, q), its columns scaled by masses.
 
     A simulation keeps one constraint and one direction of each, and no state.
@@ -83,14 +74,7 @@ def describe_crossings(
                 drift=np.nan,
             )
         )
-    return found
-
-
-def drift(equations: Equations, t: float, q: FloatArray, scale: FloatArray, rate: float) -> float:
-    """|uᵀ nu| / rate, the second-order test: rounding where motions cross, else a lock-up."""
-    at = rank_deficiency(equations, t, q, scale, least=1)
-    nu = equations.velocity_rhs(t, q)[at.rows] / at.lengths
-    return float(np.linalg.norm(at.left.T @ nu)) / rate
+    return tuple(found)
 
 
 def pace(equations: Equations, times: FloatArray, q: FloatArray, scale: FloatArray) -> float:
@@ -216,21 +200,19 @@ def _named(equations: Equations, x: FloatArray) -> dict[str, float]:
     }
 
 
-def _of_all(
-    equations: Equations, t: float, q: FloatArray, scale: FloatArray, most: int
-) -> tuple[int, FloatArray]:
-    """Rank deficiency of all rows together, at most `most`, and their null directions, (n, k).
+def _of_all(at: RankDeficiency) -> tuple[int, FloatArray]:
+    """Rank deficiency of all rows together, at most `at.k`, and their null directions, (n, k).
 
     Rows that follow from others elsewhere may be independent where those are not, which leaves
     fewer directions free.
     """
-    matrix = equations.jacobian(t, q) * scale
+    matrix = at.equations.jacobian(at.t, at.q) * at.scale
     lengths = np.linalg.norm(matrix, axis=1)
     _, values, right = np.linalg.svd(matrix / np.where(lengths > 0.0, lengths, 1.0)[:, None])
-    rank = int((values[: len(equations.independent)] >= LOST).sum())
+    rank = int((values[: len(at.rows)] >= LOST).sum())
     # A position that is counted as singular, however large its singular value, has lost one.
-    count = min(max(len(equations.independent) - rank, 1), most)
-    return count, right[len(q) - count :].T
+    count = min(max(len(at.rows) - rank, 1), at.k)
+    return count, right[len(at.q) - count :].T
 
 
 def _simple(null: FloatArray) -> FloatArray:

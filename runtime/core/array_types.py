@@ -20,3 +20,5 @@ vector = types.Array(f8, 1, "C")
 matrix = types.Array(f8, 2, "C")
 integers = types.Array(i8, 1, "C")
 integer_matrix = types.Array(i8, 2, "C")
+tuple_type: Callable[..., Any] = types.Tuple
+named_tuple_type: Callable[..., Any] = types.NamedTuple  # its members, and the Python class

@@ -27,8 +27,8 @@ PLAN_SIZE = TABLE.number("plan_size")  # of the elimination
 WORKSPACE_SIZE = TABLE.number("workspace_size")
 SWITCHING_SIZE = TABLE.number("switching_size")
 PIVOT_SIZE = TABLE.number("pivot_size")
-MEMORY_SIZE = TABLE.number("memory_size")  # floats that a method remembers
-NOTES_SIZE = TABLE.number("notes_size")  # integers that a method remembers
+METHOD_FLOATS_SIZE = TABLE.number("method_floats_size")  # floats that a method remembers
+METHOD_INTEGERS_SIZE = TABLE.number("method_integers_size")  # integers that a method remembers
 LOG_ROWS = TABLE.number("log_rows")  # room for changes of the partition
 SAMPLE_TIMES = TABLE.number("sample_times")  # instants of samples that are asked for
 OUT_ROWS = TABLE.number("out_rows")  # room for samples
@@ -54,9 +54,9 @@ accepted_of = TABLE.function("accepted", HOOK)
 restart_of = TABLE.function("restart", HOOK)
 
 # Parts of the loop.
-PART = i8(integers)  # context; what follows, see `integrate.signals`
+PART = i8(integers)  # context; what follows, see `integrate.step`
 CORRECT = i8(integers, f8, i8, i8)  # context t row weighing
-ATTEMPT = i8(integers, f8, f8)  # context t h
+TRIAL_STEP = i8(integers, f8, f8)  # context t h
 REPARTITION = i8(integers, f8, i8)  # context t state
 LOCATE = f8(integers, f8, f8, i8)  # context t h dense_rows
 SAMPLE_FUNCTION = f8(integers, f8, f8, f8, i8, i8)  # context t h x k dense_rows
@@ -64,8 +64,10 @@ SELECT_MODES = i8(integers, i8, f8, f8, i8, i8)  # context first t d state slot
 FIRST_STEP = f8(integers, f8, f8, f8, i8)  # context t h_max rtol order
 EMIT = i8(integers, f8, f8, f8, i8)  # context t t1 h dense_ready
 SCREEN_STEP = i8(integers, f8, f8, f8)  # context t h t1
-FIELD = i8(integers, f8, vector, vector, integers, vector, vector)  # context t q v modes a lam
-SLOPE = i8(integers, f8, i8, i8)  # context t state derivative
+ACCELERATIONS = i8(
+    integers, f8, vector, vector, integers, vector, vector
+)  # context t q v modes a lam
+RHS = i8(integers, f8, i8, i8)  # context t state derivative
 IMPACT = f8(integers, i8, f8, i8)  # context first t state; time of the next flight
 RETURN_TO_SURFACES = i8(integers, f8, i8)  # context t state
 TRANSITION = i8(integers, i8, f8, f8)  # context crossing t h
@@ -74,7 +76,7 @@ MARGINS = none(integers, f8, i8, i8)  # context t state slot
 VANISHING = f8(integers, f8, f8, i8)  # context t h state
 GUARD_BRANCHES = i8(integers, f8, f8)  # context t h
 correct_of = TABLE.function("correct", CORRECT)
-attempt_of = TABLE.function("attempt", ATTEMPT)
+trial_step_of = TABLE.function("trial_step", TRIAL_STEP)
 repartition_of = TABLE.function("repartition", REPARTITION)
 locate_of = TABLE.function("locate", LOCATE)
 sample_function_of = TABLE.function("sample_function", SAMPLE_FUNCTION)
@@ -83,8 +85,8 @@ initialize_modes_of = TABLE.function("initialize_modes", SELECT_MODES)
 first_step_of = TABLE.function("first_step", FIRST_STEP)
 emit_of = TABLE.function("emit", EMIT)
 screen_step_of = TABLE.function("screen_step", SCREEN_STEP)
-modified_rhs_of = TABLE.function("modified_rhs", FIELD)
-modified_slope_of = TABLE.function("modified_slope", SLOPE)
+modified_accelerations_of = TABLE.function("modified_accelerations", ACCELERATIONS)
+modified_rhs_of = TABLE.function("modified_rhs", RHS)
 impact_of = TABLE.function("impact", IMPACT)
 return_to_surfaces_of = TABLE.function("return_to_surfaces", RETURN_TO_SURFACES)
 transition_of = TABLE.function("transition", TRANSITION)
@@ -101,8 +103,8 @@ modes_of = TABLE.integers("modes", SWITCHES)
 multipliers_of = TABLE.floats("multipliers", CONSTRAINT_COUNT)
 RECORD = TABLE.number("record")  # address of the run's record, see `run_record`
 settings_of = TABLE.floats("settings", (2, None))  # length of the step, Baumgarte's time, s
-memory_of = TABLE.floats("memory", MEMORY_SIZE)  # of the method
-notes_of = TABLE.integers("notes", NOTES_SIZE)  # of the method
+method_floats_of = TABLE.floats("method_floats", METHOD_FLOATS_SIZE)  # of the method
+method_integers_of = TABLE.integers("method_integers", METHOD_INTEGERS_SIZE)  # of the method
 
 # The constraints: structure of the Jacobian, the partition, its changes.
 jacobian_rows_of = TABLE.integers("jacobian_rows", NONZEROS, allotted=False)

@@ -1,10 +1,14 @@
 """How the runtime's own loops are compiled: once, for explicit signatures, and kept on disk.
 
-Two things here work round numba as it is.
+Three things here work round numba as it is.
 
 A cached function is taken for fresh as long as its *own* file is unchanged, although it contains
 what it calls. So the cache of every function is stamped with the hash of all files of the runtime
 that hold compiled code: an edit anywhere makes all of them stale.
+
+Numba writes the index of a cache before its data, so a process that reads between the two would
+take old machine code for new. Each function therefore has a lock, under which one process compiles
+it while the others wait; different functions compile in different processes at the same time.
 
 A function that is handed to compiled code as an argument costs about 0.1 ms a call, in which numba
 looks up its address. So addresses are looked up once and handed over as integers, and `at` turns
@@ -18,12 +22,12 @@ from typing import Any, TypeVar, cast
 
 import numpy as np
 import numpy.typing as npt
+from filelock import FileLock
 from numba import njit, types
 from numba.core import cgutils
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic
-
-from codegen.artefact import alone
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -66,7 +70,19 @@ def addressed(signature: Any) -> Callable[[F], F]:
     return decorate
 
 
-class _Addressed(_Dispatcher):  # type: ignore[misc]
+class _Locked(_Dispatcher):  # type: ignore[misc]
+    """A function that one process at a time compiles or loads.
+
+    Numba's own lock comes first: a thread that held the file and waited for numba would block
+    another that holds numba and waits for the file.
+    """
+
+    def compile(self, signature: Any) -> Any:
+        with global_compiler_lock, FileLock(f"{self._cache._cache_file._index_path}.lock"):
+            return super().compile(signature)
+
+
+class _Addressed(_Locked):
     """A function that has no way in from Python: numba would jump to nowhere."""
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
@@ -79,6 +95,11 @@ class _Addressed(_Dispatcher):  # type: ignore[misc]
 def inner(function: F) -> F:
     """Compile with the compiled functions that call it: it is neither loaded nor called alone."""
     return cast(F, _stamped(njit(**_BARE, **_INSIDE)(function)))
+
+
+def closure(function: F) -> F:
+    """As `inner`, for what closes over compiled functions, which is no part of a cache's key."""
+    return cast(F, njit(**{**_BARE, "cache": False}, **_INSIDE)(function))
 
 
 def inlined(function: F) -> F:
@@ -128,8 +149,7 @@ def _address(function: Any) -> int:
 def _for(signature: Any, options: dict[str, Any]) -> Callable[[F], F]:
     def decorate(function: F) -> F:
         dispatcher: Any = _stamped(njit(**options)(function))
-        with alone(Path(__file__)):
-            dispatcher.compile(signature)
+        dispatcher.compile(signature)
         dispatcher.disable_compile()
         return cast(F, dispatcher)
 
@@ -137,21 +157,22 @@ def _for(signature: Any, options: dict[str, Any]) -> Callable[[F], F]:
 
 
 def _stamped(dispatcher: Any) -> Any:
-    """Make the dispatcher's cache depend on all compiled code of the runtime."""
+    """Make the dispatcher's cache depend on all compiled code of the runtime, and lock it."""
     index = dispatcher._cache._cache_file
     index._source_stamp = (index._source_stamp, _STAMP)
+    dispatcher.__class__ = _Locked
     return dispatcher
 
 
 def _stamp() -> str:
-    """Hash of what compiled code is made from: the numerical rooms and users of this module."""
-    digest, runtime = hashlib.sha256(), Path(__file__).parent.parent
-    for path in sorted(runtime.rglob("*.py")):
+    """Hash of what compiled code is made from: numerical rooms, methods, users of this module."""
+    digest, library = hashlib.sha256(), Path(__file__).parents[2]
+    for path in sorted((*library.glob("generated/methods/*.py"), *library.glob("runtime/**/*.py"))):
         text = path.read_bytes()
-        if path.relative_to(runtime).parts[0] in _ROOMS or b"runtime.core.jit" in text:
+        if path.relative_to(library).parts[1] in ROOMS or b"runtime.core.jit" in text:
             digest.update(text)
     return digest.hexdigest()
 
 
-_ROOMS = ("core", "linalg", "constraints", "singularity", "hybrid", "integrate")
+ROOMS = ("core", "linalg", "constraints", "singularity", "hybrid", "integrate")
 _STAMP = _stamp()

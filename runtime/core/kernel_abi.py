@@ -129,8 +129,8 @@ class Kernels:
     `contact_scale` F0 in N, a contact's reaction in mode 0: with α = 1 - α' it is α' F0, α' from 0
     to infinity.
     `switched_reactions` fills the rows of REACTIONS that modes decide, `reactions` the others of
-    the same array; between modes they mix as q̈ and λ do. A switch in SOUGHT has a mode 2: its
-    friction exerts the force that stands in p behind the parameters, in the order of SOUGHT.
+    the same array; between modes they mix as q̈ and λ do. A switch in STICTION has a mode 2: its
+    friction exerts the force that stands in p behind the parameters, in the order of STICTION.
     `dead_centres` are x² and its rate of each loop that is closed in closed form.
     """
 

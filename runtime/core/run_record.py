@@ -11,6 +11,7 @@ from numba.np import arrayobj
 
 from runtime.core.array_types import Integers
 from runtime.core.function_table import RECORD
+from runtime.core.jit import inlined
 from runtime.core.table_layout import word
 
 _arrays: Any = arrayobj
@@ -43,7 +44,7 @@ _FLOATS = [
     "vanishing",  # time from now at which constraints seem to become dependent
     "tried",  # length of a step that was taken for good, but for this; 0 for none
     "turn",  # instant at which the step over a singular position begins
-    "leap",  # length of that step
+    "length_across",  # of that step
     "blind_from",  # samples between these two instants stay as they are interpolated
     "blind_to",
     "look_at",  # instant at which the constraints are looked at again
@@ -89,6 +90,7 @@ _INTEGERS = [
     "probe",  # how often the partition was probed
     "weak",  # accepted states in a row with a weak pivot
     "weak_row",  # 1 + constraint of the weak pivot
+    "weak_return",  # the same in the last return onto the constraints; 0: none
     "reason",  # why the last trial step was rejected
     "rejected_before",
     "shrinking",  # events in a row, each in less time than the one before
@@ -102,7 +104,7 @@ _INTEGERS = [
     "dense_ready",  # 1: its dense output is there
     "changed",  # events that were logged at its end
     "due",  # 1: another method is due
-    "plan",  # what is planned about a singular position, one of the below
+    "plan",  # about a singular position, a `Plan`
 ]
 
 
@@ -115,9 +117,20 @@ class ConstraintReturn(IntEnum):
     IF_DRIFTED = 3
 
 
-FREE, APPROACHING, CROSSING, LEAVING, MISSING = 0, 1, 2, 3, 4
-"""What is planned about singular positions: nothing; to come to where a step across begins; that
-step; to get away; to follow the bend in which the motion misses one."""
+class Plan(IntEnum):
+    """What a run does next about a singular position: the number `plan` of its record."""
+
+    FREE = 0
+    """Nothing is planned."""
+    APPROACHING = 1
+    """It goes to the instant at which the step across begins."""
+    CROSSING = 2
+    """The next step is the one across."""
+    LEAVING = 3
+    """It gets away from the position."""
+    MISSING = 4
+    """It follows the bend in which the motion misses the position."""
+
 
 RUN = np.dtype(
     [(name, np.float64) for name in _FLOATS] + [(name, np.int64) for name in _INTEGERS], align=True
@@ -136,3 +149,10 @@ def _run_record(typing_context: Any, context: Any) -> Any:
 
 run_record: Callable[[Integers], Any] = cast(Any, intrinsic(_run_record))
 """The record of the run, of the type `RUN`, for compiled code."""
+
+
+@inlined
+def is_near_singularity(context: Integers) -> bool:
+    """Whether a singular position is so near that no choice of independent coordinates is good."""
+    plan = run_record(context).plan
+    return bool(Plan.FREE < plan < Plan.MISSING)

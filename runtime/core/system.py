@@ -25,7 +25,7 @@ class System(Kernels):
     limits
         (switching function, row of the force, row of what it may be) of frictions whose pressing
         force depends on them.
-    sought
+    stiction
         (switching function, place in p) of frictions whose stiction force is solved for: in mode 2
         the kernels exert the force that stands there.
     loop_rows
@@ -42,7 +42,7 @@ class System(Kernels):
     sticking: tuple[int, ...] = ()
     reaction_rows: int = 0
     limits: tuple[tuple[int, int, int], ...] = ()
-    sought: tuple[tuple[int, int], ...] = ()
+    stiction: tuple[tuple[int, int], ...] = ()
     independent: tuple[int, ...] | None = None
     loop_rows: tuple[int, ...] = ()
 

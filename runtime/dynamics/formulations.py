@@ -1,22 +1,19 @@
 """Formulations: the coordinates in which a motion is integrated, and the return to all of them."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from codegen.errors import InputError
 from runtime.assembly.redundant_kernels import projection_only, with_redundancy
 from runtime.core.system import System
+from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.integrate.method import IMPLICIT
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism import Mechanism
-from runtime.results.assembled_state import Assembly
-
-if TYPE_CHECKING:
-    from runtime.mechanism.reduced_kernels import Reduced
 
 FORMULATIONS = ("cartesian", "reduced")
 # measured: rate of an angle by the kept coordinates that tells a dead centre of its loop
@@ -25,35 +22,17 @@ _CORRECTIONS = ("step", "stage")
 
 
 class Coordinates(Protocol):
-    """The coordinates that are integrated, and their equations.
+    """The coordinates that are integrated, and their equations."""
 
-    Attributes
-    ----------
-    machine
-        Its kernels; of redundant constraints, those of least norm.
-    system
-        Its equations.
-    p
-        Their parameters.
-    q, v, scale, sizes : (f,)
-        State at the start, typical changes, and typical sizes.
-    mobility : (n,)
-        Typical changes of all coordinates.
-    spreads : (s,)
-        See `Problem`.
-    correction
-        How states return onto the constraints.
-    """
-
-    mechanism: Mechanism
+    mechanism: Mechanism  # with kernels of least norm where constraints are redundant
     system: System
-    p: FloatArray
-    q: FloatArray
+    p: FloatArray  # parameters of the equations
+    q: FloatArray  # at the start, (f,)
     v: FloatArray
-    scale: FloatArray
-    sizes: FloatArray
-    mobility: FloatArray
-    spreads: FloatArray
+    scale: FloatArray  # typical changes, (f,)
+    sizes: FloatArray  # typical sizes, (f,)
+    mobility: FloatArray  # typical changes of all coordinates, (n,)
+    spreads: FloatArray  # see `Problem`, (s,)
     correction: Correction
 
     def all_coordinates(self, run: Trajectory) -> Trajectory:
@@ -63,27 +42,18 @@ class Coordinates(Protocol):
 class CartesianCoordinates:
     """The machine's own coordinates; see `Coordinates`."""
 
-    def __init__(
-        self,
-        mechanism: Mechanism,
-        p: FloatArray,
-        begin: Assembly,
-        sizes: FloatArray,
-        method: str,
-        correction: Correction,
-    ) -> None:
-        self.mechanism, self.p, self.sizes, self.correction = mechanism, p, sizes, correction
+    def __init__(self, ready: PreparedSimulation, method: str, correction: Correction) -> None:
+        begin, self.mechanism, self.correction = ready.begin, ready.mechanism, correction
+        self.p, self.sizes = ready.p, ready.sizes
         if begin.redundant:
-            self.mechanism = with_redundancy(mechanism, begin)
-            self.correction = projection_only(mechanism, begin, method, correction)
-        self.system, self.spreads = (
-            self.mechanism.system,
-            np.zeros(len(mechanism.description.switches)),
-        )
+            self.mechanism = with_redundancy(ready.mechanism, begin)
+            self.correction = projection_only(ready.mechanism, begin, method, correction)
+        self.system = self.mechanism.system
+        self.spreads = np.zeros(len(self.mechanism.description.switches))
         if method in IMPLICIT:
             self.system = replace(self.system, **self.mechanism.tangents._asdict())
         self.q, self.v = np.ascontiguousarray(begin.q), np.ascontiguousarray(begin.v)
-        self.scale = self.mobility = _mobility(Equations(mechanism, p).mass(begin.q))
+        self.scale = self.mobility = _mobility(Equations(ready.mechanism, ready.p).mass(begin.q))
 
     def all_coordinates(self, run: Trajectory) -> Trajectory:
         """The run itself."""
@@ -99,28 +69,20 @@ class ReducedCoordinates:
         With all reasons why this machine has no reduced coordinates.
     """
 
-    def __init__(
-        self,
-        mechanism: Mechanism,
-        p: FloatArray,
-        begin: Assembly,
-        sizes: FloatArray,
-        correction: Correction,
-    ) -> None:
-        _refuse(mechanism, begin, correction)
-        self.mechanism, self.correction, self._begin = mechanism, correction, begin
-        self.reduced = reduced = mechanism.reduced
-        self.system = reduced.system
-        kept = reduced.kept
+    def __init__(self, ready: PreparedSimulation, correction: Correction) -> None:
+        _refuse(ready, correction)
+        begin, self.mechanism, self.correction = ready.begin, ready.mechanism, correction
+        self.reduced = reduced = ready.mechanism.reduced
+        self.system, self._start, kept = reduced.system, (begin.t, begin.q), reduced.kept
         self.q, self.v = begin.q[kept].copy(), begin.v[kept].copy()
-        self.sizes = sizes[kept]
-        self.p = reduced.parameters(p, begin.t, begin.q)
-        _refuse_dead_centre(mechanism, reduced, begin, self.p, self.sizes)
+        self.sizes = ready.sizes[kept]
+        self.p = reduced.parameters(ready.p, begin.t, begin.q)
+        self._refuse_dead_centre()
         values, mass = np.zeros(len(reduced.mass[0])), np.zeros((len(kept), len(kept)))
         reduced.kernels.mass(self.q, self.p, values)
         mass[reduced.mass] = values
         self.scale = _mobility(mass)
-        self.spreads = _spreads(mechanism, p, begin, sizes)
+        self.spreads = _spreads(ready)
         self.mobility = np.ones(len(begin.q))
         self.mobility[kept] = self.scale
 
@@ -132,10 +94,9 @@ class ReducedCoordinates:
         q = np.vstack([run.q, events.q, run.final_q[None, :]])
         v = np.vstack([run.v, events.v, run.final_v[None, :]])
         order = np.argsort(t, kind="stable")
-        start = self._begin.t, self._begin.q
         all_q, all_v = np.empty((len(t), n)), np.empty((len(t), n))
         all_q[order], all_v[order] = reduced.expanded(
-            t[order], q[order], v[order], self.p, start, self.sizes
+            t[order], q[order], v[order], self.p, self._start, self.sizes
         )
         free = np.zeros((len(run.partitions.t), n), dtype=np.bool_)
         free[:, reduced.kept] = run.partitions.independent
@@ -160,15 +121,24 @@ class ReducedCoordinates:
         full[self.reduced.kept] = direction
         return full
 
+    def _refuse_dead_centre(self) -> None:
+        description, (t, _) = self.mechanism.description, self._start
+        steep = self.reduced.steepness(t, self.q, self.p, self.sizes)
+        problems = [
+            f"{description.title}: the run starts with {description.constraints[row].name} at a "
+            "dead centre of its loop, where both ways to close it meet "
+            f"({description.coordinates[column].name} moves {ratio:.1e} times as fast as what is "
+            "left), and reduced coordinates follow one of them; "
+            f'start further away, or take formulation="cartesian".'
+            for (column, row), ratio in zip(self.reduced.branches, steep, strict=True)
+            if not ratio < _STEEP
+        ]
+        if problems:
+            raise InputError(problems)
 
-def coordinates(
-    formulation: Formulation,
-    mechanism: Mechanism,
-    p: FloatArray,
-    begin: Assembly,
-    sizes: FloatArray,
-    method: str,
-    correction: Correction,
+
+def formulate(
+    ready: PreparedSimulation, formulation: Formulation, method: str, correction: Correction
 ) -> Coordinates:
     """The coordinates of a formulation.
 
@@ -180,8 +150,8 @@ def coordinates(
     if formulation not in FORMULATIONS:
         raise InputError(f"formulation = {formulation!r} must be one of {', '.join(FORMULATIONS)}.")
     if formulation == "reduced":
-        return ReducedCoordinates(mechanism, p, begin, sizes, correction)
-    return CartesianCoordinates(mechanism, p, begin, sizes, method, correction)
+        return ReducedCoordinates(ready, correction)
+    return CartesianCoordinates(ready, method, correction)
 
 
 def _mobility(mass: FloatArray) -> FloatArray:
@@ -195,28 +165,31 @@ def _mobility(mass: FloatArray) -> FloatArray:
     return 1.0 / np.sqrt(np.where(heavy, inertia, 0.01 * inertia[heavy].min()))
 
 
-def _spreads(mechanism: Mechanism, p: FloatArray, begin: Assembly, sizes: FloatArray) -> FloatArray:
+def _spreads(ready: PreparedSimulation) -> FloatArray:
     """Σ |∂g/∂(q, q̇)| times the typical sizes, to which the rounding of g is proportional.
 
     At a dead centre of a switching function the reduced coordinates alone would not show it.
     """
-    n, s = len(sizes), len(mechanism.description.switches)
-    rates = mechanism.kernels.switching_rates
-    found, rest, now = np.zeros(s), np.zeros(s), np.zeros(s)
+    n, s = len(ready.sizes), len(ready.mechanism.description.switches)
+    spreads, rest, now = np.zeros((3, s))
     unit = np.zeros(2 * n)
-    rates(begin.t, begin.q, unit[:n], unit[n:], p, rest)
+
+    def write_rates(out: FloatArray) -> None:
+        rates, begin = ready.mechanism.kernels.switching_rates, ready.begin
+        rates(begin.t, begin.q, unit[:n], unit[n:], ready.p, out)
+
+    write_rates(rest)
     for j in range(2 * n):
-        unit[j] = sizes[j % n]
-        rates(begin.t, begin.q, unit[:n], unit[n:], p, now)
+        unit[j] = ready.sizes[j % n]
+        write_rates(now)
         unit[j] = 0.0
         change = np.abs(now - rest)
-        found += np.where(np.isfinite(change), change, 0.0)
-    return found
+        spreads += np.where(np.isfinite(change), change, 0.0)
+    return spreads
 
 
-def _refuse(mechanism: Mechanism, begin: Assembly, correction: Correction) -> None:
-    description = mechanism.description
-    problems = []
+def _refuse(ready: PreparedSimulation, correction: Correction) -> None:
+    description, begin, problems = ready.mechanism.description, ready.begin, []
     if correction not in _CORRECTIONS:
         problems.append(
             f"correction={correction!r} returns onto constraints that reduced coordinates "
@@ -227,11 +200,11 @@ def _refuse(mechanism: Mechanism, begin: Assembly, correction: Correction) -> No
             f"{', '.join(row.name for row in begin.redundant)} follow from other constraints, and "
             "reduced coordinates need independent ones; remove them"
         )
-    sticking = [description.switches[k].name for k in description.sought]
-    sticking += [description.switches[k].name for k, *_ in description.friction_limits]
-    if sticking:
+    stuck = [*description.stiction, *(k for k, *_ in description.friction_limits)]
+    if stuck:
+        names = dict.fromkeys(description.switches[k].name for k in stuck)
         problems.append(
-            f"{', '.join(dict.fromkeys(sticking))} stick by a force that follows from a reaction, "
+            f"{', '.join(names)} stick by a force that follows from a reaction, "
             "which reduced coordinates leave out; give them creep="
         )
     if begin.degrees_of_freedom == 0:
@@ -244,21 +217,3 @@ def _refuse(mechanism: Mechanism, begin: Assembly, correction: Correction) -> No
             f'{description.title}: {problem}, or take formulation="cartesian".'
             for problem in problems
         )
-
-
-def _refuse_dead_centre(
-    mechanism: Mechanism, reduced: "Reduced", begin: Assembly, p: FloatArray, sizes: FloatArray
-) -> None:
-    description = mechanism.description
-    steep = reduced.steepness(begin.t, begin.q[reduced.kept], p, sizes)
-    problems = [
-        f"{description.title}: the run starts with {description.constraints[row].name} at a dead "
-        "centre of its loop, where both ways to close it meet "
-        f"({description.coordinates[column].name} moves {ratio:.1e} times as fast as what is "
-        "left), and reduced coordinates follow one of them; "
-        f'start further away, or take formulation="cartesian".'
-        for (column, row), ratio in zip(reduced.branches, steep, strict=True)
-        if not ratio < _STEEP
-    ]
-    if problems:
-        raise InputError(problems)

@@ -1,6 +1,13 @@
-"""Kinematic analysis: the motion of a machine whose drivers leave it no freedom."""
+"""Kinematics and inverse dynamics: the motion of a machine that its drivers leave no freedom.
+
+Inverse dynamics adds the forces and torques that the motion takes: the multipliers of the drivers
+produce it. A driver's reaction is what it exerts on the body that it moves. Rigid contacts, whose
+state is not decided here, and friction that does not slip, whose force the motion does not
+determine, are refused.
+"""
 
 import time as clock
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +19,7 @@ from runtime.continuation.driven_motion import follow
 from runtime.core.modes import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
+from runtime.mechanism.dense_equations import Equations
 from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
@@ -19,7 +27,8 @@ from runtime.results.event_records import Event
 from runtime.results.result import Result
 from runtime.results.singular_positions import SingularPosition
 from runtime.validation.arguments import instants
-from runtime.validation.contacts import require_no_rigid
+from runtime.validation.contacts import require_no_rigid, require_slip
+from runtime.validation.masses import require_masses
 from runtime.validation.parameters import parameter_values
 
 _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCKED)}
@@ -44,7 +53,7 @@ def kinematics(
     mechanism = with_redundancy(mechanism, start)
     preferred = start_values(mechanism, guess).v
     p = parameter_values(mechanism, parameters)
-    motion = follow(mechanism, times, start, preferred, p, progress)
+    motion = follow(Equations(mechanism, p), times, start, preferred, progress)
     samples = evaluate(mechanism, p, motion.t, motion.q, motion.v)
     singular = np.flatnonzero(np.isnan(samples.a).any(axis=1))
     motion.stats["singular_instants"] = len(singular)
@@ -68,6 +77,28 @@ def kinematics(
         not_unique=start.not_unique,
         singular=motion.singular,
     )
+
+
+def inverse_dynamics(
+    mechanism: Mechanism,
+    t_eval: npt.ArrayLike,
+    *,
+    parameters: Values | None = None,
+    **options: Any,
+) -> Result:
+    """Motion, reactions, drives and powers at the instants `t_eval`; options as `kinematics`."""
+    description = mechanism.description
+    if not description.has_masses:
+        raise AnalysisError(
+            f"{description.title}: inverse dynamics needs masses, and this scene has a body "
+            f"without. Give every body a mass and an inertia, or ask for kinematics."
+        )
+    p = parameter_values(mechanism, parameters)
+    require_masses(mechanism, p)
+    options |= {"parameters": parameters, "analysis": "inverse dynamics"}
+    result = kinematics(mechanism, t_eval, **options)
+    require_slip(mechanism, p, result.samples)
+    return result
 
 
 def _event(row: SingularPosition) -> Event:

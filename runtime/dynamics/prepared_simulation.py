@@ -1,8 +1,9 @@
 """The assembled start of a simulation, from which several runs may be made."""
 
+from typing import TYPE_CHECKING
+
 from runtime.assembly.assemble import assemble
-from runtime.dynamics.formulations import Coordinates, coordinates
-from runtime.integrate.problem import Correction, Formulation, Options, Problem
+from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, magnitudes
@@ -13,6 +14,9 @@ from runtime.validation.contacts import require_apart
 from runtime.validation.masses import require_masses
 from runtime.validation.parameters import parameter_values
 from runtime.validation.scene_support import refuse_massless, refuse_structure
+
+if TYPE_CHECKING:
+    from runtime.dynamics.formulations import Coordinates
 
 
 class PreparedSimulation:
@@ -56,29 +60,14 @@ class PreparedSimulation:
         if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
             refuse_structure(mechanism)
 
-    def coordinates(
-        self, formulation: Formulation, method: str, correction: Correction
-    ) -> Coordinates:
-        """The coordinates of a formulation; see `runtime.dynamics.formulations`."""
-        return coordinates(
-            formulation, self.mechanism, self.p, self.begin, self.sizes, method, correction
-        )
-
-    def run(self, coordinates: Coordinates, options: Options, progress: Progress) -> Trajectory:
-        """One integration, in all coordinates."""
+    def run(self, taken: "Coordinates", options: Options, progress: Progress) -> Trajectory:
+        """One integration in the coordinates `taken`; its run in all coordinates."""
         first = self.begin.t
         span = max(self.t_end - first, 1e-300)
         problem = Problem(
-            first,
-            self.t_end,
-            coordinates.q,
-            coordinates.v,
-            coordinates.p,
-            coordinates.scale,
-            coordinates.sizes,
-            coordinates.spreads,
+            first, self.t_end, taken.q, taken.v, taken.p, taken.scale, taken.sizes, taken.spreads
         )
         run = integrate(
-            coordinates.system, problem, options, lambda t, steps: progress((t - first) / span)
+            taken.system, problem, options, lambda t, steps: progress((t - first) / span)
         )
-        return coordinates.all_coordinates(run)
+        return taken.all_coordinates(run)

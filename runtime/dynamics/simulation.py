@@ -9,7 +9,7 @@ import numpy.typing as npt
 from runtime.assembly.redundant_kernels import redundancy_note
 from runtime.continuation.singularity_classification import describe_crossings
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.formulations import Coordinates
+from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.work import integrate_works
@@ -51,7 +51,7 @@ def simulate(
     ready = PreparedSimulation(
         mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start
     )
-    coordinates = ready.coordinates(formulation, method, correction)
+    coordinates = formulate(ready, formulation, method, correction)
     # An unknown method is refused by the integrator, together with all else that is wrong.
     options = Options(
         method=method,
@@ -76,26 +76,20 @@ def finish_simulation(
     progress: Progress,
     run: Trajectory | None = None,
 ) -> Result:
-    """The result of a run.
+    """The result of a simulation that `began` at an instant of `time.perf_counter`, s.
 
-    Parameters
-    ----------
-    began
-        When the analysis did, s of `time.perf_counter`.
-    run
-        The run, if it exists already; a scene with works needs another one.
+    `run` is its run, if that exists already; a scene with works needs another one.
     """
-    times = None if options.t_eval is None else np.asarray(options.t_eval, dtype=np.float64)
-    begin, works = ready.begin, bool(ready.mechanism.description.working)
+    begin, mechanism = ready.begin, coordinates.mechanism
+    works = bool(mechanism.description.working)
     if works or run is None:
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
-    mechanism, equations = coordinates.mechanism, Equations(coordinates.mechanism, ready.p)
     result = _result(mechanism, run, ready.p, began, begin)
     if works:
+        times = None if options.t_eval is None else np.asarray(options.t_eval, dtype=np.float64)
         integrate_works(result, len(run.t), times)
-    result.singular = tuple(
-        describe_crossings(equations, begin.t, begin.q, coordinates.mobility, run.crossings)
-    )
+    equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
+    result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)
     result.message += driven_note(mechanism, begin.degrees_of_freedom)
     return result
 
@@ -131,20 +125,13 @@ def _result(
         "integration_seconds": counts.seconds,
         "wall_seconds": clock.perf_counter() - began,
     }
-    switches = mechanism.description.switches
+    switches, log = mechanism.description.switches, run.events
     events = [
-        Event(
-            switches[int(index)].title,
-            float(time),
-            int(direction),
-            at_q,
-            at_v,
-        )
+        Event(switches[int(index)].title, float(time), int(direction), at_q, at_v)
         for time, index, direction, at_q, at_v in zip(
-            run.events.t, run.events.index, run.events.direction, run.events.q, run.events.v,
-            strict=True,
+            log.t, log.index, log.direction, log.q, log.v, strict=True
         )
-    ]  # fmt: skip
+    ]
     names = mechanism.description.coordinates.names
     partitions = [
         Partition(float(t), tuple(name for name, free in zip(names, chosen, strict=True) if free))

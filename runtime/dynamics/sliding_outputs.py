@@ -4,112 +4,65 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import types
 
-from runtime.core.array_types import integer_matrix, integers, matrix, vector
-from runtime.core.function_table import (
-    CONSTRAINT_COUNT,
-    SLIDING_COUNT,
-    base_multipliers_of,
-    kernel_modes_of,
-    limits_of,
-    modified_rhs_of,
-    reaction_of,
-    share_high_of,
-    share_of,
-    sliding_functions_of,
-    stiction_place_of,
-    unit_multipliers_of,
-)
-from runtime.core.jit import ADDRESSES, allocating
+from runtime.core import function_table as ft
+from runtime.core.array_types import integers, matrix, none, vector
+from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.kernel_abi import powers_of
 from runtime.core.modes import SLIDING
+from runtime.dynamics.output_quantities import SAMPLES
 from runtime.hybrid.mode_consistency import count_sliding
 from runtime.hybrid.mode_reactions import mix_reactions
 from runtime.hybrid.stiction_force import apply_unit, remove_unit
 from runtime.integrate.wiring import wire
 from runtime.mechanism.mechanism import Mechanism
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
+from runtime.results.samples import Samples
 
 
-@allocating(types.none(
-    ADDRESSES, ADDRESSES, integers, vector, vector, matrix, matrix, integer_matrix, matrix, matrix,
-    matrix, matrix, matrix, vector, vector,
-))  # fmt: skip
-def _mix_rows(
-    context: Any, kernels: Any, rows: Any, times: Any, p: Any, q: Any, v: Any, modes: Any, a: Any,
-    lam: Any, reaction: Any, power: Any, shares: Any, base: Any, other: Any,
-) -> None:  # fmt: skip
-    field = modified_rhs_of(context)
-    powers = powers_of(kernels)
-    m = context[CONSTRAINT_COUNT]
-    plain = kernel_modes_of(context)
-    sliding = sliding_functions_of(context)
-    share, high = share_of(context), share_high_of(context)
-    stiction_place, limits = stiction_place_of(context), limits_of(context)
-    base_multipliers = base_multipliers_of(context)
-    unit_multipliers = unit_multipliers_of(context)
-    mixed_reaction = reaction_of(context)
-    multipliers = np.zeros(m)
+@compiled(none(ADDRESSES, ADDRESSES, integers, SAMPLES, vector, matrix))
+def _mix_rows(context: Any, kernels: Any, rows: Any, s: Any, p: Any, powers: Any) -> None:
+    m, base, other = context[ft.CONSTRAINT_COUNT], powers[0], powers[1]
+    modes, sliding = ft.kernel_modes_of(context), ft.sliding_functions_of(context)
+    share, high = ft.share_of(context), ft.share_high_of(context)
+    places, limits = ft.stiction_place_of(context), ft.limits_of(context)
+    base_lam, unit_lam = ft.base_multipliers_of(context), ft.unit_multipliers_of(context)
+    reaction, lam = ft.reaction_of(context), ft.mixed_multipliers_of(context)
+    evaluate_powers = powers_of(kernels)
     for row in rows:
-        t = times[row]
-        count_sliding(context, modes[row])
-        field(context, t, q[row], v[row], modes[row], a[row], lam[row])
-        mix_reactions(context, t, q[row], v[row], lam[row])
-        for i in range(len(mixed_reaction)):
-            reaction[row, i] = mixed_reaction[i]
-        for c in range(context[SLIDING_COUNT]):
+        t, q, v = s.t[row], s.q[row], s.v[row]
+        count_sliding(context, s.modes[row])
+        ft.modified_accelerations_of(context)(context, t, q, v, s.modes[row], s.a[row], s.lam[row])
+        mix_reactions(context, t, q, v, s.lam[row])
+        for i in range(len(reaction)):
+            s.reaction[row, i] = reaction[i]
+        for c in range(context[ft.SLIDING_COUNT]):
             remove_unit(context, sliding[c])
-        for i in range(m):
-            multipliers[i] = base_multipliers[i]
-        powers(t, q[row], v[row], p, plain, multipliers, base)
+        evaluate_powers(t, q, v, p, modes, base_lam, base)
         for i in range(len(base)):
-            power[row, i] = base[i]
-        for c in range(context[SLIDING_COUNT]):
+            s.power[row, i] = base[i]
+        for c in range(context[ft.SLIDING_COUNT]):
             k = sliding[c]
-            shares[row, k] = share[k]
-            if stiction_place[k] >= 0:
+            s.share[row, k] = share[k]
+            if places[k] >= 0:
                 # Between the friction forces of both directions, at the present normal force.
-                force, limit = mixed_reaction[limits[2 * k]], mixed_reaction[limits[2 * k + 1]]
-                shares[row, k] = 0.5 - 0.5 * high[k] * force / limit if limit > 0.0 else np.nan
+                force, limit = reaction[limits[2 * k]], reaction[limits[2 * k + 1]]
+                s.share[row, k] = 0.5 - 0.5 * high[k] * force / limit if limit > 0.0 else np.nan
             for i in range(m):
-                multipliers[i] = base_multipliers[i] + unit_multipliers[c * m + i]
+                lam[i] = base_lam[i] + unit_lam[c * m + i]
             apply_unit(context, k)
-            powers(t, q[row], v[row], p, plain, multipliers, other)
+            evaluate_powers(t, q, v, p, modes, lam, other)
             remove_unit(context, k)
             for i in range(len(base)):
-                power[row, i] += share[k] * (other[i] - base[i])
+                s.power[row, i] += share[k] * (other[i] - base[i])
 
 
-def overwrite_sliding(
-    machine: Mechanism,
-    p: FloatArray,
-    t: FloatArray,
-    q: FloatArray,
-    v: FloatArray,
-    modes: IntArray,
-    a: FloatArray,
-    lam: FloatArray,
-    reaction: FloatArray,
-    power: FloatArray,
-) -> FloatArray:
-    """Overwrite accelerations, reactions and powers at the instants with a function in mode 2.
+def overwrite_sliding(mechanism: Mechanism, p: npt.NDArray[np.float64], samples: Samples) -> None:
+    """Overwrite accelerations, multipliers, reactions and powers where a function is in mode 2.
 
-    Returns
-    -------
-    (k, s)
-        Filippov's share α of each function in mode 2 (0: the force of its mode 0, 1: that of
-        mode 1), NaN elsewhere.
+    `share` receives Filippov's share α of each function in mode 2 (0: the force of its mode 0, 1:
+    that of mode 1).
     """
-    shares = np.full(modes.shape, np.nan)
-    rows = np.flatnonzero((modes == SLIDING).any(axis=1))
-    if len(rows):
-        wiring = wire(machine.system, "dopri5", p, 1)
-        sources = power.shape[1]
-        _mix_rows(
-            wiring.table, machine.kernel_table, rows, t, p, q, v, modes, a, lam, reaction, power,
-            shares, np.zeros(sources), np.zeros(sources),
-        )  # fmt: skip
-    return shares
+    rows = np.flatnonzero((samples.modes == SLIDING).any(axis=1))
+    wiring = wire(mechanism.system, "dopri5", p, 1)
+    powers = np.zeros((2, samples.power.shape[1]))
+    _mix_rows(wiring.table, mechanism.kernel_table, rows, samples, p, powers)

@@ -100,7 +100,7 @@ def solve_least(
 
 @inner
 def share_freedom(context: Integers, k: int, other: int) -> bool:
-    """Whether two functions in sliding mode act on one freedom; after `evaluate_rhs`."""
+    """Whether two functions in sliding mode act on one freedom; after the accelerations."""
     count, sliding = context[ft.SLIDING_COUNT], ft.sliding_functions_of(context)
     matrix = ft.response_of(context)
     c, d = 0, 0

@@ -8,7 +8,7 @@ from runtime.core import workspace as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import inlined, inner
 from runtime.core.modes import SLIDING, Mode
-from runtime.core.rhs import field
+from runtime.core.rhs import evaluate_accelerations
 
 CONSISTENT = -1
 _KNOWN = len(Mode)
@@ -86,7 +86,7 @@ def find_contradiction(
     rigid, sticks = ft.rigid_of(context), ft.sticks_of(context)
     q, v = ws.positions(context, state), ws.velocities(context, state)
     count_sliding(context, candidate)
-    field(context, t, q, v, candidate, ws.second_half(context, ws.DELTA))
+    evaluate_accelerations(context, t, q, v, candidate, ws.second_half(context, ws.DELTA))
     if context[ft.SLIDING_COUNT] != 0:
         k = find_unsupported(context, t, q, v)
         if k != CONSISTENT:

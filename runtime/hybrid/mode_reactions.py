@@ -13,7 +13,7 @@ from runtime.hybrid.stiction_force import apply_unit, remove_unit, write_forces
 
 @inner
 def mix_reactions(context: Integers, t: float, q: Vector, v: Vector, lam: Vector) -> None:
-    """Fill REACTION for the combined multipliers `lam`; `evaluate_rhs` must just have run."""
+    """Fill REACTION for the combined multipliers `lam`, which must just have been evaluated."""
     p, base_multipliers = ft.parameters_of(context), ft.base_multipliers_of(context)
     unit_multipliers, m = ft.unit_multipliers_of(context), context[ft.CONSTRAINT_COUNT]
     rows, count = context[ft.REACTION_ROWS], context[ft.SLIDING_COUNT]
@@ -53,8 +53,8 @@ def compute_friction_margin(context: Integers, t: float, q: Vector, v: Vector, k
     """1 - |S|/(μ_s N): the part of its limit that sticking friction `k` leaves; 1 without a limit.
 
     Where the normal force depends on friction itself, bounds of the share do not show when it
-    breaks loose: the stiction force S must be compared with μ_s N. `evaluate_rhs` must just have
-    run.
+    breaks loose: the stiction force S must be compared with μ_s N. The accelerations must just
+    have been evaluated.
     """
     lam, limits = ft.multipliers_of(context), ft.limits_of(context)
     force, limit = limits[2 * k], limits[2 * k + 1]

@@ -15,7 +15,7 @@ from runtime.core import workspace as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.modes import SLIDING
-from runtime.core.rhs import field
+from runtime.core.rhs import evaluate_accelerations
 from runtime.hybrid.impact import ON_SURFACE
 from runtime.hybrid.mode_consistency import (
     CONSISTENT,
@@ -115,7 +115,7 @@ def prefer_released(context: Integers, crossing: int, t: float, q: Vector, v: Ve
             tested += 1
     if tested > 0:
         count_sliding(context, modes)
-        field(context, t, q, v, modes, ws.second_half(context, ws.DELTA))
+        evaluate_accelerations(context, t, q, v, modes, ws.second_half(context, ws.DELTA))
     for k in range(s):
         released = k != crossing and modes[k] == SLIDING and former[k] != SLIDING
         if released and compute_margin(context, t, q, v, k) <= MISSED:
@@ -148,7 +148,7 @@ def initialize_modes(
         if places[k] >= 0 and abs(g[k]) <= ON_SURFACE * largest[k]:
             p[places[k]] = 0.0
             modes[k] = SLIDING  # friction that sticks may jam in sliding
-    field(context, t, q, v, modes, ws.second_half(context, ws.DELTA))
+    evaluate_accelerations(context, t, q, v, modes, ws.second_half(context, ws.DELTA))
     look_ahead(context, t, d, state)
     for k in range(s):
         modes[k] = 0 if modes[k] == SLIDING else modes[k]

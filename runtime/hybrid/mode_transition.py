@@ -8,7 +8,7 @@ from runtime.core import workspace as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.modes import SLIDING, Direction
-from runtime.core.rhs import field
+from runtime.core.rhs import evaluate_accelerations
 from runtime.core.rounding import EPS
 from runtime.core.run_record import run_record
 from runtime.hybrid.degenerate_sliding import share_freedom
@@ -243,7 +243,7 @@ def change_modes(context: Integers, crossing: int, t: float, h: float) -> int:
     letting_go, side, last = -1, 0, 0.0
     if modes[crossing] == SLIDING:
         letting_go = crossing
-        field(context, t, q, v, modes, ws.first_half(context, ws.DELTA))
+        evaluate_accelerations(context, t, q, v, modes, ws.first_half(context, ws.DELTA))
         side = find_release_mode(context, crossing)
     hit = ft.rigid_of(context)[crossing] >= 0 and letting_go < 0
     if hit:
@@ -276,7 +276,7 @@ def change_modes(context: Integers, crossing: int, t: float, h: float) -> int:
         slope = ws.position_rates(context, ws.K + r.last)
         for j in range(context[ft.COORDINATES]):
             slope[j] = v[j]
-        field(context, t, q, v, modes, ws.velocity_rates(context, ws.K + r.last))
+        evaluate_accelerations(context, t, q, v, modes, ws.velocity_rates(context, ws.K + r.last))
         evaluate_switching_and_rates(context, t, ws.Y1, ws.K + r.last, ws.G1)
         r.rhs += 1
     return logged

@@ -12,7 +12,7 @@ from runtime.core import workspace as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
 from runtime.core.jit import addressed, inner
-from runtime.core.rhs import field
+from runtime.core.rhs import evaluate_accelerations
 from runtime.hybrid.sliding_modes import CANCELLED, evaluate_units, solve_shares
 from runtime.hybrid.stiction_force import write_forces
 
@@ -36,8 +36,8 @@ def exclude_rounding(value: Vector, change: Vector, size: Vector) -> float:
     return 1.0 - rounded / moved if moved > rounded else 0.0
 
 
-@addressed(ft.FIELD)
-def evaluate_rhs(
+@addressed(ft.ACCELERATIONS)
+def evaluate_modified_accelerations(
     context: Integers, t: float, q: Vector, v: Vector, modes: Integers, a: Vector, lam: Vector
 ) -> int:
     """Accelerations and multipliers as the kernel `accelerations`, sliding modes included.
@@ -84,16 +84,16 @@ def evaluate_rhs(
     return weak
 
 
-@addressed(ft.SLOPE)
-def evaluate_slope(context: Integers, t: float, state: int, derivative: int) -> int:
-    """As `slope`, in sliding modes, with stabilisation, and where stages are corrected."""
+@addressed(ft.RHS)
+def evaluate_modified_rhs(context: Integers, t: float, state: int, derivative: int) -> int:
+    """The right-hand side in sliding modes, with stabilisation, and where stages are corrected."""
     modes, n = ft.modes_of(context), context[ft.COORDINATES]
     taken = 0
     if context[ft.EACH_STAGE] != 0:
         taken = int(ft.correct_of(context)(context, t, state, ws.PARTITION))
     q, v = ws.positions(context, state), ws.velocities(context, state)
     rate = ws.position_rates(context, derivative)
-    field(context, t, q, v, modes, ws.velocity_rates(context, derivative))
+    evaluate_accelerations(context, t, q, v, modes, ws.velocity_rates(context, derivative))
     for j in range(n):
         rate[j] = v[j]
     return taken

@@ -51,7 +51,9 @@ def write_margins(context: Integers, t: float, state: int, slot: int) -> None:
     s = context[ft.SWITCHES]
     modes, lam = ft.modes_of(context), ft.multipliers_of(context)
     q, v = ws.positions(context, state), ws.velocities(context, state)
-    ft.modified_rhs_of(context)(context, t, q, v, modes, ws.first_half(context, ws.DELTA), lam)
+    ft.modified_accelerations_of(context)(
+        context, t, q, v, modes, ws.first_half(context, ws.DELTA), lam
+    )
     for k in range(s):
         if modes[k] == SLIDING:
             ws.switch_row(context, slot)[k] = compute_margin(context, t, q, v, k)
@@ -82,7 +84,7 @@ def evaluate_switching_and_rates(
         z[j] = y[j] + ahead * (y[n + j] + 0.5 * ahead * a[j])
         z[n + j] = y[n + j] + ahead * a[j]
     z_q, z_v = view(z, 0, n), view(z, n, n)
-    ft.modified_rhs_of(context)(
+    ft.modified_accelerations_of(context)(
         context, t + ahead, z_q, z_v, modes, ws.first_half(context, ws.DELTA), lam
     )
     for k in range(s):

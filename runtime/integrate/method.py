@@ -1,14 +1,17 @@
 """An integration method as the loop sees it, and the register of all methods.
 
-A new method is a module that sets `METHOD`, and one line here. That of an explicit Runge-Kutta
-method is generated from its tableau: see `codegen.tableaus`.
+A new method is a module that sets `METHOD`, and one line here; the module of an explicit
+Runge-Kutta method is generated from its tableau. See docs/rooms/integration.md.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
+
+from codegen.artefact import import_generated
 
 if TYPE_CHECKING:
     from runtime.core.array_types import Integers
@@ -21,26 +24,51 @@ if TYPE_CHECKING:
 
 
 class Registration(NamedTuple):
-    """Where a method is found, and whether it needs derivatives of the kernels."""
+    """What is known of a method without its code.
+
+    Attributes
+    ----------
+    module
+        Module that sets `METHOD`.
+    family
+        Methods of one family and one order err alike: they do not confirm each other's results.
+    order
+        Power of the step's length with which the errors of a run fall.
+    implicit
+        Whether it needs derivatives of the kernels, at times or throughout.
+    """
 
     module: str
+    family: str
+    order: int
     implicit: bool = False
 
 
+GENERATED = "generated.methods"
+"""Package of the methods that are written from their tableaus."""
+
+RUNGE_KUTTA, COLLOCATION = "explicit Runge-Kutta", "collocation"
+MULTISTEP, SWITCHING = "multistep", "switching"
+
 REGISTER = {
-    "dop853": Registration("runtime.integrate.explicit.generated.dop853"),
-    "dopri5": Registration("runtime.integrate.explicit.generated.dopri5"),
-    "tsit5": Registration("runtime.integrate.explicit.generated.tsit5"),
-    "radau5": Registration("runtime.integrate.implicit.radau5", implicit=True),
-    "bdf": Registration("runtime.integrate.implicit.bdf", implicit=True),
-    "auto": Registration("runtime.integrate.implicit.stiffness_switching", implicit=True),
+    "dop853": Registration(f"{GENERATED}.dop853", RUNGE_KUTTA, 8),
+    "dopri5": Registration(f"{GENERATED}.dopri5", RUNGE_KUTTA, 5),
+    "tsit5": Registration(f"{GENERATED}.tsit5", RUNGE_KUTTA, 5),
+    "radau5": Registration("runtime.integrate.implicit.radau5", COLLOCATION, 5, implicit=True),
+    "bdf": Registration("runtime.integrate.implicit.bdf", MULTISTEP, 5, implicit=True),
+    "auto": Registration(
+        "runtime.integrate.implicit.stiffness_switching", SWITCHING, 5, implicit=True
+    ),
 }
 METHODS = tuple(REGISTER)
 """Names of the methods."""
 
-EXPLICIT = tuple(name for name, where in REGISTER.items() if not where.implicit)
-IMPLICIT = tuple(name for name, where in REGISTER.items() if where.implicit)
+EXPLICIT = tuple(name for name, method in REGISTER.items() if not method.implicit)
+IMPLICIT = tuple(name for name, method in REGISTER.items() if method.implicit)
 """Those that need derivatives of the kernels, at times or throughout."""
+
+LEADING = "dop853"
+"""The explicit method with which runs cross singular configurations, and "auto" begins."""
 
 
 def alternatives(names: tuple[str, ...]) -> str:
@@ -103,11 +131,8 @@ class Method:
 
     order: int
     error_order: int
-    stage_calls: int
     last: int
     dense_rows: int
-    dense_calls: int
-    beta: float
     safety: float
     shrink: float
     grow: float
@@ -117,6 +142,9 @@ class Method:
     propose: "Propose"
     accepted: "Hook"
     restart: "Hook"
+    stage_calls: int = 0
+    dense_calls: int = 0
+    beta: float = 0.0
     memory: Callable[[int], tuple[int, int]] = _no_memory
     nodes: tuple[float, ...] = (0.0, 1.0)
     foresight: float = 0.1  # accuracy: a nearer one matters to the finest tolerances
@@ -130,5 +158,11 @@ class Method:
 @cache
 def find_method(name: str) -> Method:
     """A method, compiled when it is first asked for."""
-    found: Method = import_module(REGISTER[name].module).METHOD
+    module = REGISTER[name].module
+    folder, _, stem = module.rpartition(".")
+    if folder == GENERATED:  # by its path: a user's own folder may be a package of that name
+        path = Path(__file__).parents[2] / folder.replace(".", "/") / f"{stem}.py"
+        found: Method = import_generated(path).METHOD
+    else:
+        found = import_module(module).METHOD
     return found

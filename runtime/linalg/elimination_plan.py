@@ -12,9 +12,10 @@ from the end. (T. A. Davis, Direct Methods for Sparse Linear Systems, chapters 3
 
 import numpy as np
 
-from runtime.core.array_types import Integers, Kernel, Matrix, Vector
+from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.jit import inner
 from runtime.linalg.rank_policy import REDUNDANT
+from runtime.linalg.row_elimination import Sparse
 
 
 def plan_capacity(m: int, nonzeros: int) -> int:
@@ -24,20 +25,13 @@ def plan_capacity(m: int, nonzeros: int) -> int:
 
 @inner
 def write_plan(
-    order: Integers,
-    rows: Integers,
-    columns: Integers,
-    values: Vector,
-    scale: Vector,
-    dense: Matrix,
-    plan: Integers,
-    lengths: Vector,
+    order: Integers, sparse: Sparse, scale: Vector, dense: Matrix, plan: Integers, lengths: Vector
 ) -> None:
     """Write the plan of the elimination with its pivots in the columns `order`; overwrites `dense`.
 
-    `lengths` receives the inverse lengths of the rows of the Jacobian `values`, columns times
-    `scale`.
+    `lengths` receives the inverse lengths of the rows of the Jacobian, columns times `scale`.
     """
+    rows, columns, values = sparse.rows, sparse.columns, sparse.values
     m, n = dense.shape
     lengths[:] = 0.0
     dense[:, :] = 0.0
@@ -80,25 +74,13 @@ def write_plan(
 
 @inner
 def replay_plan(
-    jacobian: Kernel,
-    t: float,
-    q: Vector,
-    p: Vector,
-    scale: Vector,
-    rows: Integers,
-    columns: Integers,
-    values: Vector,
-    flat: Vector,
-    plan: Integers,
-    lengths: Vector,
-    pivots: Vector,
+    sparse: Sparse, scale: Vector, flat: Vector, plan: Integers, lengths: Vector, pivots: Vector
 ) -> bool:
     """Pivots of Φ_q by the plan, columns times `scale` and rows times `lengths`.
 
     `flat` is overwritten. False where a row follows from those before it.
     """
-    n = q.size
-    jacobian(t, q, p, values)
+    rows, columns, values, n = sparse.rows, sparse.columns, sparse.values, scale.size
     for z in range(plan[1]):
         flat[plan[plan.size - 1 - z]] = 0.0
     for k in range(rows.size):

@@ -5,7 +5,7 @@ a Jacobian, whose rows have few entries, that is the case for a few of them at e
 Golub and C. F. Van Loan, Matrix Computations, section 3.4.)
 """
 
-from runtime.core.array_types import Integers, Matrix, Vector, f8, i8, integers, matrix, vector
+from runtime.core.array_types import Integers, Matrix, f8, i8, integers, matrix
 from runtime.core.jit import compiled, inner
 
 _TIED = 1e-9  # safety: entries that differ by no more than this part are equal
@@ -23,7 +23,7 @@ def largest_column(dense: Matrix, row: int, first: int) -> int:
     return at
 
 
-@inner
+@compiled(i8(matrix, integers, integers, f8))
 def factor_fully(dense: Matrix, row_order: Integers, column_order: Integers, least: float) -> int:
     """Eliminate with full pivoting until no pivot is larger than `least`; count the pivots.
 
@@ -79,24 +79,3 @@ def factor_fully(dense: Matrix, row_order: Integers, column_order: Integers, lea
     for i in range(m):
         row_order[i] %= m
     return int(rank)
-
-
-@compiled(i8(vector, integers, integers, f8, matrix, integers, integers))
-def factor_entries(
-    entries: Vector,
-    rows: Integers,
-    columns: Integers,
-    least: float,
-    dense: Matrix,
-    row_order: Integers,
-    column_order: Integers,
-) -> int:
-    """As `factor_fully`, for the matrix with these entries (nnz,); rows beyond it are left out."""
-    m, n = dense.shape
-    for i in range(m):
-        for j in range(n):
-            dense[i, j] = 0.0
-    for e in range(entries.size):
-        if rows[e] < m:
-            dense[rows[e], columns[e]] += entries[e]
-    return int(factor_fully(dense, row_order, column_order, least))

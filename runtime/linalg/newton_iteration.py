@@ -5,11 +5,12 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from runtime.core.rounding import EPS
 from runtime.linalg.rank_policy import NO_PIVOT
 
 FloatArray = npt.NDArray[np.float64]
 
-_ROUNDING = 4e-16  # accuracy: a residual that no step makes smaller, of equations of size 1
+_ROUNDING = 2.0 * EPS  # accuracy: a residual that no step makes smaller, of equations of size 1
 _ITERATIONS = 60  # safety: Newton iterations
 
 

@@ -6,17 +6,20 @@ pivot. The accelerations do not depend on which; of the multipliers, of which th
 of least norm are given.
 """
 
+import numba
 import numpy as np
-from numba import types
 
+from runtime.core import array_types
 from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, matrix, none, vector
 from runtime.core.jit import allocating, inner
-from runtime.linalg.cholesky import factor_cholesky, multiply_gram, solve_cholesky
+from runtime.linalg import cholesky
 from runtime.linalg.full_pivoting import factor_fully
 from runtime.linalg.leading_block import complete_solution, null_vectors
 from runtime.linalg.rank_policy import NO_PIVOT
+from runtime.linalg.row_elimination import Sparse
 
-constant = types.Array(types.int64, 1, "C", readonly=True)  # integers that a closure holds
+_constant = numba.types.Array(i8, 1, "C", readonly=True)  # integers that a closure holds
+SPARSE = array_types.named_tuple_type((_constant, _constant, vector), Sparse)
 
 _NULL = 1e-9  # accuracy: component of a null vector with a component 1, below which it is none
 
@@ -36,10 +39,8 @@ def solve_factored(
         x[column_order[k]] = placed[k]
 
 
-@allocating(i8(constant, constant, vector, vector, matrix, matrix))
-def solve_least_norm(
-    rows: Integers, columns: Integers, values: Vector, w: Vector, right: Matrix, d: Matrix
-) -> int:
+@allocating(i8(SPARSE, vector, matrix, matrix))
+def solve_least_norm(jacobian: Sparse, w: Vector, right: Matrix, d: Matrix) -> int:
     """Solve Φ_q d = right for the d that are least in dᵀ W⁻¹ d, W = diag(w).
 
     d = W Φ_qᵀ μ with Φ_q W Φ_qᵀ μ = right. Rounding of that matrix is the square of a distance of
@@ -47,8 +48,6 @@ def solve_least_norm(
 
     Parameters
     ----------
-    rows, columns, values : (nnz,)
-        Φ_q.
     w : (n,)
         Weights; 0 holds a coordinate.
     right : (k, m)
@@ -61,38 +60,35 @@ def solve_least_norm(
     int
         Rank of Φ_q W.
     """
-    count, m = right.shape
-    n = w.size
-    dense = np.zeros((m, n))
-    for k in range(rows.size):
-        dense[rows[k], columns[k]] += values[k]
+    rows, columns, values = jacobian.rows, jacobian.columns, jacobian.values
+    (count, m), n = right.shape, w.size
+    root = np.sqrt(w)
+    across = np.zeros((n, m))  # √W Φ_qᵀ
+    for e in range(rows.size):
+        across[columns[e], rows[e]] += values[e] * root[columns[e]]
     for i in range(m):
         total = 0.0
         for k in range(n):
-            total += dense[i, k] ** 2 * w[k]
+            total += across[k, i] ** 2
         if total > 0.0:
             unit = 1.0 / np.sqrt(total)
             for k in range(n):
-                dense[i, k] *= unit
+                across[k, i] *= unit
             for c in range(count):
                 right[c, i] *= unit
-    normal = np.zeros((m, m))
-    for i in range(m):
-        for k in range(n):
-            if dense[i, k] != 0.0:
-                part = dense[i, k] * w[k]
-                for j in range(i + 1):
-                    normal[i, j] += part * dense[j, k]
-        for j in range(i):
-            normal[j, i] = normal[i, j]
-    row_order, column_order, mu = np.zeros(m, np.int64), np.zeros(m, np.int64), np.zeros(m)
-    rank = factor_fully(normal, row_order, column_order, NO_PIVOT)
+    normal, order = np.zeros((m, m)), np.zeros(m, np.int64)
+    cholesky.multiply_gram(across, normal)
+    rank = cholesky.factor_semidefinite(normal, order, NO_PIVOT)
+    mu = np.zeros(rank)
     d[:, :] = 0.0
     for c in range(count):
-        solve_factored(normal, rank, row_order, column_order, right[c], mu)
-        for i in range(m):
-            for k in range(n):
-                d[c, k] += w[k] * dense[i, k] * mu[i]
+        for s in range(rank):
+            mu[s] = right[c, order[s]]
+        cholesky.solve_cholesky(normal, mu)
+        for k in range(n):
+            for s in range(rank):
+                d[c, k] += across[k, order[s]] * mu[s]
+            d[c, k] *= root[k]
     return int(rank)
 
 
@@ -120,39 +116,28 @@ def minimise_norm(free: Matrix, lam: Vector) -> None:
     """Subtract from λ its part along the columns of `free`, (m, k), which is not determined."""
     m, count = free.shape
     gram, share = np.zeros((count, count)), np.zeros(count)
-    multiply_gram(free, gram)
-    if not factor_cholesky(gram):
+    cholesky.multiply_gram(free, gram)
+    if not cholesky.factor_cholesky(gram):
         return
     for k in range(count):
         for i in range(m):
             share[k] += free[i, k] * lam[i]
-    solve_cholesky(gram, share)
+    cholesky.solve_cholesky(gram, share)
     for i in range(m):
         for k in range(count):
             lam[i] -= free[i, k] * share[k]
 
 
-@allocating(
-    i8(constant, constant, vector, constant, constant, vector, vector, vector, vector, vector)
-)
+@allocating(i8(SPARSE, SPARSE, vector, vector, vector, vector))
 def solve_motion(
-    rows: Integers,
-    columns: Integers,
-    values: Vector,
-    mass_rows: Integers,
-    mass_columns: Integers,
-    masses: Vector,
-    force: Vector,
-    gamma: Vector,
-    a: Vector,
-    lam: Vector,
+    jacobian: Sparse, mass: Sparse, force: Vector, gamma: Vector, a: Vector, lam: Vector
 ) -> int:
     """Solve M a + Φ_qᵀ λ = Q, Φ_q a = γ; λ has the least norm.
 
     Parameters
     ----------
-    rows, columns, values : (nnz,)
-        Φ_q; `mass_rows` and so on likewise M.
+    jacobian, mass
+        Φ_q and M.
     force, gamma : (n,), (m,)
         Q and γ.
     a, lam : (n,), (m,)
@@ -166,11 +151,12 @@ def solve_motion(
     n, m = force.size, gamma.size
     size = n + m
     matrix, scale, right, x = np.zeros((size, size)), np.zeros(size), np.zeros(size), np.zeros(size)
-    for k in range(mass_rows.size):
-        matrix[mass_rows[k], mass_columns[k]] += masses[k]
-    for k in range(rows.size):
-        matrix[n + rows[k], columns[k]] += values[k]
-        matrix[columns[k], n + rows[k]] += values[k]
+    for k in range(mass.rows.size):
+        matrix[mass.rows[k], mass.columns[k]] += mass.values[k]
+    for k in range(jacobian.rows.size):
+        i, j, value = n + jacobian.rows[k], jacobian.columns[k], jacobian.values[k]
+        matrix[i, j] += value
+        matrix[j, i] += value
     scale_symmetrically(matrix, n, scale)
     for i in range(size):
         right[i] = scale[i] * (force[i] if i < n else gamma[i - n])

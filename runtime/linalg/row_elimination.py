@@ -5,30 +5,36 @@ row from those before it. In one and the same order of pivots a pivot that chang
 positions announces a singular one in between: their product is the determinant but for its sign.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
-from runtime.core.array_types import Integers, Kernel, Matrix, Vector
+from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.jit import inner
 from runtime.linalg.rank_policy import REDUNDANT
 
 
+class Sparse(NamedTuple):
+    """The structural non-zeros of Φ_q, (nnz,)."""
+
+    rows: Integers
+    columns: Integers
+    values: Vector
+
+
 @inner
-def fill_unit_rows(
-    jacobian: Kernel,
-    t: float,
-    q: Vector,
-    p: Vector,
-    scale: Vector,
-    rows: Integers,
-    columns: Integers,
-    values: Vector,
-    dense: Matrix,
-) -> None:
-    """Write Φ_q as a dense matrix (m, n), its columns times `scale`, its rows of unit length."""
-    jacobian(t, q, p, values)
+def fill_dense(sparse: Sparse, scale: Vector, dense: Matrix) -> None:
+    """Write Φ_q as a dense matrix (m, n), its columns times `scale`."""
+    rows, columns, values = sparse.rows, sparse.columns, sparse.values
     dense[:, :] = 0.0
     for k in range(rows.size):
         dense[rows[k], columns[k]] += values[k] * scale[columns[k]]
+
+
+@inner
+def fill_unit_rows(sparse: Sparse, scale: Vector, dense: Matrix) -> None:
+    """Write Φ_q as a dense matrix (m, n), its columns times `scale`, its rows of unit length."""
+    fill_dense(sparse, scale, dense)
     m, n = dense.shape
     for i in range(m):
         total = 0.0

@@ -214,7 +214,7 @@ class Description(NamedTuple):
     recovered: tuple[int, ...] | None = None
     kernels: frozenset[str] = frozenset()
     rigid: Table[RigidContact] = Table()
-    sought: tuple[int, ...] = ()
+    stiction: tuple[int, ...] = ()
 
     @property
     def title(self) -> str:
@@ -319,7 +319,7 @@ def describe(module: ModuleType) -> Description:
         recovered=getattr(module, "RECOVERED", None),
         kernels=frozenset(vars(module)),
         rigid=Table(RigidContact(*row) for row in getattr(module, "RIGID", ())),
-        sought=tuple(switch for _, switch in getattr(module, "SOUGHT", ())),
+        stiction=tuple(switch for _, switch in getattr(module, "STICTION", ())),
     )
 
 

@@ -76,7 +76,7 @@ class Mechanism:
             switched_reactions=kernels.switched_reactions,
             reaction_rows=len(description.reactions),
             limits=description.friction_limits,
-            sought=tuple((k, parameters + i) for i, k in enumerate(description.sought)),
+            stiction=tuple((k, parameters + i) for i, k in enumerate(description.stiction)),
             independent=self.independent,
         )
 

@@ -1,24 +1,21 @@
 """Figures, and series of a result drawn over time."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from codegen.errors import InputError
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from runtime.results.time_series import TimeSeries
 
 
 def new_figure(purpose: str, width: float, height: float, **options: Any) -> "Figure":
-    """An empty figure, sizes in inches.
-
-    Parameters
-    ----------
-    purpose
-        What needs matplotlib, for the message where it is missing: "plot".
+    """An empty figure for a "plot", "picture" or "report", sizes in inches.
 
     Raises
     ------
@@ -34,16 +31,26 @@ def new_figure(purpose: str, width: float, height: float, **options: Any) -> "Fi
     return Figure(figsize=(width, height), layout="constrained", **options)
 
 
-def check_parent(path: Path) -> None:
-    """Refuse a place for a picture whose folder does not exist.
+def finish_axes(axes: "Axes", **grid: Any) -> None:
+    """A left and a lower edge only, and a pale grid behind the curves."""
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(visible=True, **grid)
+    axes.set_axisbelow(True)
 
-    Raises
-    ------
-    InputError
-        With the folder.
-    """
+
+def check_parent(path: Path) -> None:
+    """Refuse a place for a picture whose folder does not exist."""
     if not path.resolve().parent.is_dir():
         raise InputError(f"--out {path}: the folder {path.resolve().parent} does not exist.")
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Say which place cannot be written, and why."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"--out {path}: {error.strerror or error}.") from error
 
 
 def plot(result: "TimeSeries", names: Sequence[str] = ()) -> "Figure":

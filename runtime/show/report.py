@@ -30,34 +30,35 @@ svg { width: 100%; height: auto; }
 def page(result: "TimeSeries") -> str:
     """The page as text."""
     description = result.description
+    title, generator = escape(description.title), escape(description.generator.split()[-1])
     state = "outcome failed" if result.failed else "outcome"
+    stats = ((name.replace("_", " "), value) for name, value in result.stats.items())
     parts = [
-        f"<h1>{escape(description.title)}</h1>",
-        f"<p>{escape(result.analysis)}, linkwright {escape(description.generator.split()[-1])}</p>",
+        f"<h1>{title}</h1>",
+        f"<p>{escape(result.analysis)}, linkwright {generator}</p>",
         f'<p class="{state}"><b>{result.outcome.name}</b>: {escape(result.message)}</p>',
-        "<h2>Machine</h2>",
-        _table(_machine(result)),
-        "<h2>Parameters</h2>",
-        _table(_parameters(result)),
-        "<h2>Checks</h2>",
-        _table(_checks(result)),
+        _section("Machine", _machine(result)),
+        _section("Parameters", _parameters(result)),
+        _section("Checks", _checks(result)),
         *_accuracy(result),
-        "<h2>Statistics</h2>",
-        _table((name.replace("_", " "), value) for name, value in result.stats.items()),
-        "<h2>At the end</h2>",
-        _table(_last(result)),
+        _section("Statistics", stats),
+        _section("At the end", _last(result)),
         "<h2>Over time</h2>",
         *(_svg(figure) for figure in _figures(result)),
     ]
     if result.events:
         rows = ((f"{e.time:.9g} s", f"{e.name} ({e.what})") for e in result.events[:200])
-        parts += ["<h2>Events</h2>", _table(rows)]
+        parts.append(_section("Events", rows))
     body = "\n".join(parts)
     return (
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
-        f"<title>{escape(description.title)}</title><style>{STYLE}</style></head>\n"
+        f"<title>{title}</title><style>{STYLE}</style></head>\n"
         f"<body>\n{body}\n</body></html>\n"
     )
+
+
+def _section(title: str, rows: Iterator[tuple[str, object]]) -> str:
+    return f"<h2>{title}</h2>\n{_table(rows)}"
 
 
 def _table(rows: Iterator[tuple[str, object]]) -> str:
@@ -75,10 +76,8 @@ def _machine(result: "TimeSeries") -> Iterator[tuple[str, object]]:
     yield "bodies", ", ".join(description.bodies)
     yield "coordinates", len(description.coordinates)
     yield "constraints", len(description.constraints)
-    yield (
-        "joints and drivers",
-        ", ".join(dict.fromkeys(row.element for row in description.constraints)),
-    )
+    elements = dict.fromkeys(row.element for row in description.constraints)
+    yield "joints and drivers", ", ".join(elements)
     yield "effects", ", ".join(description.effects.names) or "none"
 
 

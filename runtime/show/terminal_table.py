@@ -1,11 +1,12 @@
 """Tables with explanatory sentences, on a terminal: no wider than a person reads."""
 
 import shutil
+import textwrap
 from collections.abc import Iterable, Sequence
-from textwrap import fill
+from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.table import Table
+if TYPE_CHECKING:
+    from rich.table import Table
 
 NARROW, WIDE, UNKNOWN = 80, 140, 120
 """Least and largest width of a table in columns; width where the terminal does not report one."""
@@ -18,27 +19,39 @@ def width() -> int:
     return min(max(shutil.get_terminal_size((UNKNOWN, 24)).columns, NARROW), WIDE)
 
 
-def new_table(title: str, caption: str, first: str, numbers: Sequence[str], least: int) -> Table:
+def new_table(title: str, caption: str, first: str, numbers: Sequence[str], least: int) -> "Table":
     """A table without rows: a first column of names, which folds, then columns of numbers.
 
-    Parameters
-    ----------
-    least
-        Width of the first column in characters, at least.
+    The first column has `least` characters at least.
     """
-    padding = 0, 1 if width() >= ROOMY else 0
-    table = Table(title=title, caption=caption, padding=padding)
+    from rich.table import Table
+
+    table = Table(title=title, caption=caption, padding=(0, 1 if width() >= ROOMY else 0))
     table.add_column(first, overflow="fold", ratio=1, min_width=least)
     for name in numbers:
         table.add_column(name, justify="right", no_wrap=True)
     return table
 
 
-def show(tables: Iterable[Table], sentences: Iterable[str]) -> None:
+def show(tables: Iterable["Table"], sentences: Iterable[str]) -> None:
     """Print tables, and below them the sentences that explain them."""
+    from rich.console import Console
+
     screen = Console(width=width(), highlight=False)
     for table in tables:
         screen.print(table)
     for sentence in sentences:
-        lines = fill(sentence, width(), initial_indent="  ", subsequent_indent="    ")
+        lines = textwrap.fill(sentence, width(), initial_indent="  ", subsequent_indent="    ")
         screen.print(lines, markup=False)
+
+
+def shortened(text: str, longest: float) -> str:
+    """The text, cut at a word where it is too long."""
+    if len(text) <= longest:
+        return text
+    return textwrap.shorten(text, int(longest), placeholder=" …")
+
+
+def milliseconds(seconds: float) -> str:
+    """A time with its unit."""
+    return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"

@@ -6,23 +6,11 @@ In a direction d it is uᵀ J'(d) z between the left vectors u and the null vect
 
 import numpy as np
 
-from runtime.core.array_types import Integers, Matrix, Vector, f8, i8, integers, matrix, vector
+from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, matrix, vector
 from runtime.core.array_views import view
-from runtime.core.jit import compiled, inner
+from runtime.core.jit import allocating, inner
 from runtime.linalg.cholesky import factor_cholesky, multiply_gram, solve_cholesky
-from runtime.singularity.search_table import (
-    ROWS,
-    UNKNOWNS,
-    ahead_of,
-    behind_of,
-    displaced_of,
-    entry_columns_of,
-    entry_rows_of,
-    jacobian_entries,
-    lengths_of,
-    residuals_of,
-    step_of,
-)
+from runtime.singularity import search_table as st
 
 _ITERATIONS = 40  # safety: Newton iterations
 _CONVERGED = 1e-12  # accuracy: a step over the length of the direction that is the last
@@ -31,61 +19,50 @@ _REGULAR = 1e-13  # accuracy: of the largest: squared singular values below this
 
 
 @inner
-def differentiate_left(
-    table: Integers, speed: float, z: Vector, direction: Vector, left: Matrix, sums: Matrix
+def differentiate_complement(
+    context: Integers, z: Vector, left: Matrix, null: Matrix, row: int, out: Matrix
 ) -> None:
-    """Fill `sums`, (n + 1, weak), with uᵀ J'(direction) at z for all left vectors."""
-    rows, wide, weak = table[ROWS], table[UNKNOWNS], left.shape[1]
-    ahead, behind = ahead_of(table), behind_of(table)
-    at_row, at_column = entry_rows_of(table), entry_columns_of(table)
-    lengths, displaced = lengths_of(table), displaced_of(table)
+    """Differentiate the complement at z along the direction in `step`: uᵀ J'(step) N.
+
+    Out is (k, free) of as many left vectors u as divide k: theirs are row `row`, and the rows at
+    equal distances behind it.
+    """
+    (wide, free), (rows, weak) = null.shape, left.shape
+    ahead, behind = st.ahead_of(context), st.behind_of(context)
+    at_row, at_column = st.entry_rows_of(context), st.entry_columns_of(context)
+    lengths, displaced, sums = st.lengths_of(context), st.displaced_of(context), st.sums_of(context)
+    direction = st.step_of(context)
     total = 0.0
     for j in range(wide):
         total += direction[j] ** 2
     delta = _DIFFERENCE / max(np.sqrt(total), 1e-300)
     for j in range(wide):
         displaced[j] = z[j] + delta * direction[j]
-    jacobian_entries(table, speed, displaced, ahead)
+    st.jacobian_entries(context, displaced, ahead)
     for j in range(wide):
         displaced[j] = z[j] - delta * direction[j]
-    jacobian_entries(table, speed, displaced, behind)
-    for j in range(wide):
-        for w in range(weak):
-            sums[j, w] = 0.0
+    st.jacobian_entries(context, displaced, behind)
+    for k in range(wide * weak):
+        sums[k] = 0.0
     for e in range(ahead.size):
         i, j = at_row[e], at_column[e]
         if i < rows and ahead[e] != behind[e]:
             slope = (ahead[e] - behind[e]) / (2.0 * delta * lengths[i])
             for w in range(weak):
-                sums[j, w] += slope * left[i, w]
-
-
-@inner
-def apply_to_null(sums: Matrix, null: Matrix, first: int, every: int, out: Matrix) -> None:
-    """Fill rows `first`, `first` + `every`, … of `out` with uᵀ J' z, one left vector u each."""
-    wide, free = null.shape
-    weak = sums.shape[1]
+                sums[j * weak + w] += slope * left[i, w]
+    apart = out.shape[0] // weak
     for w in range(weak):
         for f in range(free):
-            out[first + w * every, f] = 0.0
-    for j in range(wide):
-        for w in range(weak):
-            if sums[j, w] != 0.0:
+            out[row + w * apart, f] = 0.0
+        for j in range(wide):
+            if sums[j * weak + w] != 0.0:
                 for f in range(free):
-                    out[first + w * every, f] += sums[j, w] * null[j, f]
+                    out[row + w * apart, f] += sums[j * weak + w] * null[j, f]
 
 
 @inner
 def factor_normal_equations(
-    table: Integers,
-    speed: float,
-    z: Vector,
-    left: Matrix,
-    null: Matrix,
-    direction: Vector,
-    sums: Matrix,
-    form: Matrix,
-    normal: Matrix,
+    context: Integers, z: Vector, left: Matrix, null: Matrix, form: Matrix, normal: Matrix
 ) -> bool:
     """Fill `form`, (weak free, free), with the complement's derivatives, and factor formᵀ form.
 
@@ -93,11 +70,11 @@ def factor_normal_equations(
     Returns whether there are any derivatives.
     """
     wide, free = null.shape
+    direction = st.step_of(context)
     for g in range(free):
         for j in range(wide):
             direction[j] = null[j, g]
-        differentiate_left(table, speed, z, direction, left, sums)
-        apply_to_null(sums, null, g, free, form)
+        differentiate_complement(context, z, left, null, g, form)
     multiply_gram(form, normal)
     largest = 0.0
     for f in range(free):
@@ -146,17 +123,13 @@ def newton_step(slopes: Matrix, square: Matrix, missed: Vector, x: Vector) -> fl
     return float(np.sqrt(moved / max(size, 1e-300)))
 
 
-@compiled(i8(integers, f8, vector, vector, matrix, matrix, matrix, matrix, matrix, matrix, vector))
+@allocating(i8(integers, vector, vector, matrix, matrix, matrix, vector))
 def find_branch(
-    table: Integers,
-    speed: float,
+    context: Integers,
     z: Vector,
     rate: Vector,
     left: Matrix,
     null: Matrix,
-    sums: Matrix,
-    square: Matrix,
-    slopes: Matrix,
     passing: Matrix,
     x: Vector,
 ) -> int:
@@ -171,8 +144,6 @@ def find_branch(
         The position, and dz/ds of the motion.
     left, null : (rows, weak), (n + 1, free)
         Orthonormal left vectors and null vectors N.
-    sums, square, slopes : (n + 1, weak), (weak, weak), (weak, free)
-        Workspace.
     passing : (weak, free)
         Out: the rate of the complement along the motion.
     x : (free,)
@@ -185,8 +156,8 @@ def find_branch(
     """
     wide, free = null.shape
     weak = left.shape[1]
-    direction = step_of(table)
-    missed = view(residuals_of(table), 0, weak)
+    direction, missed = st.step_of(context), view(st.residuals_of(context), 0, weak)
+    slopes, square = np.empty((weak, free)), np.empty((weak, weak))
     for f in range(free):
         x[f] = 0.0
         for j in range(wide):
@@ -197,12 +168,9 @@ def find_branch(
             direction[j] = 0.0
             for f in range(free):
                 direction[j] += null[j, f] * x[f]
-        differentiate_left(table, speed, z, direction, left, sums)
-        apply_to_null(sums, null, 0, 1, slopes)
+        differentiate_complement(context, z, left, null, 0, slopes)
         if iteration == 0:
-            for w in range(weak):
-                for f in range(free):
-                    passing[w, f] = slopes[w, f]
+            passing[:, :] = slopes
         done = iteration + 1
         if newton_step(slopes, square, missed, x) < _CONVERGED:
             break

@@ -8,24 +8,13 @@ for Nonlinear Problems, section 4.3.)
 import numpy as np
 
 from runtime.core.array_types import Integers, Matrix, Vector, f8, integers, matrix, vector
-from runtime.core.jit import compiled
+from runtime.core.jit import allocating
 from runtime.linalg.cholesky import orthonormalise, solve_cholesky
 from runtime.linalg.leading_block import complete_solution
+from runtime.linalg.vectors import copy_vector
+from runtime.singularity import schur_complement as schur
+from runtime.singularity import search_table as st
 from runtime.singularity.complement_derivative import factor_normal_equations
-from runtime.singularity.schur_complement import (
-    eliminate_strong_rows,
-    find_vectors,
-    largest_lost_gap,
-    normalise_complement,
-)
-from runtime.singularity.search_table import (
-    ROWS,
-    UNKNOWNS,
-    column_order_of,
-    origin_of,
-    residuals_of,
-    step_of,
-)
 
 _ITERATIONS = 40  # safety: Newton iterations
 _KEEP = 5  # measured: iterations with the same second derivatives, but for the first one's
@@ -34,20 +23,8 @@ _FAR = 0.5  # safety: of a coordinate's size: a root so far from where the searc
 _FLAT = 1e-6  # accuracy: the largest entry of the complement at a singular position
 
 
-@compiled(f8(integers, f8, vector, matrix, matrix, matrix, matrix, matrix, matrix, matrix, vector))
-def find_root(
-    table: Integers,
-    speed: float,
-    z: Vector,
-    a: Matrix,
-    left: Matrix,
-    null: Matrix,
-    sums: Matrix,
-    form: Matrix,
-    normal: Matrix,
-    square: Matrix,
-    x: Vector,
-) -> float:
+@allocating(f8(integers, vector, matrix, matrix))
+def find_root(context: Integers, z: Vector, left: Matrix, null: Matrix) -> float:
     """Bring z to a position in which as many rows are lost as `left` has columns.
 
     Parameters
@@ -56,28 +33,25 @@ def find_root(
         Where to begin; overwritten.
     left, null : (rows, weak), (n + 1, free)
         Out: orthonormal left vectors and null vectors there.
-    a, sums, form, normal, square, x : (rows, n + 1), (n + 1, weak), (weak free, free), \
-    (free, free), (weak, weak), (free,)
-        Workspace.
 
     Returns
     -------
     float
         The largest |uᵀ Φ|, or -1 where there is no such position.
     """
-    rows, wide = table[ROWS], table[UNKNOWNS]
-    weak, free = left.shape[1], null.shape[1]
+    (rows, weak), (wide, free) = left.shape, null.shape
     strong = rows - weak
-    order, origin = column_order_of(table), origin_of(table)
-    step, gaps = step_of(table), residuals_of(table)
-    for j in range(wide):
-        origin[j] = z[j]
+    order, origin = st.column_order_of(context), st.origin_of(context)
+    step, gaps = st.step_of(context), st.residuals_of(context)
+    a, x, form = np.empty((rows, wide)), np.empty(free), np.empty((weak * free, free))
+    square, normal = np.empty((weak, weak)), np.empty((free, free))
+    copy_vector(z, origin)
     for iteration in range(_ITERATIONS):
-        if not eliminate_strong_rows(table, speed, z, strong, a, gaps):
+        if not schur.eliminate_strong_rows(context, z, strong, a, gaps):
             return -1.0
         if iteration % _KEEP == 0 or iteration == 1:
-            find_vectors(table, a, strong, left, null)
-            if not factor_normal_equations(table, speed, z, left, null, step, sums, form, normal):
+            schur.find_vectors(context, a, strong, left, null)
+            if not factor_normal_equations(context, z, left, null, form, normal):
                 return -1.0
         for f in range(free):
             x[f] = 0.0
@@ -100,10 +74,10 @@ def find_root(
             return -1.0
         if moved < (_CONVERGED * (1.0 + np.sqrt(size))) ** 2:
             break
-    if not eliminate_strong_rows(table, speed, z, strong, a, gaps):
+    if not schur.eliminate_strong_rows(context, z, strong, a, gaps):
         return -1.0
-    find_vectors(table, a, strong, left, null)
-    if not normalise_complement(a, strong, left, null, square, normal):
+    schur.find_vectors(context, a, strong, left, null)
+    if not schur.normalise_complement(a, strong, left, null, square, normal):
         return -1.0
     for i in range(strong, rows):
         for j in range(strong, wide):
@@ -111,4 +85,4 @@ def find_root(
                 return -1.0
     orthonormalise(normal, null)
     orthonormalise(square, left)
-    return largest_lost_gap(gaps, strong, square)
+    return schur.largest_lost_gap(gaps, strong, square)

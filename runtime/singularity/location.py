@@ -15,10 +15,7 @@ from numpy.typing import NDArray
 from runtime.singularity.local_motion import Motion, evaluate, nearest_time
 from runtime.singularity.pivot_orders import PivotOrder, PivotOrders
 from runtime.singularity.scaled_constraints import ScaledConstraints
-from runtime.singularity.search_table import (
-    measure_rows,
-    unit_jacobian_entries,
-)
+from runtime.singularity.search_table import set_units, unit_jacobian_entries
 
 FloatArray = NDArray[np.float64]
 
@@ -52,7 +49,7 @@ class Search:
         self.motion, self.speed = motion, speed
         self.series = motion.scaled(constraints.scale, speed)
         self.table, self.arrays = constraints.layout
-        measure_rows(self.table, speed, self.series[0])
+        set_units(self.table, speed, self.series[0])
 
     def at(self, s: float) -> tuple[FloatArray, FloatArray]:
         """z and dz/ds after the time s."""
@@ -83,7 +80,7 @@ class Search:
 
     def _order(self, z: FloatArray) -> PivotOrder:
         entries = np.empty(self.constraints.places[0].size)
-        unit_jacobian_entries(self.table, self.speed, z, entries)
+        unit_jacobian_entries(self.table, z, entries)
         return self.orders.near(entries)
 
     def _root(self, z: FloatArray, order: PivotOrder, weak: int) -> Root | None:
@@ -98,17 +95,5 @@ class Search:
         arrays["column_place"][order.column_order] = np.arange(wide)
         free = wide - rows + weak
         left, null = np.empty((rows, weak)), np.empty((wide, free))
-        gap = find_root(
-            self.table,
-            self.speed,
-            z,
-            np.empty((rows, wide)),
-            left,
-            null,
-            np.empty((wide, weak)),
-            np.empty((weak * free, free)),
-            np.empty((free, free)),
-            np.empty((weak, weak)),
-            np.empty(free),
-        )
+        gap = find_root(self.table, z, left, null)
         return Root(z, left, null, float(gap)) if gap >= 0.0 else None

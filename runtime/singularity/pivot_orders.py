@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.linalg.full_pivoting import factor_entries
+from runtime.linalg.full_pivoting import factor_fully
 from runtime.singularity.scaled_constraints import ScaledConstraints
 
 FloatArray = NDArray[np.float64]
@@ -49,23 +49,19 @@ class PivotOrders:
         """Full pivoting as far as pivots are large; singular values of the complement of these."""
         constraints = self.constraints
         table, arrays = constraints.layout
-        rows, wide = constraints.independent.size, constraints.scale.size + 1
-        a, places = np.zeros((rows, wide)), constraints.places
         orders = arrays["row_order"], arrays["column_order"]
-        strong = factor_entries(entries, *places, _STRONG, a, *orders)
+        a = constraints.dense(entries)
+        strong, rows = factor_fully(a, *orders, _STRONG), len(a)
         values = np.ones(rows)
         if strong < rows:
             # Loaded where something is singular.
             from runtime.singularity.schur_complement import reduce_to_weak_part
 
-            weak, free = rows - strong, wide - strong
-            left, null = np.empty((rows, weak)), np.empty((wide, free))
-            square, normal = np.empty((weak, weak)), np.empty((free, free))
-            if reduce_to_weak_part(table, a, left, null, square, normal):
+            if reduce_to_weak_part(table, a, strong):
                 values[strong:] = 0.0
                 smallest = np.linalg.svd(a[strong:, strong:], compute_uv=False)
                 values[strong : strong + smallest.size] = smallest
-            factor_entries(entries, *places, 0.0, a, *orders)
+            factor_fully(constraints.dense(entries), *orders, 0.0)
         return PivotOrder(
             entries, orders[0].copy(), orders[1].copy(), count_weak(np.minimum(values, 1))
         )

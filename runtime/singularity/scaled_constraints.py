@@ -3,15 +3,23 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.singularity.search_table import Layout, lay_out
+from runtime.core.jit import addresses
+from runtime.singularity import search_table as st
 
 FloatArray = NDArray[np.float64]
 Kernel = Callable[..., Any]
+
+
+class Layout(NamedTuple):
+    """A table, and the arrays by name whose addresses it holds."""
+
+    table: NDArray[np.int64]
+    arrays: dict[str, Any]
 
 
 @dataclass
@@ -47,8 +55,26 @@ class ScaledConstraints:
     @cached_property
     def layout(self) -> Layout:
         """The table by which compiled searches reach these arrays and kernels."""
-        kernels = self.constraints, self.jacobian, self.velocity_rhs
-        return lay_out(kernels, self.p, self.scale, self.independent, self.m, self.places)
+        kernels = addresses((self.constraints, self.jacobian, self.velocity_rhs))
+        (at_row, at_column), layout, n = self.places, st.TABLE, self.scale.size
+        table = np.zeros(layout.size, np.int64)
+        first = layout.slots["constraints"]
+        table[first : first + len(kernels)] = kernels
+        table[st.COORDINATES], table[st.UNKNOWNS], table[st.CONSTRAINT_COUNT] = n, n + 1, self.m
+        table[st.ROWS], table[st.PARAMETER_COUNT] = self.independent.size, self.p.size
+        table[st.NONZEROS], table[st.ENTRIES] = self.rows.size, at_row.size
+        arrays = layout.allot(table)
+        for name, reals in {"parameters": self.p, "scale": self.scale}.items():
+            arrays[name] = np.ascontiguousarray(reals, dtype=np.float64)
+        places = {"entry_rows": at_row, "entry_columns": at_column}
+        for name, numbers in {"independent": self.independent, **places}.items():
+            arrays[name] = np.ascontiguousarray(numbers, dtype=np.int64)
+        for name, array in arrays.items():
+            table[layout.slots[name]] = array.ctypes.data
+        arrays["lengths"][:], arrays["speed"][:] = 1.0, 1.0
+        for name in ("row_order", "row_place", "column_order", "column_place"):
+            arrays[name][:] = np.arange(arrays[name].size)
+        return Layout(table, arrays)
 
     def entries(self, t: float, q: FloatArray, unit: float) -> FloatArray:
         """Non-zeros of Φ_q, columns scaled, then Φ_t times `unit`; at `places`, (nnz + m,)."""

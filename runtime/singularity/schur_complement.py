@@ -7,67 +7,44 @@ M. Golubitsky and D. G. Schaeffer, Singularities and Groups in Bifurcation Theor
 VII.)
 """
 
+import numpy as np
+
 from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, matrix
-from runtime.core.jit import compiled, inner
+from runtime.core.jit import allocating, inner
 from runtime.linalg.cholesky import factor_cholesky, multiply_gram
 from runtime.linalg.leading_block import eliminate_leading, left_vectors, null_vectors
 from runtime.linalg.rank_policy import NO_DIVISOR
-from runtime.singularity.search_table import (
-    ROWS,
-    UNKNOWNS,
-    column_order_of,
-    column_place_of,
-    entry_columns_of,
-    entry_rows_of,
-    jacobian_entries,
-    lengths_of,
-    row_order_of,
-    row_place_of,
-    unit_residuals,
-    values_of,
-)
+from runtime.singularity import search_table as st
 
 
 @inner
 def eliminate_strong_rows(
-    table: Integers, speed: float, z: Vector, strong: int, a: Matrix, gaps: Vector
+    context: Integers, z: Vector, strong: int, a: Matrix, gaps: Vector
 ) -> bool:
     """Eliminate the strong rows of the Jacobian at z, and of the constraints' values.
 
-    Parameters
-    ----------
-    a : (rows, n + 1)
-        Out: rows and columns in the order of their places, as factors; behind the first `strong`
-        ones the Schur complement.
-    gaps : (rows,)
-        Out: values of the rows in the same order, those of the strong ones eliminated.
-
-    Returns
-    -------
-    bool
-        False where a pivot vanishes.
+    `a`, (rows, n + 1), receives rows and columns in the order of their places, as factors, behind
+    the first `strong` ones the Schur complement; `gaps`, (rows,), the values of the rows, those of
+    the strong ones eliminated. False where a pivot vanishes.
     """
-    rows, wide = table[ROWS], table[UNKNOWNS]
-    values, lengths = values_of(table), lengths_of(table)
-    at_row, at_column = entry_rows_of(table), entry_columns_of(table)
-    row_place, column_place = row_place_of(table), column_place_of(table)
-    unit_residuals(table, speed, z, gaps)
-    jacobian_entries(table, speed, z, values)
-    for i in range(rows):
-        for j in range(wide):
-            a[i, j] = 0.0
+    values, lengths = st.values_of(context), st.lengths_of(context)
+    at_row, at_column = st.entry_rows_of(context), st.entry_columns_of(context)
+    row_place, column_place = st.row_place_of(context), st.column_place_of(context)
+    st.unit_residuals(context, z, gaps)
+    st.jacobian_entries(context, z, values)
+    a[:, :] = 0.0
     for e in range(values.size):
         i = at_row[e]
-        if i < rows:
+        if i < lengths.size:
             a[row_place[i], column_place[at_column[e]]] += values[e] / lengths[i]
     return bool(eliminate_leading(a, strong, gaps, NO_DIVISOR))
 
 
 @inner
-def find_vectors(table: Integers, a: Matrix, strong: int, left: Matrix, null: Matrix) -> None:
+def find_vectors(context: Integers, a: Matrix, strong: int, left: Matrix, null: Matrix) -> None:
     """Left vectors and null vectors after the elimination of the strong rows."""
-    left_vectors(a, strong, row_order_of(table), left)
-    null_vectors(a, strong, column_order_of(table), null)
+    left_vectors(a, strong, st.row_order_of(context), left)
+    null_vectors(a, strong, st.column_order_of(context), null)
 
 
 @inner
@@ -112,15 +89,16 @@ def largest_lost_gap(gaps: Vector, strong: int, lower: Matrix) -> float:
     return float(largest)
 
 
-@compiled(i8(integers, matrix, matrix, matrix, matrix, matrix))
-def reduce_to_weak_part(
-    table: Integers, a: Matrix, left: Matrix, null: Matrix, square: Matrix, normal: Matrix
-) -> int:
+@allocating(i8(integers, matrix, i8))
+def reduce_to_weak_part(context: Integers, a: Matrix, strong: int) -> int:
     """Turn the complement of a factored matrix into that of orthonormal vectors; 0 if it has none.
 
     Its singular values are then the small ones of the matrix, but for the square of their ratio to
     the others: with a complement of zero these would be singular vectors of the matrix.
     """
-    strong = left.shape[0] - left.shape[1]
-    find_vectors(table, a, strong, left, null)
+    rows, wide = a.shape
+    weak, free = rows - strong, wide - strong
+    left, null = np.empty((rows, weak)), np.empty((wide, free))
+    square, normal = np.empty((weak, weak)), np.empty((free, free))
+    find_vectors(context, a, strong, left, null)
     return int(normalise_complement(a, strong, left, null, square, normal))

@@ -4,13 +4,9 @@ It is laid out as that of a run (`runtime.core.function_table`). In scaled coord
 z = (q / scale, t speed), of shape (n + 1,).
 """
 
-from typing import Any, NamedTuple
-
-import numpy as np
-
-from runtime.core.array_types import Integers, Kernel, Vector, f8, integers, none, vector
+from runtime.core.array_types import Integers, Vector, f8, integers, none, vector
 from runtime.core.array_views import view
-from runtime.core.jit import addresses, compiled, inner
+from runtime.core.jit import compiled, inner
 from runtime.core.kernel_abi import constraints_of, jacobian_of, velocity_rhs_of
 from runtime.core.table_layout import TableLayout
 
@@ -34,6 +30,7 @@ row_order_of = TABLE.integers("row_order", ROWS)  # of pivots: which row is wher
 row_place_of = TABLE.integers("row_place", ROWS)  # where each row is
 column_order_of = TABLE.integers("column_order", UNKNOWNS)
 column_place_of = TABLE.integers("column_place", UNKNOWNS)
+speed_of = TABLE.floats("speed", (1, None))  # the unit of time is its inverse
 # Work arrays.
 position_of = TABLE.floats("position", COORDINATES)
 phi_of = TABLE.floats("phi", CONSTRAINT_COUNT)
@@ -44,108 +41,69 @@ displaced_of = TABLE.floats("displaced", UNKNOWNS)
 step_of = TABLE.floats("step", UNKNOWNS)
 origin_of = TABLE.floats("origin", UNKNOWNS)
 residuals_of = TABLE.floats("residuals", ROWS)
-
-
-class Layout(NamedTuple):
-    """A table, and the arrays by name whose addresses it holds."""
-
-    table: Integers
-    arrays: dict[str, Any]
-
-
-def lay_out(
-    kernels: tuple[Kernel, Kernel, Kernel],
-    p: Vector,
-    scale: Vector,
-    independent: Integers,
-    m: int,
-    places: tuple[Integers, Integers],
-) -> Layout:
-    """The table of a machine's constraints; arguments as in `ScaledConstraints`."""
-    table = np.zeros(TABLE.size, np.int64)
-    first = TABLE.slots["constraints"]
-    table[first : first + len(kernels)] = addresses(kernels)
-    n, entries = scale.size, places[0].size
-    table[COORDINATES], table[UNKNOWNS], table[CONSTRAINT_COUNT] = n, n + 1, m
-    table[ROWS], table[NONZEROS], table[ENTRIES] = independent.size, entries - m, entries
-    table[PARAMETER_COUNT] = p.size
-    arrays = TABLE.allot(table)
-    arrays["parameters"] = np.ascontiguousarray(p, dtype=np.float64)
-    arrays["scale"] = np.ascontiguousarray(scale, dtype=np.float64)
-    arrays["independent"] = np.ascontiguousarray(independent, dtype=np.int64)
-    arrays["entry_rows"] = np.ascontiguousarray(places[0], dtype=np.int64)
-    arrays["entry_columns"] = np.ascontiguousarray(places[1], dtype=np.int64)
-    for name, array in arrays.items():
-        table[TABLE.slots[name]] = array.ctypes.data
-    arrays["lengths"][:] = 1.0
-    for name in ("row_order", "row_place", "column_order", "column_place"):
-        arrays[name][:] = np.arange(arrays[name].size)
-    return Layout(table, arrays)
+sums_of = TABLE.floats("sums", UNKNOWNS, ROWS)  # uᵀ J' of the left vectors, flat
 
 
 @inner
-def write_position(table: Integers, z: Vector) -> None:
-    """Write q at z into the array that kernels read."""
-    q, scale = position_of(table), scale_of(table)
+def write_position(context: Integers, z: Vector) -> float:
+    """Write q at z into the array that kernels read; the instant, s."""
+    q, scale = position_of(context), scale_of(context)
     for j in range(q.size):
         q[j] = z[j] * scale[j]
+    return float(z[q.size] / speed_of(context)[0])
 
 
 @inner
-def jacobian_entries(table: Integers, speed: float, z: Vector, values: Vector) -> None:
+def jacobian_entries(context: Integers, z: Vector, values: Vector) -> None:
     """Fill `values`, (nnz + m,), with the Jacobian by z: Φ_q, columns scaled, then Φ_t / speed."""
-    write_position(table, z)
-    n, m, nonzeros = table[COORDINATES], table[CONSTRAINT_COUNT], table[NONZEROS]
-    q, p, scale, columns = (
-        position_of(table),
-        parameters_of(table),
-        scale_of(table),
-        entry_columns_of(table),
-    )
+    t = write_position(context, z)
+    m, nonzeros, speed = context[CONSTRAINT_COUNT], context[NONZEROS], speed_of(context)[0]
+    q, p = position_of(context), parameters_of(context)
+    scale, columns = scale_of(context), entry_columns_of(context)
     rate = view(values, nonzeros, m)
-    t = z[n] / speed
-    jacobian_of(table)(t, q, p, view(values, 0, nonzeros))
+    jacobian_of(context)(t, q, p, view(values, 0, nonzeros))
     for e in range(nonzeros):
         values[e] *= scale[columns[e]]
     for i in range(m):
         rate[i] = 0.0
-    velocity_rhs_of(table)(t, q, p, rate)
+    velocity_rhs_of(context)(t, q, p, rate)
     for i in range(m):
         rate[i] /= -speed
 
 
 @inner
-def unit_residuals(table: Integers, speed: float, z: Vector, residuals: Vector) -> None:
+def unit_residuals(context: Integers, z: Vector, residuals: Vector) -> None:
     """Fill `residuals`, (rows,), with Φ at z over the rows' lengths, in the order of places."""
-    write_position(table, z)
-    phi = phi_of(table)
+    t = write_position(context, z)
+    phi = phi_of(context)
     for i in range(phi.size):
         phi[i] = 0.0
-    t = z[table[COORDINATES]] / speed
-    constraints_of(table)(t, position_of(table), parameters_of(table), phi)
-    independent, lengths, place = independent_of(table), lengths_of(table), row_place_of(table)
+    constraints_of(context)(t, position_of(context), parameters_of(context), phi)
+    lengths, place = lengths_of(context), row_place_of(context)
+    independent = independent_of(context)
     for i in range(independent.size):
         residuals[place[i]] = phi[independent[i]] / lengths[i]
 
 
 @compiled(none(integers, f8, vector))
-def measure_rows(table: Integers, speed: float, z: Vector) -> None:
-    """Measure the lengths of the rows of Φ_q at z, by which all rows are divided from now on."""
-    values, lengths, rows = values_of(table), lengths_of(table), entry_rows_of(table)
-    jacobian_entries(table, speed, z, values)
+def set_units(context: Integers, speed: float, z: Vector) -> None:
+    """Set the unit of time, 1 / `speed` s, and the lengths of the rows of Φ_q to those at z."""
+    speed_of(context)[0] = speed
+    values, lengths, rows = values_of(context), lengths_of(context), entry_rows_of(context)
+    jacobian_entries(context, z, values)
     for i in range(lengths.size):
         lengths[i] = 0.0
-    for e in range(table[NONZEROS]):
+    for e in range(context[NONZEROS]):
         if rows[e] < lengths.size:
             lengths[rows[e]] += values[e] ** 2
     for i in range(lengths.size):
         lengths[i] = lengths[i] ** 0.5 if lengths[i] > 0.0 else 1.0
 
 
-@compiled(none(integers, f8, vector, vector))
-def unit_jacobian_entries(table: Integers, speed: float, z: Vector, out: Vector) -> None:
+@compiled(none(integers, vector, vector))
+def unit_jacobian_entries(context: Integers, z: Vector, out: Vector) -> None:
     """Fill `out`, (nnz + m,), with the Jacobian of the unit rows at z; 0 in rows set aside."""
-    rows, lengths = entry_rows_of(table), lengths_of(table)
-    jacobian_entries(table, speed, z, out)
+    rows, lengths = entry_rows_of(context), lengths_of(context)
+    jacobian_entries(context, z, out)
     for e in range(rows.size):
         out[e] = out[e] / lengths[rows[e]] if rows[e] < lengths.size else 0.0

@@ -199,20 +199,8 @@ def _passage(search: Search, root: Root, rate: FloatArray) -> tuple[FloatArray, 
     # Loaded where something is singular.
     from runtime.singularity.complement_derivative import find_branch
 
-    (wide, free), weak = root.null.shape, root.left.shape[1]
+    weak, free = root.left.shape[1], root.null.shape[1]
     passing, x = np.empty((weak, free)), np.empty(free)
-    find_branch(
-        search.table,
-        search.speed,
-        root.z,
-        rate,
-        root.left,
-        root.null,
-        np.empty((wide, weak)),
-        np.empty((weak, weak)),
-        np.empty((weak, free)),
-        passing,
-        x,
-    )
+    find_branch(search.table, root.z, rate, root.left, root.null, passing, x)
     veer: FloatArray = (root.null @ x)[:-1]
     return passing, veer

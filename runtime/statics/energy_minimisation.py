@@ -22,14 +22,9 @@ _TINY = 1e-300  # safety: keeps quotients from 0 / 0
 
 
 class RestPosition(NamedTuple):
-    """A position, and the reduced forces and stiffness there.
+    """A position, its partition, and the reduced force and stiffness there.
 
-    Attributes
-    ----------
-    q, part, gradient, stiffness
-        The position, its partition, and the reduced force and stiffness there.
-    effort
-        Size of the forces along each independent coordinate, (f,), in J.
+    `effort` is the size of the forces along each independent coordinate, (f,), in J.
     """
 
     q: FloatArray

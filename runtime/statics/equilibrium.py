@@ -1,7 +1,6 @@
 """Equilibrium: a rest position, its stability, and the reactions there."""
 
 import time as clock
-from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,11 +11,9 @@ from runtime.assembly.redundant_kernels import redundancy_note, with_redundancy
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.description import Description
 from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
-from runtime.results.samples import Samples
 from runtime.statics.energy_minimisation import RestPosition, evaluate_position, minimise, polish
 from runtime.statics.reduced_gradient import StaticEquations
 from runtime.statics.stability import Judgement, Stability, judge
@@ -24,7 +21,6 @@ from runtime.validation.contacts import require_no_rigid, require_no_sticking
 from runtime.validation.masses import require_masses
 from runtime.validation.parameters import parameter_values
 
-METHODS = ("energy", "settling")
 _TURNED = 25.0  # safety: rad after which nothing holds a machine whose forces do not balance
 _FAR = 1e6  # safety: scaled length after which nothing does
 
@@ -46,29 +42,8 @@ class Equilibrium(Result):
         Largest unbalanced generalized force, as a share of the forces that act.
     """
 
-    def __init__(
-        self,
-        description: Description,
-        samples: Samples,
-        p: FloatArray,
-        *,
-        judged: Judgement,
-        gradient: float,
-        outcome: Outcome,
-        message: str,
-        stats: Mapping[str, float],
-        not_unique: Sequence[str] = (),
-    ) -> None:
-        super().__init__(
-            description,
-            samples,
-            p,
-            analysis="equilibrium",
-            outcome=outcome,
-            message=message,
-            stats=stats,
-            not_unique=not_unique,
-        )
+    def __init__(self, *samples: Any, judged: Judgement, gradient: float, **outcome: Any) -> None:
+        super().__init__(*samples, analysis="equilibrium", **outcome)
         self.stability = judged.stability
         self.stiffness = judged.stiffness
         self.frequencies = judged.frequencies
@@ -124,22 +99,15 @@ def equilibrium(
     equations = Equations(mechanism, p)
     _require_finite(equations, float(t), start.q)
     statics = StaticEquations(equations, float(t), equations.scale(equations.size(t, start.q)))
-    search = _settle if method == "settling" else _minimise
-    position, end, stats = search(statics, start.q, progress)
+    position, end, stats = METHODS[method](statics, start.q, progress)
     ran = [] if position.balanced else _runaways(mechanism, statics, start.q, end)
     if ran:
         position = evaluate_position(statics, start.q, position.iterations)
     stats |= {"gradient_evaluations": statics.evaluations}
     judged = judge(statics, position)
     q = np.ascontiguousarray(position.q[None, :])
-    samples = evaluate(
-        mechanism,
-        p,
-        np.array([float(t)]),
-        q,
-        np.zeros_like(q),
-        equations.rest_modes(t, position.q)[None, :],
-    )
+    modes = equations.rest_modes(t, position.q)[None, :]
+    samples = evaluate(mechanism, p, np.array([float(t)]), q, np.zeros_like(q), modes)
     stats["wall_seconds"] = clock.perf_counter() - began
     return Equilibrium(
         description,
@@ -176,10 +144,12 @@ def _settle(
         )
     from runtime.statics.kinetic_damping import settle_down  # compiles where it is used
 
-    settled = settle_down(statics, start, progress)
-    finite = np.isfinite(settled.q).all()
-    position = polish(statics, settled.q) if finite else evaluate_position(statics, start)
-    return position, settled.q, {"steps": settled.steps, "kinetic_energy_peaks": settled.peaks}
+    end, counts = settle_down(statics, start, progress)
+    finite = np.isfinite(end).all()
+    return polish(statics, end) if finite else evaluate_position(statics, start), end, counts
+
+
+METHODS = {"energy": _minimise, "settling": _settle}
 
 
 def _runaways(
@@ -193,19 +163,13 @@ def _runaways(
     return [mechanism.description.coordinates[int(index)].name for index in np.flatnonzero(far)]
 
 
-def _edges(mechanism: Mechanism, position: RestPosition) -> str:
-    """The conditions on whose switching surface a position lies."""
-    switches = mechanism.description.switches
-    return ", ".join(
-        f"{switches[k].condition} of {switches[k].name}" for k in position.stiffness.edges
-    )
-
-
 def _message(
     mechanism: Mechanism, position: RestPosition, judged: Judgement, ran: list[str]
 ) -> str:
     """The outcome of the search, in a sentence."""
-    edges = _edges(mechanism, position)
+    description = mechanism.description
+    touched = (description.switches[k] for k in position.stiffness.edges)
+    edges = ", ".join(f"{switch.condition} of {switch.name}" for switch in touched)
     if ran:
         return (
             f"No equilibrium found: nothing holds the machine in {', '.join(ran)}, which ran away "
@@ -215,7 +179,7 @@ def _message(
     if not position.balanced:
         shares = np.abs(position.gradient) / position.effort
         worst = int(position.part.independent[int(np.argmax(shares))])
-        name = mechanism.description.coordinates[worst].name
+        name = description.coordinates[worst].name
         if edges:
             return (
                 f"No equilibrium found: the search ended at {name} = {position.q[worst]:.6g} on "

@@ -6,14 +6,16 @@ embedded Runge-Kutta pair of Bogacki and Shampine (Applied Mathematics Letters 2
 controlled: only the position at which the motion ends matters.
 """
 
-from typing import Any, NamedTuple
+from collections import namedtuple
+from typing import Any, cast
 
 import numpy as np
-from numba import types
+from numba import from_dtype
 
-from runtime.core.array_types import f8, integers, matrix, vector
+from runtime.core.array_types import i8, integers, matrix, named_tuple_type, vector
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import accelerations_of, correction_of, kinetic_energy_of, switching_of
+from runtime.linalg.vectors import largest_ratio
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import Progress
 from runtime.statics.energy_minimisation import AWAY
@@ -26,23 +28,33 @@ _QUIET = 1e-10  # accuracy: part of the largest peak of kinetic energy at which 
 _CROSSING = 0.02  # measured: longest step over a change of modes, in parts of the time since rest
 _SHORTEST = 1e-12  # safety: s; a step that is never too long for a change of modes
 _CORRECTED = 1e-9  # accuracy: scaled change at which a return onto the constraints has converged
+_LEAST = 1e-14  # safety: s; a shorter step ends the search
 _CHUNK = 2000  # measured: steps between two returns to Python, for progress and interrupts
 _CHUNKS = 300  # safety: such chunks before the search is given up
 
-# Places in the record.
-STEP, LIMIT, SINCE, ENERGY, HIGHEST, PEAKS, STEPS, RECORD = 0, 1, 2, 3, 4, 5, 6, 7
+# t: the instant at which time is frozen; step: length of the next step; limit: longest step;
+# since: time since rest; energy: kinetic energy; highest: its largest peak so far.
+_FLOATS = ["t", "step", "limit", "since", "energy", "highest"]
+RECORD = np.dtype([(name, float) for name in _FLOATS] + [("peaks", np.int64), ("steps", np.int64)])
+
+# Rows of `work`, (13, n): four accelerations; q and v at the stages in turn; dq, dv; zeros.
+_WORKSPACE = {
+    **dict.fromkeys(("p", "scale", "weights", "q", "v", "lam", "g"), vector),
+    "modes": integers,
+    "work": matrix,
+}
+Workspace: Any = cast(Any, namedtuple)("Workspace", _WORKSPACE)
+WORKSPACE = named_tuple_type(list(_WORKSPACE.values()), Workspace)
 
 
 @inner
-def bogacki_shampine(
-    accelerations: Any, t: Any, h: Any, q: Any, v: Any, p: Any, modes: Any, lam: Any,
-    scale: Any, work: Any,
-) -> tuple[int, float]:  # fmt: skip
+def take_step(kernels: Any, s: Any, t: float, h: float) -> tuple[int, float]:
     """A step from (q, v), with its acceleration in work[0], to rows 8 and 9 of `work`.
 
     Returns the code of the last accelerations, and the scaled error estimate over its tolerance.
     """
-    n = len(q)
+    accelerations, work = accelerations_of(kernels), s.work
+    q, v, p, modes, lam, n = s.q, s.v, s.p, s.modes, s.lam, s.q.size
     a1, a2, a3, a4 = work[0], work[1], work[2], work[3]
     q2, v2, q3, v3, q4, v4 = work[4], work[5], work[6], work[7], work[8], work[9]
     for i in range(n):
@@ -63,127 +75,113 @@ def bogacki_shampine(
         of_v = h * h * (-5.0 * a1[i] + 6.0 * a2[i] + 8.0 * a3[i] - 9.0 * a4[i]) / 72.0
         if not np.isfinite(of_q + of_v):  # which a maximum would pass over
             error = np.inf
-        error = max(error, abs(of_q) / scale[i], abs(of_v) / scale[i])
+        error = max(error, abs(of_q) / s.scale[i], abs(of_v) / s.scale[i])
     return int(weak), error / _TOLERANCE
 
 
 @inner
-def return_to_constraints(
-    correction: Any, t: Any, q: Any, v: Any, p: Any, w: Any, scale: Any, dq: Any, dv: Any
-) -> tuple[int, float]:
-    """Newton's method for q and v; the code of the last correction, and its scaled change of q."""
+def return_to_constraints(kernels: Any, s: Any, t: float) -> tuple[int, float]:
+    """Newton's method for the new q and v; code of the last correction, and its scaled dq."""
+    q, v, dq, dv = s.work[8], s.work[9], s.work[10], s.work[11]
     change = np.inf
-    weak = 0
     for _newton in range(6):
-        weak = correction(t, q, v, p, w, dq, dv)
+        weak = correction_of(kernels)(t, q, v, s.p, s.weights, dq, dv)
         if weak != 0:
-            break
-        change = 0.0
-        for i in range(len(q)):
+            return int(weak), change
+        for i in range(q.size):
             q[i] += dq[i]
             v[i] += dv[i]
-            change = max(change, abs(dq[i]) / scale[i])
-            if not np.isfinite(dq[i]):
-                change = np.inf
-        if not change > 1e-3 * _CORRECTED:
+        change = largest_ratio(dq, s.scale)
+        if change <= 1e-3 * _CORRECTED:
             break
-    return int(weak), change
+    return 0, change
 
 
-@compiled(types.int64(
-    ADDRESSES, f8, vector, vector, vector, vector, vector, integers, vector, vector, vector,
-    matrix, types.int64,
-))  # fmt: skip
-def relax(
-    kernels: Any, t: Any, p: Any, w: Any, scale: Any, q: Any, v: Any, modes: Any, g: Any, lam: Any,
-    record: Any, work: Any, count: Any,
-) -> int:  # fmt: skip
-    """Take `count` steps at frozen time; 1 at rest, 0 if not yet, negative on a weak row."""
-    accelerations = accelerations_of(kernels)
-    correction = correction_of(kernels)
-    switching = switching_of(kernels)
-    kinetic_energy = kinetic_energy_of(kernels)
-    n = len(q)
-    a1, q4, v4 = work[0], work[8], work[9]
-    dq, dv, still = work[10], work[11], work[12]
+@inner
+def count_changed_modes(kernels: Any, s: Any, t: float, q: Any) -> int:
+    """Evaluate the switching functions at rest in q; the number of modes that differ from them."""
+    still = s.work[12]
+    switching_of(kernels)(t, q, still, s.p, s.g)
+    changed = 0
+    for i in range(s.g.size):
+        changed += 1 if (s.g[i] > 0.0) != (s.modes[i] == 1) else 0
+    return changed
+
+
+@inner
+def try_step(kernels: Any, s: Any, r: Any, h: float) -> tuple[float, float]:
+    """The error of a step of length `h`, and the part of `h` to be tried instead, 1 for none."""
+    weak, error = take_step(kernels, s, r.t, h)
+    if weak != 0 or not error < 1e9:
+        return error, 0.25
+    if error > 1.0:
+        return error, max(0.2, 0.8 * error**-0.5)
+    weak, change = return_to_constraints(kernels, s, r.t)
+    if weak != 0 or not change <= _CORRECTED:
+        return error, 0.25
+    watched = h > max(_CROSSING * (r.since + h), _SHORTEST)
+    long = watched and count_changed_modes(kernels, s, r.t, s.work[8]) > 0
+    return error, 0.25 if long else 1.0
+
+
+@compiled(i8(ADDRESSES, WORKSPACE, from_dtype(RECORD), i8))
+def relax(kernels: Any, s: Any, r: Any, count: Any) -> int:
+    """Take `count` steps at frozen time; 1 at rest, 0 if not yet, negative where none goes on."""
+    q_new, v_new = s.work[8], s.work[9]
     for _ in range(count):
-        still[:] = 0.0
-        switching(t, q, still, p, g)
-        for i in range(len(g)):
-            modes[i] = 1 if g[i] > 0.0 else 0
-        weak = accelerations(t, q, v, p, modes, a1, lam)
-        if weak != 0:
-            return -int(weak)
-        h = min(record[STEP], record[LIMIT])
-        weak, error = bogacki_shampine(accelerations, t, h, q, v, p, modes, lam, scale, work)
-        if weak != 0 or not error <= 1.0:
-            record[STEP] = h
-            record[STEP] *= 0.25 if weak != 0 or not error < 1e9 else max(0.2, 0.8 * error**-0.5)
-            if record[STEP] < 1e-14:
-                return -1 if weak == 0 else -int(weak)
+        if count_changed_modes(kernels, s, r.t, s.q) > 0:
+            for i in range(s.g.size):
+                s.modes[i] = 1 if s.g[i] > 0.0 else 0
+        if accelerations_of(kernels)(r.t, s.q, s.v, s.p, s.modes, s.work[0], s.lam) != 0:
+            return -1
+        h = min(r.step, r.limit)
+        error, part = try_step(kernels, s, r, h)
+        if part < 1.0:
+            r.step = part * h
+            if r.step < _LEAST:
+                return -1
             continue
-        weak, change = return_to_constraints(correction, t, q4, v4, p, w, scale, dq, dv)
-        long = False
-        if weak == 0 and h > max(_CROSSING * (record[SINCE] + h), _SHORTEST):
-            switching(t, q4, still, p, g)
-            for i in range(len(g)):
-                long = long or (g[i] > 0.0) != (modes[i] == 1)
-        if weak != 0 or not change <= _CORRECTED or long:
-            record[STEP] = 0.25 * h
-            if record[STEP] < 1e-14:
-                return -1 if weak == 0 else -int(weak)
-            continue
-        record[STEP] = h * min(3.0, 0.8 * max(error, 1e-9) ** (-1.0 / 3.0))
-        record[STEPS] += 1.0
-        record[SINCE] += h
-        energy = kinetic_energy(q4, v4, p)
-        for i in range(n):
-            q[i] = q4[i]
-            v[i] = v4[i]
-        if energy < record[ENERGY]:
-            highest = max(record[HIGHEST], record[ENERGY])
-            quiet = record[ENERGY] <= _QUIET * highest
-            record[HIGHEST] = highest
-            record[PEAKS] += 1.0
+        r.step = h * min(3.0, 0.8 * max(error, 1e-9) ** (-1.0 / 3.0))
+        r.steps += 1
+        r.since += h
+        energy = kinetic_energy_of(kernels)(q_new, v_new, s.p)
+        falls = energy < r.energy
+        for i in range(s.q.size):
+            s.q[i] = q_new[i]
+            s.v[i] = 0.0 if falls else v_new[i]
+        if falls:
+            r.highest = max(r.highest, r.energy)
+            r.peaks += 1
             # From rest to a peak is a quarter of a period: resolve it.
-            record[LIMIT] = _SHARE * record[SINCE]
-            record[SINCE] = 0.0
-            v[:] = 0.0
-            energy = 0.0
-            if quiet:
+            r.limit = _SHARE * r.since
+            r.since = 0.0
+            if r.energy <= _QUIET * r.highest:
                 return 1
-        record[ENERGY] = energy
+            energy = 0.0
+        r.energy = energy
     return 0
 
 
-class Settled(NamedTuple):
-    """The end of a settling: q, whether the machine rests, peaks of kinetic energy, steps."""
+def settle_down(
+    statics: StaticEquations, q: FloatArray, progress: Progress
+) -> tuple[FloatArray, dict[str, int]]:
+    """Let the machine fall from q, with a slight push to leave an unstable position, and settle.
 
-    q: FloatArray
-    rests: bool
-    peaks: int
-    steps: int
-
-
-def settle_down(statics: StaticEquations, q: FloatArray, progress: Progress) -> Settled:
-    """Let the machine fall from q, with a slight push to leave an unstable position, and settle."""
-    equations, scale = statics.equations, statics.scale
-    n, t = equations.n, statics.t
-    part = statics.partition(q)
+    Returns the end of the motion, (n,), and counts.
+    """
+    equations, scale, n = statics.equations, statics.scale, len(q)
+    part, modes = statics.partition(q), equations.rest_modes(statics.t, q)
     push = np.random.default_rng(4).normal(size=len(part.independent))
-    v = np.ascontiguousarray(1e-3 * statics.motions(q, part) @ push)
-    start, q = q, q.copy()
-    modes = equations.rest_modes(t, q)
-    w = scale * scale
-    record = np.zeros(RECORD)
-    record[STEP], record[LIMIT] = 1e-3, np.inf
-    lam, g, work = np.zeros(equations.m), np.zeros(len(modes)), np.zeros((13, n))
-    status = 0
+    state = Workspace(
+        p=equations.p, scale=scale, weights=scale * scale, q=q.copy(),
+        v=np.ascontiguousarray(1e-3 * statics.motions(q, part) @ push), lam=np.zeros(equations.m),
+        g=np.zeros(len(modes)), modes=modes, work=np.zeros((13, n)),
+    )  # fmt: skip
+    record = np.rec.array(np.zeros(1, RECORD))[0]
+    record.t, record.step, record.limit = statics.t, 1e-3, np.inf
     for chunk in range(_CHUNKS):
-        status = relax(
-            equations.table, t, equations.p, w, scale, q, v, modes, g, lam, record, work, _CHUNK,
-        )  # fmt: skip
+        status = relax(equations.table, state, record, _CHUNK)
         progress(chunk / _CHUNKS)
-        if status != 0 or not float(np.abs((q - start) / scale).max()) < AWAY:
+        if status != 0 or not float(np.abs((state.q - q) / scale).max()) < AWAY:
             break
-    return Settled(q, status == 1, int(record[PEAKS]), int(record[STEPS]))
+    return state.q, {"steps": int(record.steps), "kinetic_energy_peaks": int(record.peaks)}

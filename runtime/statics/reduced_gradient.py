@@ -32,14 +32,9 @@ class Partition(NamedTuple):
 
 
 class Stiffness(NamedTuple):
-    """Derivative of the gradient.
+    """Derivative of the gradient, (f, f), in J.
 
-    Attributes
-    ----------
-    matrix
-        Shape (f, f), in J.
-    edges
-        Conditions that change within rounding of the position, in some direction.
+    `edges` are conditions that change within rounding of the position, in some direction.
     """
 
     matrix: FloatArray
@@ -111,20 +106,21 @@ class StaticEquations:
     def gradient(self, q: FloatArray, part: Partition) -> FloatArray:
         """-(Q_v + H^T Q_u), scaled, in J; shape (f,)."""
         self.evaluations += 1
-        modes = self.equations.rest_modes(self.t, q)
-        force = self.equations.forces(self.t, q, np.zeros(len(q)), modes)
-        return -self.motions(q, part).T @ force
+        return -self.motions(q, part).T @ self._forces(q)[0]
 
     def energy(self, q: FloatArray) -> float:
         """V in J."""
         return self.equations.potential(self.t, q, self.equations.rest_modes(self.t, q))
 
+    def _forces(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Q at rest, and dV/dq, each (n,)."""
+        equations, modes = self.equations, self.equations.rest_modes(self.t, q)
+        force = equations.forces(self.t, q, np.zeros(len(q)), modes)
+        return force, equations.potential_gradient(self.t, q, modes)
+
     def effort(self, q: FloatArray) -> float:
         """Size of the forces, against which their balance is judged, in J."""
-        equations = self.equations
-        modes = equations.rest_modes(self.t, q)
-        force = equations.forces(self.t, q, np.zeros(len(q)), modes)
-        slope = equations.potential_gradient(self.t, q, modes)
+        force, slope = self._forces(q)
         return float(np.abs(np.concatenate([force, slope]) * np.tile(self.scale, 2)).max())
 
     def floor(self, q: FloatArray, stiffness: Stiffness) -> FloatArray:
@@ -139,11 +135,8 @@ class StaticEquations:
 
     def without_potential(self, q: FloatArray, effort: float) -> bool:
         """Whether forces act at rest that the potential does not account for."""
-        equations = self.equations
-        modes = equations.rest_modes(self.t, q)
-        rest = equations.forces(self.t, q, np.zeros(len(q)), modes)
-        rest = rest + equations.potential_gradient(self.t, q, modes)
-        return bool(np.abs(rest * self.scale).max() > 1e-9 * effort)
+        force, slope = self._forces(q)
+        return bool(np.abs((force + slope) * self.scale).max() > 1e-9 * effort)
 
     def stiffness(self, q: FloatArray, part: Partition) -> Stiffness:
         """Derivative of the gradient by differences: central, one-sided at the edge of a mode."""

@@ -11,72 +11,45 @@ at instants that are fixed beforehand, not at the steps of a method.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from runtime.studies.series import magnitude
-
-if TYPE_CHECKING:
-    from runtime.mechanism.description import Description
-
-FloatArray = npt.NDArray[np.float64]
+from runtime.mechanism.description import Description
+from runtime.studies.series import FloatArray, magnitude
 
 MOTION = ("positions", "velocities")
 _RESTING = 1e-9  # accuracy: share of a typical size per second below which a velocity is at rest
 
 
-class Scale(NamedTuple):
-    """The physical scale of a quantity.
-
-    Attributes
-    ----------
-    group
-        "positions", "velocities", or "others": accelerations, reactions, energies, powers.
-    value
-        s_j, in the unit.
-    """
+@dataclass(frozen=True)
+class Scale:
+    """The physical scale of a quantity."""
 
     name: str
     unit: str
-    group: str
-    value: float
+    group: str  # "positions", "velocities", or "others": accelerations, reactions, energies, powers
+    value: float  # s_j, in the unit
 
 
 @dataclass(frozen=True)
 class Errors:
     """Scaled errors of a run.
 
-    Attributes
-    ----------
-    worst
-        Largest over instants and quantities; -log10 of it is the number of correct digits.
-    rms
-        Root of the mean square over instants and quantities.
-    end
-        Largest at the last instant.
-    relative
-        Root of the mean square, with max(|r|, s) in place of s + |r|: the measure of the IFToMM
-        benchmarks (M. Gonzalez, D. Dopico, U. Lugris, J. Cuadrado, Multibody System Dynamics 16,
-        2006).
-    groups
-        Group of quantities → its `worst`. The four numbers above are over positions and velocities
-        where there are any, and over all quantities otherwise.
-    each
-        Quantity → its largest error.
+    The first four are over positions and velocities where there are any, and over all quantities
+    otherwise. `relative` has max(|r|, s) in place of s + |r|: the measure of the IFToMM benchmarks
+    (M. Gonzalez, D. Dopico, U. Lugris, J. Cuadrado, Multibody System Dynamics 16, 2006).
     """
 
-    worst: float
-    rms: float
-    end: float
-    relative: float
-    groups: dict[str, float]
-    each: dict[str, float]
+    worst: float  # over instants and quantities; -log10 of it is the number of correct digits
+    rms: float  # root of the mean square over instants and quantities
+    end: float  # largest at the last instant
+    relative: float  # root of the mean square
+    groups: dict[str, float]  # group of quantities → its largest error
+    each: dict[str, float]  # quantity → its largest error
 
 
 def scales(
-    names: Sequence[str], units: Sequence[str], description: "Description", sizes: FloatArray,
+    names: Sequence[str], units: Sequence[str], description: Description, sizes: FloatArray,
     reference: FloatArray, whole: Sequence[float] | None = None,
 ) -> tuple[Scale, ...]:  # fmt: skip
     """The scale of each quantity.
@@ -101,39 +74,34 @@ def scales(
     rows = description.coordinates
     size_of = {row.name: float(size) for row, size in zip(rows, sizes, strict=True)}
     rate_of = {row.velocity: size_of[row.name] for row in rows}
-    found = []
-    for name, unit, most in zip(names, units, largest.tolist(), strict=True):
+
+    def scale(name: str, unit: str, most: float) -> Scale:
         if name in size_of:
-            found.append(Scale(name, unit, "positions", size_of[name]))
-        elif name in rate_of:
+            return Scale(name, unit, "positions", size_of[name])
+        if name in rate_of:
             rests = most <= _RESTING * rate_of[name]
-            found.append(Scale(name, unit, "velocities", rate_of[name] if rests else most))
-        else:
-            found.append(Scale(name, unit, "others", most or 1.0))
-    return tuple(found)
+            return Scale(name, unit, "velocities", rate_of[name] if rests else most)
+        return Scale(name, unit, "others", most or 1.0)
+
+    return tuple(map(scale, names, units, largest.tolist()))
 
 
-def scaled_errors(values: FloatArray, reference: FloatArray, by: Sequence[Scale]) -> FloatArray:
+def scaled_errors(values: FloatArray, reference: FloatArray, scale: FloatArray) -> FloatArray:
     """e_j(t), (k, j); infinite where the run has no finite number, 0 where the reference has none.
 
-    In a singular configuration there are no accelerations and no reactions.
+    In a singular configuration there are no accelerations and no reactions. A series that is zero
+    throughout has the scale 0 and the error 0.
     """
-    size = np.array([scale.value for scale in by])
-    error = np.abs(values - reference) / (size + np.abs(reference))
-    error = np.where(np.isfinite(error), error, np.inf)
+    gap = np.abs(values - reference)
+    error = np.divide(gap, scale + np.abs(reference), out=np.zeros_like(gap), where=gap > 0.0)
+    error[~np.isfinite(values) | ~np.isfinite(error)] = np.inf
     return np.where(np.isfinite(reference), error, 0.0)
 
 
 def errors(values: FloatArray, reference: FloatArray, by: Sequence[Scale]) -> Errors:
-    """The errors of a run.
-
-    Parameters
-    ----------
-    values, reference : (k, j)
-        Quantities at the same instants.
-    """
-    e = scaled_errors(values, reference, by)
+    """The errors of a run, whose values and reference, (k, j), are at the same instants."""
     size = np.array([scale.value for scale in by])
+    e = scaled_errors(values, reference, size)
     r = np.where(np.isfinite(reference), np.abs(reference), 0.0)
     relative = e * (size + r) / np.maximum(size, r)
     moving = np.array([scale.group in MOTION for scale in by])

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 CACHE = ".linkwright_cache"
 """Folder for the modules of undeclared scenes, inside the user's working folder."""
+LEFT_OUT = "none"
+"""The fidelity of an effect that is left out: `codegen.scene_variants.Variant.word`."""
 
 
 class Source(NamedTuple):
@@ -46,13 +48,7 @@ def read_source(
     scene: "str | Scene | None",
     folder: str | os.PathLike[str] | None,
 ) -> Source:
-    """Read the model, and find the scene in it: the first unless one is named.
-
-    Raises
-    ------
-    InputError
-        As `load`.
-    """
+    """Read the model, and find the scene in it: the first unless one is named."""
     from codegen.scene_variants import declared
 
     read = declared(Path(model) if isinstance(model, os.PathLike) else model, scene)
@@ -60,18 +56,7 @@ def read_source(
 
 
 def cache_folder(folder: str | os.PathLike[str] | None) -> Path:
-    """The cache, created if need be and hidden from version control.
-
-    Parameters
-    ----------
-    folder
-        The user's working folder; the current directory if None.
-
-    Raises
-    ------
-    InputError
-        If it cannot be written.
-    """
+    """The cache in the user's folder, created if need be and hidden from version control."""
     path = (Path(folder) if folder is not None else Path.cwd()) / CACHE
     try:
         path.mkdir(exist_ok=True)
@@ -84,26 +69,20 @@ def cache_folder(folder: str | os.PathLike[str] | None) -> Path:
     return path
 
 
-def known_parameters(machine: "Machine", values: Mapping[str, float]) -> dict[str, float]:
-    """Those of the parameter values whose names the scene has."""
-    return {name: x for name, x in values.items() if name in machine.parameters.names}
-
-
-def known_guess(machine: "Machine", values: Mapping[str, float]) -> dict[str, float]:
-    """Those of the start values whose coordinates or velocities the scene has."""
+def known_values(
+    machine: "Machine", parameters: Mapping[str, float], guess: Mapping[str, float]
+) -> dict[str, dict[str, float]]:
+    """The arguments `parameters` and `guess` of an analysis: those values that the scene has."""
     rows = machine.coordinates
     states = {*rows.names, *(row.velocity for row in rows)}
-    return {name: x for name, x in values.items() if name in states}
+    return {
+        "parameters": {k: x for k, x in parameters.items() if k in machine.parameters.names},
+        "guess": {k: x for k, x in guess.items() if k in states},
+    }
 
 
 def require_time_span(machine: "Machine", t_start: float, t_end: float | None) -> float:
-    """The last instant of a run, s.
-
-    Raises
-    ------
-    AnalysisError
-        If it is missing, or not after the first.
-    """
+    """The last instant of a run, s; refused if it is missing, or not after the first."""
     title = machine.description.title
     if t_end is None:
         raise AnalysisError(f"{title}: t_end is missing; give the last instant in s (--t-end).")

@@ -1,24 +1,20 @@
 """Series of a result by name: those that a scene has, their values, their magnitudes."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from runtime.mechanism.description import unknown
+from runtime.mechanism.description import Description, unknown
+from runtime.results.result import Result
 from runtime.results.time_series import ENERGIES
-
-if TYPE_CHECKING:
-    from runtime.mechanism.description import Description
-    from runtime.results.result import Result
 
 FloatArray = npt.NDArray[np.float64]
 _LISTED = 24  # names of a kind that a message lists
 
 
-def series_names(description: "Description") -> dict[str, list[str]]:
+def series_names(description: Description) -> dict[str, list[str]]:
     """Kind → names of the series that a scene's results have."""
     has_energy = description.has_masses and not description.unasked("energy")
     found = {
@@ -33,13 +29,7 @@ def series_names(description: "Description") -> dict[str, list[str]]:
 
 
 def unknown_series(name: str, known: dict[str, list[str]]) -> str:
-    """Sentences saying that a series does not exist, with the nearest names and all that exist.
-
-    Parameters
-    ----------
-    known
-        From `series_names`.
-    """
+    """Sentences saying that a series does not exist, with the nearest names and all that exist."""
     text = unknown("series", name, [one for listed in known.values() for one in listed])
     if "nearest" not in text:
         text = f"There is no series {name!r}."
@@ -51,25 +41,14 @@ def unknown_series(name: str, known: dict[str, list[str]]) -> str:
     return f"{text} There are: {'; '.join(lists)}."
 
 
-def series_values(result: "Result", names: Sequence[str]) -> FloatArray:
+def series_values(result: Result, names: Sequence[str]) -> FloatArray:
     """The series as columns, (k, j)."""
     columns = [result.series(name)[0] for name in names]
     return np.stack(columns, axis=1) if columns else np.zeros((len(result.t), 0))
 
 
-def require_numbers(description: "Description", names: Sequence[str], values: FloatArray) -> None:
-    """Refuse series without a single value, whose error would otherwise count as 0.
-
-    Parameters
-    ----------
-    values : (k, j)
-        Of a run, or of a part of it.
-
-    Raises
-    ------
-    InputError
-        With each series that is finite at none of the instants.
-    """
+def require_numbers(description: Description, names: Sequence[str], values: FloatArray) -> None:
+    """Refuse series without a finite value in (k, j), whose error would otherwise count as 0."""
     finite = np.isfinite(values)
     without = [name for j, name in enumerate(names) if not finite[:, j].any()]
     if without and len(values):
@@ -85,7 +64,7 @@ def magnitude(values: FloatArray) -> float:
     return float(np.abs(np.where(np.isfinite(values), values, 0.0)).max(initial=0.0))
 
 
-def group_magnitude(result: "Result", name: str) -> float:
+def group_magnitude(result: Result, name: str) -> float:
     """Largest magnitude in a run of the whole that a series is a part of; 0 of other series.
 
     The total energy of a machine without losses is zero or nearly so where the potential is counted
@@ -93,14 +72,14 @@ def group_magnitude(result: "Result", name: str) -> float:
     rounding, which cannot be measured by itself. Energies are measured by all energies, the
     components of a joint's force by the whole force.
     """
-    reactions = result.description.reactions
     if name in ENERGIES:
         return magnitude(result.samples.energy)
-    for row in reactions:
-        if name == f"{row.element}.{row.component}":
-            return max(
-                magnitude(result.reaction(other.element, other.component))
-                for other in reactions
-                if (other.element, other.unit) == (row.element, row.unit)
-            )
-    return 0.0
+    reactions = result.description.reactions
+    part = next((row for row in reactions if name == f"{row.element}.{row.component}"), None)
+    if part is None:
+        return 0.0
+    return max(
+        magnitude(result.reaction(row.element, row.component))
+        for row in reactions
+        if (row.element, row.unit) == (part.element, part.unit)
+    )

@@ -23,15 +23,7 @@ def processor_time(run: Callable[[], Answer]) -> tuple[Answer, float]:
 
 
 class Stopwatch:
-    """Processor times of a run that is repeated.
-
-    Parameters
-    ----------
-    run
-        Runs once; answers the processor time in s, or None if the run was cut short.
-    times
-        Of earlier runs, s.
-    """
+    """Processor times of a run that is repeated, in s; None from `run` means it was cut short."""
 
     def __init__(self, run: Callable[[], float | None], *times: float) -> None:
         self.run, self.times = run, list(times)
@@ -80,13 +72,8 @@ def take_turns(watches: Sequence[Stopwatch], finished: Callable[[Stopwatch], boo
 def time_to_error(points: Iterable[tuple[float, float]], error: float) -> float | None:
     """Time in which runs, from the loosest to the tightest, first reach an error.
 
-    Interpolated between the run that reaches it and the run before, logarithm over logarithm; the
-    time of the first run if that reaches it; None if no run does.
-
-    Parameters
-    ----------
-    points
-        Error and time of each run.
+    Interpolated between the (error, time) of the run that reaches it and of the run before,
+    logarithm over logarithm; the time of the first run if that reaches it; None if no run does.
     """
     loose: tuple[float, float] | None = None
     for worst, seconds in points:

@@ -14,7 +14,7 @@ from codegen.declare.scene import Scene
 from codegen.derive.equations import derive
 from codegen.driver import valid_scenes
 from codegen.emit.module import Origin, module_text
-from codegen.explain.marginal_cost import own_operations
+from codegen.explain.operation_costs import marginal_operations
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.lower.operation_count import operations
 from codegen.model_file import read_model
@@ -107,18 +107,18 @@ def test_every_effect_leaves_no_trace(machine: str, root: Path) -> None:
         equations = derive(model, scene)
         full, rest = counts(lower(equations)), counts(without)
         difference = {name: count - rest.get(name, 0) for name, count in full.items()}
-        assert difference == own_operations(equations, effect), where
+        assert difference == marginal_operations(lower(equations), effect), where
         assert set(rest) <= set(full), where
 
 
 def test_effects_cost_what_they_should(root: Path) -> None:
     # A constant torque on one body is one product in its power, and one sum in the solution.
     model = read_model(root / "models" / "quick_return.py").model
-    own = own_operations(derive(model, model.scenes["shaper"]), "motor")
+    own = marginal_operations(lower(derive(model, model.scenes["shaper"])), "motor")
     assert {k: n for k, n in own.items() if n} == {"accelerations": 1, "powers": 1}
     # A friction that sticks costs the closure of the loads, and no applied force.
     model = read_model(root / "models" / "hard" / "guide_friction.py").model
-    own = own_operations(derive(model, model.scenes["rocking"]), "rub")
+    own = marginal_operations(lower(derive(model, model.scenes["rocking"])), "rub")
     assert own["accelerations"] > 100
     assert own["applied_forces"] == 0
 

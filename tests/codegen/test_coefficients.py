@@ -133,7 +133,7 @@ def test_left_out_moves_as_a_coefficient_of_zero(
     (bare,) = valid_scenes(model, scene.without(*gone))
     whole, rest = (derive(model, s) for s in (scene, bare))
     with_it, without = lower(whole), lower(rest)
-    states = about_the_start(rest, without)
+    states = about_the_start(without)
     start = np.concatenate([states.q[0], states.v[0]])
     zero, never = Motion(whole, with_it, coefficient), Motion(rest, without, None)
     acting = Motion(whole, with_it, None)

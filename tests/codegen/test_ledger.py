@@ -17,15 +17,15 @@ from codegen.driver import valid_scenes
 from codegen.errors import InputError
 from codegen.explain import kernel_timer as clock
 from codegen.explain import part_times as timing
-from codegen.explain.incremental_cost import (
+from codegen.explain.ledger import explain
+from codegen.explain.ledger_data import Ledger, Part
+from codegen.explain.operation_costs import (
     cumulative_programs,
+    marginal_operations,
     operations_by_part,
     operations_of,
     timing_stages,
 )
-from codegen.explain.ledger import explain
-from codegen.explain.ledger_data import Ledger, Part
-from codegen.explain.marginal_cost import own_operations
 from codegen.explain.part_times import measure
 from codegen.explain.picture import figure, page
 from codegen.explain.sample_states import about_the_start
@@ -132,8 +132,8 @@ def test_stages_end_in_the_scene_s_own_kernel(root: Path) -> None:
     (scene,) = valid_scenes(model, "rocking")
     equations = derive(model, scene)
     programs = cumulative_programs(equations)
-    chain = timing_stages(equations, programs)
-    counts = operations_by_part(equations, programs)
+    chain = timing_stages(programs)
+    counts = operations_by_part(programs)
     sizes = [operations(s.program, s.program.kernels[-1]) for s in chain]
     assert sizes[-1] == operations_of(programs[-1])["accelerations"]
     steps = [after - before for before, after in zip([0, *sizes], sizes, strict=False)]
@@ -146,7 +146,7 @@ def test_stages_end_in_the_scene_s_own_kernel(root: Path) -> None:
         k.outputs for k in programs[-1].program.kernels if k.name == "accelerations"
     )
     assert counts["rub"]["accelerations"] > 100
-    assert own_operations(equations, "rub")["accelerations"] > 100
+    assert marginal_operations(programs[-1], "rub")["accelerations"] > 100
 
 
 def test_measured_parts_telescope(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -155,8 +155,8 @@ def test_measured_parts_telescope(root: Path, monkeypatch: pytest.MonkeyPatch) -
     (scene,) = valid_scenes(model, "inverse_dynamics")
     equations = derive(model, scene)
     programs = cumulative_programs(equations)
-    chain = timing_stages(equations, programs)
-    states = about_the_start(equations, programs[-1])
+    chain = timing_stages(programs)
+    states = about_the_start(programs[-1])
     seen: list[clock.Timed] = []
     real = clock.times
 
@@ -181,7 +181,7 @@ def test_states_are_put_together_and_have_their_modes(root: Path) -> None:
     (scene,) = valid_scenes(model, "compressor")
     equations = derive(model, scene)
     lowered = cumulative_programs(equations)[-1]
-    states = about_the_start(equations, lowered)
+    states = about_the_start(lowered)
     names = [c.name for c in equations.coordinates]
     at = dict(zip(names, states.q.mean(axis=0), strict=True))
     assert at["crank_phi"] == pytest.approx(np.pi, abs=1e-2)

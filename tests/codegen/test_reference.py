@@ -17,11 +17,10 @@ from codegen.declare.element import Constraint
 from codegen.derive.constraints import constraint_terms
 from codegen.elements.registry import kinds_of_elements
 from codegen.reference.abbreviations import Abbreviations
-from codegen.reference.docstrings import markdown
 from codegen.reference.examples import Pair, example_of
 from codegen.reference.latex import WIDTH, aligned, latex, symbol, width
 from codegen.reference.letters import MEANINGS, lettered
-from codegen.reference.page import page
+from codegen.reference.page import markdown, page
 from codegen.reference.pages import slug, write
 from tests.codegen.elements.drum import StringOnDrum, winch
 
@@ -117,7 +116,7 @@ def test_the_pages_are_what_the_library_gives(root: Path) -> None:
     done = write(root / "docs" / "elements", check=True)
     stale = [path.name for path in done.stale]
     assert not stale, "run: python -m codegen elements --out docs/elements"
-    assert len(done.pages) == len(LIBRARY) + 1
+    assert len(done.paths) == len(LIBRARY) + 1
 
 
 @pytest.mark.parametrize("kind", LIBRARY)

@@ -2,13 +2,16 @@
 
 import re
 from pathlib import Path
+from threading import Thread
+from typing import Any
 
 import numpy as np
 import pytest
+from filelock import FileLock
 from numba import types
 
 import runtime.core.jit
-from runtime.core.jit import ADDRESSES, addressed, addresses, at, compiled
+from runtime.core.jit import ADDRESSES, addressed, addresses, at, compiled, inner
 
 F8 = types.float64
 BINARY = types.FunctionType(F8(F8, F8))
@@ -47,6 +50,21 @@ def test_what_has_an_address_alone_is_called_by_compiled_code_alone() -> None:
     assert both(addresses((less, less)), 7.0, 4.0) == 303.0
     with pytest.raises(TypeError, match=r"less is called by compiled code alone"):
         less(7.0, 4.0)
+
+
+def test_a_function_waits_for_the_process_that_compiles_it() -> None:
+    def half(a: float) -> float:
+        return 0.5 * a
+
+    function: Any = inner(half)
+    thread = Thread(target=function.compile, args=((F8,),))
+    with FileLock(f"{function._cache._cache_file._index_path}.lock"):
+        thread.start()
+        thread.join(0.3)
+        assert thread.is_alive()
+        assert not function.overloads
+    thread.join()
+    assert list(function.overloads) == [(F8,)]
 
 
 def test_a_new_table_compiles_nothing() -> None:

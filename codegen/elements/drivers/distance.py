@@ -1,14 +1,11 @@
 """Distance driver: the distance of two points follows a law of time (Haug, section 3.5)."""
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import sympy
 
-from codegen.declare.body import Body, Point
-from codegen.declare.element import ConjugateReaction, I, J, Statement
+from codegen.declare.body import Point
+from codegen.declare.element import ConjugateReaction, Constraint, I, J, Statement, label
 from codegen.declare.symbols import t
-from codegen.elements.drivers.time_law import law_problems
+from codegen.elements.drivers.coordinate import law_problems
 from codegen.elements.registry import element
 
 # safety: (1e-90 m)² is lost in the rounding of any distance, and keeps d / |d| and its derivative
@@ -20,8 +17,7 @@ DISTANCE = sympy.sqrt(SPAN.dot(SPAN) + NOTHING)
 
 
 @element(driver=True)
-@dataclass(frozen=True, eq=False)
-class DistanceDriver:
+class DistanceDriver(Constraint):
     """sqrt(dᵀ d) - C(t) = 0 with d = r_j^P - r_i^P: a cylinder or a winch between two points.
 
     Haug squares both sides. Here the distance itself is driven, so that the multiplier is a force,
@@ -33,16 +29,11 @@ class DistanceDriver:
     where the driver pushes the points apart.
     """
 
-    kind: ClassVar[str] = "distance driver"
+    kind = "distance driver"
     name: str
     i: Point
     j: Point
     law: sympy.Expr
-
-    @property
-    def bodies(self) -> tuple[Body, ...]:
-        """The bodies of the two points."""
-        return (self.i.body, self.j.body)
 
     def statement(self) -> Statement:
         """One equation, m."""
@@ -52,13 +43,12 @@ class DistanceDriver:
 
     def problems(self) -> list[str]:
         """The law is one of time, and positive as far as can be told: always, or at t = 0."""
-        where = f"{self.kind} '{self.name}'"
-        problems = law_problems(where, self.law)
+        problems = law_problems(self, self.law)
         first = self.law.subs(t, 0)
         if not problems and first.is_number and first.is_nonpositive:
             problems.append(
-                f"{where}: the law {self.law} is {float(first):g} m at t = 0; a distance stays "
-                "positive: where two points pass each other drive with model.translation_driver "
-                "or model.relative_driver."
+                f"{label(self)}: the law {self.law} is {float(first):g} m at t = 0; a distance "
+                "stays positive: where two points pass each other drive with "
+                "model.translation_driver or model.relative_driver."
             )
         return problems

@@ -1,14 +1,11 @@
 """Contact: a spring and a damper that act only while a gap is negative."""
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import sympy
 
 from codegen.declare.body import Body, Point
+from codegen.declare.element import Effect, Pulls, label
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
-from codegen.elements.forces.point_distance import Line
-from codegen.elements.forces.scalar_force import constant, negative
+from codegen.elements.forces.scalar_force import Line, is_constant, negative_problems
 from codegen.elements.registry import element
 
 
@@ -34,24 +31,28 @@ def gap_between(
 
 def gap_problems(where: str, gap: sympy.Expr, bodies: tuple[Body, ...]) -> list[str]:
     """A gap that never changes or that is no position."""
-    if len(bodies) == 2 and bodies[0] is bodies[1]:
-        return [f"{where} is between body '{bodies[0].name}' and itself; give two."]
-    problems = []
+    if problems := same_body(where, bodies):
+        return problems
     if not kinds(gap, Coordinate):
         problems.append(
             f"{where}: the gap {gap} depends on no coordinate and never changes; give two "
             "points of different bodies, or gap= an expression of coordinates."
         )
-    problems += [
+    return problems + [
         f"{where}: the gap {gap} contains the velocity {v.name}; it is a position."
         for v in kinds(gap, Velocity)
     ]
-    return problems
+
+
+def same_body(where: str, bodies: tuple[Body, ...]) -> list[str]:
+    """Two surfaces of one body."""
+    if len(bodies) == 2 and bodies[0] is bodies[1]:
+        return [f"{where} is between body '{bodies[0].name}' and itself; give two."]
+    return []
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class Contact:
+class Contact(Effect):
     """f = k g + c ġ along the gap g while g < 0, and no force while it is not (Haug 8.4.2).
 
     The switching is located: g = 0 is an event of a run, and between events every step is smooth.
@@ -69,12 +70,12 @@ class Contact:
         Whether the damper may hold the bodies together.
     """
 
-    kind: ClassVar[str] = "contact"
+    kind = "contact"
     name: str
     gap: sympy.Expr
     stiffness: sympy.Expr
     damping: sympy.Expr
-    bodies: tuple[Body, ...]
+    on: tuple[Body, ...]
     may_pull: bool = True
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
@@ -83,11 +84,7 @@ class Contact:
             return None
         return self._closed(self.stiffness * self.gap**2 / 2)
 
-    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
-        """None but those along the gap."""
-        return {}
-
-    def pulls(self, bodies: tuple[Body, ...]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
+    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
         """The damper along the gap, and a spring that varies."""
         push = self.stiffness * self.gap
         drag = self.damping * SPEED
@@ -99,27 +96,18 @@ class Contact:
 
     def problems(self) -> list[str]:
         """A gap that never changes or that is no position, and numbers that no contact has."""
-        where = f"contact '{self.name}'"
-        problems = gap_problems(where, self.gap, self.bodies)
-        if len(self.bodies) == 2 and self.bodies[0] is self.bodies[1]:
+        problems = gap_problems(label(self), self.gap, self.bodies)
+        if same_body(label(self), self.bodies):
             return problems
         if self.stiffness == 0 and self.damping == 0:
-            problems.append(f"{where}: stiffness and damping are both 0; give one of them.")
-        for word, value, unit in (
-            ("stiffness", self.stiffness, "N/m"),
-            ("damping", self.damping, "N s/m"),
-        ):
-            if negative(value):
-                problems.append(
-                    f"{where}: the {word} is {float(value):g} {unit}; give a number that is not "
-                    "negative."
-                )
-        return problems
+            problems.append(f"{label(self)}: stiffness and damping are both 0; give one of them.")
+        values = (("stiffness", self.stiffness, "N/m"), ("damping", self.damping, "N s/m"))
+        return [*problems, *negative_problems(self, *values)]
 
     @property
     def _conservative(self) -> bool:
         # The gap's own coordinates are what a potential is for; a time in it is not.
-        return constant(self.stiffness) and not kinds(self.gap, Time)
+        return is_constant(self.stiffness) and not kinds(self.gap, Time)
 
     def _closed(self, value: sympy.Expr) -> sympy.Expr:
         return sympy.Piecewise((value, self.gap < 0), (0, True))

@@ -1,30 +1,21 @@
 """Coulomb friction under a normal force that is given, at a slip that is given."""
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import Sticking
+from codegen.declare.element import Effect, Reported, Sticking, label
 from codegen.declare.symbols import Coordinate, Velocity, kinds, side
-from codegen.elements.forces.scalar_force import constant, negative
+from codegen.elements.forces.contact import same_body
+from codegen.elements.forces.scalar_force import is_constant, is_negative, negative_problems
 from codegen.elements.registry import element
 
 
 def coefficient_problems(
-    where: str,
-    kinetic: sympy.Expr,
-    static: sympy.Expr | None,
-    creep: sympy.Expr | None,
+    effect: Effect, kinetic: sympy.Expr, static: sympy.Expr | None, creep: sympy.Expr | None
 ) -> list[str]:
     """Numbers that no friction has, and two laws at once."""
-    problems = []
-    if negative(kinetic):
-        problems.append(
-            f"{where}: the coefficient of friction is {float(kinetic):g}; give a number that is "
-            "not negative."
-        )
+    where = label(effect)
+    problems = [*negative_problems(effect, ("coefficient of friction", kinetic, ""))]
     if creep is not None and creep.is_number and not creep > 0:
         problems.append(f"{where}: the creep speed is {float(creep):g}; give a positive number.")
     if static is None:
@@ -49,8 +40,7 @@ def coefficient_problems(
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class DryFriction:
+class DryFriction(Effect):
     """f = -μ N sign(ṡ) along the slip ṡ; at ṡ = 0 the force that keeps it, up to μ_s N (Coulomb).
 
     The slip is a velocity, linear in the velocities of the bodies, ṡ = J q̇ + b; f acts as Q = Jᵀ f.
@@ -73,12 +63,12 @@ class DryFriction:
         v_c in m/s; None: the friction sticks.
     """
 
-    kind: ClassVar[str] = "dry friction"
+    kind = "dry friction"
     name: str
     slip: sympy.Expr
     normal: sympy.Expr
     coefficient: sympy.Expr
-    bodies: tuple[Body, ...]
+    on: tuple[Body, ...]
     static: sympy.Expr | None = None
     creep: sympy.Expr | None = None
 
@@ -86,12 +76,8 @@ class DryFriction:
     def force(self) -> sympy.Expr:
         """f, N."""
         direction = side(self.name) if self.creep is None else sympy.tanh(self.slip / self.creep)
-        pressing = self.normal if constant(self.normal) else sympy.Max(self.normal, 0)
+        pressing = self.normal if is_constant(self.normal) else sympy.Max(self.normal, 0)
         return -self.coefficient * pressing * direction
-
-    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
-        """Friction has none."""
-        return None
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
         """Q = Jᵀ f."""
@@ -103,31 +89,30 @@ class DryFriction:
         sticks = self.creep is None
         return Sticking(self.slip, self.coefficient, self.static) if sticks else None
 
-    def reported(self, bodies: tuple[Body, ...]) -> tuple[tuple[str, str, sympy.Expr], ...]:
+    def reported(self, bodies: tuple[Body, ...]) -> Reported:
         """f itself."""
         return (("force", "N", self.force),)
 
     def problems(self) -> list[str]:
         """A slip that is no velocity, and numbers that no friction has."""
-        where = f"dry friction '{self.name}'"
-        if len(self.bodies) == 2 and self.bodies[0] is self.bodies[1]:
-            return [f"{where} is between body '{self.bodies[0].name}' and itself; give two."]
-        problems = []
+        where = label(self)
+        if problems := same_body(where, self.bodies):
+            return problems
         speeds = kinds(self.slip, Velocity)
         if not speeds:
             problems.append(
                 f"{where}: the slip {self.slip} is no velocity, for it contains none; write one, "
                 "such as block.vx - speed, or give two points."
             )
-        bent = [v for v in speeds if kinds(sympy.diff(self.slip, v), Velocity)]
-        if bent:
+        curved = [v for v in speeds if kinds(sympy.diff(self.slip, v), Velocity)]
+        if curved:
             problems.append(
-                f"{where}: the slip {self.slip} is not linear in {bent[0].name}; write the "
+                f"{where}: the slip {self.slip} is not linear in {curved[0].name}; write the "
                 "velocity itself, such as block.vx - speed."
             )
-        if self.normal.is_number and negative(self.normal):
+        if is_negative(self.normal):
             problems.append(
                 f"{where}: the normal force is {float(self.normal):g} N; give the force that "
                 "presses, which is not negative."
             )
-        return problems + coefficient_problems(where, self.coefficient, self.static, self.creep)
+        return problems + coefficient_problems(self, self.coefficient, self.static, self.creep)

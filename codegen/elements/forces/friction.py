@@ -1,17 +1,13 @@
 """Coulomb friction in a joint, from the joint's own reaction."""
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import Constraint, FrictionLaw, Sticking
-from codegen.declare.symbols import Coordinate
+from codegen.declare.element import Constraint, Effect, FrictionLaw, Sticking, label
 from codegen.elements.forces.dry_friction import coefficient_problems
-from codegen.elements.forces.point_distance import Line
-from codegen.elements.forces.scalar_force import rate, without_angle
-from codegen.elements.forces.torsion_spring import turn
+from codegen.elements.forces.scalar_force import Line, angle_problems, rate, relative_angle
 from codegen.elements.joints.revolute import Revolute
 from codegen.elements.joints.revolute_translational import RevoluteTranslational
 from codegen.elements.joints.translational import Translational
@@ -21,8 +17,7 @@ JOINTS = (Revolute, Translational, RevoluteTranslational)
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class JointFriction:
+class JointFriction(Effect):
     """f = -μ N sign(ṡ) along the slip s, N being the size of the joint's reaction (Coulomb).
 
     In a revolute joint of radius R the slip is the angle between the bodies, and f the torque
@@ -60,7 +55,7 @@ class JointFriction:
         R of a revolute joint's pin in m; b of a translational joint's bearing in m, or None.
     """
 
-    kind: ClassVar[str] = "friction"
+    kind = "friction"
     name: str
     joint: Any
     coefficient: sympy.Expr
@@ -75,20 +70,12 @@ class JointFriction:
         pair: tuple[Body, ...] = self.joint.bodies if isinstance(self.joint, JOINTS) else ()
         return pair
 
-    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
-        """Friction has none."""
-        return None
-
-    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
-        """None that the state alone gives: friction follows from the joint's reaction."""
-        return {}
-
     def friction(self) -> FrictionLaw:
         """The slip along which it acts, and the normal force."""
         joint, mu = self.joint, self.coefficient
         if isinstance(joint, Revolute):
             pressing: tuple[Any, ...] = ((("fx", sympy.S.One),), (("fy", sympy.S.One),))
-            along = turn(joint.i.body, joint.j.body)
+            along = relative_angle(joint.i.body, joint.j.body)
             return FrictionLaw(joint.name, mu * self.radius, self.creep, along, (pressing,), "N m")
         ux, uy = joint.axis
         c, s = joint.i.body.rotation
@@ -109,17 +96,13 @@ class JointFriction:
 
     def problems(self) -> list[str]:
         """Joints that do not rub, and numbers that no friction has."""
-        where, problems = f"friction '{self.name}'", []
-        joint = self.joint
+        where, joint = label(self), self.joint
         if not isinstance(joint, JOINTS):
-            label = f"'{joint.name}'" if isinstance(joint, Constraint) else repr(joint)
-            problems.append(
-                f"{where}: {label} is no joint that rubs; give a revolute, a translational or a "
-                "revolute-translational joint."
-            )
-            return problems
+            name = f"'{joint.name}'" if isinstance(joint, Constraint) else repr(joint)
+            advice = "give a revolute, a translational or a revolute-translational joint."
+            return [f"{where}: {name} is no joint that rubs; {advice}"]
         pin = isinstance(joint, Revolute)
-        problems += without_angle(where, *joint.bodies) if pin else []
+        problems = angle_problems(self, *joint.bodies) if pin else []
         if pin and self.radius is None:
             problems.append(
                 f"{where}: revolute joint '{joint.name}' needs radius=, its pin's, in m."
@@ -130,11 +113,9 @@ class JointFriction:
             problems.append(
                 f"{where}: joint '{joint.name}' has no long bearing; leave out length=."
             )
-        problems += coefficient_problems(where, self.coefficient, self.static, self.creep)
-        sizes = (("radius", self.radius), ("length", self.length))
-        problems += [
+        problems += coefficient_problems(self, self.coefficient, self.static, self.creep)
+        return problems + [
             f"{where}: the {word} is {float(value):g}; give a positive number."
-            for word, value in sizes
+            for word, value in (("radius", self.radius), ("length", self.length))
             if value is not None and value.is_number and not value > 0
         ]
-        return problems

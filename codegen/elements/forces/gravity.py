@@ -1,29 +1,20 @@
 """Uniform gravity on every body of the scene."""
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.symbols import Coordinate
+from codegen.declare.element import Effect
 from codegen.elements.registry import element
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class Gravity:
+class Gravity(Effect):
     """V = -Σ m (g_x x + g_y y)."""
 
-    kind: ClassVar[str] = "gravity"
+    kind = "gravity"
     name: str
     gx: sympy.Expr
     gy: sympy.Expr
-
-    @property
-    def bodies(self) -> tuple[Body, ...]:
-        """Gravity names no body: it acts on all."""
-        return ()
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
         """Potential energy of the bodies, zero at the global origin."""
@@ -35,11 +26,3 @@ class Gravity:
         return tuple(
             (b.name, b.mass, g) for b in bodies if b.mass is not None for g in (self.gx, self.gy)
         )
-
-    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
-        """None beside the potential's."""
-        return {}
-
-    def problems(self) -> list[str]:
-        """Nothing can be wrong with a vector."""
-        return []

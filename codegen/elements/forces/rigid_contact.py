@@ -1,13 +1,10 @@
 """Rigid contact: a gap that cannot become negative, and impacts."""
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import Rigid
-from codegen.declare.symbols import Coordinate, side
+from codegen.declare.element import Effect, Pulls, Reported, Rigid
+from codegen.declare.symbols import side
 from codegen.elements.forces.contact import gap_problems
 from codegen.elements.registry import element
 
@@ -16,8 +13,7 @@ GRAVITY = 9.81
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class RigidContact:
+class RigidContact(Effect):
     """g ≥ 0, F ≥ 0, F g = 0: a reaction F that is there only where the gap g is closed.
 
     It acts along the gap as a contact's force does, Q = F g_q, and has the size that keeps the gap
@@ -39,30 +35,22 @@ class RigidContact:
         F0 in N; None: the weight of the bodies of the scene.
     """
 
-    kind: ClassVar[str] = "rigid contact"
+    kind = "rigid contact"
     name: str
     gap: sympy.Expr
     restitution: sympy.Expr
-    bodies: tuple[Body, ...]
+    on: tuple[Body, ...]
     typical_force: sympy.Expr | None = None
 
-    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
-        """A reaction has none."""
-        return None
-
-    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
-        """None but that along the gap."""
-        return {}
-
-    def pulls(self, bodies: tuple[Body, ...]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
+    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
         """The reaction F0, where the gap is not open: it pushes."""
         return ((self.gap, -side(self.name) * self._scale(bodies)),)
 
     def hold(self, bodies: tuple[Body, ...]) -> Rigid:
-        """What stays closed."""
+        """The gap stays closed until the reaction would pull."""
         return Rigid(self.gap, self.restitution, self._scale(bodies))
 
-    def reported(self, bodies: tuple[Body, ...]) -> tuple[tuple[str, str, sympy.Expr], ...]:
+    def reported(self, bodies: tuple[Body, ...]) -> Reported:
         """The reaction, positive: it pushes."""
         return (("force", "N", side(self.name) * self._scale(bodies)),)
 

@@ -1,9 +1,44 @@
-"""Forces along a scalar s(q, t), such as a length, an angle or a gap: what springs share."""
+"""Scalars s(q, t) along which forces act, such as lengths, angles and gaps, and their checks."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import sympy
 
-from codegen.declare.body import Body
-from codegen.declare.symbols import Coordinate, Time, Velocity, kinds, t
+from codegen.declare.body import Body, Point
+from codegen.declare.element import Effect, Element, Pulls, label
+from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds, t
+
+
+@dataclass(frozen=True)
+class Line:
+    """d = r_j^P - r_i^P in the global frame, and its length ℓ = √(dᵀd) (Haug 6.1)."""
+
+    i: Point
+    j: Point
+
+    @property
+    def d(self) -> tuple[sympy.Expr, sympy.Expr]:
+        """The vector from point i to point j, m."""
+        return self.j.x - self.i.x, self.j.y - self.i.y
+
+    @property
+    def length(self) -> sympy.Expr:
+        """ℓ, m."""
+        dx, dy = self.d
+        return sympy.sqrt(dx**2 + dy**2)
+
+    @property
+    def rate(self) -> sympy.Expr:
+        """dℓ/dt = dᵀ ḋ / ℓ, m/s."""
+        (dx, dy), i, j = self.d, self.i, self.j
+        return (dx * (j.vx - i.vx) + dy * (j.vy - i.vy)) / self.length
+
+
+def relative_angle(i: Body, j: Body) -> sympy.Expr:
+    """θ = φ_j - φ_i, rad, counted through full turns; `angle_problems` refuses other bodies."""
+    phi_i, phi_j = (sympy.S.Zero if b.angle is None else b.angle for b in (i, j))
+    return phi_j - phi_i
 
 
 def rate(s: sympy.Expr) -> sympy.Expr:
@@ -12,25 +47,73 @@ def rate(s: sympy.Expr) -> sympy.Expr:
     return sympy.Add(*slopes, sympy.diff(s, t))
 
 
-def without_angle(where: str, *bodies: Body) -> list[str]:
+def is_constant(*expressions: sympy.Expr) -> bool:
+    """Whether the expressions are numbers or parameters, the same throughout a run."""
+    return not any(kinds(e, Coordinate, Velocity, Time) for e in expressions)
+
+
+def is_negative(expression: sympy.Expr) -> bool:
+    """Whether an expression is a number, and less than zero."""
+    return bool(expression.is_number and expression.is_real and expression < 0)
+
+
+def angle_problems(element: Element, *bodies: Body) -> list[str]:
     """Particles among the bodies, which nothing can turn, and bodies that count no angle."""
     return [
-        f"{where} needs the angle of '{body.name}', which has none: it is oriented by "
+        f"{label(element)} needs the angle of '{body.name}', which has none: it is oriented by "
         f"{', '.join(q.letter for q in body.coordinates)}. Use an element that asks for points."
         for body in bodies
         if body.angle is None
     ] + [
-        f"{where} turns '{body.name}', which is a particle and has no angle; use a body."
+        f"{label(element)} turns '{body.name}', which is a particle and has no angle; use a body."
         for body in bodies
         if not body.turns
     ]
 
 
-def constant(*expressions: sympy.Expr) -> bool:
-    """Whether the expressions are numbers or parameters, the same throughout a run."""
-    return not any(kinds(e, Coordinate, Velocity, Time) for e in expressions)
+def negative_problems(
+    element: Element, *values: tuple[str, sympy.Expr, str], otherwise: str = ""
+) -> Iterator[str]:
+    """Values, each with its word and unit, that must not be negative numbers."""
+    for word, value, unit in values:
+        if is_negative(value):
+            yield (
+                f"{label(element)}: the {word} is {float(value):g}{unit and f' {unit}'}; give a "
+                f"number that is not negative{otherwise}."
+            )
 
 
-def negative(expression: sympy.Expr) -> bool:
-    """Whether an expression is a number, and less than zero."""
-    return bool(expression.is_number and expression.is_real and expression < 0)
+class SpringDamper(Effect):
+    """f = k (s - s0) + c ṡ + F along a scalar s; V exists where k and s0 are constant."""
+
+    stiffness: sympy.Expr
+    damping: sympy.Expr
+    actuator: sympy.Expr
+
+    @property
+    def scalar(self) -> tuple[sympy.Expr, sympy.Expr]:
+        """s and s0."""
+        raise NotImplementedError
+
+    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+        """V = k (s - s0)² / 2 of the elastic part."""
+        s, free = self.scalar
+        if self.stiffness == 0 or not is_constant(self.stiffness, free):
+            return None
+        return self.stiffness * (s - free) ** 2 / 2
+
+    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
+        """The force of the damper and the actuator, and of a spring that varies."""
+        s, free = self.scalar
+        force = self.damping * SPEED + self.actuator
+        if not is_constant(self.stiffness, free):
+            force += self.stiffness * (s - free)
+        return () if force == 0 else ((s, force),)
+
+    def law_problems(self, keyword: str, *values: tuple[str, sympy.Expr, str]) -> list[str]:
+        """A law that exerts nothing, and numbers that no spring has."""
+        idle = self.stiffness == 0 and self.damping == 0 and self.actuator == 0
+        advice = f"give it a stiffness, a damping, an actuator or a {keyword}."
+        otherwise = f", and write other characteristics with {keyword}="
+        problems = [f"{label(self)} does nothing; {advice}"] if idle else []
+        return [*problems, *negative_problems(self, *values, otherwise=otherwise)]

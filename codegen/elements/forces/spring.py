@@ -1,20 +1,15 @@
 """Translational spring-damper-actuator between two points (Haug 6.1)."""
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import sympy
 
-from codegen.declare.body import Body, Point
-from codegen.declare.symbols import SPEED, Coordinate
-from codegen.elements.forces.point_distance import Line
-from codegen.elements.forces.scalar_force import constant, negative
+from codegen.declare.body import Point
+from codegen.declare.element import label
+from codegen.elements.forces.scalar_force import Line, SpringDamper
 from codegen.elements.registry import element
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class Spring:
+class Spring(SpringDamper):
     """f = k (ℓ - ℓ0) + c ℓ̇ + F along the line of two points, N, positive in tension.
 
     The elastic part has the potential V = k (ℓ - ℓ0)² / 2, so that equilibrium and the balance of
@@ -34,7 +29,7 @@ class Spring:
         k in N/m, ℓ0 in m, c in N s/m, F in N.
     """
 
-    kind: ClassVar[str] = "spring"
+    kind = "spring"
     name: str
     i: Point
     j: Point
@@ -44,58 +39,22 @@ class Spring:
     actuator: sympy.Expr
 
     @property
-    def bodies(self) -> tuple[Body, ...]:
-        """The bodies at both ends."""
-        return (self.i.body, self.j.body)
-
-    @property
-    def line(self) -> Line:
-        """From point i to point j."""
-        return Line(self.i, self.j)
-
-    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
-        """V of the elastic part."""
-        if self.stiffness == 0 or not self._conservative:
-            return None
-        return self.stiffness * (self.line.length - self.free_length) ** 2 / 2
-
-    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
-        """None but those along the line."""
-        return {}
-
-    def pulls(self, bodies: tuple[Body, ...]) -> tuple[tuple[sympy.Expr, sympy.Expr], ...]:
-        """The tension of the damper and the actuator, and of a spring that varies."""
-        tension = self.damping * SPEED + self.actuator
-        if not self._conservative:
-            tension += self.stiffness * (self.line.length - self.free_length)
-        return () if tension == 0 else ((self.line.length, tension),)
+    def scalar(self) -> tuple[sympy.Expr, sympy.Expr]:
+        """ℓ and ℓ0."""
+        return Line(self.i, self.j).length, self.free_length
 
     def problems(self) -> list[str]:
         """Two points that keep their distance, and numbers that no spring has."""
-        where, problems = f"spring '{self.name}'", []
-        i, j = self.i, self.j
+        i, j, problems = self.i, self.j, []
         if i.body is j.body:
-            reason = "coincide" if self.line.length == 0 else "keep their distance"
+            reason = "coincide" if self.scalar[0] == 0 else "keep their distance"
             problems.append(
-                f"{where}: both ends, ({i.sx}, {i.sy}) and ({j.sx}, {j.sy}), are on body "
+                f"{label(self)}: both ends, ({i.sx}, {i.sy}) and ({j.sx}, {j.sy}), are on body "
                 f"'{i.body.name}' and {reason}; connect two bodies."
             )
-        if self.stiffness == 0 and self.damping == 0 and self.actuator == 0:
-            problems.append(
-                f"{where} does nothing; give it a stiffness, a damping, an actuator or a force."
-            )
-        for word, value, unit in (
+        return problems + self.law_problems(
+            "force",
             ("stiffness", self.stiffness, "N/m"),
             ("free length", self.free_length, "m"),
             ("damping", self.damping, "N s/m"),
-        ):
-            if negative(value):
-                problems.append(
-                    f"{where}: the {word} is {float(value):g} {unit}; give a number that is not "
-                    "negative, and write other characteristics with force=."
-                )
-        return problems
-
-    @property
-    def _conservative(self) -> bool:
-        return constant(self.stiffness, self.free_length)
+        )

@@ -1,14 +1,14 @@
-"""A line of body i, through point i along an axis: what sliding joints, racks and drivers measure.
+"""A line of body i, through point i along an axis: sliding joints, racks and drivers measure it.
 
 `ALONG` and `ACROSS` are the components u_iᵀ d_ij and (u_i⊥)ᵀ d_ij of d_ij = r_j^P - r_i^P, with the
 unit vector u_i = A_i u'_i and u_i⊥ turned from it by +π/2: point j lies ahead of point i where
 `ALONG` is positive, and to the left of the line where `ACROSS` is. Written from the centre of body
-i, since what s'_i adds is constant: u_iᵀ A_i s'_i = u'_iᵀ s'_i.
+i, since the part of s'_i is constant: u_iᵀ A_i s'_i = u'_iᵀ s'_i.
 """
 
 import sympy
 
-from codegen.declare.element import I, J
+from codegen.declare.element import Element, I, J, label
 from codegen.declare.symbols import given
 
 Axis = tuple[sympy.Expr, sympy.Expr]
@@ -19,14 +19,14 @@ ALONG = DIRECTION.dot(J.point - I.r) - AXIS.dot(I.s)
 ACROSS = (I.A * NORMAL).dot(J.point - I.r) - NORMAL.dot(I.s)
 
 
-def bind_axis(axis: Axis) -> dict[sympy.Symbol, sympy.Expr]:
-    """Placeholders of the unit vector u'_i → its components; `axis` may have any length but 0."""
+def bind_axis(axis: Axis, placeholders: sympy.Matrix = AXIS) -> dict[sympy.Symbol, sympy.Expr]:
+    """Placeholders of the unit vector u' → its components; `axis` may have any length but 0."""
     length = sympy.sqrt(axis[0] ** 2 + axis[1] ** 2)
-    return {placeholder: a / length for placeholder, a in zip(AXIS, axis, strict=True)}
+    return {place: a / length for place, a in zip(placeholders, axis, strict=True)}
 
 
-def axis_problems(where: str, axis: Axis) -> list[str]:
+def axis_problems(element: Element, axis: Axis) -> list[str]:
     """A zero axis has no direction."""
     if all(a == 0 for a in axis):
-        return [f"{where}: the axis (0, 0) has no direction; give one."]
+        return [f"{label(element)}: the axis (0, 0) has no direction; give one."]
     return []

@@ -1,17 +1,16 @@
 """Cam and flat-faced follower: a curve touches a straight line (Haug 3.4)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import atan2, cos, sin
-from typing import ClassVar
 
 import numpy as np
 import sympy
 
-from codegen.declare.body import Body, Curve, Point
+from codegen.declare.body import Curve, Point
 from codegen.declare.cam_profile import ALPHAS, places
-from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, alpha, coordinate, given
+from codegen.elements.joints.body_line import Axis, axis_problems, bind_axis
 from codegen.elements.registry import element
 
 AXIS = sympy.Matrix([given("j_ux"), given("j_uy")])
@@ -20,8 +19,7 @@ AT = coordinate("contact", "alpha")
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class CamFlatFollower:
+class CamFlatFollower(Constraint):
     """n_jᵀ (r_i + A_i c(α) - r_j^P) = 0 and n_jᵀ A_i c'(α) = 0: the face touches the profile c.
 
     The second equation is divided by a typical |c'|, so that it is an angle, nearly.
@@ -32,16 +30,11 @@ class CamFlatFollower:
     of the reaction is the force of contact: where it is negative, the follower would lift off.
     """
 
-    kind: ClassVar[str] = "cam and flat-faced follower"
+    kind = "cam and flat-faced follower"
     name: str
     cam: Curve
     face: Point
-    axis: tuple[sympy.Expr, sympy.Expr]
-
-    @property
-    def bodies(self) -> tuple[Body, ...]:
-        """The cam and the follower."""
-        return (self.cam.body, self.face.body)
+    axis: Axis
 
     @property
     def alpha(self) -> Coordinate:
@@ -56,10 +49,8 @@ class CamFlatFollower:
             normal.dot(I.r + I.A * profile - J.r) - NORMAL.dot(J.s),
             normal.dot(I.A * (profile.diff(AT) / self.cam.pace)),
         )
-        length = sympy.sqrt(self.axis[0] ** 2 + self.axis[1] ** 2)
-        ux, uy = AXIS
         bindings = I.bind(self.cam.body.at(0, 0)) | J.bind(self.face) | {AT: self.alpha}
-        bindings |= {ux: self.axis[0] / length, uy: self.axis[1] / length}
+        bindings |= bind_axis(self.axis, AXIS)
         reaction = JointReaction(J.A * AXIS)
         return Statement(phi, ("normal", "slope"), reaction, bindings, (("slope", self.alpha),))
 
@@ -75,6 +66,4 @@ class CamFlatFollower:
 
     def problems(self) -> list[str]:
         """A face needs a direction."""
-        if all(a == 0 for a in self.axis):
-            return [f"{self.kind} '{self.name}': the axis (0, 0) has no direction; give one."]
-        return []
+        return axis_problems(self, self.axis)

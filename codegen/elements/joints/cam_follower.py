@@ -1,15 +1,13 @@
 """Cam and follower: two curves touch (Haug 3.4, cam-follower)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 import sympy
 
-from codegen.declare.body import Body, Curve
+from codegen.declare.body import Curve
 from codegen.declare.cam_profile import ALPHAS, in_ground, outward
-from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, coordinate
 from codegen.elements.registry import element
 
@@ -20,8 +18,7 @@ AWAY = 20.0  # measured: weight of a step beside the normal against one along it
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class CamFollower:
+class CamFollower(Constraint):
     """The contact points coincide, along c_i' and across it, and the tangents are parallel.
 
     With d = A_iᵀ (r_j + A_j c_j(β) - r_i) - c_i(α) the equations are c_i'ᵀ d = 0, c_i'⊥ᵀ d = 0 and
@@ -32,15 +29,10 @@ class CamFollower:
     left of the direction in which α runs; a roller is a circle.
     """
 
-    kind: ClassVar[str] = "cam and follower"
+    kind = "cam and follower"
     name: str
     cam: Curve
     follower: Curve
-
-    @property
-    def bodies(self) -> tuple[Body, ...]:
-        """The cam and the follower."""
-        return (self.cam.body, self.follower.body)
 
     @property
     def alpha(self) -> Coordinate:
@@ -85,7 +77,3 @@ class CamFollower:
         score = np.where(out_one @ out_other.T < FACING, gap - AWAY * sideways, -np.inf)
         on_cam, on_follower = divmod(int(np.argmax(np.round(score, 9))), len(other))
         return {self.alpha: ALPHAS[4 * on_cam], self.beta: ALPHAS[4 * on_follower]}
-
-    def problems(self) -> list[str]:
-        """Nothing can be wrong with two curves by themselves; the model looks at their shapes."""
-        return []

@@ -1,15 +1,13 @@
 """Gear set: two gears roll on each other's pitch circles (Haug, section 3.4)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar
 
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Constraint, I, J, JointReaction, Statement
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement, label
 from codegen.declare.symbols import given
-from codegen.elements.joints.common_axle import fixed_distance
+from codegen.elements.joints.revolute import Revolute
 from codegen.elements.registry import element
 
 ROUNDING = 1e-6
@@ -23,8 +21,7 @@ TOWARDS_J = sympy.Matrix([sympy.cos(THETA), sympy.sin(THETA)])
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class Gear:
+class Gear(Constraint):
     """d_x sin θ - d_y cos θ = 0 with d = r_j^P - r_i^P and the angle θ of the line of centres.
 
     Rolling without slip makes equal arcs pass the pitch point on both circles,
@@ -47,7 +44,7 @@ class Gear:
     `joints` are those of the model, among which the bearings are looked for.
     """
 
-    kind: ClassVar[str] = "gear"
+    kind = "gear"
     name: str
     i: Point
     j: Point
@@ -55,11 +52,6 @@ class Gear:
     radius_j: sympy.Expr
     line: sympy.Expr | None
     joints: Mapping[str, Constraint]
-
-    @property
-    def bodies(self) -> tuple[Body, ...]:
-        """The two gears."""
-        return (self.i.body, self.j.body)
 
     def statement(self) -> Statement:
         """One equation, m: the distance of centre j from the line that the angles call for."""
@@ -71,7 +63,7 @@ class Gear:
     def problems(self) -> list[str]:
         """Radii that make no gear set, or none at the distance of the gears' bearings."""
         problem = self._radius_problem() or self._distance_problem()
-        return [f"gear '{self.name}': {problem}"] if problem else []
+        return [f"{label(self)}: {problem}"] if problem else []
 
     def _radius_problem(self) -> str | None:
         pair = f"the radii ({self.radius_i}, {self.radius_j}) m"
@@ -87,7 +79,7 @@ class Gear:
         return None
 
     def _distance_problem(self) -> str | None:
-        span = fixed_distance(self.i, self.j, self.joints)
+        span = find_carrier(self.i, self.j, self.joints)
         if span is None:
             return None
         carrier, dx, dy = span
@@ -105,5 +97,33 @@ class Gear:
     def _line(self) -> sympy.Expr:
         if self.line is not None:
             return self.line
-        span = fixed_distance(self.i, self.j, self.joints)
+        span = find_carrier(self.i, self.j, self.joints)
         return sympy.S.Zero if span is None else sympy.atan2(span[2], span[1])
+
+
+def find_carrier(
+    i: Point, j: Point, joints: Mapping[str, Constraint]
+) -> tuple[Body, sympy.Expr, sympy.Expr] | None:
+    """The body that keeps two points apart, and the way from `i` to `j` in its frame, m.
+
+    A body does so if each of the points is its own, or sits on it by revolute joints at just this
+    place, over other bodies on the same axle too. None where the declaration shows no such body.
+    """
+    for first in _axle(i, joints):
+        for second in _axle(j, joints):
+            if first.body is second.body:
+                return first.body, second.sx - first.sx, second.sy - first.sy
+    return None
+
+
+def _axle(point: Point, joints: Mapping[str, Constraint]) -> list[Point]:
+    """The point, and those of other bodies that revolute joints keep at the same place."""
+    pins = [pin for pin in joints.values() if isinstance(pin, Revolute)]
+    points = [point]
+    for place in points:
+        for pin in pins:
+            for here, there in ((pin.i, pin.j), (pin.j, pin.i)):
+                same = here.body is place.body and (here.sx, here.sy) == (place.sx, place.sy)
+                if same and not any(other.body is there.body for other in points):
+                    points.append(there)
+    return points

@@ -1,15 +1,13 @@
 """Point follower: a point of one body moves along a curve of another (Haug 3.4, point-follower)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 import sympy
 
-from codegen.declare.body import Body, Curve, Point
+from codegen.declare.body import Curve, Point
 from codegen.declare.cam_profile import ALPHAS, in_ground
-from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, coordinate
 from codegen.elements.registry import element
 
@@ -17,8 +15,7 @@ AT = coordinate("contact", "alpha")
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class PointFollower:
+class PointFollower(Constraint):
     """d = A_iᵀ (r_j^P - r_i) - c(α) = 0, written along the curve, c'ᵀ d, and across it.
 
     Both are divided by a typical |c'|, so that they are lengths, nearly.
@@ -28,15 +25,10 @@ class PointFollower:
     determines α at every orientation.
     """
 
-    kind: ClassVar[str] = "point follower"
+    kind = "point follower"
     name: str
     curve: Curve
     point: Point
-
-    @property
-    def bodies(self) -> tuple[Body, ...]:
-        """The body with the curve, and the one with the point."""
-        return (self.curve.body, self.point.body)
 
     @property
     def alpha(self) -> Coordinate:
@@ -65,7 +57,3 @@ class PointFollower:
         point = np.array([float(c.subs(numbers)) for c in (self.point.x, self.point.y)])
         apart = np.linalg.norm(curve - point, axis=1)
         return {self.alpha: ALPHAS[int(np.nanargmin(np.round(apart, 9)))]}
-
-    def problems(self) -> list[str]:
-        """Nothing can be wrong with a curve and a point."""
-        return []

@@ -1,30 +1,19 @@
 """Rack and pinion: a gear rolls along the pitch line of a toothed bar (Haug, section 3.4)."""
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import sympy
 
-from codegen.declare.body import Body, Point
-from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.body import Point
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement, label
 from codegen.declare.symbols import given
-from codegen.elements.joints.body_line import (
-    ACROSS,
-    ALONG,
-    DIRECTION,
-    Axis,
-    axis_problems,
-    bind_axis,
-)
+from codegen.elements.joints import body_line as line
 from codegen.elements.registry import element
 
 RADIUS, OFFSET = given("radius"), given("offset")
-PHI = (ACROSS - RADIUS, ALONG + RADIUS * (J.phi - I.phi) - OFFSET)
+PHI = (line.ACROSS - RADIUS, line.ALONG + RADIUS * (J.phi - I.phi) - OFFSET)
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class RackAndPinion:
+class RackAndPinion(Constraint):
     """(u⊥)ᵀ d - R = 0 and uᵀ d + R (φ_pinion - φ_rack) - s0 = 0, both bodies free to move.
 
     With u the rack's axis and d the way from the rack's point, on the pitch line, to the pinion's
@@ -38,32 +27,26 @@ class RackAndPinion:
     the force of the guide that keeps the centre at its distance, and not that of a pressure angle.
     """
 
-    kind: ClassVar[str] = "rack-and-pinion"
+    kind = "rack-and-pinion"
     name: str
     pinion: Point
     rack: Point
     radius: sympy.Expr
-    axis: Axis
+    axis: line.Axis
     offset: sympy.Expr
-
-    @property
-    def bodies(self) -> tuple[Body, ...]:
-        """The pinion and the rack."""
-        return (self.pinion.body, self.rack.body)
 
     def statement(self) -> Statement:
         """Two equations, m. The rack carries the line, so that it is frame I here."""
-        bindings = I.bind(self.rack) | J.bind(self.pinion) | bind_axis(self.axis)
+        bindings = I.bind(self.rack) | J.bind(self.pinion) | line.bind_axis(self.axis)
         bindings |= {RADIUS: self.radius, OFFSET: self.offset}
-        return Statement(PHI, ("normal", "rolling"), JointReaction(DIRECTION, J, -1), bindings)
+        return Statement(PHI, ("normal", "rolling"), JointReaction(line.DIRECTION, J, -1), bindings)
 
     def problems(self) -> list[str]:
         """A rack needs a direction, and a pinion a radius."""
-        where = f"rack-and-pinion '{self.name}'"
-        problems = axis_problems(where, self.axis)
+        problems = line.axis_problems(self, self.axis)
         if self.radius.is_number and not self.radius.is_positive:
             problems.append(
-                f"{where}: the radius {self.radius} m is not positive; a pinion on the other side "
-                "of the rack has its radius positive and the rack's axis reversed."
+                f"{label(self)}: the radius {self.radius} m is not positive; a pinion on the "
+                "other side of the rack has its radius positive and the rack's axis reversed."
             )
         return problems

@@ -1,13 +1,10 @@
 """Relative constraints: x, y or φ of two bodies keeps its difference (Haug, section 3.3)."""
 
-from dataclasses import dataclass
-from typing import ClassVar, Literal
-
 import sympy
 
-from codegen.declare.body import Body, Point
-from codegen.declare.element import I, J, JointReaction, Statement
-from codegen.declare.symbols import given
+from codegen.declare.body import Point
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement
+from codegen.declare.symbols import Letter, given
 from codegen.elements.registry import element
 
 VALUE = given("value")
@@ -17,8 +14,7 @@ GLOBAL_X = sympy.Matrix([1, 0])
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class Relative:
+class Relative(Constraint):
     """x_j^P - x_i^P = c, y_j^P - y_i^P = c or φ_j - φ_i = c, in global axes.
 
     The reaction is that of the constraint on body j at its point, in global axes. Body i gets
@@ -27,24 +23,15 @@ class Relative:
     between two free bodies keeps their linear momentum and their energy, not the angular momentum.
     """
 
-    kind: ClassVar[str] = "relative"
+    kind = "relative"
     name: str
     i: Point
     j: Point
-    letter: Literal["x", "y", "phi"]
+    letter: Letter
     value: sympy.Expr
-
-    @property
-    def bodies(self) -> tuple[Body, ...]:
-        """The two bodies compared."""
-        return (self.i.body, self.j.body)
 
     def statement(self) -> Statement:
         """One equation."""
         bindings = I.bind(self.i) | J.bind(self.j) | {VALUE: self.value}
         reaction = JointReaction(GLOBAL_X)
         return Statement((DIFFERENCE[self.letter] - VALUE,), (self.letter,), reaction, bindings)
-
-    def problems(self) -> list[str]:
-        """Nothing can be wrong with a number."""
-        return []

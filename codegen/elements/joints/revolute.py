@@ -1,12 +1,9 @@
 """Revolute joint: a point of one body coincides with a point of another (Haug 3.3.10)."""
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import sympy
 
-from codegen.declare.body import Body, Point
-from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.body import Point
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.elements.registry import element
 
 PHI = tuple(I.point - J.point)
@@ -14,25 +11,15 @@ X_AXIS = I.A * sympy.Matrix([1, 0])
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class Revolute:
+class Revolute(Constraint):
     """r_i + A_i s'_i - r_j - A_j s'_j = 0; the reaction axes are those of the first body."""
 
-    kind: ClassVar[str] = "revolute"
+    kind = "revolute"
     name: str
     i: Point
     j: Point
-
-    @property
-    def bodies(self) -> tuple[Body, ...]:
-        """The two bodies that turn about the common point."""
-        return (self.i.body, self.j.body)
 
     def statement(self) -> Statement:
         """Two equations, the x and y distance of the two points."""
         bindings = I.bind(self.i) | J.bind(self.j)
         return Statement(PHI, ("x", "y"), JointReaction(X_AXIS), bindings)
-
-    def problems(self) -> list[str]:
-        """Nothing can be wrong with two points."""
-        return []

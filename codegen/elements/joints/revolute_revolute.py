@@ -1,12 +1,9 @@
 """Composite revolute-revolute joint: a massless link between two points (Haug 3.3.6)."""
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement, label
 from codegen.declare.symbols import given
 from codegen.elements.registry import element
 
@@ -16,15 +13,14 @@ PHI = (SPAN.dot(SPAN) - LENGTH**2,)
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class RevoluteRevolute:
+class RevoluteRevolute(Constraint):
     """(r_j^P - r_i^P)ᵀ (r_j^P - r_i^P) - L² = 0; the reaction's x axis points along the link.
 
     `instead_of` names the body that the link stands for: the joint acts in the scenes that leave
     this body out.
     """
 
-    kind: ClassVar[str] = "revolute-revolute"
+    kind = "revolute-revolute"
     name: str
     i: Point
     j: Point
@@ -33,7 +29,7 @@ class RevoluteRevolute:
 
     @property
     def bodies(self) -> tuple[Body, ...]:
-        """The two bodies that the link connects."""
+        """The two that it connects."""
         return (self.i.body, self.j.body)
 
     def statement(self) -> Statement:
@@ -44,6 +40,6 @@ class RevoluteRevolute:
     def problems(self) -> list[str]:
         """A link of length 0 is a revolute joint, and singular as a distance."""
         if self.length.is_number and not self.length > 0:
-            where = f"revolute-revolute '{self.name}'"
-            return [f"{where}: the length {self.length} m is not positive; use a revolute joint."]
+            where = f"{label(self)}: the length {self.length} m"
+            return [f"{where} is not positive; use a revolute joint."]
         return []

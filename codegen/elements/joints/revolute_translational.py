@@ -1,12 +1,9 @@
 """Composite revolute-translational joint: a pin that slides along a line (Haug, section 3.3)."""
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import given
 from codegen.elements.joints.body_line import ACROSS, DIRECTION, Axis, axis_problems, bind_axis
 from codegen.elements.registry import element
@@ -16,8 +13,7 @@ PHI = (ACROSS - DISTANCE,)
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class RevoluteTranslational:
+class RevoluteTranslational(Constraint):
     """(u_i⊥)ᵀ d_ij - c = 0: point j keeps the distance c, to the left, from a line of body i.
 
     The massless slide block between a guide (body i) and a pin (point j of body j). The reaction's
@@ -26,7 +22,7 @@ class RevoluteTranslational:
     body out.
     """
 
-    kind: ClassVar[str] = "revolute-translational"
+    kind = "revolute-translational"
     name: str
     i: Point
     j: Point
@@ -36,7 +32,7 @@ class RevoluteTranslational:
 
     @property
     def bodies(self) -> tuple[Body, ...]:
-        """The body with the line and the body with the pin."""
+        """The two that it connects."""
         return (self.i.body, self.j.body)
 
     def statement(self) -> Statement:
@@ -47,4 +43,4 @@ class RevoluteTranslational:
 
     def problems(self) -> list[str]:
         """A zero axis has no direction."""
-        return axis_problems(f"revolute-translational '{self.name}'", self.axis)
+        return axis_problems(self, self.axis)

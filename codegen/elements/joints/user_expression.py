@@ -1,24 +1,20 @@
 """A constraint that the user writes as plain expressions Φ(q, t)."""
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import ConjugateReaction, Statement
+from codegen.declare.element import ConjugateReaction, Constraint, Statement, label
 from codegen.elements.registry import element
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class ExpressionConstraint:
+class ExpressionConstraint(Constraint):
     """Any equations of coordinates, parameters and t; each expression is kept at zero."""
 
-    kind: ClassVar[str] = "constraint"
+    kind = "constraint"
     name: str
     phi: tuple[sympy.Expr, ...]
-    bodies: tuple[Body, ...]
+    on: tuple[Body, ...]
 
     def statement(self) -> Statement:
         """The expressions as they stand; the reactions are their multipliers' forces -λ."""
@@ -29,5 +25,5 @@ class ExpressionConstraint:
     def problems(self) -> list[str]:
         """An equation without coordinates constrains nothing."""
         if not self.bodies:
-            return [f"constraint '{self.name}': {self.phi} names no coordinate of a body."]
+            return [f"{label(self)}: {self.phi} names no coordinate of a body."]
         return []

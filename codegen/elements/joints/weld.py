@@ -1,12 +1,9 @@
 """Weld: two bodies move as one."""
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import sympy
 
-from codegen.declare.body import Body, Point
-from codegen.declare.element import I, J, JointReaction, Statement
+from codegen.declare.body import Point
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import given
 from codegen.elements.joints.revolute import PHI as COINCIDENT
 from codegen.elements.joints.revolute import X_AXIS
@@ -17,30 +14,20 @@ PHI = (*COINCIDENT, J.phi - I.phi - ANGLE)
 
 
 @element
-@dataclass(frozen=True, eq=False)
-class Weld:
+class Weld(Constraint):
     """r_i^P - r_j^P = 0 and φ_j - φ_i - α = 0: a revolute joint that cannot turn.
 
     The reaction is the force and the torque that body i exerts on body j at the point, in axes
     fixed in body i: what the seam carries.
     """
 
-    kind: ClassVar[str] = "weld"
+    kind = "weld"
     name: str
     i: Point
     j: Point
     angle: sympy.Expr
 
-    @property
-    def bodies(self) -> tuple[Body, ...]:
-        """The two bodies that are one."""
-        return (self.i.body, self.j.body)
-
     def statement(self) -> Statement:
         """Three equations: the x and y distance of the two points, m, and the angle, rad."""
         bindings = I.bind(self.i) | J.bind(self.j) | {ANGLE: self.angle}
         return Statement(PHI, ("x", "y", "angle"), JointReaction(X_AXIS), bindings)
-
-    def problems(self) -> list[str]:
-        """Nothing can be wrong with two points and an angle."""
-        return []

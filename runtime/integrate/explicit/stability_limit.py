@@ -16,17 +16,17 @@ Ordinary Differential Equations II, section IV.2), who detect stiffness by them.
 import numpy as np
 
 from runtime.core.array_types import Integers, Vector
-from runtime.core.function_table import COORDINATES, HOOK, memory_of
+from runtime.core.function_table import COORDINATES, HOOK, method_floats_of
 from runtime.core.jit import compiled, inner
 from runtime.core.run_record import run_record
 from runtime.core.workspace import SIZE, STAGE, Y1, row_of
 from runtime.integrate.step_control import propose
 
-# Places in MEMORY: sums of products of differences over the last steps; and the logarithm of the
-# vibration's growth since steps were last short enough.
+# Places in METHOD_FLOATS: sums of products of differences over the last steps; and the logarithm
+# of the vibration's growth since steps were last short enough.
 _QQ, _QV, _VV, _AQ, _AV, _AA, _GROWN = 0, 1, 2, 3, 4, 5, 6
 FLOATS = 7
-"""Numbers in MEMORY."""
+"""Numbers in METHOD_FLOATS."""
 
 _KEPT = 0.8  # measured: share of the sums that lasts from one step to the next
 _SEEN = 1e-12  # accuracy: |δq| in sizes; a smaller vibration may grow
@@ -55,7 +55,7 @@ def observe(context: Integers, last: int) -> int:
     `last` is the row of the result's derivative; that of the last stage's is the one before.
     """
     n = context[COORDINATES]
-    memory, sizes = memory_of(context), row_of(context, SIZE)
+    memory, sizes = method_floats_of(context), row_of(context, SIZE)
     y, z = row_of(context, Y1), row_of(context, STAGE)
     after, before = row_of(context, last), row_of(context, last - 1)
     for i in range(_GROWN):
@@ -74,9 +74,15 @@ def observe(context: Integers, last: int) -> int:
 
 
 @compiled(HOOK)
+def idle(context: Integers, t: float, h: float) -> int:
+    """Do nothing: the hook of a method that keeps no more than the state and its derivative."""
+    return 0
+
+
+@compiled(HOOK)
 def restart(context: Integers, t: float, h: float) -> int:
     """Forget the vibration: the motion goes on under other equations."""
-    memory = memory_of(context)
+    memory = method_floats_of(context)
     for i in range(FLOATS):
         memory[i] = 0.0
     return 0
@@ -143,4 +149,4 @@ def stable_ratio(context: Integers, h: float, powers: Vector, edge: float) -> fl
     ratio = propose(context, h)
     if not permits_growth(run_record(context).rtol, 2 * context[COORDINATES], edge):
         return float(ratio)
-    return float(stable_length(memory_of(context), powers, ratio * h) / h)
+    return float(stable_length(method_floats_of(context), powers, ratio * h) / h)

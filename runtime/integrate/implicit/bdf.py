@@ -7,72 +7,30 @@ coordinates and velocities at equal distances, and interpolated anew where the s
 differences of dependent coordinates are as smooth as those of independent ones, so that a change of
 the partition costs neither order nor a restart.
 
-The step ends at t₁ with u̇ - ψ̇ - c ü = 0 and u - ψ - c u̇ = 0, c = h / α_k; see `reduction` for how
-this is solved.
+The step ends at t₁ with u̇ - ψ̇ - c ü = 0 and u - ψ - c u̇ = 0, c = h / α_k; see
+`state_space_form` for how this is solved.
 """
 
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED
+from runtime.core import function_table as ft
 from runtime.core.array_types import Integers
-from runtime.core.function_table import (
-    COORDINATES,
-    ERROR,
-    HOOK,
-    PROPOSE,
-    SLIDING_COUNT,
-    STAGES,
-    memory_of,
-    notes_of,
-)
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.run_record import run_record
 from runtime.core.workspace import STAGE, Y1, K, row_of
-from runtime.integrate.implicit.bdf_history import (
-    AHEAD,
-    ALPHA,
-    DENSE_ROWS,
-    DIFFERENCE,
-    GROW,
-    HIGHEST,
-    NOW,
-    PAST,
-    begin,
-    dense,
-    foresee,
-    look_back,
-)
-from runtime.integrate.implicit.bdf_newton import LAST, MOST_ITERATIONS, estimate, newton
-from runtime.integrate.implicit.method_memory import (
-    C_FACTORED,
-    COUNTS,
-    CURRENT,
-    DAMPING,
-    ENOUGH,
-    EQUAL,
-    FREEDOMS,
-    H_BASE,
-    HIGHER,
-    ITERATIONS,
-    LOW,
-    LOWER,
-    NEXT_ORDER,
-    RATE,
-    REJECTED,
-    SETTLED,
-    STEP_ERROR,
-    STEP_ORDER,
-    STIFFNESS,
-    line,
-    memory,
-)
-from runtime.integrate.implicit.newton_matrices import factor_real, tolerate
-from runtime.integrate.implicit.state_space_form import arrive, differentiate, unknowns
-from runtime.integrate.implicit.stiffness_estimate import calm
+from runtime.integrate.implicit import bdf_history as history
+from runtime.integrate.implicit import method_memory as mem
+from runtime.integrate.implicit.bdf_history import HIGHEST
+from runtime.integrate.implicit.bdf_newton import LAST, MOST_ITERATIONS, estimate_error, solve
+from runtime.integrate.implicit.newton_matrices import factor_real
+from runtime.integrate.implicit.simplified_newton import error, set_tolerance, step_solver
+from runtime.integrate.implicit.state_space_form import differentiate, evaluate, list_unknowns
+from runtime.integrate.implicit.stiffness_estimate import suits_explicit
 from runtime.integrate.method import Method
 
 _SHARE = 0.2  # measured: factor of rtol^(1/5), the tolerance of a step over that of the user
-NEWTON = 3e-3  # measured: how far Newton's method is taken, over the tolerance of the user
+_NEWTON = 3e-3  # measured: how far Newton's method is taken, over the tolerance of the user
 # Cosines of the angles of A(α) stability, of the NDF: Shampine and Reichelt, table 1.
 _DAMPED = np.append([-1.0, -1.0, -1.0], np.cos(np.radians([80.0, 66.0, 51.0])))
 _RESOLVED = 0.5  # measured: rad in a step; a vibration that turns by less is resolved
@@ -89,72 +47,62 @@ def share(rtol: float) -> float:
     return float(_SHARE * rtol**0.2)
 
 
-@addressed(STAGES)
-def stages(context: Integers, t: float, h: float) -> int:
-    """Take the step from Y0 to Y1, of which the dependent half is not yet corrected."""
-    r = run_record(context)
-    n = context[COORDINATES]
-    length = 2 * n
-    memory, notes = memory_of(context), notes_of(context)
-    unknowns(context)
-    look_back(context, h)
-    c = h / ALPHA[notes[STEP_ORDER]]
-    part = share(r.rtol)
-    for _ in range(2):
-        foresee(context)
-        y1 = row_of(context, Y1)
-        memory[ENOUGH] = tolerate(context, part * r.rtol, r.rtol, NEWTON, HIGHEST + 2, c, y1)
-        fresh = notes[CURRENT] != 1
-        if fresh:
-            z = row_of(context, STAGE)
-            for i in range(length):
-                z[i] = y1[i]
-            if arrive(context, t + h, STAGE, K + LAST) == FAILED:
-                return FAILED
-            differentiate(context, t + h, STAGE)
-        if memory[C_FACTORED] != c:
-            memory[RATE] = 1.0
-            memory[C_FACTORED] = c
-            r.factorizations += 1
-            if factor_real(context, n, c) != 0:
-                notes[CURRENT] = 0
-                return FAILED
-        taken = newton(context, t + h, c)
-        if taken != FAILED:
-            k = notes[STEP_ORDER]
-            t1 = t + h
-            memory[STEP_ERROR] = estimate(context, t1, c, 0, part)
-            if notes[EQUAL] >= k:
-                if k > 1:
-                    memory[LOWER] = estimate(context, t1, c, -1, part)
-                if k < HIGHEST:
-                    memory[HIGHER] = estimate(context, t1, c, 1, part)
-            return taken
-        notes[CURRENT] = 0
-        if fresh:
-            return FAILED
-    return FAILED
-
-
-@addressed(ERROR)
-def error(context: Integers, h: float, rtol: float) -> float:
-    """Estimated error of the step over its tolerance, root mean square over q and v."""
-    return float(memory_of(context)[STEP_ERROR])
+@inner
+def predict(context: Integers, c: float) -> int:
+    """Predict the state at the end of the step, and set the tolerance by it."""
+    history.extrapolate(context)
+    part = share(run_record(context).rtol)
+    set_tolerance(context, part, _NEWTON, HIGHEST + 2, c, row_of(context, Y1))
+    return 0
 
 
 @inner
-def permitted(context: Integers, k: int, h: float) -> bool:
+def linearize(context: Integers, t: float) -> int:
+    """Take the derivatives at the predicted end of the step, once it is on the constraints."""
+    z, y1 = row_of(context, STAGE), row_of(context, Y1)
+    for i in range(2 * context[ft.COORDINATES]):
+        z[i] = y1[i]
+    if evaluate(context, t, STAGE, K + LAST) == FAILED:
+        return FAILED
+    return int(differentiate(context, t, STAGE))
+
+
+solve_step = step_solver(predict, linearize, factor_real, solve)
+
+
+@addressed(ft.STAGES)
+def stages(context: Integers, t: float, h: float) -> int:
+    """Take the step from Y0 to Y1, of which the dependent half is not yet corrected."""
+    memory, notes = ft.method_floats_of(context), ft.method_integers_of(context)
+    list_unknowns(context)
+    history.rescale_history(context, h)
+    k, t1 = notes[mem.STEP_ORDER], t + h
+    c = h / history.ALPHA[k]
+    taken = solve_step(context, t1, c)
+    if taken != FAILED:
+        part = share(run_record(context).rtol)
+        memory[mem.STEP_ERROR] = estimate_error(context, t1, c, 0, part)
+        if notes[mem.EQUAL] >= k:
+            if k > 1:
+                memory[mem.LOWER] = estimate_error(context, t1, c, -1, part)
+            if k < HIGHEST:
+                memory[mem.HIGHER] = estimate_error(context, t1, c, 1, part)
+    return taken
+
+
+@inner
+def is_stable(context: Integers, k: int, h: float) -> bool:
     """Whether the formula of order `k` damps the fastest vibration at steps of length `h`.
 
     The formulas of order 3 to 5 do so within an angle about the negative real axis, and outside it
     where the vibration is resolved, or else passes many times in a step.
     """
-    memory = memory_of(context)
-    turn = h * memory[STIFFNESS]
-    return bool(memory[DAMPING] >= _DAMPED[k] or turn < _RESOLVED or turn > _PASSED)
+    memory = ft.method_floats_of(context)
+    turn = h * memory[mem.STIFFNESS]
+    return bool(memory[mem.DAMPING] >= _DAMPED[k] or turn < _RESOLVED or turn > _PASSED)
 
 
-@addressed(PROPOSE)
+@addressed(ft.PROPOSE)
 def propose(context: Integers, h: float) -> float:
     """Choose the next order; ratio of the next step's length to this accepted one's.
 
@@ -162,103 +110,72 @@ def propose(context: Integers, h: float) -> float:
     order mean nothing before.
     """
     r = run_record(context)
-    memory, notes = memory_of(context), notes_of(context)
-    k = notes[STEP_ORDER]
-    notes[NEXT_ORDER] = k
-    if notes[EQUAL] + 1 < k + 1:
+    memory, notes = ft.method_floats_of(context), ft.method_integers_of(context)
+    k = notes[mem.STEP_ORDER]
+    notes[mem.NEXT_ORDER] = k
+    if notes[mem.EQUAL] + 1 < k + 1:
         return 1.0
-    safety = r.safety * (2 * MOST_ITERATIONS + 1) / (2 * MOST_ITERATIONS + notes[ITERATIONS])
+    safety = r.safety * (2 * MOST_ITERATIONS + 1) / (2 * MOST_ITERATIONS + notes[mem.ITERATIONS])
     best = max(r.error, 1e-10) ** (-1.0 / (k + 1))
-    stable = permitted(context, k, h)
+    stable = is_stable(context, k, h)
     if k > 1:
-        ratio = max(memory[LOWER], 1e-10) ** (-1.0 / k)
+        ratio = max(memory[mem.LOWER], 1e-10) ** (-1.0 / k)
         if ratio > best or not stable:
             best = ratio
-            notes[NEXT_ORDER] = k - 1
+            notes[mem.NEXT_ORDER] = k - 1
     if k < HIGHEST and stable:
-        ratio = max(memory[HIGHER], 1e-10) ** (-1.0 / (k + 2))
-        if ratio > best and permitted(context, k + 1, max(1.0, ratio * safety) * h):
+        ratio = max(memory[mem.HIGHER], 1e-10) ** (-1.0 / (k + 2))
+        if ratio > best and is_stable(context, k + 1, max(1.0, ratio * safety) * h):
             best = ratio
-            notes[NEXT_ORDER] = k + 1
+            notes[mem.NEXT_ORDER] = k + 1
     best *= safety
-    if notes[NEXT_ORDER] == k and 1.0 / _SAME < best < _SAME:
+    if notes[mem.NEXT_ORDER] == k and 1.0 / _SAME < best < _SAME:
         return 1.0
     return float(max(r.shrink, min(r.grow, best)))
 
 
-@compiled(HOOK)
+@compiled(ft.HOOK)
 def accepted(context: Integers, t: float, h: float) -> int:
     """Take the step into the differences, and change to the order proposed."""
-    r = run_record(context)
-    n = context[COORDINATES]
-    length = 2 * n
-    memory, notes = memory_of(context), notes_of(context)
-    k = notes[STEP_ORDER]
-    y1 = row_of(context, Y1)
-    start, ahead, low = line(memory, NOW, n), line(memory, AHEAD, n), line(memory, LOW, n)
-    newest, higher = line(memory, PAST + k + 1, n), line(memory, PAST + k + 2, n)
-    last = line(memory, NOW + k + 1, n)
-    for i in range(length):
-        newest[i] = (y1[i] - start[i]) - ahead[i]
-        low[i] = 0.0
-    difference = line(memory, DIFFERENCE, n)
-    for i in range(2 * notes[FREEDOMS]):
-        j = notes[COUNTS + i // 2] + i % 2 * n
-        change = ahead[j] + difference[j]
-        left = start[j] + change
-        if context[SLIDING_COUNT] != 0 or y1[j] == left:
-            low[j] = change - (left - start[j])
-            newest[j] = difference[j]
-    for i in range(length):
-        higher[i] = newest[i] - last[i]
-    for j in range(k, -1, -1):
-        past, now, above = (
-            line(memory, PAST + j, n),
-            line(memory, NOW + j, n),
-            line(memory, PAST + j + 1, n),
-        )
-        for i in range(length):
-            past[i] = now[i] + above[i] if j > 0 else y1[i]
-    memory[H_BASE] = h
-    notes[EQUAL] += 1
-    notes[SETTLED] += 1
-    notes[REJECTED] = r.rejected
-    if r.fixed != 0 and k < HIGHEST and notes[EQUAL] > k:
-        notes[NEXT_ORDER] = k + 1
-    if notes[NEXT_ORDER] != k:
-        notes[STEP_ORDER] = notes[NEXT_ORDER]
-        notes[EQUAL] = 0
-    r.exponent = 1.0 / (notes[STEP_ORDER] + 1)
-    return int(calm(context, h))
+    r, notes = run_record(context), ft.method_integers_of(context)
+    k = notes[mem.STEP_ORDER]
+    history.extend_history(context, h)
+    notes[mem.EQUAL] += 1
+    notes[mem.SETTLED] += 1
+    notes[mem.REJECTED] = r.rejected
+    if r.fixed != 0 and k < HIGHEST and notes[mem.EQUAL] > k:
+        notes[mem.NEXT_ORDER] = k + 1
+    if notes[mem.NEXT_ORDER] != k:
+        notes[mem.STEP_ORDER] = notes[mem.NEXT_ORDER]
+        notes[mem.EQUAL] = 0
+    r.exponent = 1.0 / (notes[mem.STEP_ORDER] + 1)
+    return int(suits_explicit(context, h))
 
 
-@compiled(HOOK)
+@compiled(ft.HOOK)
 def restart(context: Integers, t: float, h: float) -> int:
     """Forget the past: the motion goes on under other equations."""
-    notes = notes_of(context)
-    begin(context, h if h > 0.0 else 1.0, 2)
-    notes[CURRENT] = 0
-    notes[REJECTED] = run_record(context).rejected
+    notes = ft.method_integers_of(context)
+    history.start_history(context, h if h > 0.0 else 1.0, 2)
+    notes[mem.CURRENT] = 0
+    notes[mem.REJECTED] = run_record(context).rejected
     return 0
 
 
 METHOD = Method(
     order=2,  # power of the step in the error of the first order, with which every start begins
     error_order=1,
-    stage_calls=0,  # counted where they happen
     last=LAST,
-    dense_rows=DENSE_ROWS,
-    dense_calls=0,
-    beta=0.0,  # measured: no proportional part
+    dense_rows=history.DENSE_ROWS,
     safety=0.9,  # measured: share of the length that the error permits
     shrink=0.2,  # measured: least ratio of the lengths of two steps
-    grow=GROW,
+    grow=history.GROW,
     stages=stages,
     error=error,
-    dense=dense,
+    dense=history.dense,
     propose=propose,
     accepted=accepted,
     restart=restart,
-    memory=memory,
+    memory=mem.memory,
     foresight=0.5,  # measured: a few steps of the explicit method that leads across
 )

@@ -1,12 +1,12 @@
-"""Where an implicit method keeps what it must remember: the arrays MEMORY and NOTES of a run."""
+"""Layout of METHOD_FLOATS and METHOD_INTEGERS, in which an implicit method keeps its state."""
 
 from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
-from runtime.core.function_table import memory_of, notes_of
+from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
 from runtime.core.jit import fetched
 
-# MEMORY: numbers, then rows of length 2 n, then matrices.
-C_FACTORED = 0  # the c for which a matrix is factored
+# METHOD_FLOATS: numbers, then rows of length 2 n, then matrices.
+C_FACTORED = 0  # the c, or the step, for which the matrices are factored
 RATE = 1  # of Newton's convergence: what is still missing over the last change
 STEP_ERROR = 2  # of the last trial step, over the tolerance
 H_BASE = 3  # distance of a multistep method's history; length of a one-step method's last step
@@ -20,9 +20,11 @@ NUMBERS = 82
 # Rows: the first 20 are a method's; then directions for the derivatives, then the tolerance.
 IN, OUT, SLOPE, TOLERANCE = 20, 21, 22, 23
 LOW = 24  # what rounding cut off the state at the start of the step
-LINES = 25
+ROWS = 25
+# Matrices of order f, flat: G_u, G_u̇, factors of the real one; of the complex one, of order 2 f.
+BY_U, BY_RATE, REAL, COMPLEX = 0, 1, 2, 3
 
-# NOTES: counts, then the unknowns (n), pivots (n), pivots of the complex matrix (2 n).
+# METHOD_INTEGERS: counts, then the unknowns (n), pivots (n), pivots of the complex matrix (2 n).
 FREEDOMS = 0  # f
 CURRENT = 1  # 1: the derivatives are of these unknowns, and Newton's method converges fast
 STEP_ORDER = 2
@@ -39,34 +41,52 @@ COUNTS = 11
 
 def memory(n: int) -> tuple[int, int]:
     """Numbers that an implicit method keeps for n coordinates: floats and integers."""
-    return NUMBERS + 2 * n * LINES + 7 * n * n, COUNTS + 4 * n
+    return NUMBERS + 2 * n * ROWS + 7 * n * n, COUNTS + 4 * n
 
 
 @fetched
-def floats(context: Integers, n: int) -> Vector:
-    """All of MEMORY."""
-    found: Vector = memory_of(context)
+def row(context: Integers, index: int) -> Vector:
+    """Row `index` of METHOD_FLOATS, (2 n,)."""
+    n = context[COORDINATES]
+    found: Vector = view(method_floats_of(context), NUMBERS + 2 * n * index, 2 * n)
     return found
 
 
 @fetched
-def line(memory: Vector, index: int, n: int) -> Vector:
-    """Row `index` of MEMORY."""
-    found: Vector = view(memory, NUMBERS + index * 2 * n, 2 * n)
+def first_half(context: Integers, index: int) -> Vector:
+    """First half of row `index` of METHOD_FLOATS, (n,): of positions."""
+    n = context[COORDINATES]
+    found: Vector = view(method_floats_of(context), NUMBERS + 2 * n * index, n)
     return found
 
 
 @fetched
-def matrix(memory: Vector, index: int, n: int) -> Vector:
-    """G_u (0), G_u̇ (1), factors of the real (2) and of the complex matrix (3), flat."""
-    found: Vector = view(
-        memory, NUMBERS + 2 * n * LINES + index * n * n, (4 if index == 3 else 1) * n * n
-    )
+def second_half(context: Integers, index: int) -> Vector:
+    """Second half of row `index` of METHOD_FLOATS, (n,): of velocities."""
+    n = context[COORDINATES]
+    found: Vector = view(method_floats_of(context), NUMBERS + 2 * n * index + n, n)
     return found
 
 
 @fetched
-def counts(context: Integers, n: int) -> Integers:
-    """All of NOTES."""
-    found: Integers = notes_of(context)
+def matrix(context: Integers, index: int) -> Vector:
+    """Matrix `index` of METHOD_FLOATS, in room for order n, or 2 n where it is `COMPLEX`."""
+    n = context[COORDINATES]
+    size = 4 * n * n if index == COMPLEX else n * n
+    found: Vector = view(method_floats_of(context), NUMBERS + 2 * n * ROWS + index * n * n, size)
+    return found
+
+
+@fetched
+def pivots(context: Integers, index: int) -> Integers:
+    """Pivots of the factored matrix `REAL` or `COMPLEX`."""
+    n = context[COORDINATES]
+    found: Integers = view(method_integers_of(context), COUNTS + (index - 1) * n, (index - 1) * n)
+    return found
+
+
+@fetched
+def unknowns(context: Integers) -> Integers:
+    """Coordinates that are unknowns of the step, of which the first f are valid, (n,)."""
+    found: Integers = view(method_integers_of(context), COUNTS, context[COORDINATES])
     return found

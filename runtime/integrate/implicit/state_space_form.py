@@ -9,146 +9,106 @@ G. Wanner, Solving Ordinary Differential Equations II, section IV.8). Where noth
 from constraints, all coordinates are unknowns.
 """
 
-from runtime.constraints.newton_return import FAILED, WEAK
-from runtime.core.array_types import Integers, Vector
+from runtime.constraints.newton_return import FAILED
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
+from runtime.core.array_types import Integers
 from runtime.core.array_views import view
-from runtime.core.function_table import (
-    CONSTRAINT_COUNT,
-    COORDINATES,
-    CORRECTING,
-    DIFFERENTIATE,
-    MODIFIED,
-    correct_of,
-    memory_of,
-    modes_of,
-    notes_of,
-    parameters_of,
-)
 from runtime.core.jit import compiled, inner
 from runtime.core.kernel_abi import accelerations_tangent_of, correction_tangent_of
-from runtime.core.rhs import field
-from runtime.core.run_record import FREE, MISSING, ConstraintReturn, run_record
-from runtime.core.workspace import (
-    PARTITION,
-    SIZE,
-    first_half,
-    positions,
-    row_of,
-    velocities,
-    velocity_rates,
-)
-from runtime.integrate.implicit.method_memory import (
-    C_FACTORED,
-    COUNTS,
-    CURRENT,
-    FREEDOMS,
-    IN,
-    LINES,
-    NUMBERS,
-    OUT,
-    PARTITIONED,
-    SETTLED,
-    SLOPE,
-    line,
-    matrix,
-)
-from runtime.integrate.implicit.stiffness_estimate import take_spectrum
+from runtime.core.rhs import evaluate_accelerations
+from runtime.core.run_record import ConstraintReturn, is_near_singularity, run_record
+from runtime.integrate.implicit import method_memory as mem
+from runtime.integrate.implicit.stiffness_estimate import estimate_spectrum
 
 # accuracy: relative change by which a right-hand side in sliding modes is differenced
 _DIFFERENCE = 1e-7
 
 
 @inner
-def unknowns(context: Integers) -> int:
+def list_unknowns(context: Integers) -> int:
     """List the unknowns in `notes`; returns f. Derivatives for others are no longer current.
 
     They are the independent coordinates. Where steps are not brought back by partitioning, and near
     singular positions, where no coordinates are independent, they are all.
     """
-    notes = notes_of(context)
-    partition = row_of(context, PARTITION)
-    n = context[COORDINATES]
-    by_partition = (
-        context[CONSTRAINT_COUNT] > 0 and context[CORRECTING] == ConstraintReturn.BY_PARTITION
-    )
-    singular = FREE < run_record(context).plan < MISSING
-    notes[PARTITIONED] = 1 if by_partition and not singular else 0
+    notes, unknown = ft.method_integers_of(context), mem.unknowns(context)
+    partition = ws.row_of(context, ws.PARTITION)
+    constrained = context[ft.CONSTRAINT_COUNT] > 0
+    by_partition = constrained and context[ft.CORRECTING] == ConstraintReturn.BY_PARTITION
+    notes[mem.PARTITIONED] = 1 if by_partition and not is_near_singularity(context) else 0
     f = 0
-    for j in range(n):
-        if notes[PARTITIONED] == 0 or partition[j] == 0.0:
-            if notes[COUNTS + f] != j:
-                notes[COUNTS + f] = j
-                notes[CURRENT] = 0
-                notes[SETTLED] = 0
+    changed = False
+    for j in range(context[ft.COORDINATES]):
+        if notes[mem.PARTITIONED] == 0 or partition[j] == 0.0:
+            if unknown[f] != j:
+                unknown[f] = j
+                changed = True
             f += 1
-    if notes[FREEDOMS] != f:
-        notes[FREEDOMS] = f
-        notes[CURRENT] = 0
-        notes[SETTLED] = 0
+    if changed or notes[mem.FREEDOMS] != f:
+        notes[mem.FREEDOMS] = f
+        notes[mem.CURRENT] = 0
+        notes[mem.SETTLED] = 0
     return f
 
 
 @inner
-def arrive(context: Integers, t: float, state: int, derivative: int) -> int:
+def evaluate(context: Integers, t: float, state: int, derivative: int) -> int:
     """Complete the state in row `state` by its dependent half, and write its accelerations.
 
     Returns the iterations that took, or `FAILED`.
     """
-    modes = modes_of(context)
     taken = 0
-    if notes_of(context)[PARTITIONED] != 0:
-        taken = correct_of(context)(context, t, state, PARTITION)
+    if ft.method_integers_of(context)[mem.PARTITIONED] != 0:
+        taken = ft.correct_of(context)(context, t, state, ws.PARTITION)
         if taken == FAILED:
             return FAILED
-        taken %= WEAK
-    q = positions(context, state)
-    v = velocities(context, state)
-    field(context, t, q, v, modes, velocity_rates(context, derivative))
+    q, v = ws.positions(context, state), ws.velocities(context, state)
+    evaluate_accelerations(
+        context, t, q, v, ft.modes_of(context), ws.velocity_rates(context, derivative)
+    )
     return taken
 
 
 @inner
-def carry(
-    context: Integers, t: float, state: int, dq: Vector, dv: Vector, out_q: Vector, out_v: Vector
-) -> None:
+def complete_direction(context: Integers, t: float, state: int) -> None:
     """Complete a change of independent coordinates and velocities by the dependent ones' change.
 
-    `dq` and `dv` are zero on the dependent coordinates on entry.
+    Row IN holds the change, zero on the dependent coordinates on entry; row OUT is overwritten.
     """
-    p = parameters_of(context)
-    n = dq.size
-    if notes_of(context)[PARTITIONED] == 0:
+    if ft.method_integers_of(context)[mem.PARTITIONED] == 0:
         return
+    p = ft.parameters_of(context)
     tangent = correction_tangent_of(context)
-    q = positions(context, state)
-    v = velocities(context, state)
-    weights = first_half(context, PARTITION)
+    q, v = ws.positions(context, state), ws.velocities(context, state)
+    weights = ws.first_half(context, ws.PARTITION)
+    dq, dv = mem.first_half(context, mem.IN), mem.second_half(context, mem.IN)
+    out_q, out_v = mem.first_half(context, mem.OUT), mem.second_half(context, mem.OUT)
     tangent(t, q, v, p, weights, dq, dv, out_q, out_v)
-    for j in range(n):
+    for j in range(dq.size):
         dq[j] += out_q[j]
     tangent(t, q, v, p, weights, dq, dv, out_q, out_v)
-    for j in range(n):
+    for j in range(dq.size):
         dv[j] += out_v[j]
 
 
 @inner
-def along(
-    context: Integers, t: float, state: int, dq: Vector, dv: Vector, da: Vector, free: Vector
-) -> None:
-    """Derivative of the accelerations at the state in row `state` along (dq, dv).
+def differentiate_along(context: Integers, t: float, state: int) -> None:
+    """Derivative of the accelerations at row `state` along row IN, into the first half of SLOPE.
 
     Exact for the machine's own equations; along a surface of switching conditions, and with terms
-    that stabilize, a difference. `free` is overwritten.
+    that stabilize, a difference.
     """
-    p = parameters_of(context)
-    modes = modes_of(context)
+    modes = ft.modes_of(context)
+    q, v = ws.positions(context, state), ws.velocities(context, state)
+    dq, dv = mem.first_half(context, mem.IN), mem.second_half(context, mem.IN)
+    da = mem.first_half(context, mem.SLOPE)
     n = dq.size
-    q = positions(context, state)
-    v = velocities(context, state)
-    if context[MODIFIED] == 0:
+    if context[ft.MODIFIED] == 0:
+        p = ft.parameters_of(context)
         accelerations_tangent_of(context)(t, q, v, p, modes, dq, dv, da)
         return
-    size = row_of(context, SIZE)
+    size = ws.row_of(context, ws.SIZE)
     largest = 0.0
     for j in range(n):
         largest = max(largest, abs(dq[j]) / size[j], abs(dv[j]) / size[n + j])
@@ -157,9 +117,10 @@ def along(
             da[j] = 0.0
         return
     step = _DIFFERENCE / largest
-    before = view(free, 0, n)
-    moved = view(free, n, n)
-    field(context, t, q, v, modes, before)
+    # The complex matrix, factored after this, lends room of 3 n.
+    free = mem.matrix(context, mem.COMPLEX)
+    before, moved, after = view(free, 0, n), view(free, n, n), view(free, 2 * n, n)
+    evaluate_accelerations(context, t, q, v, modes, before)
     for j in range(n):
         moved[j] = q[j]
         q[j] += step * dq[j]
@@ -167,8 +128,7 @@ def along(
         v[j] += step * dv[j]
     # The state is put back before the accelerations overwrite what keeps its velocities.
     keep_q, keep_v = moved, da
-    after = view(free, 2 * n, n)
-    field(context, t, q, v, modes, after)
+    evaluate_accelerations(context, t, q, v, modes, after)
     for j in range(n):
         q[j] = keep_q[j]
         v[j] = keep_v[j]
@@ -176,39 +136,39 @@ def along(
         da[j] = (after[j] - before[j]) / step
 
 
-@compiled(DIFFERENTIATE)
+@compiled(ft.DIFFERENTIATE)
 def differentiate(context: Integers, t: float, state: int) -> int:
     """Write G_u and G_u̇ at the state in row `state`, which is on the constraints.
 
     With e_k the change of one unknown, δq = H e_k and the change of dependent velocities that it
     causes are tangents of the recovery of dependent coordinates.
     """
-    n = context[COORDINATES]
-    memory, notes = memory_of(context), notes_of(context)
-    f = notes[FREEDOMS]
-    by_u, by_rate = matrix(memory, 0, n), matrix(memory, 1, n)
-    dq, dv = view(line(memory, IN, n), 0, n), view(line(memory, IN, n), n, n)
-    out_q, out_v = view(line(memory, OUT, n), 0, n), view(line(memory, OUT, n), n, n)
-    da = view(line(memory, SLOPE, n), 0, n)
-    # The complex matrix, factored after this, lends room of 3 n.
-    free = view(memory, NUMBERS + 2 * n * LINES + 3 * n * n, 4 * n * n)
+    memory, notes, unknown = (
+        ft.method_floats_of(context),
+        ft.method_integers_of(context),
+        mem.unknowns(context),
+    )
+    f = notes[mem.FREEDOMS]
+    by_u, by_rate = mem.matrix(context, mem.BY_U), mem.matrix(context, mem.BY_RATE)
+    dq, dv = mem.first_half(context, mem.IN), mem.second_half(context, mem.IN)
+    da = mem.first_half(context, mem.SLOPE)
     for k in range(f):
-        for j in range(n):
+        for j in range(dq.size):
             dq[j] = 0.0
             dv[j] = 0.0
-        dq[notes[COUNTS + k]] = 1.0
-        carry(context, t, state, dq, dv, out_q, out_v)
-        along(context, t, state, dq, dv, da, free)
+        dq[unknown[k]] = 1.0
+        complete_direction(context, t, state)
+        differentiate_along(context, t, state)
         for i in range(f):
-            by_u[i * f + k] = da[notes[COUNTS + i]]
-        for j in range(n):
+            by_u[i * f + k] = da[unknown[i]]
+        for j in range(dq.size):
             dv[j] = dq[j]
             dq[j] = 0.0
-        along(context, t, state, dq, dv, da, free)
+        differentiate_along(context, t, state)
         for i in range(f):
-            by_rate[i * f + k] = da[notes[COUNTS + i]]
-    notes[CURRENT] = 1
-    memory[C_FACTORED] = 0.0
+            by_rate[i * f + k] = da[unknown[i]]
+    notes[mem.CURRENT] = 1
+    memory[mem.C_FACTORED] = 0.0
     run_record(context).jacobians += 1
-    take_spectrum(context, n)
+    estimate_spectrum(context)
     return 0

@@ -3,22 +3,11 @@
 import numpy as np
 
 from runtime.core.array_types import Integers
-from runtime.core.function_table import COORDINATES, memory_of, notes_of
+from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
 from runtime.core.jit import inner
 from runtime.core.run_record import run_record
 from runtime.core.workspace import SIZE, row_of
-from runtime.integrate.implicit.method_memory import (
-    CALM,
-    COUNTS,
-    DAMPING,
-    FREEDOMS,
-    IN,
-    OUT,
-    SLOPE,
-    STIFFNESS,
-    line,
-    matrix,
-)
+from runtime.integrate.implicit import method_memory as mem
 
 _POWERS = 8  # safety: iterations of the power method before the mean is taken, and in it
 _QUIET = 0.5  # measured: h ρ with which an explicit method is at ease
@@ -28,17 +17,15 @@ _LONG = 30  # measured: steps at ease until the run returns to it
 @inner
 def stiffness(context: Integers, h: float) -> float:
     """Largest row of h² |G_u| + h |G_u̇|, each entry relative to the sizes of its coordinates."""
-    memory = memory_of(context)
-    notes = notes_of(context)
-    n = context[COORDINATES]
-    f = notes[FREEDOMS]
-    by_u, by_rate = matrix(memory, 0, n), matrix(memory, 1, n)
+    n, f = context[COORDINATES], method_integers_of(context)[mem.FREEDOMS]
+    unknown = mem.unknowns(context)
+    by_u, by_rate = mem.matrix(context, mem.BY_U), mem.matrix(context, mem.BY_RATE)
     size = row_of(context, SIZE)
     largest = 0.0
     for i in range(f):
         total = 0.0
         for k in range(f):
-            at, row, column = i * f + k, notes[COUNTS + i], notes[COUNTS + k]
+            at, row, column = i * f + k, unknown[i], unknown[k]
             total += h * h * abs(by_u[at]) * size[column] / size[row]
             total += h * abs(by_rate[at]) * size[n + column] / size[n + row]
         largest = max(largest, total)
@@ -46,19 +33,17 @@ def stiffness(context: Integers, h: float) -> float:
 
 
 @inner
-def take_spectrum(context: Integers, n: int) -> None:
+def estimate_spectrum(context: Integers) -> None:
     """Find the largest |λ| of u̇ = y, ẏ = G_u u + G_u̇ y, and the damping of what belongs to it.
 
     The power method: the mean growth of an even number of iterations, as u and y have other units
     and their sizes change in turn. Three iterates in a row give a and b in λ² = a λ + b.
     """
-    memory = memory_of(context)
-    notes = notes_of(context)
-    f = notes[FREEDOMS]
-    by_u, by_rate = matrix(memory, 0, n), matrix(memory, 1, n)
-    x, y, z = line(memory, IN, n), line(memory, OUT, n), line(memory, SLOPE, n)
-    memory[STIFFNESS] = 0.0
-    memory[DAMPING] = 1.0
+    memory, f = method_floats_of(context), method_integers_of(context)[mem.FREEDOMS]
+    by_u, by_rate = mem.matrix(context, mem.BY_U), mem.matrix(context, mem.BY_RATE)
+    x, y, z = mem.row(context, mem.IN), mem.row(context, mem.OUT), mem.row(context, mem.SLOPE)
+    memory[mem.STIFFNESS] = 0.0
+    memory[mem.DAMPING] = 1.0
     for i in range(f):
         x[i] = 1.0 + 0.1 * i
         y[i] = 1.0 - 0.3 * i
@@ -87,7 +72,7 @@ def take_spectrum(context: Integers, n: int) -> None:
             y[i] /= largest
         if iteration >= _POWERS:
             grown += np.log(largest)
-    memory[STIFFNESS] = np.exp(grown / _POWERS)
+    memory[mem.STIFFNESS] = np.exp(grown / _POWERS)
     independent = xx * yy - xy * xy
     if independent > 1e-10 * xx * yy:
         a = (xx * yz - xy * xz) / independent
@@ -97,18 +82,17 @@ def take_spectrum(context: Integers, n: int) -> None:
     else:
         return
     if a * a + 4.0 * b < 0.0:
-        memory[STIFFNESS] = np.sqrt(-b)
-        memory[DAMPING] = -0.5 * a / np.sqrt(-b)
+        memory[mem.STIFFNESS] = np.sqrt(-b)
+        memory[mem.DAMPING] = -0.5 * a / np.sqrt(-b)
 
 
 @inner
-def calm(context: Integers, h: float) -> int:
+def suits_explicit(context: Integers, h: float) -> int:
     """1 where an explicit method could long have taken the same steps, and may be chosen."""
-    memory = memory_of(context)
-    notes = notes_of(context)
-    quiet = run_record(context).automatic != 0 and h * memory[STIFFNESS] < _QUIET
-    notes[CALM] = notes[CALM] + 1 if quiet else 0
-    if notes[CALM] < _LONG * run_record(context).patience:
+    r, notes = run_record(context), method_integers_of(context)
+    quiet = r.automatic != 0 and h * method_floats_of(context)[mem.STIFFNESS] < _QUIET
+    notes[mem.CALM] = notes[mem.CALM] + 1 if quiet else 0
+    if notes[mem.CALM] < _LONG * r.patience:
         return 0
-    notes[CALM] = 0
+    notes[mem.CALM] = 0
     return 1

@@ -11,16 +11,17 @@ method is due, and the run changes over; see `successor`.
 
 from dataclasses import replace
 
+from runtime.core import function_table as ft
 from runtime.core.array_types import Integers
-from runtime.core.function_table import COORDINATES, HOOK, STAGES, memory_of, notes_of
 from runtime.core.jit import addressed, compiled
 from runtime.core.run_record import run_record
 from runtime.core.workspace import SIZE, Y0, K, row_of
-from runtime.integrate.explicit.generated import dop853
-from runtime.integrate.implicit.method_memory import EQUAL, STIFF, STIFFNESS, memory
-from runtime.integrate.implicit.state_space_form import differentiate, unknowns
+from runtime.integrate.implicit import method_memory as mem
+from runtime.integrate.implicit.state_space_form import differentiate, list_unknowns
+from runtime.integrate.method import LEADING, find_method
 
-_stages, _LAST = dop853.stages, dop853.METHOD.last
+_EXPLICIT = find_method(LEADING)
+_stages, _LAST = _EXPLICIT.stages, _EXPLICIT.last
 _EVERY = 10  # measured: steps between two estimates of the stiffness
 # measured: h ρ that the explicit method hardly exceeds at tight tolerances: the rest of a fast
 # motion is resolved then, far from the edge of the region of stability, at 6.
@@ -47,37 +48,33 @@ def successor(name: str, freedoms: int, rtol: float) -> str:
     return "bdf" if freedoms >= _MANY and rtol >= _LOOSE else "radau5"
 
 
-@addressed(STAGES)
+@addressed(ft.STAGES)
 def stages(context: Integers, t: float, h: float) -> int:
     """Take the step from Y0 with derivative K to Y1, and look for stiffness at times."""
-    if notes_of(context)[EQUAL] % _EVERY == 0:
-        unknowns(context)
+    if ft.method_integers_of(context)[mem.EQUAL] % _EVERY == 0:
+        list_unknowns(context)
         differentiate(context, t, Y0)
     return _stages(context, t, h)
 
 
-@compiled(HOOK)
+@compiled(ft.HOOK)
 def accepted(context: Integers, t: float, h: float) -> int:
     """Count the step; 1 where the steps have long been limited by stability."""
-    r = run_record(context)
-    n = context[COORDINATES]
-    notes = notes_of(context)
-    notes[EQUAL] += 1
-    size = row_of(context, SIZE)
-    before = row_of(context, K)
-    after = row_of(context, K + _LAST)
+    r, n, notes = run_record(context), context[ft.COORDINATES], ft.method_integers_of(context)
+    notes[mem.EQUAL] += 1
+    size, before, after = row_of(context, SIZE), row_of(context, K), row_of(context, K + _LAST)
     change, largest = 0.0, 0.0
     for j in range(n, 2 * n):
         change = max(change, abs(after[j] - before[j]) / size[j])
         largest = max(largest, abs(after[j]) / size[j])
     easy = change < _EASY * r.rtol**0.2 * largest
-    turn = h * memory_of(context)[STIFFNESS]
+    turn = h * ft.method_floats_of(context)[mem.STIFFNESS]
     limited = turn > _EDGE or (easy and turn > _TURN)
-    notes[STIFF] = notes[STIFF] + 1 if limited else max(0, notes[STIFF] - _DOUBT)
-    if notes[STIFF] < _SEEN * r.patience:
+    notes[mem.STIFF] = notes[mem.STIFF] + 1 if limited else max(0, notes[mem.STIFF] - _DOUBT)
+    if notes[mem.STIFF] < _SEEN * r.patience:
         return 0
-    notes[STIFF] = 0
+    notes[mem.STIFF] = 0
     return 1
 
 
-METHOD = replace(dop853.METHOD, stages=stages, accepted=accepted, memory=memory)
+METHOD = replace(_EXPLICIT, stages=stages, accepted=accepted, memory=mem.memory)

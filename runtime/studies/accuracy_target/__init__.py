@@ -1,6 +1,56 @@
 """Accuracy target: simulations with a prescribed global error in place of tolerances."""
 
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+from codegen.errors import InputError
+from runtime.integrate.problem import Formulation
+from runtime.mechanism.mechanism import Mechanism
 from runtime.results.reached_accuracy import Estimate, ReachedAccuracy, Trial
-from runtime.studies.accuracy_target.accuracy_or_tolerances import accuracy_or_tolerances
+from runtime.results.result import Result
 
 __all__ = ["Estimate", "ReachedAccuracy", "Trial", "accuracy_or_tolerances"]
+
+FINEST = 1e-12  # accuracy: tightest target; rounding shows below it
+COARSEST = 0.1  # accuracy: loosest target
+
+
+def accuracy_or_tolerances(
+    mechanism: Mechanism, accuracy: float | None, quantities: Sequence[str] | None,
+    rtol: float | None, atol: float | None, method: str | None, formulation: Formulation | None,
+) -> Callable[..., Result]:  # fmt: skip
+    """The simulation with these settings, to be called with times and options.
+
+    Raises
+    ------
+    InputError
+        If both an accuracy and a tolerance are given, or the accuracy is out of range.
+    """
+    settings: dict[str, Any] = {"rtol": rtol, "atol": atol}
+    tolerances = {name: value for name, value in settings.items() if value is not None}
+    chosen: dict[str, Any] = {"method": method, "formulation": formulation}
+    if accuracy is None and quantities is None:
+        from runtime.dynamics.simulation import simulate
+
+        chosen = {name: value for name, value in chosen.items() if value is not None}
+        return partial(simulate, mechanism, **tolerances, **chosen)
+    problems = []
+    if accuracy is None:
+        problems.append("quantities without accuracy: give the error too, accuracy=1e-6.")
+    else:
+        if not FINEST <= accuracy <= COARSEST:
+            problems.append(
+                f"accuracy = {accuracy:g} must lie between {FINEST:g}, below which rounding shows, "
+                f"and {COARSEST:g}."
+            )
+        problems += [
+            f"accuracy = {accuracy:g} and {name} = {value:g} are both given; an accuracy chooses "
+            "the tolerances. Leave one of them out."
+            for name, value in tolerances.items()
+        ]
+    if accuracy is None or problems:
+        raise InputError(f"{mechanism.title}: {text}" for text in problems)
+    from runtime.studies.accuracy_target.search import simulate_to
+
+    return partial(simulate_to, mechanism, accuracy=accuracy, quantities=quantities, **chosen)

@@ -9,33 +9,18 @@ from runtime.core.outcomes import Outcome
 from runtime.results.reached_accuracy import Estimate, ReachedAccuracy, Trial
 from runtime.results.result import Result
 from runtime.results.samples import Samples
-from runtime.studies.accuracy_target.run_difference import (
-    DIVERGED,
-    Difference,
-    Quantities,
-    tenfold_time,
-)
-from runtime.studies.accuracy_target.run_pair import Compared
+from runtime.studies.accuracy_target import run_difference
+from runtime.studies.accuracy_target.run_difference import Difference, Pair, Quantities, Run
 
 
 def with_accuracy(
-    result: Result,
-    target: float,
-    quantities: Quantities,
-    trials: Sequence[Trial],
-    pair: Compared,
+    result: Result, target: float, quantities: Quantities, runs: Sequence[Run], pair: Pair,
     reasons: Sequence[str],
-) -> Result:
-    """The result with its `ReachedAccuracy`, up to the instant to which it meets the target.
+) -> Result:  # fmt: skip
+    """The result of the delivered run, up to the instant to which it meets the target.
 
-    Parameters
-    ----------
-    result
-        Of the delivered run.
-    trials
-        All runs.
-    reasons
-        For the choice of method and coordinates, in clauses.
+    Its `ReachedAccuracy` has all runs, and the reasons for the choice of method and coordinates, in
+    clauses.
 
     Raises
     ------
@@ -43,27 +28,27 @@ def with_accuracy(
         If not even the beginning meets the target.
     """
     difference, share = pair.difference, pair.share
-    other, delivered = trials[pair.other.number], trials[pair.delivered.number]
-    of_all = share if difference.largest < DIVERGED else 1.0
-    count = difference.within(min(target / share, DIVERGED))
+    trials, delivered = tuple(run.record for run in runs), pair.delivered.record
+    diverged = run_difference.DIVERGED
+    of_all = share if difference.largest < diverged else 1.0
+    count = difference.within(min(target / share, diverged))
     reached = len(result.t)
     if result.outcome is not Outcome.OK and reached - len(difference.t) <= 1:
         reached = len(difference.t)  # both end by themselves, on either side of an instant
     whole = count >= min(reached, len(difference.t)) and len(difference.t) >= reached
-    accuracy = ReachedAccuracy(
+    accuracy = result.accuracy = ReachedAccuracy(
         asked=target,
         estimated=of_all * difference.largest,
         quantities=_estimates(quantities, difference, of_all),
         method=delivered.method,
         formulation=delivered.formulation,
         rtol=delivered.rtol,
-        runs=tuple(trials),
+        runs=trials,
         horizon=None if whole else float(difference.t[count - 1] if count else result.t[0]),
-        tenfold=tenfold_time(difference),
-        means=_explanation(other, delivered, difference, share, reasons),
+        tenfold=run_difference.tenfold_time(difference),
+        means=_explanation(pair.other.record, delivered, difference, share, reasons),
         seconds=sum(trial.seconds for trial in trials),
     )
-    result.accuracy = accuracy
     if whole:
         result.message += f" {accuracy.sentences()[0]}"
         return result
@@ -79,15 +64,16 @@ def with_accuracy(
 def _estimates(
     quantities: Quantities, difference: Difference, share: float
 ) -> tuple[Estimate, ...]:
-    rows = []
-    for k, name in enumerate(quantities.names):
-        column = difference.scaled[:, k]
-        error, t = 0.0, 0.0
-        if len(column):
-            worst = int(column.argmax())
-            error, t = share * float(column[worst]), float(difference.t[worst])
-        rows.append(Estimate(name, float(difference.scales[k]), error, t))
-    return tuple(sorted(rows, key=lambda row: -row.error))
+    """The largest error of each quantity and its instant, the worst first."""
+    t, scaled = difference.t, difference.scaled
+    if not len(t):  # no common instant
+        t, scaled = np.zeros(1), np.zeros((1, len(quantities.names)))
+    worst = scaled.argmax(axis=0)
+    rows = zip(
+        quantities.names, difference.scales, share * scaled.max(axis=0), t[worst], strict=True
+    )
+    estimates = (Estimate(name, *map(float, numbers)) for name, *numbers in rows)
+    return tuple(sorted(estimates, key=lambda row: -row.error))
 
 
 def _explanation(

@@ -9,32 +9,22 @@ from dataclasses import dataclass, replace
 
 from codegen.errors import InputError
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.formulations import Coordinates
+from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
-from runtime.mechanism.mechanism import Mechanism
 
 
 @dataclass(frozen=True)
 class Choice:
-    """Method and coordinates of the next run.
-
-    Attributes
-    ----------
-    taken
-        The coordinates.
-    free
-        Those of the two that the user left open: "method", "formulation".
-    reasons
-        For the choice, in clauses.
-    """
+    """Method and coordinates of the next run."""
 
     method: str
     formulation: Formulation
-    taken: Coordinates
-    free: frozenset[str]
-    reasons: tuple[str, ...]
+    coordinates: Coordinates
+    free: frozenset[str]  # those of "method" and "formulation" that the user left open
+    correction: Correction  # as the user named it; that of the coordinates may differ
+    reasons: tuple[str, ...] = ()  # for the choice, in clauses
 
 
 def choose(
@@ -43,53 +33,43 @@ def choose(
     formulation: Formulation | None,
     correction: Correction,
 ) -> Choice:
-    """Method and coordinates of the first run.
-
-    Parameters
-    ----------
-    method, formulation
-        Fixed by the user; None: chosen here.
-    """
-    mechanism = ready.mechanism
-    given = {"method": method, "formulation": formulation}
-    free = frozenset(name for name, value in given.items() if value is None)
-    if formulation is None and mechanism.has_companion("reduced"):
+    """Method and coordinates of the first run; those that are None are chosen here."""
+    settings = {"method": method, "formulation": formulation}
+    free = frozenset(name for name, value in settings.items() if value is None)
+    reasons: tuple[str, ...] = ()
+    if formulation is None and ready.mechanism.has_companion("reduced"):
         chosen = method or "auto"
         try:
-            taken = ready.coordinates("reduced", chosen, correction)
+            coordinates = formulate(ready, "reduced", chosen, correction)
         except InputError as error:
-            why = f"reduced coordinates are refused ({error.problems[0]})"
+            reasons = (f"reduced coordinates are refused ({error.problems[0]})",)
         else:
-            return Choice(chosen, "reduced", taken, free, ())
+            return Choice(chosen, "reduced", coordinates, free, correction)
     elif formulation is None:
-        why = "reduced coordinates are not built (python -m codegen build --reduced)"
-    else:
-        why = ""
-    chosen = method or _method(mechanism, formulation or "cartesian", ready)
-    taken = ready.coordinates(formulation or "cartesian", chosen, correction)
-    return Choice(chosen, formulation or "cartesian", taken, free, (why,) if why else ())
+        reasons = ("reduced coordinates are not built (python -m codegen build --reduced)",)
+    used = formulation or "cartesian"
+    chosen = method or _method(ready, used)
+    coordinates = formulate(ready, used, chosen, correction)
+    return Choice(chosen, used, coordinates, free, correction, reasons)
 
 
-def revise(
-    choice: Choice, ready: PreparedSimulation, run: Trajectory, correction: Correction
-) -> Choice:
+def revise(choice: Choice, ready: PreparedSimulation, run: Trajectory) -> Choice:
     """The choice for the next run, given the first."""
     if choice.formulation == "reduced" and run.outcome is not Outcome.OK:
         if "formulation" not in choice.free:
             return choice
-        method = choice.method
-        if "method" in choice.free:
-            method = _method(ready.mechanism, "cartesian", ready)
-        taken = ready.coordinates("cartesian", method, correction)
+        method = _method(ready, "cartesian") if "method" in choice.free else choice.method
+        coordinates = formulate(ready, "cartesian", method, choice.correction)
         why = f"in reduced coordinates the run ends at t = {run.final_t:.6g} s ({run.outcome.name})"
-        return replace(choice, method=method, formulation="cartesian", taken=taken, reasons=(why,))
+        return replace(
+            choice, method=method, formulation="cartesian", coordinates=coordinates, reasons=(why,)
+        )
     if choice.method == "auto" and "method" in choice.free and len(run.methods) == 1:
         return replace(choice, method="dop853")
     return choice
 
 
-def _method(mechanism: Mechanism, formulation: Formulation, ready: PreparedSimulation) -> str:
+def _method(ready: PreparedSimulation, formulation: Formulation) -> str:
     """The method that detects stiffness, where its derivatives exist; else the explicit one."""
-    if formulation == "reduced":
-        return "auto"
-    return "auto" if mechanism.has_companion("tangents") and not ready.begin.redundant else "dop853"
+    stiff = ready.mechanism.has_companion("tangents") and not ready.begin.redundant
+    return "auto" if formulation == "reduced" or stiff else "dop853"

@@ -1,46 +1,39 @@
-"""The difference of two runs: how large it is, when, and how it grows."""
+"""The difference of two runs: how large it is, when, how it grows, and the error that it shows."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from runtime.studies.series import group_magnitude, series_values
-
-if TYPE_CHECKING:
-    from runtime.mechanism.description import Description
-    from runtime.results.result import Result
-
-FloatArray = npt.NDArray[np.float64]
+from runtime.core.outcomes import Outcome
+from runtime.integrate.problem import Options
+from runtime.integrate.trajectory import Trajectory
+from runtime.mechanism.description import Description
+from runtime.results.reached_accuracy import Trial
+from runtime.results.result import Result
+from runtime.studies.error_norms import scaled_errors
+from runtime.studies.series import FloatArray, group_magnitude, series_values
 
 DIVERGED = 0.1  # accuracy: scaled difference of runs that have nothing in common any more
+SAFE_POWER = 0.75  # measured: power of rtol with which errors fall at least
 
 _LEAST = 1e-13  # accuracy: difference below which there is nothing but rounding
 _MOST = 1e-2  # accuracy: difference from which on it no longer grows as a small one does
 _EACH, _ALL = 3.0, 30.0  # measured: growth over a quarter of an exponential divergence, over two
 _ENOUGH = 16  # safety: instants from which growth is estimated
+_ROUNDING = 2e-13  # accuracy: rtol from which on rounding keeps errors from falling
+_LEAST_SHARE = 0.1  # safety: least share of a difference where the motions diverge later
 
 
 @dataclass(frozen=True)
 class Quantities:
-    """Series of a run whose errors count.
-
-    Attributes
-    ----------
-    names
-        Of the series.
-    scales : (c,)
-        Their typical sizes; NaN: the largest value in the run of it, or of its whole.
-    state_columns : (c,)
-        Their columns in [q, v]; -1: a series of a result, such as a reaction.
-    """
+    """Series of a run whose errors count."""
 
     names: tuple[str, ...]
-    scales: FloatArray
-    state_columns: npt.NDArray[np.int64]
+    scales: FloatArray  # typical sizes, (c,); NaN: the largest value in the run of it or its whole
+    state_columns: npt.NDArray[np.int64]  # in [q, v], (c,); -1: of a result, such as a reaction
 
     @property
     def are_states(self) -> bool:
@@ -52,43 +45,33 @@ class Quantities:
         values: FloatArray = np.hstack([q, v])[:, self.state_columns]
         return values
 
-    def of_result(self, result: "Result") -> FloatArray:
+    def of_result(self, result: Result) -> FloatArray:
         """The values, (k, c)."""
         return series_values(result, self.names)
 
-    def wholes(self, result: "Result") -> FloatArray:
+    def wholes(self, result: Result) -> FloatArray:
         """Magnitudes of the wholes that the series are parts of, (c,); 0 of those with a size."""
-        found = [
-            group_magnitude(result, name) if np.isnan(scale) else 0.0
-            for name, scale in zip(self.names, self.scales.tolist(), strict=True)
-        ]
-        return np.array(found)
+        sizes = zip(self.names, np.isnan(self.scales), strict=True)
+        return np.array([group_magnitude(result, name) if free else 0.0 for name, free in sizes])
 
 
 def quantities_of(
-    description: "Description", names: Sequence[str] | None, sizes: FloatArray
+    description: Description, names: Sequence[str] | None, sizes: FloatArray
 ) -> Quantities:
     """The quantities of these names: all coordinates and velocities without `names`.
 
-    Parameters
-    ----------
-    sizes : (n,)
-        Typical sizes of the coordinates, and of their velocities per second.
-
-    Raises
-    ------
-    InputError
-        If the names are empty or a text; the result refuses names that it does not have.
+    The sizes, (n,), are those of the coordinates, and of their velocities per second. Names that do
+    not exist are refused by the result.
     """
     if names is not None and (isinstance(names, str) or not len(names)):
         raise InputError(
             f"{description.title}: quantities is {names!r}; it must be names of series, such as "
             f'("{description.coordinates.names[0]}",).'
         )
-    n = len(description.coordinates)
-    column = {row.name: k for k, row in enumerate(description.coordinates)}
-    column |= {row.velocity: n + k for k, row in enumerate(description.coordinates)}
-    chosen = tuple(column) if names is None else tuple(dict.fromkeys(names))
+    rows = description.coordinates
+    states = [*rows.names, *(row.velocity for row in rows)]
+    column = {name: k for k, name in enumerate(states)}
+    chosen = tuple(states) if names is None else tuple(dict.fromkeys(names))
     state_columns = np.array([column.get(name, -1) for name in chosen], dtype=np.int64)
     both = np.concatenate([sizes, sizes, [np.nan]])
     return Quantities(chosen, both[state_columns], state_columns)
@@ -96,21 +79,11 @@ def quantities_of(
 
 @dataclass(frozen=True)
 class Difference:
-    """The difference of two runs.
+    """The difference of two runs."""
 
-    Attributes
-    ----------
-    t : (k,)
-        Instants that both reached, s.
-    scaled : (k, c)
-        |y - r| / (s + |r|) of each quantity, r that of the second run.
-    scales : (c,)
-        s.
-    """
-
-    t: FloatArray
-    scaled: FloatArray
-    scales: FloatArray
+    t: FloatArray  # instants that both reached, s, (k,)
+    scaled: FloatArray  # |y - r| / (s + |r|) of each quantity, r that of the second run, (k, c)
+    scales: FloatArray  # s, (c,)
 
     @property
     def largest(self) -> float:
@@ -120,8 +93,8 @@ class Difference:
     @property
     def over_time(self) -> FloatArray:
         """The largest up to each instant, (k,)."""
-        found: FloatArray = np.maximum.accumulate(self.scaled.max(axis=1, initial=0.0))
-        return found
+        largest: FloatArray = np.maximum.accumulate(self.scaled.max(axis=1, initial=0.0))
+        return largest
 
     def within(self, limit: float) -> int:
         """Number of instants before the first with a difference above `limit`."""
@@ -129,45 +102,27 @@ class Difference:
 
 
 def difference(
-    t: FloatArray,
-    first: FloatArray,
-    second: FloatArray,
-    quantities: Quantities,
+    t: FloatArray, first: FloatArray, second: FloatArray, quantities: Quantities,
     wholes: FloatArray | None = None,
-) -> Difference:
-    """Compare two runs at their common instants.
+) -> Difference:  # fmt: skip
+    """Compare the values of two runs, (≥ k, c), at the instants of the shorter one, (k,).
 
-    Parameters
-    ----------
-    t : (k,)
-        Instants of the shorter run, with which both begin.
-    first, second : (≥ k, c)
-        Their values.
-    wholes : (c,)
-        Magnitudes of the wholes that series are parts of: see `Quantities.wholes`.
+    The magnitudes of the wholes that series are parts of, (c,), are those of `Quantities.wholes`.
     """
-    count = len(t)
-    old, new = first[:count], second[:count]
+    old, new = first[: len(t)], second[: len(t)]
     # Reactions are not numbers in a singular configuration, and have a size all the same.
     largest = np.abs(np.where(np.isnan(new), 0.0, new)).max(axis=0, initial=0.0)
     largest = largest if wholes is None else np.maximum(largest, wholes)
     scales = np.where(np.isnan(quantities.scales), largest, quantities.scales)
-    gap, base = np.abs(old - new), scales + np.abs(new)
-    # A series that is zero all the time in both runs has no size, and no error.
-    scaled = np.divide(gap, base, out=np.zeros_like(gap), where=gap > 0.0)
-    scaled[np.isnan(gap) & ~(np.isnan(old) & np.isnan(new))] = np.inf
-    return Difference(t, np.where(np.isnan(scaled), 0.0, scaled), scales)
+    scaled = scaled_errors(old, new, scales)
+    scaled[~np.isfinite(new) & ~(np.isnan(old) & np.isnan(new))] = np.inf
+    return Difference(t, scaled, scales)
 
 
 def is_resolved(found: Difference, values: FloatArray, target: float) -> bool:
-    """Whether no difference that counts is as large as the motion itself.
+    """Whether no difference above the target is as large as the motion itself.
 
-    Parameters
-    ----------
-    values : (k, c)
-        Those of the second run.
-    target
-        Differences below this do not count.
+    The motion is that of the second run, `values`, (k, c).
     """
     if not len(values):
         return True
@@ -184,14 +139,12 @@ def tenfold_time(found: Difference) -> float | None:
     larger one from the second quarter to the fourth. A power t^p, p ≤ 3, grows at most by 2.7 from
     the third quarter to the fourth; a difference that an event leaves does not go on growing.
     """
-    over = found.scaled.max(axis=1, initial=0.0)
-    small = int(np.searchsorted(found.over_time, _MOST, side="right"))
-    begun = int(np.searchsorted(found.over_time, _LEAST, side="right"))
+    begun, small = found.within(_LEAST), found.within(_MOST)
     if small - begun < _ENOUGH:
         return None
-    t, over = found.t[begun:small], over[begun:small]
+    t, sizes = found.t[begun:small], found.scaled.max(axis=1, initial=0.0)[begun:small]
     edges = found.t[0] + (t[-1] - found.t[0]) * np.array([0.25, 0.5, 0.75])
-    parts = np.split(over, np.searchsorted(t, edges))[1:]
+    parts = np.split(sizes, np.searchsorted(t, edges))[1:]
     if min(len(part) for part in parts) < _ENOUGH // 8:
         return None
     second, third, fourth = (float(np.median(part)) for part in parts)
@@ -199,5 +152,77 @@ def tenfold_time(found: Difference) -> float | None:
     if not (second > 0.0 and steady):
         return None
     later = t >= edges[0]
-    logs = np.log10(np.maximum(over[later], _LEAST))
+    logs = np.log10(np.maximum(sizes[later], _LEAST))
     return 1.0 / float(np.polyfit(t[later], logs, 1)[0])
+
+
+@dataclass
+class Run:
+    """A run with the settings that it had."""
+
+    formulation: str
+    options: Options
+    path: Trajectory
+    values: FloatArray  # of the quantities, (k, c)
+    wholes: FloatArray  # magnitudes of the wholes that they are parts of, (c,)
+    seconds: float  # processor time
+    difference: float | None = None  # largest, from the run with which it was compared
+
+    @property
+    def t(self) -> FloatArray:
+        """Output instants that it reached, s, (k,)."""
+        return self.path.t
+
+    @property
+    def record(self) -> Trial:
+        """Settings, cost and outcome."""
+        counts, options = self.path.statistics, self.options
+        return Trial(
+            options.method, self.formulation, options.rtol, self.seconds, counts.rhs, counts.steps,
+            counts.events, self.path.outcome.name, self.difference,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two runs, the second with the tighter tolerance, and their difference.
+
+    A vibration that the loose run does not resolve at all makes a difference of its own size, which
+    shows nothing about the tight run.
+    """
+
+    loose: Run
+    tight: Run
+    difference: Difference
+    resolved: bool
+
+    @property
+    def tight_fails(self) -> bool:
+        """Whether the tighter run fails before the end of the looser one."""
+        failed = self.tight.path.outcome is not Outcome.OK
+        return failed and len(self.tight.t) < len(self.loose.t)
+
+    @property
+    def conclusive(self) -> bool:
+        """Whether all of the tighter run was compared with a run that resolves all motions."""
+        return self.resolved and len(self.loose.t) >= len(self.tight.t) and not self.tight_fails
+
+    @property
+    def share(self) -> float:
+        """Share of the difference that the error of the tighter run is estimated to be."""
+        largest = self.difference.largest
+        if not self.conclusive or largest <= _ROUNDING:  # rounding, in both runs alike
+            return 1.0
+        loose, tight = (max(run.options.rtol, _ROUNDING) for run in (self.loose, self.tight))
+        share: float = (tight / loose) ** SAFE_POWER
+        return max(share, _LEAST_SHARE) if largest >= DIVERGED else share
+
+    @property
+    def delivered(self) -> Run:
+        """The run that is the result."""
+        return self.loose if self.tight_fails else self.tight
+
+    @property
+    def other(self) -> Run:
+        """The run that it was compared with."""
+        return self.tight if self.tight_fails else self.loose

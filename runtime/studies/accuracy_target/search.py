@@ -19,7 +19,6 @@ method, where it costs much, the gap is narrow.
 import time as clock
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -28,29 +27,19 @@ from runtime.core.outcomes import Outcome
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import finish_simulation
 from runtime.integrate.method import IMPLICIT, METHODS
-from runtime.integrate.problem import Options
+from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.wiring import function_table
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
-from runtime.results.reached_accuracy import Trial
+from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
+from runtime.studies.accuracy_target import run_difference as runs
 from runtime.studies.accuracy_target.error_estimate import with_accuracy
 from runtime.studies.accuracy_target.method_choice import Choice, choose, revise
-from runtime.studies.accuracy_target.run_difference import (
-    DIVERGED,
-    Quantities,
-    difference,
-    is_resolved,
-    quantities_of,
-)
-from runtime.studies.accuracy_target.run_pair import SAFE_POWER, Compared, Run
+from runtime.studies.accuracy_target.run_difference import Pair, Quantities, Run
 from runtime.studies.series import require_numbers
 from runtime.studies.timing import processor_time
 from runtime.validation.arguments import instants
-
-if TYPE_CHECKING:
-    from runtime.integrate.problem import Correction, Formulation
-    from runtime.mechanism.mechanism import Mechanism, Values
-    from runtime.results.assembled_state import Assembly
 
 POINTS = 501
 """Output instants if the user gives none."""
@@ -70,25 +59,12 @@ _ORDER, _ORDERS = 5, {"dop853": 8}  # powers of the step with which errors fall
 
 
 def simulate_to(
-    mechanism: "Mechanism",
-    t_end: float,
-    t_eval: npt.ArrayLike | None = None,
-    *,
-    accuracy: float,
-    quantities: Sequence[str] | None = None,
-    t_start: float = 0.0,
-    method: str | None = None,
-    parameters: "Values | None" = None,
-    guess: "Values | None" = None,
-    start: "Assembly | None" = None,
-    correction: "Correction" = "step",
-    formulation: "Formulation | None" = None,
-    time_scale: float | None = None,
-    first_step: float | None = None,
-    max_step: float | None = None,
-    max_steps: int = 100_000_000,
-    progress: Progress = silent,
-) -> Result:
+    mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | None, *, accuracy: float,
+    quantities: Sequence[str] | None, t_start: float, method: str | None,
+    parameters: Values | None, guess: Values | None, start: Assembly | None,
+    correction: Correction, formulation: Formulation | None, time_scale: float | None,
+    first_step: float | None, max_step: float | None, max_steps: int, progress: Progress,
+) -> Result:  # fmt: skip
     """Integrate with a global error below `accuracy` at the output instants.
 
     The error of a quantity y is |y - r| / (s + |r|), r the exact one, s its typical size: that of
@@ -97,17 +73,8 @@ def simulate_to(
     evidence for it. Where the target cannot be met over all the time, the result ends at the last
     instant up to which it is, with the outcome `INACCURATE`.
 
-    Parameters
-    ----------
-    t_eval
-        Output instants in s; without them, 501, equally spaced.
-    accuracy
-        From 1e-12 to 0.1.
-    quantities
-        Names of series; all coordinates and velocities unless given.
-    method, formulation
-        Chosen unless given: reduced coordinates where they are built and stay valid, and the method
-        that suits the first run.
+    Method and formulation are chosen unless given: reduced coordinates where they are built and
+    stay valid, and the method that suits the first run. See `Machine.simulate`.
 
     Raises
     ------
@@ -122,17 +89,12 @@ def simulate_to(
     )
     first, last = ready.begin.t, float(t_end)
     times = np.linspace(first, last, POINTS if last > first else 1)
-    if t_eval is not None:
-        times = instants(t_eval)
     options = Options(
-        t_eval=times,
-        time_scale=time_scale,
-        first_step=first_step,
-        h_max=max_step,
-        max_steps=max_steps,
-    )
-    chosen = quantities_of(mechanism.description, quantities, ready.sizes)
-    search = _Search(ready, accuracy, chosen, options, correction, progress)
+        t_eval=times if t_eval is None else instants(t_eval), time_scale=time_scale,
+        first_step=first_step, h_max=max_step, max_steps=max_steps,
+    )  # fmt: skip
+    chosen = runs.quantities_of(mechanism.description, quantities, ready.sizes)
+    search = _Search(ready, accuracy, chosen, options, progress)
     return search.result(choose(ready, method, formulation, correction), began)
 
 
@@ -140,40 +102,29 @@ class _Search:
     """The runs, each planned from those before."""
 
     def __init__(
-        self,
-        ready: PreparedSimulation,
-        target: float,
-        quantities: Quantities,
-        options: Options,
-        correction: "Correction",
+        self, ready: PreparedSimulation, target: float, quantities: Quantities, options: Options,
         progress: Progress,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.ready, self.target, self.options = ready, target, options
-        self.quantities, self.correction, self.progress = quantities, correction, progress
-        self.trials: list[Trial] = []
+        self.quantities, self.progress = quantities, progress
+        self.runs: list[Run] = []
 
     def result(self, choice: Choice, began: float) -> Result:
         """Run until the target is met, or cannot be met."""
-        rtol = _FIRST * (self.target / 1e-3) ** _SLOPE
-        first, choice = self._first(choice, min(max(rtol, _TIGHTEST / _WIDE), _LOOSEST))
+        rtol = min(max(_FIRST * (self.target / 1e-3) ** _SLOPE, _TIGHTEST / _WIDE), _LOOSEST)
+        while True:  # until there is a run that can be compared with others
+            first = self._run(choice, rtol)
+            previous, choice = choice, revise(choice, self.ready, first.path)
+            if choice.formulation == previous.formulation:
+                break
         pair = self._compare(choice, self._second(first), first)
         while not self._is_final(pair):
             pair = self._compare(choice, self._tighter(pair), pair.tight)
         run = pair.delivered
-        result = finish_simulation(self.ready, choice.taken, run.options, began, silent, run.path)
-        return with_accuracy(
-            result, self.target, self.quantities, self.trials, pair, choice.reasons
+        result = finish_simulation(
+            self.ready, choice.coordinates, run.options, began, silent, run.path
         )
-
-    def _first(self, choice: Choice, rtol: float) -> tuple[Run, Choice]:
-        """The first run that can be compared with others, and the choice for the second."""
-        while True:
-            run = self._run(choice, rtol)
-            self._record(choice, run, None)
-            then = revise(choice, self.ready, run.path, self.correction)
-            if then.formulation == choice.formulation:
-                return run, then
-            choice = then
+        return with_accuracy(result, self.target, self.quantities, self.runs, pair, choice.reasons)
 
     def _second(self, first: Run) -> float:
         """rtol of the second run."""
@@ -185,56 +136,53 @@ class _Search:
         stiff = any(method in IMPLICIT for _, method in first.path.methods)
         return rtol * (_STIFF if stiff else _WIDE)
 
-    def _compare(self, choice: Choice, rtol: float, before: Run) -> Compared:
+    def _compare(self, choice: Choice, rtol: float, before: Run) -> Pair:
         """Another run, compared with an earlier one."""
         run = self._run(choice, rtol)
         loose, tight = (run, before) if rtol > before.options.rtol else (before, run)
-        count = min(len(loose.t), len(tight.t))
-        found = difference(
-            tight.t[:count], loose.values, tight.values, self.quantities, tight.wholes
-        )
-        self._record(choice, run, found.largest)
-        resolved = is_resolved(found, tight.values[:count], self.target)
-        return Compared(loose, tight, found, resolved)
+        t = min(loose.t, tight.t, key=len)
+        found = runs.difference(t, loose.values, tight.values, self.quantities, tight.wholes)
+        run.difference = found.largest
+        resolved = runs.is_resolved(found, tight.values[: len(t)], self.target)
+        return Pair(loose, tight, found, resolved)
 
-    def _is_final(self, pair: Compared) -> bool:
+    def _is_final(self, pair: Pair) -> bool:
         """Whether no further run is needed, or helps."""
         largest, rtol = pair.difference.largest, pair.tight.options.rtol
-        if pair.conclusive and largest < DIVERGED and pair.share * largest <= self.target:
+        if pair.conclusive and largest < runs.DIVERGED and pair.share * largest <= self.target:
             return True
-        return pair.tight_fails or rtol <= _TIGHTEST or len(self.trials) >= _MOST_RUNS
+        return pair.tight_fails or rtol <= _TIGHTEST or len(self.runs) >= _MOST_RUNS
 
-    def _tighter(self, pair: Compared) -> float:
+    def _tighter(self, pair: Pair) -> float:
         """rtol of the next run, so that its estimated error is the target less a margin."""
         largest, rtol = pair.difference.largest, pair.tight.options.rtol
-        if largest >= DIVERGED or not pair.conclusive:
+        if largest >= runs.DIVERGED or not pair.conclusive:
             return max(_TIGHTEST, _NEXT * rtol)
         error = largest * (rtol / pair.loose.options.rtol) ** _EXPECTED_POWER
-        factor = (_MARGIN * self.target / error) ** (1.0 / SAFE_POWER)
+        factor = (_MARGIN * self.target / error) ** (1.0 / runs.SAFE_POWER)
         return float(max(_TIGHTEST, rtol * min(_NEAR, max(_FAR, factor))))
 
     def _run(self, choice: Choice, rtol: float) -> Run:
         options = replace(
-            self.options,
-            method=choice.method,
-            rtol=rtol,
-            h_max=self._longest_step(choice, rtol),
-            correction=choice.taken.correction,
-        )
+            self.options, method=choice.method, rtol=rtol, h_max=self._longest_step(choice, rtol),
+            correction=choice.coordinates.correction,
+        )  # fmt: skip
         if choice.method in METHODS:  # the run refuses an unknown name
             function_table(choice.method)  # loaded, or compiled, before time is measured
-        path, seconds = processor_time(lambda: self.ready.run(choice.taken, options, self.progress))
-        number, chosen = len(self.trials), self.quantities
-        if chosen.are_states:
-            values = chosen.of_run(path.q, path.v)
-            return Run(number, options, path, values, np.zeros(values.shape[1]), seconds)
-        result = finish_simulation(
-            self.ready, choice.taken, options, clock.perf_counter(), silent, path
-        )
-        values = chosen.of_result(result)[: len(path.t)]
-        if path.outcome is Outcome.OK:  # else another run may go further
-            require_numbers(result.description, chosen.names, values)
-        return Run(number, options, path, values, chosen.wholes(result), seconds)
+        ready, chosen, names = self.ready, choice.coordinates, self.quantities.names
+        path, seconds = processor_time(lambda: ready.run(chosen, options, self.progress))
+        if self.quantities.are_states:
+            values = self.quantities.of_run(path.q, path.v)
+            wholes = np.zeros(values.shape[1])
+        else:
+            began = clock.perf_counter()
+            result = finish_simulation(ready, chosen, options, began, silent, path)
+            values = self.quantities.of_result(result)[: len(path.t)]
+            if path.outcome is Outcome.OK:  # else another run may go further
+                require_numbers(result.description, names, values)
+            wholes = self.quantities.wholes(result)
+        self.runs.append(Run(choice.formulation, options, path, values, wholes, seconds))
+        return self.runs[-1]
 
     def _longest_step(self, choice: Choice, rtol: float) -> float | None:
         """The longest step: where it bounds the error, it must decrease as tolerances do.
@@ -242,23 +190,7 @@ class _Search:
         Otherwise all runs have the same steps, and their difference does not show their error.
         """
         longest = self.options.h_max
-        if longest is None or not self.trials:
+        if longest is None or not self.runs:
             return longest
         order = _ORDERS.get(choice.method, _ORDER)
-        return longest * float(min(rtol / self.trials[0].rtol, 1.0) ** (1.0 / order))
-
-    def _record(self, choice: Choice, run: Run, largest: float | None) -> None:
-        counts = run.path.statistics
-        self.trials.append(
-            Trial(
-                choice.method,
-                choice.formulation,
-                run.options.rtol,
-                run.seconds,
-                counts.rhs,
-                counts.steps,
-                counts.events,
-                run.path.outcome.name,
-                largest,
-            )
-        )
+        return longest * float(min(rtol / self.runs[0].options.rtol, 1.0) ** (1.0 / order))

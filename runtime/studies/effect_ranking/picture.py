@@ -2,15 +2,13 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from codegen.errors import InputError
-from runtime.show.plot import check_parent, new_figure
+from runtime.show.plot import check_parent, finish_axes, new_figure, writing
 from runtime.studies.effect_ranking.ranking import Matters, Row, Verdict
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 ENDINGS = (".png", ".svg", ".pdf")
 COLOURS = {
@@ -22,7 +20,7 @@ COLOURS = {
 }
 
 
-def check_picture(path: Path) -> None:
+def check_place(path: Path) -> None:
     """Refuse a file that could not be written, before anything runs.
 
     Raises
@@ -35,23 +33,15 @@ def check_picture(path: Path) -> None:
     check_parent(path)
 
 
-def save(ranking: Matters, path: Path) -> Path:
-    """Draw to a file; returns the path.
-
-    Raises
-    ------
-    InputError
-        As `check_picture`; if matplotlib is missing or the file cannot be written.
-    """
-    check_picture(path)
-    try:
+def save(ranking: Matters, path: Path) -> tuple[Path]:
+    """Draw to a file; returns the path. Raises InputError if it cannot be written."""
+    check_place(path)
+    with writing(path):
         figure(ranking).savefig(path)
-    except OSError as error:
-        raise InputError(f"--out {path}: {error.strerror or error}.") from error
-    return path
+    return (path,)
 
 
-def figure(ranking: Matters) -> "Figure":
+def figure(ranking: Matters) -> Figure:
     """Changes of the quantity on a logarithmic scale, and shares of the run's time, as bars.
 
     A pale bar is the uncertainty, where the change is smaller.
@@ -66,9 +56,7 @@ def figure(ranking: Matters) -> "Figure":
     title = f"{ranking.model}/{ranking.scene}: {ranking.quantity} = {ranking.value:.6g}{unit}"
     drawn.suptitle(title, fontsize=11)
     for axes in (left, right):
-        axes.spines[["top", "right"]].set_visible(False)
-        axes.grid(visible=True, axis="x", alpha=0.3, linewidth=0.4)
-        axes.set_axisbelow(True)
+        finish_axes(axes, axis="x", alpha=0.3, linewidth=0.4)
         axes.tick_params(labelsize=8)
     return drawn
 
@@ -80,16 +68,25 @@ def _length(row: Row) -> float:
     return row.doubt if row.verdict is Verdict.NONE_SEEN else abs(row.change)
 
 
-def _changes(axes: "Axes", ranking: Matters) -> None:
-    size = ranking.size or 1.0
-    shown = [_length(row) / size for row in ranking.rows if _length(row) > 0.0]
-    lowest = min([*shown, ranking.error or math.inf, 1.0])
-    highest = max([*shown, ranking.error or 0.0, 10.0 * lowest])
+def _changes(axes: Axes, ranking: Matters) -> None:
+    lengths = [_length(row) / (ranking.size or 1.0) for row in ranking.rows]
+    limits = [*(length for length in lengths if length > 0.0), *filter(None, [ranking.error])]
+    lowest = min([*limits, 1.0])
     floor = 10.0 ** (math.floor(math.log10(lowest)) - 0.5)
     axes.set_xscale("log")
-    axes.set_xlim(floor, 40.0 * highest)
-    for height, row in enumerate(ranking.rows):
-        _change(axes, height, row, size, floor)
+    axes.set_xlim(floor, 40.0 * max([*limits, 10.0 * lowest]))
+    for height, (row, length) in enumerate(zip(ranking.rows, lengths, strict=True)):
+        if row.change is None:
+            verdict = str(row.verdict)
+            axes.text(1.3 * floor, height, verdict, va="center", fontsize=8, style="italic")
+            continue
+        seen, colour = row.verdict is not Verdict.NONE_SEEN, COLOURS[row.verdict]
+        pale = 1.0 if seen else 0.4
+        axes.barh(height, length - floor, left=floor, height=0.6, color=colour, alpha=pale)
+        number = f"{100 * length:.2g}" if length < 1.0 else f"{100 * length:.0f}"
+        label = f"{number} %" if seen else f"below {number} %"
+        paper = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+        axes.text(1.2 * max(length, floor), height, label, va="center", fontsize=8, bbox=paper)
     if ranking.error is not None:
         axes.axvline(ranking.error, color="#1b1f24", linewidth=1.0, linestyle="--")
         axes.annotate(
@@ -99,21 +96,7 @@ def _changes(axes: "Axes", ranking: Matters) -> None:
     axes.set_xlabel("relative change of the quantity without it", fontsize=9)
 
 
-def _change(axes: "Axes", height: int, row: Row, size: float, floor: float) -> None:
-    if row.change is None:
-        axes.text(1.3 * floor, height, str(row.verdict), va="center", fontsize=8, style="italic")
-        return
-    seen = row.verdict is not Verdict.NONE_SEEN
-    drawn = _length(row) / size
-    colour = COLOURS[row.verdict]
-    axes.barh(height, drawn - floor, left=floor, height=0.6, color=colour, alpha=1 if seen else 0.4)
-    number = f"{100 * drawn:.2g}" if drawn < 1.0 else f"{100 * drawn:.0f}"
-    label = f"{number} %" if seen else f"below {number} %"
-    paper = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
-    axes.text(1.2 * max(drawn, floor), height, label, va="center", fontsize=8, bbox=paper)
-
-
-def _times(axes: "Axes", ranking: Matters) -> None:
+def _times(axes: Axes, ranking: Matters) -> None:
     shares = [100.0 * (row.time_share or 0.0) for row in ranking.rows]
     span = max([*map(abs, shares), 1.0])
     for height, (row, share) in enumerate(zip(ranking.rows, shares, strict=True)):

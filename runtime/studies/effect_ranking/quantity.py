@@ -8,22 +8,113 @@ count:gas              the number of its events
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from codegen.errors import InputError
 from runtime.mechanism.description import unknown
+from runtime.results.result import Result
 from runtime.results.time_series import ENERGIES
-from runtime.studies.effect_ranking.series_reductions import REDUCTIONS, Series
-from runtime.studies.series import series_names, unknown_series
+from runtime.studies.series import FloatArray, series_names, unknown_series
 
-if TYPE_CHECKING:
-    from runtime.results.result import Result
+Function = Callable[[Result], float]
+EVENTS = ("event", "count")
 
-Function = Callable[["Result"], float]
-EVENTS = {"event": "instant of an effect's first event, or of its third: event:gas#3",
-          "count": "number of an effect's events"}  # fmt: skip
+
+class Series(NamedTuple):
+    """A function of time at instants: (k,), (k,), and the instants at which it may jump, (e,)."""
+
+    t: FloatArray
+    x: FloatArray
+    jumps: FloatArray
+
+    def end(self) -> float:
+        """The last value."""
+        return float(self.x[-1])
+
+    def largest(self) -> float:
+        """The maximum: of the parabola through the three largest samples where they are smooth."""
+        t, x, jumps = self
+        k = int(np.argmax(x))
+        if not 0 < k < len(x) - 1 or ((jumps >= t[k - 1]) & (jumps <= t[k + 1])).any():
+            return float(x[k])
+        before, after = t[k] - t[k - 1], t[k + 1] - t[k]
+        left, right = (x[k] - x[k - 1]) / before, (x[k + 1] - x[k]) / after
+        curvature = (right - left) / (before + after)  # half the second derivative
+        if curvature >= 0.0:
+            return float(x[k])
+        slope = (left * after + right * before) / (before + after)
+        return float(x[k] - slope * slope / (4.0 * curvature))
+
+    def least(self) -> float:
+        """The minimum, in the same way."""
+        return -self._replace(x=-self.x).largest()
+
+    def range(self) -> float:
+        """The maximum less the minimum."""
+        return self.largest() - self.least()
+
+    def peak(self) -> float:
+        """The largest magnitude."""
+        return max(self.largest(), -self.least())
+
+    def mean(self) -> float:
+        """The mean over time, by trapezoids."""
+        return float(np.trapezoid(self.x, self.t) / (self.t[-1] - self.t[0]))
+
+    def rate(self) -> float:
+        """The change over the time."""
+        return float((self.x[-1] - self.x[0]) / (self.t[-1] - self.t[0]))
+
+    def period(self) -> float:
+        """Mean time between upward crossings of the mean, each on the curve of four samples."""
+        level = self.x - self.mean()
+        (rises,) = np.nonzero((level[:-1] < 0.0) & (level[1:] >= 0.0))
+        if len(rises) < 2:
+            raise InputError(
+                f"it crosses its mean upwards {len(rises)} time{'' if len(rises) == 1 else 's'} "
+                "between the ends, which is not enough for a period; take a later end."
+            )
+        first, last = (_crossing(self.t, level, int(k)) for k in (rises[0], rises[-1]))
+        return (last - first) / (len(rises) - 1)
+
+
+def _crossing(t: FloatArray, x: FloatArray, k: int) -> float:
+    """The instant between samples k and k + 1 at which x passes zero, by bisection."""
+    near = slice(max(k - 1, 0), min(k + 3, len(t)))
+    low, high = float(t[k]), float(t[k + 1])
+    if np.diff(t[near]).min() < 1e-3 * np.diff(t[near]).max():  # samples on both sides of a jump
+        near = slice(k, k + 2)
+    at = (t[near] - low) / (high - low)
+    curve = np.polynomial.Polynomial.fit(at, x[near], len(at) - 1)
+    a, b = 0.0, 1.0
+    for _ in range(60):
+        middle = 0.5 * (a + b)
+        a, b = (middle, b) if curve(middle) < 0.0 else (a, middle)
+    return low + a * (high - low)
+
+
+class Reduction(NamedTuple):
+    """A reduction: its meaning in words, its function, its unit, whether one instant suffices."""
+
+    meaning: str
+    reduce: Callable[[Series], float]
+    unit: str = "{}"
+    still: bool = True
+
+
+REDUCTIONS = {
+    "end": Reduction("value at the end", Series.end),
+    "max": Reduction("largest value", Series.largest),
+    "min": Reduction("least value", Series.least),
+    "peak": Reduction("largest magnitude", Series.peak),
+    "range": Reduction("largest less least value", Series.range, still=False),
+    "mean": Reduction("mean over time", Series.mean, still=False),
+    "rate": Reduction("change over the run, a second", Series.rate, "{}/s", still=False),
+    "period": Reduction("time between crossings of its mean", Series.period, "s", still=False),
+}
 
 
 class QuantityValue(NamedTuple):
@@ -35,18 +126,13 @@ class QuantityValue(NamedTuple):
 
 
 class Quantity(NamedTuple):
-    """A quantity of results.
+    """A quantity of results: its text, or the name of the function; result → value.
 
-    Attributes
-    ----------
-    text
-        As the user wrote it, or the name of the function.
-    read
-        Result → number; raises InputError where the result has no such quantity.
+    `read` raises InputError where the result has no such quantity.
     """
 
     text: str
-    read: Callable[["Result"], QuantityValue]
+    read: Callable[[Result], QuantityValue]
 
 
 def parse_quantity(text: str | Function) -> Quantity:
@@ -58,7 +144,7 @@ def parse_quantity(text: str | Function) -> Quantity:
         If the text is none; the name of its series is checked against the first result.
     """
     if callable(text):
-        return Quantity(getattr(text, "__name__", "quantity"), lambda r: _call(text, r))
+        return Quantity(getattr(text, "__name__", "quantity"), partial(_call, text))
     given: object = text
     stripped = given.strip() if isinstance(given, str) else ""
     if not stripped:
@@ -71,24 +157,16 @@ def parse_quantity(text: str | Function) -> Quantity:
     if not colon:
         word, name = "end", stripped
     if word in EVENTS:
-        number = _event_number(stripped, name)
-        effect = name.partition("#")[0].strip()
-        return Quantity(stripped, lambda result: _event(result, word, effect, number))
+        effect, mark, digits = name.partition("#")
+        if mark and not (digits.strip().isdigit() and int(digits) >= 1):
+            raise InputError(f"{stripped}: after # stands the number of the event: 1, 2, 3 …")
+        return Quantity(stripped, partial(_event, word, effect.strip(), int(digits or 1)))
     if word not in REDUCTIONS:
         raise InputError(f"{stripped}: {unknown('reduction', word, [*REDUCTIONS, *EVENTS])}")
-    return Quantity(stripped, lambda result: _reduce(result, stripped, word, name.strip()))
+    return Quantity(stripped, partial(_reduce, stripped, REDUCTIONS[word], name.strip()))
 
 
-def _event_number(text: str, name: str) -> int:
-    _, mark, digits = name.partition("#")
-    if not mark:
-        return 1
-    if not digits.strip().isdigit() or int(digits) < 1:
-        raise InputError(f"{text}: after # stands the number of the event: 1, 2, 3 …")
-    return int(digits)
-
-
-def _call(function: Function, result: "Result") -> QuantityValue:
+def _call(function: Function, result: Result) -> QuantityValue:
     value = function(result)
     try:
         number = float(value)
@@ -102,30 +180,29 @@ def _call(function: Function, result: "Result") -> QuantityValue:
     return QuantityValue(number, "", abs(number))
 
 
-def _reduce(result: "Result", text: str, word: str, name: str) -> QuantityValue:
-    title = result.description.title
+def _reduce(text: str, reduction: Reduction, name: str, result: Result) -> QuantityValue:
+    where = f"{result.description.title}, {text}:"
     try:
         x, unit = result.series(name)
     except InputError as error:
         known = series_names(result.description)
         if name in {*ENERGIES, *(one for listed in known.values() for one in listed)}:
             raise  # the scene has it, compiled without its output
-        raise InputError(f"{title}, {text}: {unknown_series(name, known)}") from error
-    how = REDUCTIONS[word]
-    if len(x) < 2 and not how.still:
-        raise InputError(f"{title}, {text}: one instant has no {how.meaning}; ask for {name}.")
+        raise InputError(f"{where} {unknown_series(name, known)}") from error
+    if len(x) < 2 and not reduction.still:
+        raise InputError(f"{where} one instant has no {reduction.meaning}; ask for {name}.")
     if not np.isfinite(x).all():
         at = float(result.t[np.flatnonzero(~np.isfinite(x))[0]])
-        raise InputError(f"{title}, {text}: {name} is not a number at t = {at:g} s.")
+        raise InputError(f"{where} {name} is not a number at t = {at:g} s.")
     jumps = np.array([event.time for event in result.events])
     try:
-        value = how.reduce(Series(result.t, x, jumps))
+        value = reduction.reduce(Series(result.t, x, jumps))
     except InputError as error:
-        raise InputError(f"{title}, {text}: {error}") from None
-    return QuantityValue(value + 0.0, how.unit.format(unit), float(np.abs(x).max()))
+        raise InputError(f"{where} {error}") from None
+    return QuantityValue(value + 0.0, reduction.unit.format(unit), float(np.abs(x).max()))
 
 
-def _event(result: "Result", word: str, effect: str, number: int) -> QuantityValue:
+def _event(word: str, effect: str, number: int, result: Result) -> QuantityValue:
     description = result.description
     effects = list(dict.fromkeys(row.name for row in description.switches))
     if effect not in effects:

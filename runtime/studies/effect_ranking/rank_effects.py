@@ -7,26 +7,19 @@ from time import perf_counter
 from typing import TYPE_CHECKING, TypeVar
 
 from codegen.errors import InputError, LinkwrightError
+from runtime.machine import Machine
+from runtime.studies.effect_ranking import trial_run
 from runtime.studies.effect_ranking.quantity import Function, Quantity, parse_quantity
-from runtime.studies.effect_ranking.ranking import Costs, Matters, Proposal, Row, Verdict
+from runtime.studies.effect_ranking.ranking import Matters, Proposal, Row, Verdict
 from runtime.studies.effect_ranking.scene_proposal import Comparison, propose_scene
-from runtime.studies.effect_ranking.trial_run import (
-    ANALYSES,
-    LEAST_RTOL,
-    Plan,
-    Trial,
-    TrialError,
-    run_trial,
-)
-from runtime.studies.scenes import Source, cache_folder, read_source, require_time_span
+from runtime.studies.effect_ranking.trial_run import Plan, Trial, TrialError, run_trial
+from runtime.studies.scenes import LEFT_OUT, Source, cache_folder, read_source, require_time_span
 from runtime.studies.timing import Stopwatch, take_turns
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
     from codegen.scene_variants import Variant
-    from runtime.machine import Machine
 
-STILL = 1e-9  # accuracy: share of the full scene's motion below which nothing moves
 LEAST_ROUNDS, MOST_ROUNDS = 5, 40  # measured: rounds of timed runs, however long or short these are
 SECONDS = 3.0  # measured: wall-clock time for all rounds
 
@@ -34,24 +27,14 @@ Timed = TypeVar("Timed", Row, Proposal)
 
 
 def matters(
-    model: "str | os.PathLike[str] | Model",
-    scene: "str | Scene | None" = None,
-    *,
-    asked: str | Function,
-    t_end: float | None = None,
-    t_start: float = 0.0,
-    error: float | None = None,
-    analysis: str | None = None,
-    fidelities: bool = True,
-    parameters: Mapping[str, float] | None = None,
-    guess: Mapping[str, float] | None = None,
-    method: str = "dop853",
-    rtol: float = 1e-10,
-    points: int = 1001,
-    rounds: int | None = None,
+    model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
+    asked: str | Function, t_end: float | None = None, t_start: float = 0.0,
+    error: float | None = None, analysis: str | None = None, fidelities: bool = True,
+    parameters: Mapping[str, float] | None = None, guess: Mapping[str, float] | None = None,
+    method: str = "dop853", rtol: float = 1e-10, points: int = 1001, rounds: int | None = None,
     folder: str | os.PathLike[str] | None = None,
     progress: Callable[[str], None] = lambda line: None,
-) -> Matters:
+) -> Matters:  # fmt: skip
     """Rank the effects of a scene by their influence on a quantity.
 
     Parameters
@@ -99,49 +82,43 @@ def matters(
     machine.parameter_values(parameters)  # a name that the full scene does not know is a mistake
     kind = analysis or _analysis_of(machine)
     end = t_start if kind == "equilibrium" else require_time_span(machine, t_start, t_end)
-    plan = Plan(
-        kind, float(t_start), float(end), points, rtol, method, dict(parameters or {}),
-        dict(guess or {}),
-    )  # fmt: skip
+    values = dict(parameters or {}), dict(guess or {})
+    plan = Plan(kind, float(t_start), float(end), points, rtol, method, *values)
     full = _full_trial(machine, plan, quantity)
-
-    def trial(scene: "Scene") -> Trial:
-        progress(f"{source.model.name}/{scene.name}")
-        try:
-            trial = run_trial(source.variant(scene), plan, quantity)
-        except InputError as problem:
-            raise TrialError("; ".join(problem.problems)) from problem
-        if reason := _standstill(full, trial):
-            raise TrialError(reason)
-        return trial
-
-    value, scale = full.quantity.value, full.quantity.scale
-    size = abs(value) if abs(value) > 10.0 * full.doubt else max(scale, abs(value))
-    comparison = Comparison(full, size, error, source.scene, trial)
-    rows = [(*comparison.row(change), change) for change in changes]
+    comparison = Comparison(source, plan, quantity, full, error, progress)
+    rows = [comparison.row(change) for change in changes]
     proposal, best = None, None
     if error is not None:
-        proposal, best = propose_scene(comparison, [(r, change) for r, _, change in rows], progress)
+        judged = [(row, change) for (row, _), change in zip(rows, changes, strict=True)]
+        proposal, best = propose_scene(comparison, judged)
     progress(f"{title}: timing in turns")
-    runs = [run for run in (full, *(run for _, run, _ in rows), best) if run is not None]
-    seconds = iter(_time([plan.stopwatch(run.machine) for run in runs], rounds))
+    trials = [trial for trial in (full, *(trial for _, trial in rows), best) if trial is not None]
+    seconds = _time([plan.stopwatch(trial.machine) for trial in trials], rounds)
+    return _answer(comparison, changes, [row for row, _ in rows], proposal, seconds)
+
+
+def _answer(
+    comparison: Comparison, changes: "tuple[Variant, ...]", rows: Sequence[Row],
+    proposal: Proposal | None, times: Sequence[float],
+) -> Matters:  # fmt: skip
+    """The ranking, with the times of the full scene, of the rows that ran and of the proposal."""
+    full, seconds = comparison.full, iter(times)
     costs = replace(full.costs, seconds=next(seconds))
-    timed = [r if run is None else _with_time(r, costs, next(seconds)) for r, run, _ in rows]
+
+    def timed(answer: Timed) -> Timed:
+        if answer.costs is None:
+            return answer
+        own = replace(answer.costs, seconds=next(seconds))
+        return replace(answer, costs=own, time_share=1.0 - own.seconds / costs.seconds)
+
     return Matters(
-        model=source.model.name,
-        scene=source.scene.name,
-        analysis=plan.analysis,
-        quantity=quantity.text,
-        value=value,
-        unit=full.quantity.unit,
-        size=size,
-        doubt=full.doubt,
-        costs=costs,
-        rows=tuple(sorted(timed, key=_rank)),
-        error=error,
-        proposal=None if proposal is None else _with_time(proposal, costs, next(seconds)),
-        notes=tuple(_notes(changes, full, size, error)),
-    )
+        model=comparison.source.model.name, scene=comparison.source.scene.name,
+        analysis=comparison.plan.analysis, quantity=comparison.quantity.text,
+        value=full.quantity.value, unit=full.quantity.unit, size=comparison.size, doubt=full.doubt,
+        costs=costs, rows=tuple(sorted([timed(row) for row in rows], key=_rank)),
+        error=comparison.error, proposal=None if proposal is None else timed(proposal),
+        notes=tuple(_notes(changes, full, comparison.size, comparison.error)),
+    )  # fmt: skip
 
 
 def _changes(source: Source, fidelities: bool) -> "tuple[Variant, ...]":
@@ -159,7 +136,7 @@ def _changes(source: Source, fidelities: bool) -> "tuple[Variant, ...]":
     return changes
 
 
-def _full_trial(machine: "Machine", plan: Plan, quantity: Quantity) -> Trial:
+def _full_trial(machine: Machine, plan: Plan, quantity: Quantity) -> Trial:
     """The trial of the full scene; a failure is the user's."""
     if plan.guess:
         machine.assemble(guess=plan.guess, parameters=plan.parameters, t=plan.t_start)
@@ -186,13 +163,6 @@ def _time(watches: Sequence[Stopwatch], rounds: int | None) -> list[float]:
     return [watch.seconds for watch in watches]
 
 
-def _with_time(answer: Timed, full: Costs, seconds: float) -> Timed:
-    """A row or proposal with its time, and the share of the full scene's time that it saves."""
-    assert answer.costs is not None
-    share = 1.0 - seconds / full.seconds
-    return replace(answer, costs=replace(answer.costs, seconds=seconds), time_share=share)
-
-
 def _rank(row: Row) -> tuple[bool, bool, float]:
     """Needed and impossible first, then by change; changes below their uncertainty last."""
     return row.change is not None, row.verdict is Verdict.NONE_SEEN, -(row.relative or 0.0)
@@ -202,7 +172,7 @@ def _notes(
     changes: "tuple[Variant, ...]", full: Trial, size: float, error: float | None
 ) -> list[str]:
     notes = []
-    effects = [change for change in changes if change.word == "none"]
+    effects = [change for change in changes if change.word == LEFT_OUT]
     if len(effects) == 1:
         notes.append(
             f"{effects[0].name} is the only effect of the scene, so there is none to rank it with."
@@ -224,17 +194,7 @@ def _notes(
     return notes
 
 
-def _standstill(full: Trial, trial: Trial) -> str:
-    """Why a machine no longer works as the full scene's does; empty if it does."""
-    if trial.freedom != full.freedom:
-        return f"it has {trial.freedom} degrees of freedom, where the full scene has {full.freedom}"
-    common = [name for name in trial.reach if full.reach.get(name, 0.0) > 0.0]
-    if common and all(trial.reach[name] <= STILL * full.reach[name] for name in common):
-        return "nothing moves without it"
-    return ""
-
-
-def _analysis_of(machine: "Machine") -> str:
+def _analysis_of(machine: Machine) -> str:
     """The analysis that a scene is meant for."""
     description = machine.description
     if description.analysis == "equilibrium":
@@ -251,13 +211,15 @@ def _check(
     problems = []
     if error is not None and not 0.0 < error < 1.0:
         problems.append(f"error is {error:g}; it is a share of the quantity, between 0 and 1.")
-    if not LEAST_RTOL <= rtol <= 1e-4:
-        problems.append(f"rtol is {rtol:g}; to compare runs it lies from {LEAST_RTOL:g} to 1e-4.")
+    if not trial_run.LEAST_RTOL <= rtol <= 1e-4:
+        least = trial_run.LEAST_RTOL
+        problems.append(f"rtol is {rtol:g}; to compare runs it lies from {least:g} to 1e-4.")
     if points < 11:
         problems.append(f"points is {points}; a quantity is taken from at least 11 instants.")
     if rounds is not None and rounds < 1:
         problems.append(f"rounds is {rounds}; a time takes at least one run.")
-    if analysis is not None and analysis not in ANALYSES:
-        problems.append(f"There is no analysis {analysis!r}; there are: {', '.join(ANALYSES)}.")
+    if analysis is not None and analysis not in trial_run.ANALYSES:
+        known = ", ".join(trial_run.ANALYSES)
+        problems.append(f"There is no analysis {analysis!r}; there are: {known}.")
     if problems:
         raise InputError(problems)

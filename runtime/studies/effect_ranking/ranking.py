@@ -26,66 +26,35 @@ class Verdict(StrEnum):
 class Costs:
     """The cost of a run.
 
-    Attributes
-    ----------
-    accelerations, operations
-        Arithmetic operations of the kernel `accelerations`, and of all kernels.
-    evaluations, steps, events
-        Of the run; 0 where its analysis counts none.
-    work
-        Operations of all evaluations and returns onto the constraints in the run; those of all
-        kernels, once, where none are counted. Unlike times it is reproducible.
-    seconds
-        Processor time of the run from its call to its result, with assembly and outputs: the least
-        of several rounds in which all scenes take turns.
+    The work is that of all evaluations and returns onto the constraints in the run; that of all
+    kernels, once, where none are counted. Unlike times it is reproducible.
     """
 
-    accelerations: int
-    operations: int
-    evaluations: int
+    accelerations: int  # arithmetic operations of the kernel `accelerations`
+    operations: int  # of all kernels
+    evaluations: int  # of the run, as are steps and events; 0 where its analysis counts none
     steps: int
     events: int
     work: int
-    seconds: float
+    seconds: float  # processor time with assembly and outputs, the least of rounds in turns
 
 
 @dataclass(frozen=True)
 class Row:
-    """One effect left out, or one thing in another fidelity.
-
-    Attributes
-    ----------
-    name, kind, word
-        The element, its kind, and its fidelity; "none" if it is left out.
-    scene
-        The scene that was run.
-    value, change
-        The quantity, and its difference from that of the full scene, in its unit; None where there
-        is none.
-    relative
-        |change| over the quantity's size.
-    doubt
-        Uncertainty of the change, in the quantity's unit.
-    costs
-        Of the run; None where it failed.
-    time_share
-        Share of the full run's time that is saved; negative where the run takes longer.
-    reason
-        Why it is needed or impossible, in a sentence; else "".
-    """
+    """One effect left out, or one thing in another fidelity."""
 
     name: str
     kind: str
-    word: str
-    scene: str
-    value: float | None
-    change: float | None
-    relative: float | None
-    doubt: float
-    costs: Costs | None
-    time_share: float | None
+    word: str  # the fidelity; "none" if it is left out
+    scene: str  # that was run
+    value: float | None  # the quantity; None where there is none
+    change: float | None  # from the full scene, in the quantity's unit
+    relative: float | None  # |change| over the quantity's size
+    doubt: float  # uncertainty of the change, in the quantity's unit
+    costs: Costs | None  # of the run; None where it failed
+    time_share: float | None  # of the full run's time that is saved; negative where it is longer
     verdict: Verdict
-    reason: str = ""
+    reason: str = ""  # why it is needed or impossible, in a sentence
 
     @property
     def title(self) -> str:
@@ -95,32 +64,19 @@ class Row:
 
 @dataclass(frozen=True)
 class Proposal:
-    """The cheapest scene that was found to keep the quantity within the permitted error.
+    """The cheapest scene that was found to keep the quantity within the permitted error."""
 
-    Attributes
-    ----------
-    left_out
-        Titles of its changes; none where nothing can be left out.
-    put_back
-        Changes that are negligible alone, but not together with the others.
-    scene, spelled
-        Its name, and its derivation from a declared scene.
-    relative, doubt
-        Its relative change of the quantity, as run, and the uncertainty of that.
-    tried
-        Every combination that was run, with its relative change (None: it does not work).
-    """
-
-    left_out: tuple[str, ...]
-    put_back: tuple[str, ...]
+    left_out: tuple[str, ...]  # titles of its changes; none where nothing can be left out
+    put_back: tuple[str, ...]  # changes that are negligible alone, but not with the others
     scene: str
-    spelled: str
+    spelled: str  # its derivation from a declared scene
     value: float
-    relative: float
-    doubt: float
+    relative: float  # change of the quantity, as run
+    doubt: float  # uncertainty of that
     costs: Costs
     time_share: float
     tried: tuple[tuple[tuple[str, ...], float | None], ...]
+    """Combinations that were run, with their relative change (None: it does not work)."""
 
 
 @dataclass(frozen=True)
@@ -156,10 +112,10 @@ class Matters:
 
     def __getitem__(self, title: str) -> Row:
         """The row of an effect, or of ``"rod as link"``."""
-        for row in self.rows:
-            if row.title == title:
-                return row
-        raise KeyError(f"{title!r}; there are: {', '.join(row.title for row in self.rows)}")
+        rows = {row.title: row for row in self.rows}
+        if title not in rows:
+            raise KeyError(f"{title!r}; there are: {', '.join(rows)}")
+        return rows[title]
 
     def facts(self) -> dict[str, Any]:
         """All fields, as JSON; a number that is not finite is null."""

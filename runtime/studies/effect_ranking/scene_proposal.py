@@ -1,52 +1,73 @@
-"""The cheapest scene within an error: without all effects that are negligible alone, then run."""
+"""Scenes compared with the full one, and the cheapest scene within an error.
+
+The proposal leaves out all effects that are negligible alone, and is run before it is made.
+"""
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from codegen.errors import InputError
+from runtime.studies.effect_ranking.quantity import Quantity
 from runtime.studies.effect_ranking.ranking import Proposal, Row, Verdict
-from runtime.studies.effect_ranking.trial_run import Trial, TrialError
+from runtime.studies.effect_ranking.trial_run import Plan, Trial, TrialError, run_trial
+from runtime.studies.scenes import LEFT_OUT, Source
 
 if TYPE_CHECKING:
     from codegen import Scene
     from codegen.scene_variants import Variant
 
+STILL = 1e-9  # accuracy: share of the full scene's motion below which nothing moves
 
-@dataclass
+
+@dataclass(frozen=True)
 class Comparison:
-    """Compares scenes with the full one.
+    """Compares scenes with the full one, that of the source."""
 
-    Attributes
-    ----------
-    size
-        Divisor of relative changes.
-    error
-        The relative change that is permitted, or None.
-    scene, trial
-        The full scene; scene → its trial, which raises `TrialError`.
-    """
+    source: Source
+    plan: Plan
+    quantity: Quantity
+    full: Trial  # of the full scene
+    error: float | None  # the relative change that is permitted
+    progress: Callable[[str], None]  # receives a line before every step that takes time
 
-    full: Trial
-    size: float
-    error: float | None
-    scene: "Scene"
-    trial: Callable[["Scene"], Trial]
+    @property
+    def size(self) -> float:
+        """Divisor of relative changes: see `Matters`."""
+        value = abs(self.full.quantity.value)
+        return value if value > 10.0 * self.full.doubt else max(self.full.quantity.scale, value)
+
+    def trial(self, scene: "Scene") -> Trial:
+        """Run a variant; raises TrialError where it does not work as the full scene does."""
+        self.progress(f"{self.source.model.name}/{scene.name}")
+        try:
+            trial = run_trial(self.source.variant(scene), self.plan, self.quantity)
+        except InputError as problem:
+            raise TrialError("; ".join(problem.problems)) from problem
+        reach, freedom = self.full.reach, self.full.freedom
+        if trial.freedom != freedom:
+            raise TrialError(
+                f"it has {trial.freedom} degrees of freedom, where the full scene has {freedom}"
+            )
+        common = [name for name in trial.reach if reach.get(name, 0.0) > 0.0]
+        if common and all(trial.reach[name] <= STILL * reach[name] for name in common):
+            raise TrialError("nothing moves without it")
+        return trial
 
     def row(self, change: "Variant") -> tuple[Row, Trial | None]:
         """The verdict on one change, and its trial if it ran."""
-        scene = change.of(self.scene)
+        scene = change.of(self.source.scene)
         about = (change.name, change.kind, change.word, scene.name)
         try:
             trial = self.trial(scene)
         except TrialError as error:
-            verdict = Verdict.NEEDED if change.word == "none" else Verdict.IMPOSSIBLE
+            verdict = Verdict.NEEDED if change.word == LEFT_OUT else Verdict.IMPOSSIBLE
             return Row(*about, None, None, None, 0.0, None, None, verdict, str(error)), None
         delta, doubt, relative = self.change(trial)
+        verdict = Verdict.NEGLIGIBLE if self.permits(delta, doubt) else Verdict.MATTERS
         if abs(delta) <= doubt:
             verdict = Verdict.NONE_SEEN
-        else:
-            verdict = Verdict.NEGLIGIBLE if self.permits(delta, doubt) else Verdict.MATTERS
         value = trial.quantity.value
         return Row(*about, value, delta, relative, doubt, trial.costs, None, verdict), trial
 
@@ -65,23 +86,23 @@ class Comparison:
 
 
 def propose_scene(
-    comparison: Comparison, rows: list[tuple[Row, "Variant"]], progress: Callable[[str], None]
+    comparison: Comparison, rows: list[tuple[Row, "Variant"]]
 ) -> tuple[Proposal, Trial]:
     """The scene without all that is negligible, or as much of it as the error permits together.
 
     While the scene is beyond the error, the effect that changes the quantity most is put back and
     the scene run again; the proposed scene has therefore been run.
     """
+    full = comparison.source.scene
     left_out = _negligible(comparison, rows)
     put_back: list[str] = []
     tried: list[tuple[tuple[str, ...], float | None]] = []
-    scene, trial = comparison.scene, comparison.full
+    scene, trial = full, comparison.full
     while left_out:
         titles = tuple(row.title for row, _ in left_out)
-        scene = comparison.scene
         for _, change in left_out:
             scene = change.of(scene)
-        progress(f"checking the scene without {', '.join(titles)}")
+        comparison.progress(f"checking the scene without {', '.join(titles)}")
         try:
             trial = comparison.trial(scene)
         except TrialError:
@@ -92,20 +113,14 @@ def propose_scene(
             if comparison.permits(delta, doubt):
                 break
         put_back.append(left_out.pop()[0].title)
-        scene, trial = comparison.scene, comparison.full
+        scene, trial = full, comparison.full
     _, doubt, relative = comparison.change(trial)
     proposal = Proposal(
-        left_out=tuple(row.title for row, _ in left_out),
-        put_back=tuple(put_back),
-        scene=scene.name,
-        spelled=scene.spelled,
-        value=trial.quantity.value,
-        relative=relative,
-        doubt=comparison.relative(doubt),
-        costs=trial.costs,
-        time_share=math.nan,
+        left_out=tuple(row.title for row, _ in left_out), put_back=tuple(put_back),
+        scene=scene.name, spelled=scene.spelled, value=trial.quantity.value, relative=relative,
+        doubt=comparison.relative(doubt), costs=trial.costs, time_share=math.nan,
         tried=tuple(tried),
-    )
+    )  # fmt: skip
     return proposal, trial
 
 
@@ -118,15 +133,14 @@ def _negligible(
     quantity least, if the run then takes less work.
     """
 
-    def change_of(row: Row) -> tuple[float, str]:
-        return row.relative or 0.0, row.title
+    def size(pair: tuple[Row, "Variant"]) -> tuple[float, str]:
+        return pair[0].relative or 0.0, pair[0].title
 
     chosen: dict[str, tuple[Row, Variant]] = {}
-    work = comparison.full.costs.work
-    for row, change in sorted(rows, key=lambda pair: (pair[1].word != "none", change_of(pair[0]))):
+    for row, change in sorted(rows, key=lambda pair: (pair[0].word != LEFT_OUT, size(pair))):
         if row.costs is None or row.verdict not in {Verdict.NEGLIGIBLE, Verdict.NONE_SEEN}:
             continue
-        cheaper = change.word == "none" or row.costs.work < work
+        cheaper = row.word == LEFT_OUT or row.costs.work < comparison.full.costs.work
         if cheaper and comparison.permits(row.change or 0.0, row.doubt):
             chosen.setdefault(row.name, (row, change))
-    return sorted(chosen.values(), key=lambda pair: change_of(pair[0]))
+    return sorted(chosen.values(), key=size)

@@ -2,11 +2,10 @@
 
 import math
 from collections.abc import Iterator
-from textwrap import shorten
 
 from rich.table import Table
 
-from runtime.show.terminal_table import new_table
+from runtime.show.terminal_table import new_table, shortened
 from runtime.studies.effect_ranking.ranking import Costs, Matters, Proposal, Row, Verdict
 
 _LONGEST_REASON = 200  # characters
@@ -14,7 +13,7 @@ _LONGEST_REASON = 200  # characters
 
 def table(ranking: Matters) -> Table:
     """The full scene, then the change and the saving without each effect."""
-    value = f"{ranking.value:.7g}{_unit(ranking)}"
+    full, value = ranking.costs, f"{ranking.value:.7g}{_unit(ranking)}"
     rows = new_table(
         f"{ranking.model}/{ranking.scene}, {ranking.analysis}: {ranking.quantity} = {value}",
         "acc., all: operations of the kernel accelerations and of all kernels; the first row is "
@@ -24,11 +23,9 @@ def table(ranking: Matters) -> Table:
         9,
     )
     rows.add_column("verdict", no_wrap=True)
-    full = ranking.costs
-    rows.add_row(
-        "nothing", "", "", str(full.accelerations), str(full.operations),
-        f"{1e3 * full.seconds:.3g} ms", str(full.steps), str(full.events), "",
-    )  # fmt: skip
+    accelerations, operations, steps, events = map(str, _counts(full))
+    time = f"{1e3 * full.seconds:.3g} ms"
+    rows.add_row("nothing", "", "", accelerations, operations, time, steps, events, "")
     rows.add_section()
     for row in ranking.rows:
         savings = _savings(full, row.costs, row.time_share)
@@ -59,8 +56,7 @@ def _unit(ranking: Matters) -> str:
 
 def _sentence(ranking: Matters, row: Row) -> str:
     if row.change is None:
-        reason = shorten(row.reason, _LONGEST_REASON, placeholder=" …")
-        return f"{row.title} is {row.verdict}: {reason}"
+        return f"{row.title} is {row.verdict}: {shortened(row.reason, _LONGEST_REASON)}"
     share = row.time_share or 0.0
     if row.verdict is Verdict.NONE_SEEN:
         limit = _percent(row.doubt / ranking.size) if ranking.size else f"{row.doubt:.1e}"
@@ -103,16 +99,15 @@ def _change(row: Row) -> tuple[str, str]:
     return f"{row.change:+.3g}", _percent(row.relative)
 
 
+def _counts(costs: Costs) -> tuple[int, int, int, int]:
+    return costs.accelerations, costs.operations, costs.steps, costs.events
+
+
 def _savings(full: Costs, costs: Costs | None, share: float | None) -> tuple[str, ...]:
     if costs is None:
         return ("",) * 5
-    return (
-        str(full.accelerations - costs.accelerations),
-        str(full.operations - costs.operations),
-        "" if share is None else f"{share:.0%}",
-        str(full.steps - costs.steps),
-        str(full.events - costs.events),
-    )
+    saved = [str(all_ - rest) for all_, rest in zip(_counts(full), _counts(costs), strict=True)]
+    return (*saved[:2], "" if share is None else f"{share:.0%}", *saved[2:])
 
 
 def _percent(share: float | None) -> str:

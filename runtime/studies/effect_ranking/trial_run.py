@@ -8,27 +8,24 @@ answers is the uncertainty of the second.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from codegen.errors import InputError, LinkwrightError
+from runtime.machine import Machine
+from runtime.results.result import Result
 from runtime.studies.effect_ranking.quantity import Quantity, QuantityValue
 from runtime.studies.effect_ranking.ranking import Costs
-from runtime.studies.scenes import known_guess, known_parameters
+from runtime.studies.scenes import known_values
+from runtime.studies.series import FloatArray
 from runtime.studies.timing import Stopwatch, processor_time
-
-if TYPE_CHECKING:
-    from runtime.machine import Machine
-    from runtime.results.result import Result
-
-FloatArray = npt.NDArray[np.float64]
 
 ANALYSES = ("simulate", "kinematics", "inverse", "equilibrium")
 COARSER = 100.0  # accuracy: ratio of the tolerances of the two runs
 LEAST_RTOL = 1e-13  # accuracy: tightest rtol of the second run
+NONE = np.zeros(0)
 _BESIDE_EVENT = 1e-7  # accuracy: share of the run between an event and the samples beside it
 _PERTURBATION = 1e-4  # accuracy: relative offset from which an equilibrium is searched for again
 _ROUNDING = 1e-12  # accuracy: least relative uncertainty, however well two runs agree
@@ -36,106 +33,68 @@ _ROUNDING = 1e-12  # accuracy: least relative uncertainty, however well two runs
 
 @dataclass(frozen=True)
 class Plan:
-    """The run that every scene of a ranking makes.
+    """The run that every scene of a ranking makes."""
 
-    Attributes
-    ----------
-    analysis
-        One of `ANALYSES`.
-    points
-        Output instants of the first run, and of those that are timed.
-    rtol
-        Relative tolerance of the second run, and of those that are timed.
-    parameters, guess
-        By name; a scene gets those that it has.
-    """
-
-    analysis: str
+    analysis: str  # one of `ANALYSES`
     t_start: float
     t_end: float
-    points: int
-    rtol: float
+    points: int  # output instants of the first run, and of those that are timed
+    rtol: float  # of the second run, and of those that are timed
     method: str
-    parameters: Mapping[str, float] = field(default_factory=dict)
-    guess: Mapping[str, float] = field(default_factory=dict)
+    parameters: Mapping[str, float]  # a scene gets those that it has
+    guess: Mapping[str, float]  # the same
 
-    def run(self, machine: "Machine", *, rtol: float, instants: FloatArray) -> "Result":
+    def values(self, machine: Machine) -> dict[str, dict[str, float]]:
+        """Those of the parameters and start values that a machine has."""
+        return known_values(machine, self.parameters, self.guess)
+
+    def run(self, machine: Machine, *, rtol: float, instants: FloatArray) -> Result:
         """The analysis of a machine."""
-        values: dict[str, Any] = {
-            "parameters": known_parameters(machine, self.parameters),
-            "guess": known_guess(machine, self.guess),
-            "progress": False,
-        }
-        match self.analysis:
-            case "simulate":
-                return machine.simulate(
-                    self.t_end, instants, t_start=self.t_start, method=self.method, rtol=rtol,
-                    **values,
-                )  # fmt: skip
-            case "kinematics":
-                return machine.kinematics(instants, **values)
-            case "inverse":
-                return machine.inverse_dynamics(instants, **values)
-            case _:
-                return machine.equilibrium(**values, t=self.t_start)
+        values: dict[str, Any] = {**self.values(machine), "progress": False}
+        if self.analysis == "simulate":
+            values |= {"t_start": self.t_start, "method": self.method, "rtol": rtol}
+            return machine.simulate(self.t_end, instants, **values)
+        if self.analysis == "equilibrium":
+            return machine.equilibrium(**values, t=self.t_start)
+        driven = self.analysis == "kinematics"
+        return (machine.kinematics if driven else machine.inverse_dynamics)(instants, **values)
 
-    def stopwatch(self, machine: "Machine") -> Stopwatch:
+    def stopwatch(self, machine: Machine) -> Stopwatch:
         """Repeats the run; its time is that from the call to the result."""
         instants = self.instants(self.points)
         return Stopwatch(
             lambda: processor_time(lambda: self.run(machine, rtol=self.rtol, instants=instants))[1]
         )
 
-    def instants(
-        self, count: int, events: FloatArray | None = None, beside: float = 0.0
-    ) -> FloatArray:
+    def instants(self, count: int, events: FloatArray = NONE, beside: float = 0.0) -> FloatArray:
         """Equally spaced instants, and those before and after events by a share of the run."""
         even = np.linspace(self.t_start, self.t_end, count)
-        if events is None or not len(events):
-            return even
         step = beside * (self.t_end - self.t_start)
         more = np.concatenate([events - step, events + step])
         inside = more[(more > self.t_start) & (more < self.t_end)]
-        return np.unique(np.concatenate([even, inside]))
+        return np.unique(np.concatenate([even, inside])) if len(events) else even
 
 
 @dataclass(frozen=True)
 class Trial:
-    """A scene that was run.
+    """A scene that was run."""
 
-    Attributes
-    ----------
-    quantity, doubt
-        The quantity, and its uncertainty.
-    freedom
-        Degrees of freedom at the start.
-    reach
-        Coordinate → largest less least value, in its unit.
-    costs
-        Of the second run, its time not measured yet.
-    """
-
-    machine: "Machine"
+    machine: Machine
     quantity: QuantityValue
-    doubt: float
-    freedom: int
-    reach: dict[str, float]
-    costs: Costs
+    doubt: float  # uncertainty of the quantity
+    freedom: int  # degrees of freedom at the start
+    reach: dict[str, float]  # coordinate → largest less least value, in its unit
+    costs: Costs  # of the second run, its time not measured yet
 
 
 class TrialError(LinkwrightError):
     """A scene has no such quantity, or does not run; says why."""
 
 
-def run_trial(machine: "Machine", plan: Plan, quantity: Quantity) -> Trial:
+def run_trial(machine: Machine, plan: Plan, quantity: Quantity) -> Trial:
     """Run a scene twice.
 
-    Raises
-    ------
-    TrialError
-        If it cannot be run, or does not run to its end.
-    InputError
-        If it has no such quantity.
+    Raises TrialError if it does not run to its end, and InputError if it has no such quantity.
     """
     try:
         freedom = _degrees_of_freedom(machine, plan)
@@ -153,16 +112,15 @@ def run_trial(machine: "Machine", plan: Plan, quantity: Quantity) -> Trial:
     return Trial(machine, second, doubt, freedom, reach, _costs(machine, fine))
 
 
-def _degrees_of_freedom(machine: "Machine", plan: Plan) -> int:
+def _degrees_of_freedom(machine: Machine, plan: Plan) -> int:
     """At the start; 0 of an equilibrium, whose start need not satisfy the constraints."""
     if plan.analysis == "equilibrium":
         return 0
     t = plan.t_start if plan.analysis == "simulate" else 0.0
-    guess = known_guess(machine, plan.guess)
-    return machine.assemble(guess, known_parameters(machine, plan.parameters), t).degrees_of_freedom
+    return machine.assemble(**plan.values(machine), t=t).degrees_of_freedom
 
 
-def _run_twice(machine: "Machine", plan: Plan) -> tuple["Result", "Result"]:
+def _run_twice(machine: Machine, plan: Plan) -> tuple[Result, Result]:
     """The run for comparison, and the run from which the quantity is taken."""
     rtol, points = min(COARSER * plan.rtol, 1e-3), plan.points
     rough = plan.run(machine, rtol=rtol, instants=plan.instants(points))
@@ -173,28 +131,22 @@ def _run_twice(machine: "Machine", plan: Plan) -> tuple["Result", "Result"]:
         near = dict(zip(machine.coordinates.names, q.tolist(), strict=True))
         again = replace(plan, guess={**plan.guess, **near})
         return rough, again.run(machine, rtol=rtol, instants=plan.instants(points))
-    events = np.array([event.time for event in rough.events])
-    if plan.analysis == "simulate" and len(events):
+    events = NONE
+    if plan.analysis == "simulate" and rough.events:
+        events = np.array([event.time for event in rough.events])
         instants = plan.instants(points, events, 4.0 * _BESIDE_EVENT)
         rough = plan.run(machine, rtol=rtol, instants=instants)
-    else:
-        events = np.zeros(0)
     instants = plan.instants(2 * points - 1, events, _BESIDE_EVENT)
     return rough, plan.run(machine, rtol=plan.rtol, instants=instants)
 
 
-def _costs(machine: "Machine", run: "Result") -> Costs:
+def _costs(machine: Machine, run: Result) -> Costs:
     operations = dict(machine.description.operations)
-    evaluations = int(run.stats.get("rhs_evaluations", 0))
-    iterations = int(run.stats.get("newton_iterations", 0))
-    work = evaluations * operations.get("accelerations", 0)
-    work += iterations * operations.get("correction", 0)
+    evaluations, iterations, steps = (
+        int(run.stats.get(name, 0)) for name in ("rhs_evaluations", "newton_iterations", "steps")
+    )
+    accelerations, total = operations.get("accelerations", 0), sum(operations.values())
+    work = evaluations * accelerations + iterations * operations.get("correction", 0)
     return Costs(
-        accelerations=operations.get("accelerations", 0),
-        operations=sum(operations.values()),
-        evaluations=evaluations,
-        steps=int(run.stats.get("steps", 0)),
-        events=len(run.events),
-        work=work or sum(operations.values()),
-        seconds=math.nan,
+        accelerations, total, evaluations, steps, len(run.events), work or total, seconds=math.nan
     )

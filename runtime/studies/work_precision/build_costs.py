@@ -16,7 +16,6 @@ from codegen.errors import SceneError
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
-    from codegen.generated_files.build_report import SceneReport
 
 WARM = "load, warm"
 _LOAD = """
@@ -36,14 +35,18 @@ def build_costs(
 
     Companion modules (derivatives, which implicit methods take, and reduced equations) have stages
     of their own, which follow where the scene has them; files are compiled concurrently.
-
-    Parameters
-    ----------
-    companions
-        Those that are built beside the scene's own module.
     """
+    from codegen import build
+
     with tempfile.TemporaryDirectory() as folder:
-        report = _built(model, scene, Path(folder) / "generated", companions)
+        out = Path(folder) / "generated"
+        tangents, reduced = "tangents" in companions, "reduced" in companions
+        try:
+            report = build(model, scene, out, tangents=tangents, reduced=reduced).scenes[0]
+        except SceneError:  # a scene without reduced equations: sticking by the force of a reaction
+            if not reduced:
+                raise
+            report = build(model, scene, out, tangents=tangents).scenes[0]
         seconds = {stage: time for stage, time in report.seconds.items() if stage != "read"}
         for companion in report.companions:
             seconds |= {
@@ -53,28 +56,10 @@ def build_costs(
         return seconds | {WARM: _warm_load(report.path)}
 
 
-def _built(
-    model: "Model", scene: "Scene", folder: Path, companions: Collection[str]
-) -> "SceneReport":
-    from codegen import build
-
-    tangents = "tangents" in companions
-    if "reduced" in companions:
-        try:
-            return build(model, scene, folder, tangents=tangents, reduced=True).scenes[0]
-        except SceneError:  # a scene without reduced equations: sticking by the force of a reaction
-            pass
-    return build(model, scene, folder, tangents=tangents).scenes[0]
-
-
 def _warm_load(path: Path) -> float:
     root = Path(__file__).resolve().parents[3]
     paths = os.pathsep.join(filter(None, [str(root), os.environ.get("PYTHONPATH")]))
-    done = subprocess.run(
-        [sys.executable, "-c", _LOAD, str(path)],
-        env={**os.environ, "PYTHONPATH": paths},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    environment = {**os.environ, "PYTHONPATH": paths}
+    command = [sys.executable, "-c", _LOAD, str(path)]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     return float(done.stdout)

@@ -1,20 +1,20 @@
 """A work-precision diagram as data: settings, runs, reference, modelling choices."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 from runtime.integrate.method import IMPLICIT
 from runtime.results.json_values import plain
 from runtime.studies.error_norms import Errors, Scale
 
-DONE = "OK"
-TIMEOUT = "TIMEOUT"
-NOT_TRIED = "NOT_TRIED"
+FORMULATIONS = ("cartesian", "reduced")
 _CORRECTIONS = {"step": "", "stage": ", every stage", "projection": ", projection"}
 
 
-class Setting(NamedTuple):
+@dataclass(frozen=True)
+class Setting:
     """How a scene is integrated: arguments of `simulate`."""
 
     method: str
@@ -24,9 +24,8 @@ class Setting(NamedTuple):
     @property
     def title(self) -> str:
         """``dop853, reduced``, or ``dop853, cartesian, every stage``."""
-        return (
-            f"{self.method}, {self.formulation}{_CORRECTIONS.get(self.correction, self.correction)}"
-        )
+        correction = _CORRECTIONS.get(self.correction, self.correction)
+        return f"{self.method}, {self.formulation}{correction}"
 
     @property
     def companion(self) -> str:
@@ -36,50 +35,47 @@ class Setting(NamedTuple):
         return "tangents" if self.method in IMPLICIT else ""
 
 
+def all_settings(methods: Sequence[str], formulations: Sequence[str]) -> tuple[Setting, ...]:
+    """Every method in every formulation; other returns onto the constraints with one of them.
+
+    Correction at every stage and projection are compared with "dop853" in all coordinates.
+    """
+    settings = [Setting(method, formulation) for method in methods for formulation in formulations]
+    if "dop853" in methods and "cartesian" in formulations:
+        settings += [Setting("dop853", "cartesian", way) for way in ("stage", "projection")]
+    return tuple(settings)
+
+
 @dataclass(frozen=True)
 class Point:
     """One run.
 
-    Attributes
-    ----------
-    outcome, message
-        "OK"; the name of a `runtime.Outcome`; "TIMEOUT" where the limit of time ended it;
-        "NOT_TRIED" where looser tolerances had met the limit twice. How it ended, in a sentence.
-    errors
-        Against the reference; None of a run that did not reach its end.
-    beyond
-        Whether the error is smaller than that of the reference, and so is not known itself.
-    seconds
-        Processor time of the integration in s, without assembly and outputs: least of `runs`.
-    spread
-        The median of the runs' times over the least.
-    counts
-        Entries of `Result.stats`.
-    position_residual, velocity_residual
-        Largest |Φ| over the machine's size, and |Φ_q q̇ - ν| over the largest velocity.
-    energy
-        Largest error of the energy over its largest magnitude; None where there is none.
+    The outcome is "OK"; the name of a `runtime.Outcome`; "TIMEOUT" where the limit of time ended
+    it; "NOT_TRIED" where looser tolerances had met the limit twice.
     """
 
     rtol: float
     outcome: str
-    message: str = ""
-    errors: Errors | None = None
-    beyond: bool = False
-    seconds: float = math.nan
-    spread: float = math.nan
+    message: str = ""  # how it ended, in a sentence
+    errors: Errors | None = None  # against the reference; None of a run that did not reach its end
+    beyond: bool = False  # whether the error is smaller than that of the reference: not known
+    seconds: float = math.nan  # processor time of the integration alone, the least of the runs
+    spread: float = math.nan  # median of the runs' times over the least
     runs: int = 0
-    counts: dict[str, float] = field(default_factory=dict)
-    position_residual: float = math.nan
-    velocity_residual: float = math.nan
-    energy: float | None = None
+    counts: dict[str, float] = field(default_factory=dict)  # entries of `Result.stats`
+    position_residual: float = math.nan  # largest |Φ| over the machine's size
+    velocity_residual: float = math.nan  # largest |Φ_q q̇ - ν| over the largest velocity
+    energy: float | None = None  # largest error over its largest magnitude; None without energy
+
+    @property
+    def worst(self) -> float:
+        """The largest scaled error; nan of a run that failed."""
+        return math.nan if self.errors is None else self.errors.worst
 
     @property
     def digits(self) -> float:
-        """-log10 of the worst scaled error; nan of a run that failed."""
-        if self.errors is None:
-            return math.nan
-        return -math.log10(max(self.errors.worst, 1e-17))
+        """-log10 of the largest scaled error; nan of a run that failed."""
+        return math.nan if self.errors is None else -math.log10(max(self.worst, 1e-17))
 
 
 @dataclass(frozen=True)
@@ -108,60 +104,33 @@ class Line:
 
 @dataclass(frozen=True)
 class Check:
-    """A run that confirms the reference to a scaled error; or why it does not."""
+    """A run that confirms the reference to a scaled error."""
 
     title: str
-    error: float | None
-    reason: str = ""
+    error: float
 
 
 @dataclass(frozen=True)
 class Reference:
-    """The solution with which all runs are compared.
+    """The solution with which all runs are compared."""
 
-    Attributes
-    ----------
-    source
-        The file, or the setting of a run at a tolerance that no other run has.
-    independent
-        Whether it was given, not computed by the methods that are compared.
-    checks
-        Runs of other methods that confirm it.
-    floor
-        Scaled error to which it is known: the least difference of a check.
-    horizon
-        The instant, s, from which on it is known to fewer than six digits; None if there is none.
-    """
-
-    source: str
-    independent: bool
-    checks: tuple[Check, ...]
-    floor: float
-    horizon: float | None = None
+    source: str  # the file, or the setting of a run at a tolerance that no other run has
+    independent: bool  # whether it was given, not computed by the methods that are compared
+    checks: tuple[Check, ...]  # runs of other methods that confirm it
+    floor: float  # scaled error to which it is known: the least difference of a check
+    horizon: float | None = None  # instant, s, from which on it is known to fewer than six digits
 
 
 @dataclass(frozen=True)
 class Choice:
-    """The scene with one thing modelled differently.
+    """The scene with one thing modelled differently."""
 
-    Attributes
-    ----------
-    title, kind, scene
-        ``rod as link``, the kind of the thing, and the scene that was run.
-    setting
-        Of the run; None where none was possible.
-    point
-        The loosest run whose error is that of the model and not of the integration.
-    reason
-        Why there is no run.
-    """
-
-    title: str
-    kind: str
-    scene: str
-    setting: Setting | None = None
-    point: Point | None = None
-    reason: str = ""
+    title: str  # ``rod as link``
+    kind: str  # of the thing
+    scene: str  # that was run
+    setting: Setting | None = None  # of the run; None where none was possible
+    point: Point | None = None  # the loosest run whose error is that of the model alone
+    reason: str = ""  # why there is no run
 
 
 @dataclass(frozen=True)
@@ -206,24 +175,13 @@ class WorkPrecision:
 
     def __getitem__(self, title: str) -> Line:
         """The line of a setting, by its title."""
-        for line in self.lines:
-            if line.setting.title == title:
-                return line
-        there = "; ".join(line.setting.title for line in self.lines)
-        raise KeyError(f"{title!r}; there are: {there}")
+        lines = {line.setting.title: line for line in self.lines}
+        if title not in lines:
+            raise KeyError(f"{title!r}; there are: {'; '.join(lines)}")
+        return lines[title]
 
     def facts(self) -> dict[str, Any]:
         """All fields and the sentences, as JSON; a number that is not finite is null."""
         from runtime.studies.work_precision.interpretation import sentences
 
-        facts: dict[str, Any] = plain(_as_mappings(asdict(self)))
-        return {**facts, "sentences": list(sentences(self, whole=True))}
-
-
-def _as_mappings(facts: dict[str, Any]) -> dict[str, Any]:
-    """Named tuples as mappings: `asdict` leaves them as they are."""
-    facts["quantities"] = [scale._asdict() for scale in facts["quantities"]]
-    for entry in (*facts["lines"], *facts["choices"]):
-        if entry["setting"] is not None:
-            entry["setting"] = entry["setting"]._asdict()
-    return facts
+        return {**plain(asdict(self)), "sentences": list(sentences(self, whole=True))}

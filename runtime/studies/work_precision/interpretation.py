@@ -1,12 +1,13 @@
 """Conclusions from the runs: times at an accuracy, the Pareto front, sentences."""
 
 import math
-import textwrap
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from runtime.show.terminal_table import milliseconds, shortened
 from runtime.studies.timing import time_to_error
 from runtime.studies.work_precision.diagram import Choice, Line, Point, Setting, WorkPrecision
 
@@ -36,26 +37,26 @@ def time_at(line: Line, error: float) -> float | None:
     A tighter run that is faster reaches it as well, so that no accuracy takes longer than a better
     one.
     """
-    points = [(p.errors.worst, p.seconds) for p in line.done if p.errors is not None]
-    found = time_to_error(points, error)
-    if found is None:
+    points = [(point.worst, point.seconds) for point in line.done]
+    seconds = time_to_error(points, error)
+    if seconds is None:
         return None
-    return min(found, *(seconds for worst, seconds in points if worst <= error))
+    return min(seconds, *(time for worst, time in points if worst <= error))
+
+
+def fastest(lines: Sequence[Line], error: float) -> Best | None:
+    """The fastest line at an accuracy."""
+    times = [(time_at(line, error), k) for k, line in enumerate(lines)]
+    reached = [(seconds, k) for seconds, k in times if seconds is not None]
+    if not reached:
+        return None
+    seconds, k = min(reached)
+    return Best(seconds, lines[k])
 
 
 def best_at(study: WorkPrecision, error: float) -> Best | None:
     """The fastest line at an accuracy that the reference can resolve."""
-    if error < study.reference.floor:
-        return None
-    times = [
-        (seconds, k)
-        for k, line in enumerate(study.lines)
-        if (seconds := time_at(line, error)) is not None
-    ]
-    if not times:
-        return None
-    seconds, k = min(times)
-    return Best(seconds, study.lines[k])
+    return None if error < study.reference.floor else fastest(study.lines, error)
 
 
 def front(lines: Sequence[Line]) -> list[tuple[Setting, Point]]:
@@ -64,21 +65,18 @@ def front(lines: Sequence[Line]) -> list[tuple[Setting, Point]]:
     Of the runs that are more accurate than the reference it has the fastest only.
     """
     runs = [(line.setting, point) for line in lines for point in line.done]
-    found: list[tuple[Setting, Point]] = []
-    least = math.inf
+    best: list[tuple[Setting, Point]] = []
     for setting, point in sorted(runs, key=lambda run: run[1].seconds):
-        assert point.errors is not None
-        if point.errors.worst < least:
-            found.append((setting, point))
-            least = point.errors.worst
+        if point.worst < (best[-1][1].worst if best else math.inf):
+            best.append((setting, point))
         if point.beyond:
             break
-    return found
+    return best
 
 
 def slope(line: Line) -> float | None:
     """d log E / d log rtol over the runs whose error is known: 1 where errors follow tolerances."""
-    runs = [(p.rtol, p.errors.worst) for p in line.known if p.errors and p.errors.worst < 0.1]
+    runs = [(point.rtol, point.worst) for point in line.known if point.worst < 0.1]
     if len(runs) < 2:
         return None
     rtols, worst = np.log(np.array(runs)).T
@@ -87,7 +85,7 @@ def slope(line: Line) -> float | None:
 
 def effectivity(line: Line) -> float | None:
     """Median of E over rtol: the factor between the error of a run and the tolerance of a step."""
-    ratios = [p.errors.worst / p.rtol for p in line.known if p.errors]
+    ratios = [point.worst / point.rtol for point in line.known]
     return float(np.median(ratios)) if ratios else None
 
 
@@ -121,18 +119,10 @@ def headline(study: WorkPrecision) -> str:
     )
 
 
-def milliseconds(seconds: float) -> str:
-    """A time with its unit."""
-    return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"
-
-
 def _comparisons(study: WorkPrecision, target: float) -> Iterator[str]:
     """Methods, corrections and formulations at one accuracy."""
-    times = {
-        line.setting: seconds
-        for line in study.lines
-        if (seconds := time_at(line, target)) is not None
-    }
+    reached = {line.setting: time_at(line, target) for line in study.lines}
+    times = {setting: seconds for setting, seconds in reached.items() if seconds is not None}
     at = f"at {digits(target)} digits"
     once = sorted((seconds, s.title) for s, seconds in times.items() if s.correction == "step")
     if len(once) > 1:
@@ -145,13 +135,13 @@ def _comparisons(study: WorkPrecision, target: float) -> Iterator[str]:
     if base not in times:
         return
     for correction, name in (("stage", "at every stage"), ("projection", "by projection")):
-        other = base._replace(correction=correction)
+        other = replace(base, correction=correction)
         if other in times:
             yield (
                 f"Correction {name} takes {times[other] / times[base]:.2f} times the time of "
                 f"correction once per step {at} ({base.title})."
             )
-    other = base._replace(formulation="reduced")
+    other = replace(base, formulation="reduced")
     if other in times:
         ratio = times[other] / times[base]
         yield f"{other.title} takes {ratio:.2f} times the time of {base.title} {at}."
@@ -160,13 +150,13 @@ def _comparisons(study: WorkPrecision, target: float) -> Iterator[str]:
 def _choice(study: WorkPrecision, choice: Choice, longest: float) -> str:
     """Accuracy and time of a modelling choice, and the time of the declared scene beside it."""
     point = choice.point
-    if point is None or point.errors is None or choice.setting is None:
-        return f"{choice.title}: not run. {_shorten(choice.reason, longest)}"
+    if point is None:
+        return f"{choice.title}: not run. {shortened(choice.reason, longest)}"
     if point.beyond:
         kept = "all digits that the reference can resolve"
     else:
         kept = f"{max(point.digits, 0.0):.1f} digits, however tight the tolerance"
-    full = best_at(study, max(min(point.errors.worst, 0.1), study.reference.floor))
+    full = best_at(study, max(min(point.worst, 0.1), study.reference.floor))
     declared = ""
     if full is not None:
         declared = f"; the declared scene has as many after {milliseconds(full.seconds)}"
@@ -175,11 +165,7 @@ def _choice(study: WorkPrecision, choice: Choice, longest: float) -> str:
 
 def _reference(study: WorkPrecision) -> Iterator[str]:
     reference = study.reference
-    checks = ", ".join(
-        f"{check.title} differs by {check.error:.1e}"
-        for check in reference.checks
-        if check.error is not None
-    )
+    checks = ", ".join(f"{check.title} differs by {check.error:.1e}" for check in reference.checks)
     kind = "was given" if reference.independent else "is itself a run and not independent"
     yield (
         f"The reference, {reference.source}, {kind}: {checks}. Errors below "
@@ -202,10 +188,10 @@ def _failures(study: WorkPrecision, longest: float) -> Iterator[str]:
         if line.failed:
             outcomes = ", ".join(dict.fromkeys(point.outcome for point in line.failed))
             count = f"{len(line.failed)} of {len(line.points)} runs did not reach the end"
-            reason = _shorten(line.failed[0].message, longest)
+            reason = shortened(line.failed[0].message, longest)
             yield f"{line.setting.title}: {count}: {outcomes}. {reason}"
     for reason, titles in refusals.items():
-        yield f"Not tried: {'; '.join(titles)}. {_shorten(reason, longest)}"
+        yield f"Not tried: {'; '.join(titles)}. {shortened(reason, longest)}"
 
 
 def _times(study: WorkPrecision) -> Iterator[str]:
@@ -219,9 +205,3 @@ def _times(study: WorkPrecision) -> Iterator[str]:
     if study.build:
         parts = ", ".join(f"{stage} {seconds:.2g}" for stage, seconds in study.build.items())
         yield f"Building, once, apart from all runs, in s: {parts}."
-
-
-def _shorten(text: str, longest: float) -> str:
-    if len(text) <= longest:
-        return text
-    return textwrap.shorten(text, int(longest), placeholder=" …")

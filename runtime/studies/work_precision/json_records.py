@@ -3,6 +3,7 @@
 import json
 import platform
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -18,18 +19,16 @@ LIBRARIES = ("numba", "llvmlite", "numpy", "scipy", "sympy")
 
 def environment() -> dict[str, str]:
     """Processor, operating system and versions: name → text."""
-    found = {
+    facts = {
         "machine": processor(),
         "system": f"{platform.system()} {platform.machine()}",
         "python": platform.python_version(),
         "linkwright": __version__,
     }
     for name in LIBRARIES:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            continue
-    return found
+        with suppress(PackageNotFoundError):
+            facts[name] = version(name)
+    return facts
 
 
 def processor() -> str:
@@ -60,14 +59,14 @@ def records(study: WorkPrecision) -> Iterator[dict[str, Any]]:
         "environment": study.environment,
     }
     for line in study.lines:
-        about = {**common, **line.setting._asdict(), "choice": ""}
+        about = {**common, **asdict(line.setting), "choice": ""}
         of_line = {"slope": slope(line), "effectivity": effectivity(line)}
         if line.refused:
             yield plain({**about, **_refusal(line.refused)})
         for point in line.points:
             yield plain({**about, **_run(study, point), **of_line})
     for choice in study.choices:
-        setting = (choice.setting or Setting(""))._asdict()
+        setting = asdict(choice.setting or Setting(""))
         about = {**common, "scene_run": choice.scene, **setting, "choice": choice.title}
         run = _refusal(choice.reason) if choice.point is None else _run(study, choice.point)
         yield plain({**about, **run})
@@ -85,9 +84,6 @@ def _refusal(reason: str) -> dict[str, Any]:
 
 
 def _run(study: WorkPrecision, point: Point) -> dict[str, Any]:
-    atol = {
-        scale.name: point.rtol * min(1.0, scale.value)
-        for scale in study.quantities
-        if scale.group == "positions"
-    }
+    positions = [scale for scale in study.quantities if scale.group == "positions"]
+    atol = {scale.name: point.rtol * min(1.0, scale.value) for scale in positions}
     return {**asdict(point), "atol": atol, "digits": point.digits}

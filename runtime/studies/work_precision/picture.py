@@ -1,19 +1,18 @@
 """The work-precision diagram as a picture: digits against milliseconds, a line per setting."""
 
 import math
+from collections.abc import Iterable
 from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from codegen.errors import InputError
-from runtime.show.plot import check_parent, new_figure
-from runtime.studies.work_precision.diagram import Line, WorkPrecision
+from runtime.show.plot import check_parent, finish_axes, new_figure, writing
+from runtime.studies.work_precision.diagram import Line, Point, WorkPrecision
 from runtime.studies.work_precision.interpretation import front, headline
 from runtime.studies.work_precision.json_records import write_records
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 COLOURS = {
     "dop853": "#1f6fb2",
@@ -23,16 +22,15 @@ COLOURS = {
     "bdf": "#e07b1a",
     "auto": "#7b5ea7",
 }
-STYLES = {("cartesian", "step"): "-", ("reduced", "step"): "--",
-          ("cartesian", "stage"): ":", ("cartesian", "projection"): "-."}  # fmt: skip
-MARKERS = {("cartesian", "step"): "o", ("reduced", "step"): "s",
-           ("cartesian", "stage"): "^", ("cartesian", "projection"): "v"}  # fmt: skip
+LOOKS = {("cartesian", "step"): ("-", "o"), ("reduced", "step"): ("--", "s"),
+         ("cartesian", "stage"): (":", "^"), ("cartesian", "projection"): ("-.", "v")}  # fmt: skip
+"""Formulation, correction → style of the line, marker."""
 GREY, DARK, FRONT = "#b5bcc4", "#1b1f24", "#ffd84d"
 _HEIGHT, _LINE = 390.0, 11.0  # points: height of the axes, about, and of a line of text
 _FAILED = -0.75  # place of runs that did not reach their end, on the axis of digits
 
 
-def check_folder(path: Path) -> None:
+def check_place(path: Path) -> None:
     """Refuse a place that cannot become a folder, before the study runs.
 
     Raises
@@ -51,38 +49,41 @@ def save(study: WorkPrecision, folder: Path) -> tuple[Path, Path]:
     Raises
     ------
     InputError
-        As `check_folder`; if matplotlib is missing or a file cannot be written.
+        As `check_place`; if matplotlib is missing or a file cannot be written.
     """
-    check_folder(folder)
+    check_place(folder)
     picture = figure(study)
-    try:
+    with writing(folder):
         folder.mkdir(exist_ok=True)
         records = write_records(study, folder / f"{study.model}__{study.scene}.jsonl")
         drawn = records.with_suffix(".png")
         picture.savefig(drawn)
-    except OSError as error:
-        raise InputError(f"--out {folder}: {error.strerror or error}.") from error
     return records, drawn
 
 
-def figure(study: WorkPrecision) -> "Figure":
+def figure(study: WorkPrecision) -> Figure:
     """Colour shows the method, line style the formulation, stars are modelling choices."""
     drawn = new_figure("picture", 10.5, 6.4, dpi=130)
     axes = drawn.subplots()
     axes.set_yscale("log")
-    _front(axes, study)
+    best = [point for _, point in front(study.lines)]
+    if best:
+        axes.plot(
+            *_places(best), color=FRONT, linewidth=9.0, alpha=0.75, solid_capstyle="round",
+            zorder=1, label="Pareto front",
+        )  # fmt: skip
     for line in study.lines:
         _line(axes, line)
-    _refused(axes, study)
+    for line in study.lines:
+        if line.refused:  # in the legend, so that none is missing
+            axes.plot([], [], color=GREY, linewidth=0.9, label=f"{line.setting.title}: refused")
     _limits(axes, study)
     _failures(axes, study)
     _choices(axes, study)
     _floor(axes, study)
     axes.set_xlabel("correct digits: -log10 of the largest scaled error", fontsize=10)
     axes.set_ylabel("processor time of the integration, ms", fontsize=10)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.grid(visible=True, which="major", alpha=0.35, linewidth=0.5)
-    axes.set_axisbelow(True)
+    finish_axes(axes, which="major", alpha=0.35, linewidth=0.5)
     _ticks(axes)
     axes.tick_params(labelsize=9)
     axes.legend(
@@ -104,7 +105,13 @@ def figure(study: WorkPrecision) -> "Figure":
     return drawn
 
 
-def _ticks(axes: "Axes") -> None:
+def _places(points: Iterable[Point]) -> tuple[list[float], list[float]]:
+    """Digits and milliseconds of runs."""
+    runs = [(point.digits, 1e3 * point.seconds) for point in points]
+    return [x for x, _ in runs], [y for _, y in runs]
+
+
+def _ticks(axes: Axes) -> None:
     """Times as plain numbers: 1, 2 and 5 of each decade, 1 alone of many decades, more of one."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
@@ -116,54 +123,34 @@ def _ticks(axes: "Axes") -> None:
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 
-def _line(axes: "Axes", line: Line) -> None:
-    known, done = line.known, line.done
-    colour = COLOURS.get(line.setting.method, DARK)
-    look = line.setting.formulation, line.setting.correction
-    plain = line.setting.correction == "step"
-    if done:
+def _line(axes: Axes, line: Line) -> None:
+    setting = line.setting
+    colour = COLOURS.get(setting.method, DARK)
+    style, marker = LOOKS.get((setting.formulation, setting.correction), ("-", "o"))
+    if line.done:
+        beyond = _places(point for point in line.done if point.beyond)
+        axes.plot(*_places(line.done), color=GREY, linewidth=0.9, linestyle=style, zorder=2)
+        axes.scatter(*beyond, s=12, color=GREY, marker=marker, zorder=2)
+    if line.known:
         axes.plot(
-            [p.digits for p in done], [1e3 * p.seconds for p in done], color=GREY, linewidth=0.9,
-            linestyle=STYLES.get(look, "-"), zorder=2,
-        )  # fmt: skip
-        beyond = [p for p in done if p.beyond]
-        axes.scatter([p.digits for p in beyond], [1e3 * p.seconds for p in beyond], s=12,
-                     color=GREY, marker=MARKERS.get(look, "o"), zorder=2)  # fmt: skip
-    if known:
-        axes.plot(
-            [p.digits for p in known], [1e3 * p.seconds for p in known],
-            color=colour, linestyle=STYLES.get(look, "-"), marker=MARKERS.get(look, "o"),
-            markersize=4.0, markerfacecolor=colour if look[0] == "cartesian" else "white",
-            linewidth=1.7 if plain else 1.1, zorder=3, label=line.setting.title,
+            *_places(line.known), color=colour, linestyle=style, marker=marker, markersize=4.0,
+            markerfacecolor=colour if setting.formulation == "cartesian" else "white",
+            linewidth=1.7 if setting.correction == "step" else 1.1, zorder=3, label=setting.title,
         )  # fmt: skip
 
 
-def _refused(axes: "Axes", study: WorkPrecision) -> None:
-    """Settings that the scene cannot take are in the legend, so that none is missing."""
-    for line in study.lines:
-        if line.refused:
-            axes.plot([], [], color=GREY, linewidth=0.9, label=f"{line.setting.title}: refused")
-
-
-def _front(axes: "Axes", study: WorkPrecision) -> None:
-    runs = [point for _, point in front(study.lines)]
-    if runs:
-        axes.plot(
-            [p.digits for p in runs], [1e3 * p.seconds for p in runs], color=FRONT, linewidth=9.0,
-            alpha=0.75, solid_capstyle="round", zorder=1, label="Pareto front",
-        )  # fmt: skip
-
-
-def _choices(axes: "Axes", study: WorkPrecision) -> None:
+def _choices(axes: Axes, study: WorkPrecision) -> None:
     """A star per choice, with its name; names of close stars stand one above the other."""
-    drawn = [(choice.title, choice.point) for choice in study.choices if choice.point is not None]
-    for _, point in drawn:
-        place = max(point.digits, 0.0), 1e3 * point.seconds
-        axes.scatter(*place, s=130, marker="*", color=DARK, edgecolor="white", zorder=6)
+    drawn = [
+        (1e3 * choice.point.seconds, max(choice.point.digits, 0.0), choice.title)
+        for choice in study.choices
+        if choice.point is not None
+    ]
+    for y, x, _ in drawn:
+        axes.scatter(x, y, s=130, marker="*", color=DARK, edgecolor="white", zorder=6)
     low, high = (math.log(limit) for limit in axes.get_ylim())
     top = -math.inf
-    for title, point in sorted(drawn, key=lambda entry: entry[1].seconds):
-        x, y = max(point.digits, 0.0), 1e3 * point.seconds
+    for y, x, title in sorted(drawn):
         height = _HEIGHT * (math.log(y) - low) / (high - low)
         top = max(height - 3.0, top + _LINE, 2.0)
         axes.annotate(
@@ -175,7 +162,7 @@ def _choices(axes: "Axes", study: WorkPrecision) -> None:
         axes.scatter([], [], s=90, marker="*", color=DARK, label="modelled differently")
 
 
-def _limits(axes: "Axes", study: WorkPrecision) -> None:
+def _limits(axes: Axes, study: WorkPrecision) -> None:
     runs = [point.digits for line in study.lines for point in line.done]
     highest = max([*runs, -math.log10(study.reference.floor), 3.0])
     failed = any(line.failed for line in study.lines)
@@ -184,16 +171,15 @@ def _limits(axes: "Axes", study: WorkPrecision) -> None:
     axes.set_xticks(range(math.ceil(highest) + 1))
 
 
-def _failures(axes: "Axes", study: WorkPrecision) -> None:
+def _failures(axes: Axes, study: WorkPrecision) -> None:
     """A cross per failed run, at the left, as high as the time until it failed."""
     failed = [line for line in study.lines if line.failed]
     if not failed:
         return
     for k, line in enumerate(failed):
         place = _FAILED + 0.6 * ((k + 0.5) / len(failed) - 0.5)
-        heights = [1e3 * p.seconds for p in line.failed if p.seconds == p.seconds]
-        if not heights:
-            heights = [1e3 * study.limit]
+        times = [point.seconds for point in line.failed if not math.isnan(point.seconds)]
+        heights = [1e3 * seconds for seconds in times or [study.limit]]
         axes.scatter(
             [place] * len(heights), heights, marker="x", s=34, linewidth=1.6,
             color=COLOURS.get(line.setting.method, DARK), zorder=5, clip_on=False,
@@ -205,13 +191,13 @@ def _failures(axes: "Axes", study: WorkPrecision) -> None:
     )  # fmt: skip
 
 
-def _floor(axes: "Axes", study: WorkPrecision) -> None:
-    floor = study.reference.floor
+def _floor(axes: Axes, study: WorkPrecision) -> None:
+    floor = -math.log10(study.reference.floor)
     right = axes.get_xlim()[1]
-    axes.axvspan(-math.log10(floor), right, facecolor="#eceff1", edgecolor="#cfd4d9", hatch="///",
+    axes.axvspan(floor, right, facecolor="#eceff1", edgecolor="#cfd4d9", hatch="///",
                  linewidth=0.0, zorder=0)  # fmt: skip
     axes.text(
-        right, 0.015, f"the reference has {-math.log10(floor):.1f} digits ",
+        right, 0.015, f"the reference has {floor:.1f} digits ",
         transform=axes.get_xaxis_transform(), ha="right", va="bottom", fontsize=8, color="#59636e",
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8}, zorder=8,
     )  # fmt: skip

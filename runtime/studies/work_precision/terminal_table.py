@@ -5,21 +5,16 @@ import math
 from rich.table import Table
 
 from runtime.show.terminal_table import new_table
+from runtime.studies.work_precision import interpretation
 from runtime.studies.work_precision.diagram import Choice, Line, Point, WorkPrecision
-from runtime.studies.work_precision.interpretation import (
-    TARGETS,
-    best_at,
-    digits,
-    effectivity,
-    slope,
-    time_at,
-)
+from runtime.studies.work_precision.interpretation import TARGETS, digits
 
 COMPARED = 1e-6
 """Scaled error at which the work of runs is compared."""
-_COUNTS = ("steps", "rejected", "rhs_evaluations")
-_NEWTON = ("newton_iterations", "stage_iterations")
-_IMPLICIT = ("jacobians", "factorizations")
+_COUNTS = (
+    ("steps",), ("rejected",), ("rhs_evaluations",), ("newton_iterations", "stage_iterations"),
+    ("jacobians",), ("factorizations",),
+)  # fmt: skip
 
 
 def score(study: WorkPrecision) -> Table:
@@ -28,14 +23,16 @@ def score(study: WorkPrecision) -> Table:
     caption = "*: the fastest; slope of error over tolerance; error over tolerance, median"
     columns = [*(f"{digits(target)} digits" for target in TARGETS), "most", "slope", "E/rtol"]
     table = new_table(title, caption, "setting", [*columns, "failed"], 14)
-    best = [best_at(study, target) for target in TARGETS]
+    best = [interpretation.best_at(study, target) for target in TARGETS]
     for line in study.lines:
         if line.refused:
             table.add_row(line.setting.title, *[""] * 6, "refused")
             continue
         cells = []
         for target, fastest in zip(TARGETS, best, strict=True):
-            seconds = time_at(line, target) if target >= study.reference.floor else None
+            seconds = (
+                interpretation.time_at(line, target) if target >= study.reference.floor else None
+            )
             mark = "*" if fastest is not None and fastest.line is line else " "
             cells.append("" if seconds is None else f"{_ms(seconds)}{mark}")
         table.add_row(line.setting.title, *cells, *_summary(study, line))
@@ -57,20 +54,19 @@ def work(study: WorkPrecision) -> Table:
     title = f"the loosest run with {digits(COMPARED)} digits"
     table = new_table(title, caption, "setting", columns, 14)
     for line in study.lines:
-        point = next((p for p in line.done if p.errors and p.errors.worst <= COMPARED), None)
+        point = next((p for p in line.done if p.worst <= COMPARED), None)
         if point is not None:
             table.add_row(line.setting.title, *_work(point))
     return table
 
 
 def _work(point: Point) -> tuple[str, ...]:
-    counts = point.counts
-    newton = sum(counts.get(name, 0.0) for name in _NEWTON)
+    def counted(*names: str) -> str:
+        return f"{sum(point.counts.get(name, 0.0) for name in names):.0f}"
+
     return (
         f"{point.rtol:.0e}",
-        *(f"{counts.get(name, 0.0):.0f}" for name in _COUNTS),
-        f"{newton:.0f}",
-        *(f"{counts.get(name, 0.0):.0f}" for name in _IMPLICIT),
+        *(counted(*names) for names in _COUNTS),
         f"{point.position_residual:.0e}",
         f"{point.velocity_residual:.0e}",
         "" if point.energy is None else f"{point.energy:.0e}",
@@ -82,7 +78,7 @@ def _summary(study: WorkPrecision, line: Line) -> tuple[str, ...]:
         most = f">{-math.log10(study.reference.floor):.1f}"
     else:
         most = f"{max(point.digits for point in line.known):.1f}" if line.known else ""
-    steep, ratio = slope(line), effectivity(line)
+    steep, ratio = interpretation.slope(line), interpretation.effectivity(line)
     return (
         most,
         "" if steep is None else f"{steep:.2f}",
@@ -95,8 +91,7 @@ def _choice(choice: Choice) -> list[str]:
     point = choice.point
     if point is None:
         return [*[""] * 6, "not run"]
-    worst = point.errors.worst if point.errors else math.inf
-    reached = [f"{_ms(point.seconds)} " if worst <= target else "" for target in TARGETS]
+    reached = [f"{_ms(point.seconds)} " if point.worst <= target else "" for target in TARGETS]
     return [*reached, f"{point.digits:.1f}", "", "", ""]
 
 

@@ -5,110 +5,79 @@ the motion: they do not count.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, cast
-
-import numpy as np
-import numpy.typing as npt
+from dataclasses import asdict, dataclass
+from typing import Any
 
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.simulation import simulate
+from runtime.machine import Machine
+from runtime.results.assembled_state import Assembly
+from runtime.results.result import Result
+from runtime.studies.series import FloatArray
 from runtime.studies.timing import Stopwatch, TimeLimit, take_turns
-from runtime.studies.work_precision.diagram import DONE, TIMEOUT, Setting
+from runtime.studies.work_precision.diagram import Setting
 
-if TYPE_CHECKING:
-    from runtime.integrate.problem import Correction, Formulation
-    from runtime.machine import Machine
-    from runtime.results.assembled_state import Assembly
-    from runtime.results.result import Result
-
+DONE, TIMEOUT, NOT_TRIED = "OK", "TIMEOUT", "NOT_TRIED"
 MOST = 30  # safety: runs by which a time is taken, however short
-
-FloatArray = npt.NDArray[np.float64]
-
-
-class Run(NamedTuple):
-    """A run: its result, its outcome or "TIMEOUT", the processor time of its integration in s."""
-
-    result: "Result"
-    outcome: str
-    seconds: float
 
 
 @dataclass(frozen=True)
 class Runner:
-    """A scene, assembled and ready to be run in any setting.
+    """A scene, assembled and ready to be run in any setting."""
 
-    Attributes
-    ----------
-    begin
-        Its assembled start.
-    instants : (k,)
-        At which it is compared, s.
-    parameters
-        By name, over its defaults.
-    limit, steps
-        Time in s and trial steps that a run may take.
-    """
+    machine: Machine
+    begin: Assembly
+    instants: FloatArray  # at which it is compared, s, (k,)
+    parameters: dict[str, float]  # over the scene's defaults
+    limit: float  # time of a run, s
+    steps: int  # trial steps of a run
 
-    machine: "Machine"
-    begin: "Assembly"
-    instants: FloatArray
-    parameters: dict[str, float]
-    limit: float
-    steps: int
+    @property
+    def title(self) -> str:
+        """MODEL/SCENE."""
+        return self.machine.description.title
 
-    def run(self, setting: Setting, rtol: float) -> Run:
-        """Run once.
+    def run(self, setting: Setting, rtol: float) -> Result:
+        """Run once; `Outcome.INTERRUPTED` is a run that the limit of time ended.
 
-        Raises
-        ------
-        LinkwrightError
-            If the scene cannot be run in this setting.
+        Raises LinkwrightError if the scene cannot be run in this setting.
         """
         limit = TimeLimit(self.limit)
+        words: dict[str, Any] = asdict(setting)
         result = simulate(
-            self.machine.mechanism,
-            float(self.instants[-1]),
-            self.instants,
-            t_start=self.begin.t,
-            method=setting.method,
-            rtol=rtol,
-            parameters=self.parameters,
-            start=self.begin,
-            correction=cast("Correction", setting.correction),
-            formulation=cast("Formulation", setting.formulation),
-            max_steps=self.steps,
-            progress=limit,
-        )
-        outcome = DONE if result.outcome is Outcome.OK else str(result.outcome)
-        if result.outcome is Outcome.INTERRUPTED:
-            if not limit.exceeded:
-                raise KeyboardInterrupt  # by the user
-            outcome = TIMEOUT
-        return Run(result, outcome, result.stats["integration_seconds"])
+            self.machine.mechanism, float(self.instants[-1]), self.instants, t_start=self.begin.t,
+            rtol=rtol, parameters=self.parameters, start=self.begin, max_steps=self.steps,
+            progress=limit, **words,
+        )  # fmt: skip
+        if result.outcome is Outcome.INTERRUPTED and not limit.exceeded:
+            raise KeyboardInterrupt  # by the user
+        return result
 
     def stopwatch(self, setting: Setting, rtol: float, *times: float) -> Stopwatch:
-        """Repeats a run; one that meets the limit of time has no time of a whole run."""
+        """Repeats a run; one that does not reach its end has no time of a whole run."""
 
         def seconds() -> float | None:
-            run = self.run(setting, rtol)
-            return run.seconds if run.outcome == DONE else None
+            result = self.run(setting, rtol)
+            return integration_time(result) if result.outcome is Outcome.OK else None
 
         return Stopwatch(seconds, *times)
 
 
-def time_runs(watches: Sequence[Stopwatch], rounds: int, least: float) -> None:
-    """Repeat runs in turns, until each was run often and long enough.
+def outcome_name(result: Result) -> str:
+    """The name of the `Outcome`, or "TIMEOUT": the limit of time alone interrupts a run."""
+    return TIMEOUT if result.outcome is Outcome.INTERRUPTED else str(result.outcome)
 
-    Parameters
-    ----------
-    watches
-        Each with the time of a first run, which counts only if it was long: a short one met cold
-        caches.
-    rounds, least
-        Runs that each has at least, and their total time in s, for which `MOST` suffice. A run that
-        takes that time alone is repeated once.
+
+def integration_time(result: Result) -> float:
+    """Processor time of the integration, s."""
+    return float(result.stats["integration_seconds"])
+
+
+def time_runs(watches: Sequence[Stopwatch], rounds: int, least: float) -> None:
+    """Repeat runs in turns, until each was run `rounds` times and for `least` s, or `MOST` times.
+
+    Each has the time of a first run, which counts only if it was long: a short one met cold caches.
+    A run that takes `least` alone is repeated once.
     """
     first = [list(watch.times) for watch in watches]
     for watch in watches:

@@ -109,7 +109,7 @@ def test_limit_of_a_joint_is_that_of_the_reaction_at_break_away() -> None:
 
 def test_joint_that_is_held_exerts_the_force_that_it_is_given(root: Path) -> None:
     machine = hard(root, "guide_friction", "rocking")
-    assert machine.lowered.description.sought == (("rub", 0),)
+    assert machine.lowered.description.stiction == (("rub", 0),)
     s = machine.state(3)
     found = {}
     for force in (0.0, 1.0, -7.0, 40.0):
@@ -135,7 +135,7 @@ def test_condition_on_the_slip_leaves_the_friction_between_its_modes() -> None:
     model.force("gate", block, fx=1.0, when=block.vx > 0)
     machine = Interpreted(model)
     assert [s.kind for s in machine.equations.switches] == ["friction"]
-    assert machine.lowered.description.sought == ()
+    assert machine.lowered.description.stiction == ()
 
 
 def rubbing() -> Model:

@@ -44,7 +44,7 @@ def test_text_of_a_small_method():
     )  # fmt: skip
     text = module_text("small", tableau)
     assert "        z[j] = y0[j] + h * (0.75 * k2[j])\n" in text
-    assert "    taken += slope(context, t + 0.75 * h, STAGE, K + 2)\n" in text
+    assert "    taken += evaluate_rhs(context, t + 0.75 * h, ws.STAGE, ws.K + 2)\n" in text
     assert (
         "        estimate = h * (\n"
         "            -0.06944444444444445 * k1[j] + 0.08333333333333333 * k2[j] "
@@ -52,7 +52,7 @@ def test_text_of_a_small_method():
         "            - 0.125 * k4[j]\n"
         "        )\n"
     ) in text
-    assert "    hermite_rows(context, h, K + 3)\n    return 0\n" in text
+    assert "    hermite_rows(context, h, ws.K + 3)\n    return 0\n" in text
     assert "    dense_rows=4,\n" in text
 
 

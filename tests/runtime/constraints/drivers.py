@@ -3,9 +3,9 @@
 import numpy as np
 
 from runtime.constraints import newton_return, partitioning, repartitioning
-from runtime.core.array_types import Vector, f8, i8, integers, none, vector
+from runtime.core.array_types import Vector, f8, i8, integers, vector
 from runtime.core.jit import compiled
-from runtime.core.kernel_abi import SIGNATURES, TYPES
+from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.system import System
 from runtime.core.workspace import PARTITION, PROJECTION, ROWS, SIZE
 from runtime.integrate.wiring import Wiring, wire
@@ -27,18 +27,14 @@ def is_poorly_chosen(context, t):
     return int(repartitioning.is_poorly_chosen(context, t))
 
 
-@compiled(none(TYPES["correction"], f8, vector, vector, vector, vector, vector, vector))
-def driven_velocities(correction, t, q, p, weights, probe, dq, dv):
-    partitioning.driven_velocities(correction, t, q, p, weights, probe, dq, dv)
+@compiled(i8(integers, f8, vector))
+def choose_independent(context, t, q):
+    return partitioning.choose_independent(context, t, q)
 
 
-@compiled(
-    f8(TYPES["correction"], f8, i8, vector, vector, vector, vector, vector, vector, vector, vector)
-)
-def column_norm(correction, t, independent, q, p, weights, scale, probe, dq, dv, driven):
-    return partitioning.column_norm(
-        correction, t, independent, q, p, weights, scale, probe, dq, dv, driven
-    )
+@compiled(f8(integers, f8, i8))
+def column_norm(context, t, independent):
+    return partitioning.column_norm(context, t, independent)
 
 
 @compiled(SIGNATURES["correction"])

@@ -1,10 +1,13 @@
 """The choice of independent coordinates, against numpy and by hand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from runtime.constraints.partitioning import choose_independent, order_by_pivots
-from tests.runtime.constraints.drivers import column_norm, driven_velocities, lever
+from runtime.constraints.partitioning import order_by_pivots
+from runtime.core.workspace import PARTITION, UNIT, Y1
+from tests.runtime.constraints.drivers import choose_independent, column_norm, lever, wired
 from tests.runtime.integrate.systems import PENDULUM, PENDULUM_P
 
 
@@ -28,13 +31,10 @@ def test_rank_and_the_redundant_row():
 def test_the_coordinate_that_describes_the_motion_well(phi, independent):
     """Along the rod of a pendulum the motion is across; its heavy angle is dependent."""
     scale = np.array([1.0, 2.0, 1e3])
-    weights, dense = np.full(3, 9.0), np.empty((2, 3))
-    rows, columns = np.zeros(2, np.int64), np.zeros(3, np.int64)
-    rank = choose_independent(
-        PENDULUM.jacobian, 0.0, np.array([np.cos(phi), np.sin(phi), phi]), PENDULUM_P, scale,
-        PENDULUM.jacobian_rows, PENDULUM.jacobian_columns, np.empty(4), dense, weights, rows,
-        columns,
-    )  # fmt: skip
+    wiring, workspace = wired(scale=scale)
+    at = np.array([np.cos(phi), np.sin(phi), phi])
+    rank = choose_independent(wiring.table, 0.0, at)
+    columns, weights = wiring.arrays["column_order"], workspace[PARTITION, 0]
     assert rank == 2
     assert columns[2] == independent
     expected = scale**2
@@ -43,38 +43,32 @@ def test_the_coordinate_that_describes_the_motion_well(phi, independent):
 
 
 WEIGHTS = np.array([0.0, 4.0, 0.0])
-SCALES = np.array([0.5, 2.0, 8.0])
+LEVER = replace(PENDULUM, correction=lever)
 
 
 def lever_norm(independent):
-    probe, dq, dv, driven = np.empty((4, 3))
-    return column_norm(
-        lever, 1.0, independent, np.zeros(3), PENDULUM_P, WEIGHTS, SCALES, probe, dq, dv, driven
-    )
+    """The norm, and the velocities with the independent coordinates at rest."""
+    wiring, workspace = wired(LEVER, PENDULUM_P, np.array([0.5, 2.0, 8.0]))
+    workspace[PARTITION, 0], workspace[UNIT] = WEIGHTS, 1.0
+    return column_norm(wiring.table, 1.0, independent), workspace[UNIT, 1]
 
 
 def test_driven_velocities_are_those_of_independent_coordinates_at_rest():
-    probe, dq, dv = np.ones((3, 3))
-    driven_velocities(lever, 1.0, np.zeros(3), PENDULUM_P, WEIGHTS, probe, dq, dv)
-    np.testing.assert_array_equal(dv, [0.0, 3.0, 0.0])
+    np.testing.assert_array_equal(lever_norm(0)[1], [0.0, 3.0, 0.0])
 
 
 def test_the_norm_of_a_column_is_scaled_and_without_the_drivers():
-    assert lever_norm(0) == pytest.approx(2.0 * 0.5 / 2.0)
-    assert lever_norm(2) == pytest.approx(0.5 * 8.0 / 2.0)
+    assert lever_norm(0)[0] == pytest.approx(2.0 * 0.5 / 2.0)
+    assert lever_norm(2)[0] == pytest.approx(0.5 * 8.0 / 2.0)
 
 
 def test_all_columns_are_probed_at_once_with_drawn_signs():
     """Of two columns the sum and the difference are seen, whichever is drawn."""
-    seen = {round(lever_norm(-k), 12) for k in range(1, 30)}
+    seen = {round(lever_norm(-k)[0], 12) for k in range(1, 30)}
     assert seen == {1.5, 2.5}
 
 
 def test_a_column_that_is_not_finite_is_infinite():
-    probe, dq, dv, driven = np.empty((4, 3))
-    singular = np.array([0.0, 1.0, 1.0])
-    at = np.array([1.0, 0.0, 0.0])
-    found = column_norm(
-        PENDULUM.correction, 0.0, 0, at, PENDULUM_P, singular, np.ones(3), probe, dq, dv, driven
-    )
-    assert found == np.inf
+    wiring, workspace = wired(scale=np.ones(3))
+    workspace[PARTITION, 0], workspace[Y1, 0] = [0.0, 1.0, 1.0], [1.0, 0.0, 0.0]
+    assert column_norm(wiring.table, 0.0, 0) == np.inf

@@ -59,7 +59,7 @@ BLOCK = System(
     sticking=(0,),
     reaction_rows=2,
     limits=((0, 0, 1),),
-    sought=((0, 3),),
+    stiction=((0, 3),),
 )
 
 

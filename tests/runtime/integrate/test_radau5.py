@@ -27,15 +27,11 @@ def slope(counts, values):
 
 
 def test_coefficients():
-    A = np.array([[c.A11, c.A12, c.A13], [c.A21, c.A22, c.A23], [c.A31, c.A32, c.A33]])
-    nodes = np.array([c.C1, c.C2, 1.0])
     for k in (1, 2, 3):  # collocation
-        np.testing.assert_allclose(A @ nodes ** (k - 1), nodes**k / k, atol=1e-15)
-    T = np.array([[c.T11, c.T12, c.T13], [c.T21, c.T22, c.T23], [c.T31, 1.0, 0.0]])
-    inverse = np.array([[c.I11, c.I12, c.I13], [c.I21, c.I22, c.I23], [c.I31, c.I32, c.I33]])
-    np.testing.assert_allclose(inverse @ T, np.eye(3), atol=2e-15)
+        np.testing.assert_allclose(c.A @ c.C ** (k - 1), c.C**k / k, atol=1e-15)
+    np.testing.assert_allclose(c.T_INVERSE @ c.T, np.eye(3), atol=2e-15)
     blocks = np.array([[c.REAL, 0, 0], [0, c.COMPLEX, -c.IMAGINARY], [0, c.IMAGINARY, c.COMPLEX]])
-    np.testing.assert_allclose(inverse @ np.linalg.inv(A) @ T, blocks, atol=2e-14)
+    np.testing.assert_allclose(c.T_INVERSE @ np.linalg.inv(c.A) @ c.T, blocks, atol=2e-14)
     assert 1.0 / complex(c.COMPLEX, c.IMAGINARY) == pytest.approx(
         complex(c.C_COMPLEX, c.C_IMAGINARY), rel=1e-15
     )

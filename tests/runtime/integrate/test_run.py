@@ -15,9 +15,8 @@ from runtime.hybrid import event_location, mode_selection
 from runtime.integrate import initialization as start
 from runtime.integrate import loop as driver
 from runtime.integrate import sampling as outputs
-from runtime.integrate import step as attempt
-from runtime.integrate.explicit.generated import dop853, dopri5
-from runtime.integrate.method import EXPLICIT
+from runtime.integrate import step
+from runtime.integrate.method import EXPLICIT, find_method
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
 from tests.runtime.integrate.systems import PENDULUM, pendulum_problem, relay, run_relay
@@ -60,9 +59,9 @@ def test_more_events_than_one_buffer_holds():
 
 def test_second_model_compiles_nothing():
     functions = (
-        driver.advance, start.start, attempt.attempt, repartition.repartition, outputs.emit,
+        driver.advance, start.start, step.take_trial_step, repartition.repartition, outputs.emit,
         event_location.locate_event, mode_selection.select_modes, mode_selection.initialize_modes,
-        dopri5.stages, dop853.stages,
+        *(find_method(name).stages for name in EXPLICIT),
     )  # fmt: skip
     integrate(PENDULUM, pendulum_problem(np.pi, 0.0, 0.1), Options())
     run_relay(relay(*BALL, constant=-9.81), 1.0, 0.0, 0.1)

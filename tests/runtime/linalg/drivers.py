@@ -4,7 +4,7 @@ import numpy as np
 
 from runtime.core.array_types import f8, i8, integers, matrix, none, vector
 from runtime.core.jit import allocating, compiled
-from runtime.core.kernel_abi import SIGNATURES, TYPES
+from runtime.core.kernel_abi import SIGNATURES
 from runtime.linalg import cholesky, elimination_plan, leading_block, lu, row_elimination
 
 
@@ -63,9 +63,11 @@ def entries_linear_in_time(t, q, p, values):
         values[k] = p[k] + t * p[values.size + k]
 
 
-@compiled(none(TYPES["jacobian"], f8, vector, vector, vector, integers, integers, vector, matrix))
-def fill_unit_rows(jacobian, t, q, p, scale, rows, columns, values, dense):
-    row_elimination.fill_unit_rows(jacobian, t, q, p, scale, rows, columns, values, dense)
+@compiled(none(f8, vector, vector, integers, integers, vector, matrix))
+def fill_unit_rows(t, p, scale, rows, columns, values, dense):
+    """Of the Jacobian that `entries_linear_in_time` gives."""
+    entries_linear_in_time(t, scale, p, values)
+    row_elimination.fill_unit_rows(row_elimination.Sparse(rows, columns, values), scale, dense)
 
 
 @compiled(f8(matrix, integers, vector, i8))
@@ -77,21 +79,13 @@ def eliminate_rows(dense, order, pivots, search):
 
 @compiled(none(integers, integers, integers, vector, vector, matrix, integers, vector))
 def write_plan(order, rows, columns, values, scale, dense, plan, lengths):
-    elimination_plan.write_plan(order, rows, columns, values, scale, dense, plan, lengths)
+    sparse = row_elimination.Sparse(rows, columns, values)
+    elimination_plan.write_plan(order, sparse, scale, dense, plan, lengths)
 
 
-@compiled(
-    i8(
-        TYPES["jacobian"], f8, vector, vector, vector, integers, integers, vector, vector, integers,
-        vector,
-        vector,
-    )
-)  # fmt: skip
-def replay_plan(
-    jacobian, t, q, p, scale, rows, columns, values, flat, plan, lengths, pivots
-):  # fmt: skip
-    return int(
-        elimination_plan.replay_plan(
-            jacobian, t, q, p, scale, rows, columns, values, flat, plan, lengths, pivots
-        )
-    )
+@compiled(i8(f8, vector, vector, integers, integers, vector, vector, integers, vector, vector))
+def replay_plan(t, p, scale, rows, columns, values, flat, plan, lengths, pivots):
+    """Of the Jacobian that `entries_linear_in_time` gives."""
+    entries_linear_in_time(t, scale, p, values)
+    sparse = row_elimination.Sparse(rows, columns, values)
+    return int(elimination_plan.replay_plan(sparse, scale, flat, plan, lengths, pivots))

@@ -6,7 +6,6 @@ import pytest
 from runtime.linalg.elimination_plan import plan_capacity
 from tests.runtime.linalg.drivers import (
     eliminate_rows,
-    entries_linear_in_time,
     fill_unit_rows,
     replay_plan,
     write_plan,
@@ -27,7 +26,7 @@ def sparse():
 def by_rows(sparse, t, order, search):
     rows, columns, p, scale = sparse
     values, dense, pivots = np.zeros(rows.size), np.zeros((M, N)), np.zeros(M)
-    fill_unit_rows(entries_linear_in_time, t, np.zeros(N), p, scale, rows, columns, values, dense)
+    fill_unit_rows(t, p, scale, rows, columns, values, dense)
     eliminate_rows(dense, order, pivots, search)
     return pivots, values
 
@@ -36,8 +35,8 @@ def replayed(sparse, t, plan, lengths):
     rows, columns, p, scale = sparse
     pivots = np.zeros(M)
     found = replay_plan(
-        entries_linear_in_time, t, np.zeros(N), p, scale, rows, columns, np.zeros(rows.size),
-        np.full(M * N, np.nan), plan, lengths, pivots,
+        t, p, scale, rows, columns, np.zeros(rows.size), np.full(M * N, np.nan), plan, lengths,
+        pivots,
     )  # fmt: skip
     return found, pivots
 

@@ -9,13 +9,14 @@ from runtime.linalg.rank_revealing import (
     solve_least_norm,
     solve_motion,
 )
+from runtime.linalg.row_elimination import Sparse
 from tests.runtime.linalg.test_full_pivoting import factored
 
 
 def sparse(matrix):
     rows, columns = (np.ascontiguousarray(places) for places in np.nonzero(matrix))
     rows.flags.writeable = columns.flags.writeable = False
-    return rows, columns, np.ascontiguousarray(matrix[rows, columns])
+    return Sparse(rows, columns, np.ascontiguousarray(matrix[rows, columns]))
 
 
 def redundant(seed, m=5, n=8, rank=3):
@@ -33,7 +34,7 @@ def test_the_solution_of_least_norm(seed):
     w[3] = 0.0  # a coordinate that is held
     right = jacobian @ np.where(w > 0.0, random.normal(size=8), 0.0)
     d, both = np.full((2, 8), 9.0), np.stack([right, -2.0 * right])
-    assert solve_least_norm(*sparse(jacobian), w, both, d) == 3
+    assert solve_least_norm(sparse(jacobian), w, both, d) == 3
     root = np.sqrt(w)
     expected = root * (np.linalg.pinv(jacobian * root, rcond=1e-8) @ right)
     np.testing.assert_allclose(d, [expected, -2.0 * expected], rtol=1e-8, atol=1e-11)
@@ -46,7 +47,7 @@ def test_accelerations_and_multipliers_of_least_norm(seed):
     mass = root @ root.T + np.diag(10.0 ** np.arange(-2.0, 6.0))
     force, gamma = random.normal(size=8), jacobian @ random.normal(size=8)
     a, lam = np.zeros(8), np.zeros(5)
-    found = solve_motion(*sparse(jacobian), *sparse(mass), force, gamma, a, lam)
+    found = solve_motion(sparse(jacobian), sparse(mass), force, gamma, a, lam)
     assert found == 2
     free = np.linalg.solve(mass, force)
     inverse = np.linalg.solve(mass, jacobian.T)
@@ -65,7 +66,7 @@ def test_masses_that_determine_no_acceleration():
     jacobian = np.array([[1.0, 0.0]])
     none = np.zeros((2, 2))
     for mass, lost in ((np.eye(2), 0), (none, 1 + 3)):
-        found = solve_motion(*sparse(jacobian), *sparse(mass), np.ones(2), np.zeros(1), a, lam)
+        found = solve_motion(sparse(jacobian), sparse(mass), np.ones(2), np.zeros(1), a, lam)
         assert found == lost
 
 

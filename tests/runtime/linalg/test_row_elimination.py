@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.runtime.linalg.drivers import eliminate_rows, entries_linear_in_time, fill_unit_rows
+from tests.runtime.linalg.drivers import eliminate_rows, fill_unit_rows
 
 
 def sparse(dense):
@@ -19,8 +19,7 @@ def test_unit_rows_of_a_jacobian_in_scaled_coordinates():
     rates = random.normal(size=entries.size)
     scale, dense = np.array([1.0, 10.0, 0.1, 2.0, 1.0]), np.full((3, 5), 7.0)
     fill_unit_rows(
-        entries_linear_in_time, 0.5, np.zeros(5), np.concatenate([entries, rates]), scale,
-        rows, columns, np.zeros(entries.size), dense,
+        0.5, np.concatenate([entries, rates]), scale, rows, columns, np.zeros(entries.size), dense,
     )  # fmt: skip
     expected = np.zeros((3, 5))
     expected[rows, columns] = (entries + 0.5 * rates) * scale[columns]

@@ -10,7 +10,7 @@ kernel of the constraints notes each place where it is called.
 
 import numpy as np
 
-from runtime.core.array_types import Matrix, Vector, f8, integers, none, vector
+from runtime.core.array_types import Matrix, Vector, integers, none, vector
 from runtime.core.jit import compiled
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.singularity.scaled_constraints import ScaledConstraints
@@ -44,9 +44,9 @@ def velocity_rhs(t: float, q: Vector, p: Vector, nu: Vector) -> None:
     nu[0], nu[1] = 0.0, -p[D] * q[0]
 
 
-@compiled(none(integers, f8, vector, vector))
-def gaps_by_place(table: Vector, speed: float, z: Vector, gaps: Vector) -> None:
-    unit_residuals(table, speed, z, gaps)
+@compiled(none(integers, vector, vector))
+def gaps_by_place(table: Vector, z: Vector, gaps: Vector) -> None:
+    unit_residuals(table, z, gaps)
 
 
 def mechanism(

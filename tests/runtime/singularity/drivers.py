@@ -5,10 +5,10 @@ from runtime.core.jit import compiled
 from runtime.singularity import complement_derivative, schur_complement
 
 
-@compiled(f8(integers, f8, vector, i8, matrix, vector, matrix, matrix, matrix, matrix))
-def lost_gap(table, speed, z, strong, a, gaps, left, null, square, normal):
+@compiled(f8(integers, vector, i8, matrix, vector, matrix, matrix, matrix, matrix))
+def lost_gap(table, z, strong, a, gaps, left, null, square, normal):
     """Largest |uᵀ Φ| at z, the complement normalised; -1 where there is none."""
-    if not schur_complement.eliminate_strong_rows(table, speed, z, strong, a, gaps):
+    if not schur_complement.eliminate_strong_rows(table, z, strong, a, gaps):
         return -1.0
     schur_complement.find_vectors(table, a, strong, left, null)
     if not schur_complement.normalise_complement(a, strong, left, null, square, normal):
@@ -16,10 +16,6 @@ def lost_gap(table, speed, z, strong, a, gaps, left, null, square, normal):
     return schur_complement.largest_lost_gap(gaps, strong, square)
 
 
-@compiled(i8(integers, f8, vector, matrix, matrix, vector, matrix, matrix, matrix))
-def factor_normal_equations(table, speed, z, left, null, direction, sums, form, normal):
-    return int(
-        complement_derivative.factor_normal_equations(
-            table, speed, z, left, null, direction, sums, form, normal
-        )
-    )
+@compiled(i8(integers, vector, matrix, matrix, matrix, matrix))
+def factor_normal_equations(table, z, left, null, form, normal):
+    return int(complement_derivative.factor_normal_equations(table, z, left, null, form, normal))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from runtime.singularity.complement_derivative import find_branch
-from runtime.singularity.search_table import measure_rows
+from runtime.singularity.search_table import set_units
 from tests.runtime.singularity.crossing import branch_slopes, mechanism
 from tests.runtime.singularity.drivers import factor_normal_equations
 
@@ -17,15 +17,14 @@ FORM = np.array([[2.0 / C, -1.0, D / C], [-1.0, -2.0 / C, 0.0], [D / C, 0.0, 0.0
 @pytest.fixture
 def table():
     scaled = mechanism(c=C, d=D)
-    measure_rows(scaled.layout.table, 1.0, np.zeros(4))
+    set_units(scaled.layout.table, 1.0, np.zeros(4))
     yield scaled.layout.table
     del scaled  # whose arrays the table points at
 
 
 def test_the_form_is_the_second_derivative_of_what_is_lost(table):
     form, normal = np.empty((3, 3)), np.empty((3, 3))
-    work = np.empty(4), np.empty((4, 1))
-    assert factor_normal_equations(table, 1.0, np.zeros(4), LEFT, NULL, *work, form, normal) == 1
+    assert factor_normal_equations(table, np.zeros(4), LEFT, NULL, form, normal) == 1
     np.testing.assert_allclose(form, FORM, atol=1e-9)
     lower = np.tril(normal)
     np.testing.assert_allclose(lower @ lower.T, FORM.T @ FORM, atol=1e-8)
@@ -33,22 +32,18 @@ def test_the_form_is_the_second_derivative_of_what_is_lost(table):
 
 def test_nothing_is_lost_where_nothing_changes(table):
     form, normal = np.empty((3, 3)), np.empty((3, 3))
-    work = np.empty(4), np.empty((4, 1))
     none = np.zeros((2, 1))
-    assert factor_normal_equations(table, 1.0, np.zeros(4), none, NULL, *work, form, normal) == 0
+    assert factor_normal_equations(table, np.zeros(4), none, NULL, form, normal) == 0
 
 
 @pytest.mark.parametrize("slope", [0.3, 0.9, -0.8, -2.0])
 def test_the_nearest_branch(slope):
     scaled = mechanism(c=C)
     table = scaled.layout.table
-    measure_rows(table, 1.0, np.zeros(4))
+    set_units(table, 1.0, np.zeros(4))
     rate = np.array([1.0, slope, 0.0, 1.0])
     passing, x = np.empty((1, 3)), np.empty(3)
-    find_branch(
-        table, 1.0, np.zeros(4), rate, LEFT, NULL, np.empty((4, 1)), np.empty((1, 1)),
-        np.empty((1, 3)), passing, x,
-    )  # fmt: skip
+    find_branch(table, np.zeros(4), rate, LEFT, NULL, passing, x)
     form = FORM * [[1, 1, 0], [1, 1, 0], [0, 0, 0]]
     np.testing.assert_allclose(passing[0], form @ NULL.T @ rate, atol=1e-9)
     direction = rate + NULL @ x

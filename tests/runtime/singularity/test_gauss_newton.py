@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from runtime.singularity.gauss_newton import find_root
-from runtime.singularity.search_table import measure_rows
+from runtime.singularity.search_table import set_units
 from tests.runtime.singularity.crossing import closed, mechanism, noted
 from tests.runtime.singularity.test_schur_complement import u_first
 
@@ -12,14 +12,10 @@ from tests.runtime.singularity.test_schur_complement import u_first
 def searched(scaled, z, begin=None):
     """z of the root, the gap, and the vectors, from the place z; rows measured at `begin`."""
     table, arrays = scaled.layout
-    measure_rows(table, 1.0, z if begin is None else begin)
+    set_units(table, 1.0, z if begin is None else begin)
     u_first(arrays)
     z, left, null = z.copy(), np.empty((2, 1)), np.empty((4, 3))
-    gap = find_root(
-        table, 1.0, z, np.empty((2, 4)), left, null, np.empty((4, 1)), np.empty((3, 3)),
-        np.empty((3, 3)), np.empty((1, 1)), np.empty(3),
-    )  # fmt: skip
-    return z, gap, left, null
+    return z, find_root(table, z, left, null), left, null
 
 
 @pytest.mark.parametrize("gap", [0.0, 1e-3, -0.02])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from runtime.singularity.pivot_orders import PivotOrders, count_weak
-from runtime.singularity.search_table import measure_rows, unit_jacobian_entries
+from runtime.singularity.search_table import set_units, unit_jacobian_entries
 from tests.runtime.singularity.crossing import closed, mechanism
 
 
@@ -27,8 +27,8 @@ def test_weak_singular_values_lie_apart_from_the_others(values, weak):
 
 def entries(scaled, x, y):
     z, values = np.append(closed(x, y), 0.0), np.empty(8)
-    measure_rows(scaled.layout.table, 1.0, z)
-    unit_jacobian_entries(scaled.layout.table, 1.0, z, values)
+    set_units(scaled.layout.table, 1.0, z)
+    unit_jacobian_entries(scaled.layout.table, z, values)
     return values
 
 

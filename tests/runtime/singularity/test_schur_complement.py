@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from runtime.linalg.full_pivoting import factor_entries
+from runtime.linalg.full_pivoting import factor_fully
 from runtime.singularity.schur_complement import reduce_to_weak_part
 from runtime.singularity.search_table import (
-    measure_rows,
+    set_units,
     unit_jacobian_entries,
 )
 from tests.runtime.singularity.crossing import closed, mechanism
@@ -25,12 +25,12 @@ def test_the_complement_is_the_small_singular_value(distance):
     scaled = mechanism(c=0.5, gap=1e-3, d=0.3)
     table, arrays = scaled.layout
     z = np.append(closed(distance, 0.3 * distance), 0.5 * distance)
-    measure_rows(table, 1.0, z)
+    set_units(table, 1.0, z)
     u_first(arrays)
     a, gaps, left, null = np.empty((2, 4)), np.empty(2), np.empty((2, 1)), np.empty((4, 3))
-    gap = lost_gap(table, 1.0, z, 1, a, gaps, left, null, np.empty((1, 1)), np.empty((3, 3)))
+    gap = lost_gap(table, z, 1, a, gaps, left, null, np.empty((1, 1)), np.empty((3, 3)))
     values = np.empty(8)
-    unit_jacobian_entries(table, 1.0, z, values)
+    unit_jacobian_entries(table, z, values)
     dense = scaled.dense(values)
     np.testing.assert_allclose(dense[0] @ null, 0.0, atol=1e-14)
     assert left[1, 0] == 1.0
@@ -46,13 +46,12 @@ def test_a_factored_matrix_gives_its_weak_part():
     scaled = mechanism()
     table, arrays = scaled.layout
     z = np.append(closed(0.02, -0.01), 0.0)
-    measure_rows(table, 1.0, z)
+    set_units(table, 1.0, z)
     values = np.empty(8)
-    unit_jacobian_entries(table, 1.0, z, values)
-    a, orders = np.zeros((2, 4)), (np.zeros(2, np.int64), arrays["column_order"])
-    assert factor_entries(values, *scaled.places, 0.5, a, *orders) == 1
-    left, null = np.empty((2, 1)), np.empty((4, 3))
-    assert reduce_to_weak_part(table, a, left, null, np.empty((1, 1)), np.empty((3, 3))) == 1
+    unit_jacobian_entries(table, z, values)
+    a = scaled.dense(values)
+    assert factor_fully(a, np.zeros(2, np.int64), arrays["column_order"], 0.5) == 1
+    assert reduce_to_weak_part(table, a, 1) == 1
     smallest = np.linalg.svd(scaled.dense(values), compute_uv=False)[-1]
     assert np.linalg.norm(a[1, 1:]) == pytest.approx(smallest, rel=1e-3)
 
@@ -60,8 +59,8 @@ def test_a_factored_matrix_gives_its_weak_part():
 def test_no_complement_without_a_pivot():
     scaled = mechanism()
     table, _ = scaled.layout
-    measure_rows(table, 1.0, np.zeros(4))
+    set_units(table, 1.0, np.zeros(4))
     a, gaps, left, null = np.empty((2, 4)), np.empty(2), np.empty((2, 1)), np.empty((4, 3))
     work = np.empty((1, 1)), np.empty((3, 3))
     # In the first order of pivots x is to be eliminated, which Φ₁ does not contain here.
-    assert lost_gap(table, 1.0, np.zeros(4), 1, a, gaps, left, null, *work) == -1.0
+    assert lost_gap(table, np.zeros(4), 1, a, gaps, left, null, *work) == -1.0

@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.singularity.search_table import (
-    measure_rows,
+    set_units,
     unit_jacobian_entries,
 )
 from tests.runtime.singularity.crossing import closed, gaps_by_place, mechanism
@@ -29,21 +29,21 @@ def scaled_jacobian(scaled):
 def test_entries_are_those_of_unit_rows():
     scaled = mechanism(c=0.5, gap=0.1, k=0.3, d=0.8, scale=tuple(SCALE))
     table, arrays = scaled.layout
-    measure_rows(table, SPEED, Z)
+    set_units(table, SPEED, Z)
     expected = scaled_jacobian(scaled)
     lengths = np.linalg.norm(expected[:, :3], axis=1)
     np.testing.assert_allclose(arrays["lengths"], lengths, rtol=1e-8)
     values = np.empty(8)
-    unit_jacobian_entries(table, SPEED, Z, values)
+    unit_jacobian_entries(table, Z, values)
     np.testing.assert_allclose(scaled.dense(values), expected / lengths[:, None], atol=1e-8)
 
 
 def test_values_are_divided_by_the_lengths_and_stand_in_the_order_of_rows():
     scaled = mechanism(gap=0.1, scale=tuple(SCALE))
     table, arrays = scaled.layout
-    measure_rows(table, SPEED, Z)
+    set_units(table, SPEED, Z)
     arrays["row_place"][:] = [1, 0]
-    gaps_by_place(table, SPEED, Z, arrays["residuals"])
+    gaps_by_place(table, Z, arrays["residuals"])
     expected = scaled.gaps(T, Q) / arrays["lengths"]
     np.testing.assert_allclose(arrays["residuals"], expected[::-1], rtol=1e-14)
 
@@ -52,9 +52,9 @@ def test_rows_set_aside_have_no_entries():
     scaled = mechanism()
     scaled.independent = np.array([1])
     table, arrays = scaled.layout
-    measure_rows(table, SPEED, Z)
+    set_units(table, SPEED, Z)
     values = np.empty(8)
-    unit_jacobian_entries(table, SPEED, Z, values)
+    unit_jacobian_entries(table, Z, values)
     assert scaled.dense(values).shape == (1, 4)
     assert not values[[0, 1, 2, 6]].any()
     assert arrays["lengths"].shape == (1,)
@@ -63,5 +63,5 @@ def test_rows_set_aside_have_no_entries():
 def test_an_empty_row_keeps_its_length():
     scaled = mechanism(c=0.0)
     table, arrays = scaled.layout
-    measure_rows(table, 1.0, np.zeros(4))
+    set_units(table, 1.0, np.zeros(4))
     np.testing.assert_array_equal(arrays["lengths"], [1.0, 1.0])

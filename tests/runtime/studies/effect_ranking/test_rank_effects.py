@@ -297,7 +297,7 @@ def test_picture_and_answer_are_whole(swing: Matters, tmp_path: Path) -> None:
     assert len(left.patches) == len(swing.rows)
     assert len(right.patches) == len(swing.rows)
     assert left.get_xscale() == "log"
-    path = matters_picture.save(swing, tmp_path / "swing.png")
+    (path,) = matters_picture.save(swing, tmp_path / "swing.png")
     assert path.stat().st_size > 10_000
     with pytest.raises(dataclasses.FrozenInstanceError):
         swing.value = 0.0  # type: ignore[misc]

@@ -11,10 +11,11 @@ from codegen import Model
 from codegen.errors import LinkwrightError
 from runtime import accuracy, load
 from runtime.mechanism import mechanism
+from runtime.results.result import Result
 from runtime.studies.work_precision import Setting, study
 from runtime.studies.work_precision.build_costs import build_costs
 from runtime.studies.work_precision.reference_solution import find_reference
-from runtime.studies.work_precision.timed_runs import Run, Runner
+from runtime.studies.work_precision.timed_runs import Runner
 
 
 @pytest.mark.parametrize(
@@ -61,7 +62,7 @@ def test_derivatives_are_built_where_nothing_else_confirms(
     runner = Runner(machine, machine.assemble(), np.array([1.0, 2.0]), {}, 60.0, 10**6)
     real = Runner.run
 
-    def run(self: Runner, setting: Setting, rtol: float) -> Run:
+    def run(self: Runner, setting: Setting, rtol: float) -> Result:
         if setting.method == "dopri5":
             raise LinkwrightError("too stiff")
         return real(self, setting, rtol)

@@ -6,7 +6,7 @@ import math
 from numpy.testing import assert_allclose
 
 from runtime.studies.error_norms import Errors, Scale
-from runtime.studies.work_precision import (
+from runtime.studies.work_precision.diagram import (
     Check,
     Choice,
     Line,

@@ -2,7 +2,7 @@
 
 from numpy.testing import assert_allclose
 
-from runtime.studies.work_precision.settings_grid import FURTHER, RTOLS
+from runtime.studies.work_precision.study import FURTHER, RTOLS
 
 
 def test_the_grid_is_that_of_the_definition() -> None:

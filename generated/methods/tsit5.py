@@ -14,20 +14,13 @@ stable up to one radian, are longer.
 
 import numpy as np
 
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
-from runtime.core.function_table import COORDINATES, DENSE, ERROR, PROPOSE, STAGES
 from runtime.core.jit import addressed
-from runtime.core.rhs import slope
-from runtime.core.workspace import ATOL, STAGE, Y0, Y1, F, K, row_of
-from runtime.integrate.explicit.stability_limit import (
-    memory,
-    observe,
-    permits_growth,
-    restart,
-    stable_ratio,
-)
-from runtime.integrate.explicit.stateless import accepted
+from runtime.core.rhs import evaluate_rhs
+from runtime.integrate.explicit import stability_limit
 from runtime.integrate.method import Method
 
 EDGE = 5e-06  # accuracy: as the tableau says
@@ -37,43 +30,43 @@ POWERS = np.array([
 ])
 
 
-@addressed(STAGES)
+@addressed(ft.STAGES)
 def stages(context: Integers, t: float, h: float) -> int:
     """Take the step from Y0 with derivative K to Y1, not yet corrected."""
-    length = 2 * context[COORDINATES]
-    y0 = row_of(context, Y0)
-    y1 = row_of(context, Y1)
-    z = row_of(context, STAGE)
-    k1 = row_of(context, K)
-    k2 = row_of(context, K + 1)
-    k3 = row_of(context, K + 2)
-    k4 = row_of(context, K + 3)
-    k5 = row_of(context, K + 4)
-    k6 = row_of(context, K + 5)
+    length = 2 * context[ft.COORDINATES]
+    y0 = ws.row_of(context, ws.Y0)
+    y1 = ws.row_of(context, ws.Y1)
+    z = ws.row_of(context, ws.STAGE)
+    k1 = ws.row_of(context, ws.K)
+    k2 = ws.row_of(context, ws.K + 1)
+    k3 = ws.row_of(context, ws.K + 2)
+    k4 = ws.row_of(context, ws.K + 3)
+    k5 = ws.row_of(context, ws.K + 4)
+    k6 = ws.row_of(context, ws.K + 5)
     taken = 0
     for j in range(length):
         z[j] = y0[j] + h * (0.161 * k1[j])
-    taken += slope(context, t + 0.161 * h, STAGE, K + 1)
+    taken += evaluate_rhs(context, t + 0.161 * h, ws.STAGE, ws.K + 1)
     for j in range(length):
         z[j] = y0[j] + h * (-0.008480655492356989 * k1[j] + 0.335480655492357 * k2[j])
-    taken += slope(context, t + 0.327 * h, STAGE, K + 2)
+    taken += evaluate_rhs(context, t + 0.327 * h, ws.STAGE, ws.K + 2)
     for j in range(length):
         z[j] = y0[j] + h * (
             2.8971530571054935 * k1[j] - 6.359448489975075 * k2[j] + 4.3622954328695815 * k3[j]
         )
-    taken += slope(context, t + 0.9 * h, STAGE, K + 3)
+    taken += evaluate_rhs(context, t + 0.9 * h, ws.STAGE, ws.K + 3)
     for j in range(length):
         z[j] = y0[j] + h * (
             5.325864828439257 * k1[j] - 11.748883564062828 * k2[j] + 7.4955393428898365 * k3[j]
             - 0.09249506636175525 * k4[j]
         )
-    taken += slope(context, t + 0.9800255409045097 * h, STAGE, K + 4)
+    taken += evaluate_rhs(context, t + 0.9800255409045097 * h, ws.STAGE, ws.K + 4)
     for j in range(length):
         z[j] = y0[j] + h * (
             5.86145544294642 * k1[j] - 12.92096931784711 * k2[j] + 8.159367898576159 * k3[j]
             - 0.071584973281401 * k4[j] - 0.028269050394068383 * k5[j]
         )
-    taken += slope(context, t + h, STAGE, K + 5)
+    taken += evaluate_rhs(context, t + h, ws.STAGE, ws.K + 5)
     for j in range(length):
         y1[j] = y0[j] + h * (
             0.09646076681806523 * k1[j] + 0.01 * k2[j] + 0.4798896504144996 * k3[j]
@@ -82,20 +75,20 @@ def stages(context: Integers, t: float, h: float) -> int:
     return taken
 
 
-@addressed(ERROR)
+@addressed(ft.ERROR)
 def error(context: Integers, h: float, rtol: float) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
-    length = 2 * context[COORDINATES]
-    y0 = row_of(context, Y0)
-    y1 = row_of(context, Y1)
-    atol = row_of(context, ATOL)
-    k1 = row_of(context, K)
-    k2 = row_of(context, K + 1)
-    k3 = row_of(context, K + 2)
-    k4 = row_of(context, K + 3)
-    k5 = row_of(context, K + 4)
-    k6 = row_of(context, K + 5)
-    k7 = row_of(context, K + 6)
+    length = 2 * context[ft.COORDINATES]
+    y0 = ws.row_of(context, ws.Y0)
+    y1 = ws.row_of(context, ws.Y1)
+    atol = ws.row_of(context, ws.ATOL)
+    k1 = ws.row_of(context, ws.K)
+    k2 = ws.row_of(context, ws.K + 1)
+    k3 = ws.row_of(context, ws.K + 2)
+    k4 = ws.row_of(context, ws.K + 3)
+    k5 = ws.row_of(context, ws.K + 4)
+    k6 = ws.row_of(context, ws.K + 5)
+    k7 = ws.row_of(context, ws.K + 6)
     total = 0.0
     for j in range(length):
         estimate = h * (
@@ -105,24 +98,24 @@ def error(context: Integers, h: float, rtol: float) -> float:
         )
         ratio = estimate / (atol[j] + rtol * max(abs(y0[j]), abs(y1[j])))
         total += ratio * ratio
-    if permits_growth(rtol, length, EDGE):
-        observe(context, K + 6)
+    if stability_limit.permits_growth(rtol, length, EDGE):
+        stability_limit.observe(context, ws.K + 6)
     return float(np.sqrt(total / length))
 
 
-@addressed(DENSE)
+@addressed(ft.DENSE)
 def dense(context: Integers, t: float, h: float) -> int:
     """Fill the coefficient rows of the dense output of the step from Y0 to Y1."""
-    length = 2 * context[COORDINATES]
-    k1 = row_of(context, K)
-    k2 = row_of(context, K + 1)
-    k3 = row_of(context, K + 2)
-    k4 = row_of(context, K + 3)
-    k5 = row_of(context, K + 4)
-    k6 = row_of(context, K + 5)
-    k7 = row_of(context, K + 6)
-    hermite_rows(context, h, K + 6)
-    f4 = row_of(context, F + 4)
+    length = 2 * context[ft.COORDINATES]
+    k1 = ws.row_of(context, ws.K)
+    k2 = ws.row_of(context, ws.K + 1)
+    k3 = ws.row_of(context, ws.K + 2)
+    k4 = ws.row_of(context, ws.K + 3)
+    k5 = ws.row_of(context, ws.K + 4)
+    k6 = ws.row_of(context, ws.K + 5)
+    k7 = ws.row_of(context, ws.K + 6)
+    hermite_rows(context, h, ws.K + 6)
+    f4 = ws.row_of(context, ws.F + 4)
     for j in range(length):
         f4[j] = h * (
             -1.0530884977290216 * k1[j] + 0.1017 * k2[j] + 2.490627285651253 * k3[j]
@@ -132,10 +125,10 @@ def dense(context: Integers, t: float, h: float) -> int:
     return 0
 
 
-@addressed(PROPOSE)
+@addressed(ft.PROPOSE)
 def propose(context: Integers, h: float) -> float:
     """Ratio of the next step's length to this accepted one's."""
-    return float(stable_ratio(context, h, POWERS, EDGE))
+    return float(stability_limit.stable_ratio(context, h, POWERS, EDGE))
 
 
 METHOD = Method(
@@ -154,7 +147,7 @@ METHOD = Method(
     error=error,
     dense=dense,
     propose=propose,
-    accepted=accepted,
-    restart=restart,
-    memory=memory,
+    accepted=stability_limit.idle,
+    restart=stability_limit.restart,
+    memory=stability_limit.memory,
 )

@@ -15,20 +15,13 @@ than a thousandth: at looser tolerances accuracy alone does not keep a vibration
 
 import numpy as np
 
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
-from runtime.core.function_table import COORDINATES, DENSE, ERROR, PROPOSE, STAGES
 from runtime.core.jit import addressed
-from runtime.core.rhs import slope
-from runtime.core.workspace import ATOL, STAGE, Y0, Y1, F, K, row_of
-from runtime.integrate.explicit.stability_limit import (
-    memory,
-    observe,
-    permits_growth,
-    restart,
-    stable_ratio,
-)
-from runtime.integrate.explicit.stateless import accepted
+from runtime.core.rhs import evaluate_rhs
+from runtime.integrate.explicit import stability_limit
 from runtime.integrate.method import Method
 
 EDGE = 0.0004  # accuracy: as the tableau says
@@ -38,43 +31,43 @@ POWERS = np.array([
 ])
 
 
-@addressed(STAGES)
+@addressed(ft.STAGES)
 def stages(context: Integers, t: float, h: float) -> int:
     """Take the step from Y0 with derivative K to Y1, not yet corrected."""
-    length = 2 * context[COORDINATES]
-    y0 = row_of(context, Y0)
-    y1 = row_of(context, Y1)
-    z = row_of(context, STAGE)
-    k1 = row_of(context, K)
-    k2 = row_of(context, K + 1)
-    k3 = row_of(context, K + 2)
-    k4 = row_of(context, K + 3)
-    k5 = row_of(context, K + 4)
-    k6 = row_of(context, K + 5)
+    length = 2 * context[ft.COORDINATES]
+    y0 = ws.row_of(context, ws.Y0)
+    y1 = ws.row_of(context, ws.Y1)
+    z = ws.row_of(context, ws.STAGE)
+    k1 = ws.row_of(context, ws.K)
+    k2 = ws.row_of(context, ws.K + 1)
+    k3 = ws.row_of(context, ws.K + 2)
+    k4 = ws.row_of(context, ws.K + 3)
+    k5 = ws.row_of(context, ws.K + 4)
+    k6 = ws.row_of(context, ws.K + 5)
     taken = 0
     for j in range(length):
         z[j] = y0[j] + h * (0.2 * k1[j])
-    taken += slope(context, t + 0.2 * h, STAGE, K + 1)
+    taken += evaluate_rhs(context, t + 0.2 * h, ws.STAGE, ws.K + 1)
     for j in range(length):
         z[j] = y0[j] + h * (0.075 * k1[j] + 0.225 * k2[j])
-    taken += slope(context, t + 0.3 * h, STAGE, K + 2)
+    taken += evaluate_rhs(context, t + 0.3 * h, ws.STAGE, ws.K + 2)
     for j in range(length):
         z[j] = y0[j] + h * (
             0.9777777777777777 * k1[j] - 3.7333333333333334 * k2[j] + 3.5555555555555554 * k3[j]
         )
-    taken += slope(context, t + 0.8 * h, STAGE, K + 3)
+    taken += evaluate_rhs(context, t + 0.8 * h, ws.STAGE, ws.K + 3)
     for j in range(length):
         z[j] = y0[j] + h * (
             2.9525986892242035 * k1[j] - 11.595793324188385 * k2[j] + 9.822892851699436 * k3[j]
             - 0.2908093278463649 * k4[j]
         )
-    taken += slope(context, t + 0.8888888888888888 * h, STAGE, K + 4)
+    taken += evaluate_rhs(context, t + 0.8888888888888888 * h, ws.STAGE, ws.K + 4)
     for j in range(length):
         z[j] = y0[j] + h * (
             2.8462752525252526 * k1[j] - 10.757575757575758 * k2[j] + 8.906422717743473 * k3[j]
             + 0.2784090909090909 * k4[j] - 0.2735313036020583 * k5[j]
         )
-    taken += slope(context, t + h, STAGE, K + 5)
+    taken += evaluate_rhs(context, t + h, ws.STAGE, ws.K + 5)
     for j in range(length):
         y1[j] = y0[j] + h * (
             0.09114583333333333 * k1[j] + 0.44923629829290207 * k3[j] + 0.6510416666666666 * k4[j]
@@ -83,19 +76,19 @@ def stages(context: Integers, t: float, h: float) -> int:
     return taken
 
 
-@addressed(ERROR)
+@addressed(ft.ERROR)
 def error(context: Integers, h: float, rtol: float) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
-    length = 2 * context[COORDINATES]
-    y0 = row_of(context, Y0)
-    y1 = row_of(context, Y1)
-    atol = row_of(context, ATOL)
-    k1 = row_of(context, K)
-    k3 = row_of(context, K + 2)
-    k4 = row_of(context, K + 3)
-    k5 = row_of(context, K + 4)
-    k6 = row_of(context, K + 5)
-    k7 = row_of(context, K + 6)
+    length = 2 * context[ft.COORDINATES]
+    y0 = ws.row_of(context, ws.Y0)
+    y1 = ws.row_of(context, ws.Y1)
+    atol = ws.row_of(context, ws.ATOL)
+    k1 = ws.row_of(context, ws.K)
+    k3 = ws.row_of(context, ws.K + 2)
+    k4 = ws.row_of(context, ws.K + 3)
+    k5 = ws.row_of(context, ws.K + 4)
+    k6 = ws.row_of(context, ws.K + 5)
+    k7 = ws.row_of(context, ws.K + 6)
     total = 0.0
     for j in range(length):
         estimate = h * (
@@ -105,23 +98,23 @@ def error(context: Integers, h: float, rtol: float) -> float:
         )
         ratio = estimate / (atol[j] + rtol * max(abs(y0[j]), abs(y1[j])))
         total += ratio * ratio
-    if permits_growth(rtol, length, EDGE):
-        observe(context, K + 6)
+    if stability_limit.permits_growth(rtol, length, EDGE):
+        stability_limit.observe(context, ws.K + 6)
     return float(np.sqrt(total / length))
 
 
-@addressed(DENSE)
+@addressed(ft.DENSE)
 def dense(context: Integers, t: float, h: float) -> int:
     """Fill the coefficient rows of the dense output of the step from Y0 to Y1."""
-    length = 2 * context[COORDINATES]
-    k1 = row_of(context, K)
-    k3 = row_of(context, K + 2)
-    k4 = row_of(context, K + 3)
-    k5 = row_of(context, K + 4)
-    k6 = row_of(context, K + 5)
-    k7 = row_of(context, K + 6)
-    hermite_rows(context, h, K + 6)
-    f4 = row_of(context, F + 4)
+    length = 2 * context[ft.COORDINATES]
+    k1 = ws.row_of(context, ws.K)
+    k3 = ws.row_of(context, ws.K + 2)
+    k4 = ws.row_of(context, ws.K + 3)
+    k5 = ws.row_of(context, ws.K + 4)
+    k6 = ws.row_of(context, ws.K + 5)
+    k7 = ws.row_of(context, ws.K + 6)
+    hermite_rows(context, h, ws.K + 6)
+    f4 = ws.row_of(context, ws.F + 4)
     for j in range(length):
         f4[j] = h * (
             -1.1270175653862835 * k1[j] + 2.675424484351598 * k3[j] - 5.685526961588504 * k4[j]
@@ -130,10 +123,10 @@ def dense(context: Integers, t: float, h: float) -> int:
     return 0
 
 
-@addressed(PROPOSE)
+@addressed(ft.PROPOSE)
 def propose(context: Integers, h: float) -> float:
     """Ratio of the next step's length to this accepted one's."""
-    return float(stable_ratio(context, h, POWERS, EDGE))
+    return float(stability_limit.stable_ratio(context, h, POWERS, EDGE))
 
 
 METHOD = Method(
@@ -152,7 +145,7 @@ METHOD = Method(
     error=error,
     dense=dense,
     propose=propose,
-    accepted=accepted,
-    restart=restart,
-    memory=memory,
+    accepted=stability_limit.idle,
+    restart=stability_limit.restart,
+    memory=stability_limit.memory,
 )

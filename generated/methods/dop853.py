@@ -11,95 +11,95 @@ the derivative at the end of the step and the first of the next.
 
 import numpy as np
 
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
-from runtime.core.function_table import COORDINATES, DENSE, ERROR, STAGES
 from runtime.core.jit import addressed
-from runtime.core.rhs import slope
-from runtime.core.workspace import ATOL, STAGE, Y0, Y1, F, K, row_of
-from runtime.integrate.explicit.stateless import accepted, restart
+from runtime.core.rhs import evaluate_rhs
+from runtime.integrate.explicit import stability_limit
 from runtime.integrate.method import Method
 from runtime.integrate.step_control import propose
 
 
-@addressed(STAGES)
+@addressed(ft.STAGES)
 def stages(context: Integers, t: float, h: float) -> int:
     """Take the step from Y0 with derivative K to Y1, not yet corrected."""
-    length = 2 * context[COORDINATES]
-    y0 = row_of(context, Y0)
-    y1 = row_of(context, Y1)
-    z = row_of(context, STAGE)
-    k1 = row_of(context, K)
-    k2 = row_of(context, K + 1)
-    k3 = row_of(context, K + 2)
-    k4 = row_of(context, K + 3)
-    k5 = row_of(context, K + 4)
-    k6 = row_of(context, K + 5)
-    k7 = row_of(context, K + 6)
-    k8 = row_of(context, K + 7)
-    k9 = row_of(context, K + 8)
-    k10 = row_of(context, K + 9)
-    k11 = row_of(context, K + 10)
-    k12 = row_of(context, K + 11)
+    length = 2 * context[ft.COORDINATES]
+    y0 = ws.row_of(context, ws.Y0)
+    y1 = ws.row_of(context, ws.Y1)
+    z = ws.row_of(context, ws.STAGE)
+    k1 = ws.row_of(context, ws.K)
+    k2 = ws.row_of(context, ws.K + 1)
+    k3 = ws.row_of(context, ws.K + 2)
+    k4 = ws.row_of(context, ws.K + 3)
+    k5 = ws.row_of(context, ws.K + 4)
+    k6 = ws.row_of(context, ws.K + 5)
+    k7 = ws.row_of(context, ws.K + 6)
+    k8 = ws.row_of(context, ws.K + 7)
+    k9 = ws.row_of(context, ws.K + 8)
+    k10 = ws.row_of(context, ws.K + 9)
+    k11 = ws.row_of(context, ws.K + 10)
+    k12 = ws.row_of(context, ws.K + 11)
     taken = 0
     for j in range(length):
         z[j] = y0[j] + h * (0.05260015195876773 * k1[j])
-    taken += slope(context, t + 0.05260015195876773 * h, STAGE, K + 1)
+    taken += evaluate_rhs(context, t + 0.05260015195876773 * h, ws.STAGE, ws.K + 1)
     for j in range(length):
         z[j] = y0[j] + h * (0.0197250569845379 * k1[j] + 0.0591751709536137 * k2[j])
-    taken += slope(context, t + 0.0789002279381516 * h, STAGE, K + 2)
+    taken += evaluate_rhs(context, t + 0.0789002279381516 * h, ws.STAGE, ws.K + 2)
     for j in range(length):
         z[j] = y0[j] + h * (0.02958758547680685 * k1[j] + 0.08876275643042054 * k3[j])
-    taken += slope(context, t + 0.1183503419072274 * h, STAGE, K + 3)
+    taken += evaluate_rhs(context, t + 0.1183503419072274 * h, ws.STAGE, ws.K + 3)
     for j in range(length):
         z[j] = y0[j] + h * (
             0.2413651341592667 * k1[j] - 0.8845494793282861 * k3[j] + 0.924834003261792 * k4[j]
         )
-    taken += slope(context, t + 0.2816496580927726 * h, STAGE, K + 4)
+    taken += evaluate_rhs(context, t + 0.2816496580927726 * h, ws.STAGE, ws.K + 4)
     for j in range(length):
         z[j] = y0[j] + h * (
             0.037037037037037035 * k1[j] + 0.17082860872947386 * k4[j] + 0.12546768756682242 * k5[j]
         )
-    taken += slope(context, t + 0.3333333333333333 * h, STAGE, K + 5)
+    taken += evaluate_rhs(context, t + 0.3333333333333333 * h, ws.STAGE, ws.K + 5)
     for j in range(length):
         z[j] = y0[j] + h * (
             0.037109375 * k1[j] + 0.17025221101954405 * k4[j] + 0.06021653898045596 * k5[j]
             - 0.017578125 * k6[j]
         )
-    taken += slope(context, t + 0.25 * h, STAGE, K + 6)
+    taken += evaluate_rhs(context, t + 0.25 * h, ws.STAGE, ws.K + 6)
     for j in range(length):
         z[j] = y0[j] + h * (
             0.03709200011850479 * k1[j] + 0.17038392571223998 * k4[j] + 0.10726203044637328 * k5[j]
             - 0.015319437748624402 * k6[j] + 0.008273789163814023 * k7[j]
         )
-    taken += slope(context, t + 0.3076923076923077 * h, STAGE, K + 7)
+    taken += evaluate_rhs(context, t + 0.3076923076923077 * h, ws.STAGE, ws.K + 7)
     for j in range(length):
         z[j] = y0[j] + h * (
             0.6241109587160757 * k1[j] - 3.3608926294469414 * k4[j] - 0.868219346841726 * k5[j]
             + 27.59209969944671 * k6[j] + 20.154067550477894 * k7[j] - 43.48988418106996 * k8[j]
         )
-    taken += slope(context, t + 0.6512820512820513 * h, STAGE, K + 8)
+    taken += evaluate_rhs(context, t + 0.6512820512820513 * h, ws.STAGE, ws.K + 8)
     for j in range(length):
         z[j] = y0[j] + h * (
             0.47766253643826434 * k1[j] - 2.4881146199716677 * k4[j] - 0.590290826836843 * k5[j]
             + 21.230051448181193 * k6[j] + 15.279233632882423 * k7[j] - 33.28821096898486 * k8[j]
             - 0.020331201708508627 * k9[j]
         )
-    taken += slope(context, t + 0.6 * h, STAGE, K + 9)
+    taken += evaluate_rhs(context, t + 0.6 * h, ws.STAGE, ws.K + 9)
     for j in range(length):
         z[j] = y0[j] + h * (
             -0.9371424300859873 * k1[j] + 5.186372428844064 * k4[j] + 1.0914373489967295 * k5[j]
             - 8.149787010746927 * k6[j] - 18.52006565999696 * k7[j] + 22.739487099350505 * k8[j]
             + 2.4936055526796523 * k9[j] - 3.0467644718982196 * k10[j]
         )
-    taken += slope(context, t + 0.8571428571428571 * h, STAGE, K + 10)
+    taken += evaluate_rhs(context, t + 0.8571428571428571 * h, ws.STAGE, ws.K + 10)
     for j in range(length):
         z[j] = y0[j] + h * (
             2.273310147516538 * k1[j] - 10.53449546673725 * k4[j] - 2.0008720582248625 * k5[j]
             - 17.9589318631188 * k6[j] + 27.94888452941996 * k7[j] - 2.8589982771350235 * k8[j]
             - 8.87285693353063 * k9[j] + 12.360567175794303 * k10[j] + 0.6433927460157636 * k11[j]
         )
-    taken += slope(context, t + h, STAGE, K + 11)
+    taken += evaluate_rhs(context, t + h, ws.STAGE, ws.K + 11)
     for j in range(length):
         y1[j] = y0[j] + h * (
             0.054293734116568765 * k1[j] + 4.450312892752409 * k6[j] + 1.8915178993145003 * k7[j]
@@ -109,21 +109,21 @@ def stages(context: Integers, t: float, h: float) -> int:
     return taken
 
 
-@addressed(ERROR)
+@addressed(ft.ERROR)
 def error(context: Integers, h: float, rtol: float) -> float:
     """Estimated error of the step over its tolerance, root mean square over q and v."""
-    length = 2 * context[COORDINATES]
-    y0 = row_of(context, Y0)
-    y1 = row_of(context, Y1)
-    atol = row_of(context, ATOL)
-    k1 = row_of(context, K)
-    k6 = row_of(context, K + 5)
-    k7 = row_of(context, K + 6)
-    k8 = row_of(context, K + 7)
-    k9 = row_of(context, K + 8)
-    k10 = row_of(context, K + 9)
-    k11 = row_of(context, K + 10)
-    k12 = row_of(context, K + 11)
+    length = 2 * context[ft.COORDINATES]
+    y0 = ws.row_of(context, ws.Y0)
+    y1 = ws.row_of(context, ws.Y1)
+    atol = ws.row_of(context, ws.ATOL)
+    k1 = ws.row_of(context, ws.K)
+    k6 = ws.row_of(context, ws.K + 5)
+    k7 = ws.row_of(context, ws.K + 6)
+    k8 = ws.row_of(context, ws.K + 7)
+    k9 = ws.row_of(context, ws.K + 8)
+    k10 = ws.row_of(context, ws.K + 9)
+    k11 = ws.row_of(context, ws.K + 10)
+    k12 = ws.row_of(context, ws.K + 11)
     high, low = 0.0, 0.0
     for j in range(length):
         tolerance = atol[j] + rtol * max(abs(y0[j]), abs(y1[j]))
@@ -147,24 +147,24 @@ def error(context: Integers, h: float, rtol: float) -> float:
     return float(h * high / np.sqrt(both * length))
 
 
-@addressed(DENSE)
+@addressed(ft.DENSE)
 def dense(context: Integers, t: float, h: float) -> int:
     """Fill the coefficient rows of the dense output of the step from Y0 to Y1."""
-    length = 2 * context[COORDINATES]
-    y0 = row_of(context, Y0)
-    z = row_of(context, STAGE)
-    k1 = row_of(context, K)
-    k6 = row_of(context, K + 5)
-    k7 = row_of(context, K + 6)
-    k8 = row_of(context, K + 7)
-    k9 = row_of(context, K + 8)
-    k10 = row_of(context, K + 9)
-    k11 = row_of(context, K + 10)
-    k12 = row_of(context, K + 11)
-    k13 = row_of(context, K + 12)
-    k14 = row_of(context, K + 13)
-    k15 = row_of(context, K + 14)
-    k16 = row_of(context, K + 15)
+    length = 2 * context[ft.COORDINATES]
+    y0 = ws.row_of(context, ws.Y0)
+    z = ws.row_of(context, ws.STAGE)
+    k1 = ws.row_of(context, ws.K)
+    k6 = ws.row_of(context, ws.K + 5)
+    k7 = ws.row_of(context, ws.K + 6)
+    k8 = ws.row_of(context, ws.K + 7)
+    k9 = ws.row_of(context, ws.K + 8)
+    k10 = ws.row_of(context, ws.K + 9)
+    k11 = ws.row_of(context, ws.K + 10)
+    k12 = ws.row_of(context, ws.K + 11)
+    k13 = ws.row_of(context, ws.K + 12)
+    k14 = ws.row_of(context, ws.K + 13)
+    k15 = ws.row_of(context, ws.K + 14)
+    k16 = ws.row_of(context, ws.K + 15)
     taken = 0
     for j in range(length):
         z[j] = y0[j] + h * (
@@ -172,7 +172,7 @@ def dense(context: Integers, t: float, h: float) -> int:
             - 0.12419142326381637 * k9[j] + 0.15329179827876568 * k10[j]
             + 0.00820105229563469 * k11[j] + 0.007567897660545699 * k12[j] - 0.008298 * k13[j]
         )
-    taken += slope(context, t + 0.1 * h, STAGE, K + 13)
+    taken += evaluate_rhs(context, t + 0.1 * h, ws.STAGE, ws.K + 13)
     for j in range(length):
         z[j] = y0[j] + h * (
             0.03183464816350214 * k1[j] + 0.028300909672366776 * k6[j]
@@ -180,19 +180,19 @@ def dense(context: Integers, t: float, h: float) -> int:
             - 0.00010834732869724932 * k11[j] + 0.0003825710908356584 * k12[j]
             - 0.00034046500868740456 * k13[j] + 0.1413124436746325 * k14[j]
         )
-    taken += slope(context, t + 0.2 * h, STAGE, K + 14)
+    taken += evaluate_rhs(context, t + 0.2 * h, ws.STAGE, ws.K + 14)
     for j in range(length):
         z[j] = y0[j] + h * (
             -0.42889630158379194 * k1[j] - 4.697621415361164 * k6[j] + 7.683421196062599 * k7[j]
             + 4.06898981839711 * k8[j] + 0.3567271874552811 * k9[j] - 0.0013990241651590145 * k13[j]
             + 2.9475147891527724 * k14[j] - 9.15095847217987 * k15[j]
         )
-    taken += slope(context, t + 0.7777777777777778 * h, STAGE, K + 15)
-    hermite_rows(context, h, K + 12)
-    f4 = row_of(context, F + 4)
-    f5 = row_of(context, F + 5)
-    f6 = row_of(context, F + 6)
-    f7 = row_of(context, F + 7)
+    taken += evaluate_rhs(context, t + 0.7777777777777778 * h, ws.STAGE, ws.K + 15)
+    hermite_rows(context, h, ws.K + 12)
+    f4 = ws.row_of(context, ws.F + 4)
+    f5 = ws.row_of(context, ws.F + 5)
+    f6 = ws.row_of(context, ws.F + 6)
+    f7 = ws.row_of(context, ws.F + 7)
     for j in range(length):
         f4[j] = h * (
             -8.428938276109013 * k1[j] + 0.5667149535193777 * k6[j] - 3.0689499459498917 * k7[j]
@@ -242,6 +242,6 @@ METHOD = Method(
     error=error,
     dense=dense,
     propose=propose,
-    accepted=accepted,
-    restart=restart,
+    accepted=stability_limit.idle,
+    restart=stability_limit.idle,
 )

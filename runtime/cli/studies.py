@@ -1,0 +1,162 @@
+"""`python -m runtime matters` and `python -m runtime accuracy`: the studies of a scene."""
+
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Annotated, TypeVar
+
+import typer
+
+from runtime.cli import common
+from runtime.cli.common import Guess, Json, Model, MotionStart, OptionalTEnd, Parameters, Scene
+
+if TYPE_CHECKING:
+    from runtime.studies.effect_ranking import Matters
+    from runtime.studies.work_precision import WorkPrecision
+
+Answer = TypeVar("Answer", "Matters", "WorkPrecision")
+
+
+def matters(
+    model: Model,
+    quantity: Annotated[
+        str,
+        typer.Option(
+            help="A coordinate, velocity, a(coordinate), reaction, energy or power at the end; "
+            "max:, min:, peak:, range:, mean:, rate: or period: of one; event:EFFECT, "
+            "count:EFFECT."
+        ),
+    ],
+    scene: Scene = None,
+    t_end: OptionalTEnd = None,
+    t_start: MotionStart = 0.0,
+    error: Annotated[
+        float | None,
+        typer.Option(help="Relative change that is permitted; proposes the cheapest scene."),
+    ] = None,
+    analysis: Annotated[
+        str | None,
+        typer.Option(
+            help="simulate, kinematics, inverse or equilibrium (which needs no --t-end); follows "
+            "from the scene unless given."
+        ),
+    ] = None,
+    fidelities: Annotated[
+        bool, typer.Option(help="Try the other fidelities of rods, contacts and frictions as well.")
+    ] = True,
+    settings: Parameters = None,
+    guess: Guess = None,
+    method: Annotated[str, typer.Option(help="Integration method, as in simulate.")] = "dop853",
+    rtol: Annotated[
+        float, typer.Option(help="Relative tolerance; a run with 100 times this is compared.")
+    ] = 1e-10,
+    points: Annotated[int, typer.Option(help="Number of output instants, ends included.")] = 1001,
+    rounds: Annotated[
+        int | None, typer.Option(help="Timed runs of each scene; the least time counts.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Picture: .png, .svg or .pdf.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Effect ranking: the scene without each of its effects, the change and the saving."""
+    from runtime.studies.effect_ranking import matters as rank_effects
+    from runtime.studies.effect_ranking import picture
+
+    def study() -> "Matters":
+        return rank_effects(
+            model, scene, asked=quantity, t_end=t_end, t_start=t_start, error=error,
+            analysis=analysis, fidelities=fidelities, method=method, rtol=rtol, points=points,
+            rounds=rounds, progress=common.write_line, **common.start_values(settings, guess),
+        )  # fmt: skip
+
+    ranking = _answer(study, picture, out, as_json)
+    if not as_json:
+        from runtime.show.terminal_table import show
+        from runtime.studies.effect_ranking.terminal_table import sentences, table
+
+        show((table(ranking),), sentences(ranking))
+
+
+def accuracy(
+    model: Model,
+    scene: Scene = None,
+    quantity: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="A series that is compared, such as crank.phi; again for more. Unless given, the "
+            "coordinates that the scene starts from, and their velocities. a.x|b.x is whichever of "
+            "them a scene has."
+        ),
+    ] = None,
+    t_end: OptionalTEnd = None,
+    t_start: MotionStart = 0.0,
+    method: Annotated[
+        list[str] | None, typer.Option(help="Integration method; again for more. All unless given.")
+    ] = None,
+    formulation: Annotated[
+        list[str] | None, typer.Option(help="cartesian or reduced; both unless given.")
+    ] = None,
+    reference: Annotated[
+        Path | None,
+        typer.Option(help="A .csv file with columns t, in s, and the quantities: the reference."),
+    ] = None,
+    points: Annotated[int, typer.Option(help="Instants at which runs are compared.")] = 200,
+    modelling: Annotated[
+        bool, typer.Option(help="Run the other fidelities of rods, contacts and frictions as well.")
+    ] = True,
+    beside: Annotated[
+        list[str] | None,
+        typer.Option(help="A further scene that models the same machine; again for more."),
+    ] = None,
+    building: Annotated[
+        bool | None,
+        typer.Option(help="Build the scene anew and time each stage; not with --quick."),
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Four tolerances in place of seventeen, few repeats.")
+    ] = False,
+    limit: Annotated[float, typer.Option(help="Seconds that a run may take.")] = 10.0,
+    settings: Parameters = None,
+    guess: Guess = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the picture and the runs as JSON lines.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Work-precision: digits against time, by method, formulation and modelling choice."""
+    from runtime.integrate.method import METHODS
+    from runtime.studies.work_precision import accuracy as work_precision
+    from runtime.studies.work_precision import picture
+    from runtime.studies.work_precision.diagram import FORMULATIONS
+
+    def study() -> "WorkPrecision":
+        return work_precision(
+            model, scene, quantities=tuple(quantity or ()), t_end=t_end, t_start=t_start,
+            methods=tuple(method or METHODS), formulations=tuple(formulation or FORMULATIONS),
+            points=points, reference=reference, modelling=modelling, beside=tuple(beside or ()),
+            building=building, quick=quick, limit=limit, progress=common.write_line,
+            **common.start_values(settings, guess),
+        )  # fmt: skip
+
+    diagram = _answer(study, picture, out, as_json)
+    if not as_json:
+        from runtime.show.terminal_table import show
+        from runtime.studies.work_precision.interpretation import sentences
+        from runtime.studies.work_precision.terminal_table import score, work
+
+        show((score(diagram), work(diagram)), sentences(diagram))
+
+
+def _answer(
+    study: Callable[[], Answer], picture: ModuleType, out: Path | None, as_json: bool
+) -> Answer:
+    """Run a study and save its picture; with --json print its facts."""
+    with common.exit_on_error(as_json):
+        if out is not None:
+            picture.check_place(out)
+        answer = study()
+        if out is not None:
+            for path in picture.save(answer, out):
+                common.write_line(f"Saved: {path}")
+    if as_json:
+        common.print_json({"ok": True, **answer.facts()})
+    return answer

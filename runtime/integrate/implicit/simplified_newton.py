@@ -1,0 +1,220 @@
+"""Simplified Newton iteration of an implicit step, whose matrices stay while it converges.
+
+The tests of convergence are those of E. Hairer and G. Wanner, Solving Ordinary Differential
+Equations II, section IV.8. A method brings its own prediction, equations and matrices.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from runtime.constraints.newton_return import FAILED
+from runtime.core.array_types import Integers, Vector
+from runtime.core.function_table import COORDINATES, ERROR, method_floats_of, method_integers_of
+from runtime.core.jit import addressed, closure, inner
+from runtime.core.rounding import EPS
+from runtime.core.run_record import run_record
+from runtime.core.workspace import ATOL, SIZE, Y0, row_of
+from runtime.integrate.implicit import method_memory as mem
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    Solver = Callable[[Integers, float, float], int]
+
+_DONE, _GOING, _DIVERGING = 0, 1, 2
+# measured: rate of convergence above which derivatives are taken anew for the next step
+_SLOW = 0.05
+_LOOSEST = 0.03  # measured: of the tolerance of a step; how far Newton's method is taken at least
+# accuracy: rounding in a difference of high order, relative to a step's change
+_ROUNDED = 64.0 * EPS
+# accuracy: in such a difference of velocities, where stiff forces hold a position
+_STIFF = 16.0 * EPS
+_SOLVED = 4.0 * EPS  # accuracy: rounding in Newton's residual
+# accuracy: in the past of dependent coordinates, relative to the largest coordinate
+_LEAST = 8.0 * EPS
+_RECOVERED = 4.0 * EPS  # accuracy: and this times the square of the ratio of speeds
+# safety: largest ratio of speeds of dependent to independent coordinates that counts
+_FASTEST = 10.0
+
+
+def step_solver(
+    predict: "Callable[[Integers, float], int]",
+    linearize: "Callable[[Integers, float], int]",
+    factor: "Callable[[Integers, float], int]",
+    solve: "Solver",
+) -> "Solver":
+    """A function of (context, t, c) that solves a step, with fresh derivatives if need be.
+
+    It returns the iterations that returns onto the constraints took, or `FAILED`. The matrices
+    belong to the number c.
+
+    Parameters
+    ----------
+    predict
+        Of (context, c): starts the iteration.
+    linearize
+        Of (context, t): takes the derivatives, or `FAILED`.
+    factor
+        Of (context, c): factors the matrices; not 0 where one is singular.
+    solve
+        Of (context, t, c): as `newton_iteration` makes it.
+    """
+
+    @closure
+    def solve_step(context: Integers, t: float, c: float) -> int:
+        r = run_record(context)
+        memory, notes = method_floats_of(context), method_integers_of(context)
+        fresh = False
+        while not fresh:
+            predict(context, c)
+            fresh = notes[mem.CURRENT] != 1
+            if fresh and linearize(context, t) == FAILED:
+                return FAILED
+            if memory[mem.C_FACTORED] != c:
+                memory[mem.RATE] = 1.0
+                memory[mem.C_FACTORED] = c
+                r.factorizations += 1
+                if factor(context, c) != 0:
+                    notes[mem.CURRENT] = 0
+                    return FAILED
+            taken = solve(context, t, c)
+            if taken != FAILED:
+                return taken
+            notes[mem.CURRENT] = 0
+        return FAILED
+
+    return solve_step
+
+
+def newton_iteration(
+    evaluate: "Solver", improve: "Callable[[Integers, float], float]", most: int, slowest: float
+) -> "Solver":
+    """A function of (context, t, c) that iterates until what is missing is below the tolerance.
+
+    It returns the iterations that returns onto the constraints took, or `FAILED` where a state
+    cannot be completed or the iteration does not converge.
+
+    Parameters
+    ----------
+    evaluate
+        Of (context, t, c): completes the iterate and writes its accelerations, or `FAILED`.
+    improve
+        Of (context, c): changes it by a Newton step, whose size over the tolerance it returns.
+    most, slowest
+        Iterations, and ratio of two changes' sizes from which on it is given up.
+    """
+
+    @closure
+    def iterate(context: Integers, t: float, c: float) -> int:
+        r = run_record(context)
+        taken, before = 0, 0.0
+        for iteration in range(most):
+            result = evaluate(context, t, c)
+            if result == FAILED:
+                return FAILED
+            taken += result
+            r.iterations += 1
+            size = improve(context, c)
+            reached = _convergence(context, iteration, most - 1 - iteration, size, before, slowest)
+            if reached != _GOING:
+                return taken if reached == _DONE else FAILED
+            before = size
+        return FAILED
+
+    return iterate
+
+
+@inner
+def _convergence(
+    context: Integers, iteration: int, left: int, size: float, before: float, slowest: float
+) -> int:
+    """Whether Newton's iteration is done, going or diverging after a change of this size.
+
+    `size` is over the tolerance, as that of the change `before`; `left` iterations may follow.
+    """
+    memory, notes = method_floats_of(context), method_integers_of(context)
+    notes[mem.ITERATIONS] = iteration + 1
+    if size == 0.0:
+        return _DONE
+    if iteration > 0:
+        ratio = size / before
+        if not ratio < slowest:
+            return _DIVERGING
+        memory[mem.RATE] = ratio / (1.0 - ratio)
+        if ratio > _SLOW:
+            notes[mem.CURRENT] = 0
+        if ratio**left * memory[mem.RATE] * size > memory[mem.ENOUGH]:
+            return _DIVERGING
+    if memory[mem.RATE] * size <= memory[mem.ENOUGH]:
+        return _DONE
+    return _GOING if np.isfinite(size) else _DIVERGING
+
+
+@inner
+def set_tolerance(
+    context: Integers, share: float, newton: float, remembered: int, c: float, ahead: Vector
+) -> None:
+    """Fill row TOLERANCE, what the error of the step may be, from its ends Y0 and `ahead`.
+
+    Not less than rounding. States are carried on with what rounding cuts off them (row LOW), so
+    that it is that of their change over the step. Only in coordinates that were dependent until
+    lately the past is as rough as their recovery left it. ENOUGH becomes how far Newton's method is
+    to be taken, over this tolerance.
+
+    Parameters
+    ----------
+    share, newton
+        What the error estimate is held to, and how far Newton's method is taken, over the tolerance
+        of the user.
+    remembered
+        Steps for which the method remembers the past.
+    c
+        Of the matrix I - c G_u̇ - c² G_u. Where it is stiff, the last digit of a position is a force
+        that the next velocity has to undo.
+    """
+    notes, unknown, by_u = (
+        method_integers_of(context),
+        mem.unknowns(context),
+        mem.matrix(context, mem.BY_U),
+    )
+    n, f = context[COORDINATES], notes[mem.FREEDOMS]
+    asked = run_record(context).rtol
+    relative = share * asked
+    y0, atol, size = row_of(context, Y0), row_of(context, ATOL), row_of(context, SIZE)
+    allowed = mem.row(context, mem.TOLERANCE)
+    held, carried, moved = 0.0, 0.0, 0.0
+    for j in range(n, 2 * n):
+        carried = max(carried, abs(y0[j]) / size[j])
+    for i in range(f):
+        j = unknown[i]
+        held = max(held, abs(y0[n + j]) / size[n + j])
+        moved = max(moved, abs(ahead[j] - y0[j]) / size[j])
+        moved = max(moved, abs(ahead[n + j] - y0[n + j]) / size[n + j])
+    ratio = min(_FASTEST, carried / max(held, 1e-300))
+    rough = _LEAST + _RECOVERED * ratio * ratio if notes[mem.SETTLED] < remembered else 0.0
+    for half in range(2):
+        largest = 0.0
+        for j in range(half * n, half * n + n):
+            largest = max(largest, abs(y0[j]) / size[j])
+        for j in range(half * n, half * n + n):
+            value = relative * (atol[j] / asked + max(abs(y0[j]), abs(ahead[j])))
+            allowed[j] = value + (_ROUNDED * moved + rough * largest) * size[j]
+    for i in range(f):
+        force, stiff = 0.0, 0.0
+        j = unknown[i]
+        for k in range(f):
+            entry = abs(by_u[i * f + k])
+            force += entry * abs(y0[unknown[k]])
+            stiff += c * c * entry * size[unknown[k]] / size[j]
+        allowed[n + j] += _STIFF * c * force * stiff / (1.0 + stiff) ** 2
+    at_rounding = _SOLVED * moved / (relative + _ROUNDED * moved)
+    method_floats_of(context)[mem.ENOUGH] = max(
+        at_rounding, min(_LOOSEST, newton * asked / relative)
+    )
+
+
+@addressed(ERROR)
+def error(context: Integers, h: float, rtol: float) -> float:
+    """Estimated error of the step over its tolerance, which the step has left in METHOD_FLOATS."""
+    return float(method_floats_of(context)[mem.STEP_ERROR])
