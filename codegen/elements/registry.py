@@ -28,17 +28,7 @@ EFFECT = (*SHARED, "potential", "forces")
 
 @dataclass(frozen=True)
 class Kind:
-    """A registered class of elements.
-
-    Attributes
-    ----------
-    name
-        Its `kind`, a few words.
-    role
-        Joints and drivers bring equations Φ, forces a potential V or generalized forces Q.
-    element
-        The class.
-    """
+    """A registered class of elements, `name` being its `kind`."""
 
     name: str
     role: Role

@@ -115,16 +115,9 @@ class Fidelities(Couplers):
         return f"'{name}' as '{word}' {lacking}" if isinstance(lacking, str) else None
 
     def choice(self, group: str, how: Mapping[str, str], effects: Iterable[str]) -> str:
-        """The alternative that a scene takes, by its fidelity or by the effects that it names.
-
-        Parameters
-        ----------
-        how, effects
-            The scene's fidelities, and the effects that it names.
-        """
+        """The alternative of a scene, by its fidelities `how` or by the effects that it names."""
         choices = self.groups[group]
-        acting = set(effects)
-        named = [word for word, names in choices.items() if acting.intersection(names)]
+        named = [word for word, names in choices.items() if {*effects}.intersection(names)]
         return how.get(group) or (named[0] if len(named) == 1 else next(iter(choices)))
 
     def _group_members(

@@ -22,14 +22,9 @@ class Variations(Scenes):
     def varied(
         self, scene: Scene, *, out: Any, taken: Any, fidelity: Any = None, **changes: Any
     ) -> Scene:
-        """`scene` with elements left out or taken in; it is not declared.
+        """`scene` with elements `out` left out and `taken` taken in; it is not declared.
 
-        Parameters
-        ----------
-        out, taken
-            Effects, drivers, joints and bodies, by name or object.
-        fidelity, changes
-            As in `scene`.
+        Elements are named or given as objects; `fidelity` and `changes` are as in `scene`.
         """
         read, root = Reader(), scene.root or scene
         where, known = f"scene '{scene.name}', varied", self.elements
