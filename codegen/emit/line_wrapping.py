@@ -14,12 +14,12 @@ def quantity(count: int, noun: str) -> str:
     return " ".join([str(count), first if count == 1 else f"{first}s", *rest])
 
 
-def tail(lines: list[str]) -> str:
+def assigned_text(lines: list[str]) -> str:
     """What the last of the lines sets its name to."""
     return lines[-1].partition(" = ")[2]
 
 
-def fitted(head: str, text: str, note: str = "") -> Iterator[str]:
+def wrap_statement(head: str, text: str, note: str = "") -> Iterator[str]:
     """A statement on one line; where the page is too narrow, its note above, brackets around."""
     indent = head[: len(head) - len(head.lstrip())]
     if len(head) + len(text) + len(note) > PAGE and note:
@@ -50,8 +50,8 @@ def note_of(out: Output) -> str:
     return f"  # {out.note}" if out.note else ""
 
 
-def filled(head: str, pieces: Sequence[str], end: str) -> Iterator[str]:
-    """Pieces between `head` and `end` on one line; else on lines of their own, each filled."""
+def wrap_pieces(head: str, pieces: Sequence[str], end: str) -> Iterator[str]:
+    """Pieces between `head` and `end` on one line; else on lines of their own, each wrap_pieces."""
     line = f"{head}{' '.join(pieces)}{end}"
     if len(line) <= PAGE:
         yield line

@@ -47,10 +47,10 @@ def module_text(lowered: Lowered, origin: Origin) -> str:
     """The whole module, signed with the SHA-256 of its own text."""
     tables = _tables(lowered, origin)
     arguments = Arguments.of(lowered.description)
-    return laid_out(lowered.program, origin, _docstring(lowered), tables, arguments)
+    return assemble_module(lowered.program, origin, _docstring(lowered), tables, arguments)
 
 
-def laid_out(
+def assemble_module(
     program: Program,
     origin: Origin,
     docstring: list[str],
