@@ -48,15 +48,7 @@ SHORT = {"factorization": "f", "correction": "c", "reduction": "r", "masses": "m
 
 
 class KernelText:
-    """Writes one kernel.
-
-    Parameters
-    ----------
-    program, kernel
-        What to write.
-    arguments
-        Shapes and units of what it takes.
-    """
+    """Writes one kernel, with the shapes and units of its arguments."""
 
     def __init__(self, program: Program, kernel: Kernel, arguments: Arguments) -> None:
         self.program, self.kernel, self.arguments = program, kernel, arguments

@@ -1,6 +1,8 @@
-"""How the lines of a generated function fit the page."""
+"""How the lines of a generated module fit the page: statements, comments, Python literals."""
 
-from collections.abc import Iterator, Sequence
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 from codegen.lower.program import Output
 
@@ -70,3 +72,43 @@ def wrap_pieces(head: str, pieces: Sequence[str], end: str) -> Iterator[str]:
 def items(text: str) -> list[str]:
     """The items of a list, each with the comma behind it."""
     return text.replace(", ", ",\n").split("\n")
+
+
+# -- literals laid out as a formatter would ----------------------------------------------------
+
+
+def assignment(name: str, value: Any) -> list[str]:
+    """``NAME = literal``, on one line if it fits, else one element a line."""
+    line = f"{name} = {literal(value)}"
+    if len(line) <= PAGE:
+        return [line]
+    if all(isinstance(item, int) for item in value):
+        return [f"{name} = (", "    # fmt: off", *_rows(value), "    # fmt: on", ")"]
+    return [f"{name} = (", *(line for item in value for line in _row(item)), ")"]
+
+
+def literal(value: Any) -> str:
+    """A number, text, or tuple of them."""
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, Sequence):
+        inside = ", ".join(literal(item) for item in value)
+        return f"({inside},)" if len(value) == 1 else f"({inside})"
+    return repr(value)
+
+
+def _row(item: Any) -> list[str]:
+    line = f"    {literal(item)},"
+    if len(line) <= PAGE or isinstance(item, str):
+        return [line]
+    return ["    (", *(f"        {literal(part)}," for part in item), "    ),"]
+
+
+def _rows(numbers: Iterable[int]) -> list[str]:
+    rows, line = [], "   "
+    for number in numbers:
+        if len(line) + len(str(number)) + 2 > PAGE:
+            rows.append(line)
+            line = "   "
+        line += f" {number},"
+    return [*rows, line]

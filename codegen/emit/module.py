@@ -8,8 +8,7 @@ from codegen.artefact import MARK, UNSIGNED, signed
 from codegen.emit.arguments import Arguments
 from codegen.emit.formula import folded_numbers, formula
 from codegen.emit.kernel import KernelText
-from codegen.emit.line_wrapping import quantity
-from codegen.emit.literals import assignment
+from codegen.emit.line_wrapping import assignment, quantity
 from codegen.emit.sincos import sin_cos_lines
 from codegen.emit.table_lookup import lookups, spline_lines
 from codegen.lower.kernels.scene_kernels import Lowered

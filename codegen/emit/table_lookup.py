@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from codegen.cubic_spline import MARGIN, Table
-from codegen.emit.literals import assignment
+from codegen.emit.line_wrapping import assignment
 from codegen.lower.program import Lookup, Program
 
 POLYNOMIALS = (

@@ -23,15 +23,7 @@ BREAKING = frozenset({Op.DIV, Op.SQRT, Op.POW, Op.LOG, Op.TAN, Op.ASIN, Op.ACOS,
 
 
 class Slopes:
-    """Partial derivatives by walks back.
-
-    Parameters
-    ----------
-    graph
-        Where the values are, and where the derivatives go.
-    inputs
-        By which to differentiate.
-    """
+    """Partial derivatives of values of a graph by some of its inputs."""
 
     def __init__(self, graph: Graph, inputs: Iterable[int]) -> None:
         self.graph = graph
@@ -41,18 +33,7 @@ class Slopes:
         self._alone: dict[int, Direction] = {}
 
     def gradient(self, weights: Mapping[int, int]) -> dict[int, int]:
-        """Σ weight ∂value/∂input.
-
-        Parameters
-        ----------
-        weights
-            Value → what its derivatives are multiplied by.
-
-        Returns
-        -------
-        dict
-            Input → the sum, where it is not zero.
-        """
+        """Input → Σ weight ∂value/∂input, where it is not zero; `weights` maps value → weight."""
         graph = self.graph
         slopes = dict.fromkeys(sorted(self.inputs), Parts(graph, {}))
         queue: dict[int, Parts] = {}
