@@ -27,16 +27,9 @@ class Jet(NamedTuple):
 
 
 class Direction:
-    """Derivatives along a straight line in the inputs.
+    """Derivatives of values of a graph along a straight line in the inputs, up to `order` 1 or 2.
 
-    Parameters
-    ----------
-    graph
-        Where the values are, and where the derivatives go.
-    rates
-        Input → its derivative along the line, constant on it; those of all others are zero.
-    order
-        Up to which derivative, 1 or 2.
+    `rates` maps inputs to their derivatives along the line, constant on it; others have none.
     """
 
     def __init__(self, graph: Graph, rates: Mapping[int, int], order: int = 2) -> None:
