@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Kind = Literal["tangents", "reduced"]
 
 _BELONGS = re.compile(r'^MODULE_SHA256 = "([0-9a-f]{64})"$', re.MULTILINE)
-_HOLDS = {"tangents": "derivatives", "reduced": "reduced equations"}
+_CONTENTS = {"tangents": "derivatives", "reduced": "reduced equations"}
 
 
 class Origin(NamedTuple):
@@ -56,7 +56,7 @@ def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) ->
     """
     if origin is None:
         raise AnalysisError(
-            f"{title} was put together without its model, from {path}, so its {_HOLDS[kind]} "
+            f"{title} was put together without its model, from {path}, so its {_CONTENTS[kind]} "
             "cannot be built. Load it by runtime.load."
         )
     text = _text(origin, kind)
@@ -74,8 +74,8 @@ def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) ->
         raise SupersededError(
             f"{origin.path} is {origin.digest[:12]}... in this machine and {report.digest[:12]}... "
             f"now: the model, or the generator, has changed since the machine of scene '{name}' "
-            f"was loaded, and its {_HOLDS[kind]} would be those of another one. Load the machine "
-            "again."
+            f"was loaded, and its {_CONTENTS[kind]} would be those of another one. Load the "
+            "machine again."
         )
     return import_generated(companion.path, companion.digest)
 
@@ -98,7 +98,7 @@ def _text(origin: Origin, kind: Kind) -> str | None:
 def _command(origin: Origin, kind: Kind) -> str:
     """How the user has the companion built anew."""
     if not isinstance(origin.model, Path) or not isinstance(origin.scene, str):
-        return f"delete the file, and ask for the {_HOLDS[kind]} again."
+        return f"delete the file, and ask for the {_CONTENTS[kind]} again."
     return (
         f"python -m codegen build {origin.model} --scene {origin.scene} "
         f"--out {origin.path.parent} --{kind}"

@@ -13,8 +13,8 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 # measured: part of the largest distance from the origin; a machine counts as no smaller
-_PLACES = 0.01
-_NOTHING = 1e-9  # accuracy: m; a length below this is rounding
+_LEAST_PART = 0.01
+_ROUNDING = 1e-9  # accuracy: m; a length below this is rounding
 
 
 class Motion(NamedTuple):
@@ -147,13 +147,13 @@ def magnitudes(equations: Equations, t: float, q: FloatArray) -> FloatArray:
     """
     matrix = equations.jacobian(t, q)
     reach, extent = equations.reach(matrix), equations.extent(q)
-    if reach > _NOTHING:
-        return equations.scale(max(reach, _PLACES * extent))
-    if extent > _NOTHING:
+    if reach > _ROUNDING:
+        return equations.scale(max(reach, _LEAST_PART * extent))
+    if extent > _ROUNDING:
         return equations.scale(extent)
     gaps = np.abs(equations.constraints(t, equations.description.neutral))
     fixed = float(gaps[equations.length_rows(matrix)].max(initial=0.0))
-    if not fixed > _NOTHING:
+    if not fixed > _ROUNDING:
         declared = zip(equations.description.parameters, equations.p, strict=False)
         fixed = max((abs(float(value)) for row, value in declared if row.unit == "m"), default=0.0)
-    return equations.scale(fixed if fixed > _NOTHING else 1.0)
+    return equations.scale(fixed if fixed > _ROUNDING else 1.0)

@@ -219,7 +219,7 @@ class Description(NamedTuple):
         """`model/scene`, as messages name it."""
         return f"{self.model}/{self.scene}"
 
-    def offer(self, output: str) -> str:
+    def suggest_output(self, output: str) -> str:
         """Sentence on an output that the scene does not ask for, and how to have it."""
         before = ("reactions", "energy", "powers") if self.outputs is None else self.outputs
         outputs = ", ".join(map(repr, (*before, output)))
@@ -228,7 +228,7 @@ class Description(NamedTuple):
             f"scene with outputs=[{outputs}], or load scene.with_(outputs=[{outputs}])."
         )
 
-    def unasked(self, output: str, *elements: str) -> bool:
+    def leaves_out(self, output: str, *elements: str) -> bool:
         """Whether a scene that names its outputs names neither `output` nor those of elements."""
         if self.outputs is None or f"{output}s" in self.outputs or output in self.outputs:
             return False
@@ -240,7 +240,7 @@ class Description(NamedTuple):
         return tuple(row.name for row in self.effects if row.kind == "tracked point")
 
     @property
-    def working(self) -> dict[str, int]:
+    def work_rows(self) -> dict[str, int]:
         """Effect or driver → the row of the power of which its work is the integral."""
         rows = enumerate(self.powers)
         return {row.name[len("work(") : -1]: k for k, row in rows if row.kind == "work"}

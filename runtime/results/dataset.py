@@ -96,7 +96,7 @@ def _powers_and_energies(result: Result) -> tuple[Variables, Variables]:
     power = (("time", "source"), samples.power[:, sources], {"units": "W"})
     variables: Variables = {"power": power}
     coords: Variables = {"source": _texts(description.powers[index].name for index in sources)}
-    if not description.unasked("energy"):
+    if not description.leaves_out("energy"):
         energy = np.column_stack([samples.energy, samples.energy.sum(axis=1)])
         variables["energy"] = (("time", "part"), energy, {"units": "J"})
         coords["part"] = ["kinetic", "potential", "total"]

@@ -191,15 +191,15 @@ class TimeSeries:
         if source in self.works:
             return self.works[source]
         description = self.description
-        if source in description.working:
+        if source in description.work_rows:
             raise InputError(
                 f"{description.title}: work({source}) is integrated along the steps of a "
                 f"simulation, and this is a result of {self.analysis}; ask for simulate, or for "
                 f"power({source})."
             )
         if source in self._sources and source not in description.tracked:
-            raise InputError(description.offer(f"work({source})"))
-        raise self._unknown("work of", source, description.working or self._sources)
+            raise InputError(description.suggest_output(f"work({source})"))
+        raise self._unknown("work of", source, description.work_rows or self._sources)
 
     def path(self, point: str) -> FloatArray:
         """Global coordinates of a tracked point over time.
@@ -225,7 +225,7 @@ class TimeSeries:
             return self.samples.reaction[:, rows]
         left_out = description.left_out
         if point in left_out.names and left_out[point].kind == "tracked point":
-            raise InputError(description.offer(f"path({point})"))
+            raise InputError(description.suggest_output(f"path({point})"))
         raise self._unknown("path of", point, description.tracked)
 
     def energy(self, part: str = "total") -> FloatArray:
@@ -315,9 +315,9 @@ class TimeSeries:
 
     def _require_output(self, output: str, *element: str) -> None:
         """Refuse an output that the scene was declared without."""
-        if self.description.unasked(output, *element):
+        if self.description.leaves_out(output, *element):
             named = f"{output}({element[0]})" if element else output
-            raise InputError(self.description.offer(named))
+            raise InputError(self.description.suggest_output(named))
 
     def _unknown(self, kind: str, name: str, names: Iterable[str]) -> InputError:
         return InputError(f"{self.description.title}: {unknown(kind, name, names)}")

@@ -22,7 +22,7 @@ def require_energy(mechanism: Mechanism) -> None:
     description = mechanism.description
     if description.has_masses and "potential" not in description.kernels:
         raise AnalysisError(
-            f"equilibrium needs the potential energy: {description.offer('energy')}"
+            f"equilibrium needs the potential energy: {description.suggest_output('energy')}"
         )
 
 
