@@ -185,8 +185,9 @@ class Machine(MechanismTables):
             In place of tolerances, the relative global error that the result may have, from 1e-12
             to 0.1; names of the series whose error is meant, by default the whole state.
         t_start, guess, start
-            First instant in s; start values by name of coordinate (m, rad) or velocity (m/s,
-            rad/s), over those of the scene. Or an assembled state in place of both.
+            First instant in s, by default that of `start` or 0; start values by name of coordinate
+            (m, rad) or velocity (m/s, rad/s), over those of the scene; or an assembled state, in
+            place of the scene's start.
         method, formulation
             "dop853" (default), "dopri5", "tsit5": explicit; "radau5", "bdf": implicit, for stiff
             equations; "auto" changes between these. "cartesian" (default) equations integrate all
@@ -200,8 +201,8 @@ class Machine(MechanismTables):
             Return onto the constraints: "step", "stage", "projection", "baumgarte" or "hybrid"; τ
             of Baumgarte's accelerations in s, by default a thousandth of the run.
         first_step, max_step, max_steps, progress
-            Lengths in s, chosen by default; trial steps until it ends with `Outcome.MAX_STEPS`;
-            whether a terminal shows a bar, once the run has taken a second.
+            Lengths in s, chosen by default; trial steps, 1e8 by default, after which the run ends
+            with `Outcome.MAX_STEPS`; whether a terminal shows a bar, once it has taken a second.
 
         Returns
         -------
