@@ -29,7 +29,7 @@ Facts = tuple[sympy.Expr, ...]
 """Expressions that are not negative where the value of another is used."""
 
 
-def continued(expression: sympy.Expr) -> sympy.Expr:
+def continue_powers(expression: sympy.Expr) -> sympy.Expr:
     """The same function, its powers continued past the switches at which their base is zero.
 
     Parameters

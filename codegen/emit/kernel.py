@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from codegen.emit.arguments import Arguments
 from codegen.emit.formula import formula
-from codegen.emit.line_wrapping import PAGE, comments, fitted, note_of, quantity, tail
+from codegen.emit.line_wrapping import PAGE, comments, filled, fitted, note_of, quantity, tail
 from codegen.emit.placement import Path, Placement, place
 from codegen.emit.sincos import NAME as SIN_COS
 from codegen.emit.table_lookup import lookups
@@ -23,27 +23,11 @@ BINARY = {
     Op.AND: ("and", BOTH, 0),
     Op.OR: ("or", EITHER, 0),
 }
-RESERVED = {
-    *("t", "q", "v", "p", "w", "a", "g", "dq", "dv", "nu", "phi", "lam", "out", "rate", "gamma"),
-    *(
-        "low",
-        "high",
-        "Q",
-        "modes",
-        "values",
-        "math",
-        "numba",
-        "and",
-        "or",
-        "not",
-        "if",
-        "else",
-        "return",
-        "in",
-    ),
-    *("is", "for", "def", "pass", "del", "as", "WEAK_PIVOT", "OPTIONS", SIN_COS),
-    *dir(builtins),
-}
+ARGUMENTS = "t q v p w a g dq dv nu phi lam out rate gamma low high Q modes values"
+WORDS = "math numba and or not if else return in is for def pass del as WEAK_PIVOT OPTIONS"
+RESERVED = {*f"{ARGUMENTS} {WORDS} {SIN_COS}".split(), *dir(builtins)}
+"""Names that no value may take: those of any kernel's arguments, of the language and the module."""
+
 TITLES = {
     "factorization": "Factorization of M, Φ_q",
     "correction": "Factorization of Φ_q W Φ_qᵀ",
@@ -67,15 +51,11 @@ class KernelText:
     """
 
     def __init__(self, program: Program, kernel: Kernel, arguments: Arguments) -> None:
-        self.arguments = arguments
-        self.program, self.kernel = program, kernel
+        self.program, self.kernel, self.arguments = program, kernel, arguments
         self.plan: Placement = place(program, kernel)
-        slots = (
-            {}
-            if kernel.name == "constants"
-            else {number: arguments.declared + k for k, number in enumerate(program.constants)}
-        )
-        self.constants: dict[int, int] = {n: slots[n] for n in self.plan.numbers if n in slots}
+        hoisted = program.hoisted(kernel)
+        slots = {number: arguments.declared + k for k, number in enumerate(program.constants)}
+        self.constants: dict[int, int] = {n: slots[n] for n in self.plan.numbers if n in hoisted}
         self.names: dict[int, str] = {}
         self._lookups = lookups(program)
         self._taken: set[str] = {*RESERVED, *kernel.arguments, *self._lookups.values()}
@@ -179,11 +159,7 @@ class KernelText:
         for one in both:
             self.names[one] = self._name(one)
         sine, cosine = (self.names[one] for one in both)
-        head = f"{indent}{sine}, {cosine} = {SIN_COS}("
-        if len(head) + len(angle) < PAGE:
-            yield f"{head}{angle})"
-        else:
-            yield from (head, f"{indent}    {angle}", f"{indent})")
+        yield from filled(f"{indent}{sine}, {cosine} = {SIN_COS}(", [angle], ")")
 
     def _is_cosine(self, number: int) -> bool:
         return self.program.values[number].op is Op.COS
@@ -265,7 +241,7 @@ class KernelText:
                 ("not ", NEGATION, NEGATION) if value.op is Op.NOT else ("-", SUM, SIGN)
             )
             text = f"{word}{self._text(value.args[0], inner)}"
-        elif value.op is Op.HELD:
+        elif value.op is Op.SLIDING:
             text, level = f"{self._text(value.args[0], SIGN)} == 2", NEGATION
         elif value.op in BINARY:
             sign, level, tighter = BINARY[value.op]

@@ -35,7 +35,7 @@ def _has_label(program: Program, number: int) -> bool:
 
 
 def in_steps(
-    program: Program, kernel: Kernel, hoisted: set[int]
+    program: Program, kernel: Kernel, hoisted: frozenset[int]
 ) -> tuple[tuple[int, ...], dict[int, int]]:
     """The values that a kernel needs, step by step, and the step of each value of a solution.
 

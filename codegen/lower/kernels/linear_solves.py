@@ -28,13 +28,12 @@ def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Str
     """
     if scene.driven:
         return _kinematics(scene), "square"
-    strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
     if not scene.mass:
-        strategies = ("schur",)
+        return _kinematics(scene), "schur"
+    strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
     trials = []
     for strategy in strategies:
-        massive = bool(scene.mass)
-        kernel = _dynamics(scene, strategy, rows) if massive else _kinematics(scene)
+        kernel = _dynamics(scene, strategy, rows)
         program = with_constants(scene.graph, (kernel,), len(scene.equations.parameters))
         trials.append((cost(program, program.kernels[-1]), kernel, strategy))
     _, kernel, strategy = min(trials, key=lambda trial: trial[0])
@@ -56,10 +55,7 @@ def _spread(scene: SceneGraph) -> float:
 
 
 def _dynamics(
-    scene: SceneGraph,
-    strategy: Strategy,
-    rows: tuple[int, ...] | None = None,
-    refine: bool = False,
+    scene: SceneGraph, strategy: Strategy, rows: tuple[int, ...], refine: bool = False
 ) -> Kernel:
     n, graph = scene.n, scene.graph
     entries = {place: mass for place, mass in scene.mass.items() if mass != graph.zero}
@@ -98,8 +94,7 @@ def _dynamics(
         labels.solved([solution])
     outputs = store("a", solution[:n], [q.rate.name for q in scene.equations.coordinates])
     names = scene.row_names()
-    recovered_rows = range(scene.m) if rows is None else rows
-    outputs += tuple(Output("lam", row, solution[n + row], names[row]) for row in recovered_rows)
+    outputs += tuple(Output("lam", row, solution[n + row], names[row]) for row in rows)
     checks = tuple(check._replace(constraint=check.constraint - n) for check in system.checks)
     checks += rubbing
     return Kernel(
@@ -109,8 +104,7 @@ def _dynamics(
         outputs,
         checks,
         watched=True,
-        labels=tuple(labels.by_value.values()),
-        steps=tuple(labels.steps),
+        **labels.text,
     )
 
 
@@ -151,8 +145,7 @@ def _kinematics(scene: SceneGraph) -> Kernel:
         "q̈ of Φ_q q̈ = γ (of least norm while drivers are missing).",
         (*STATE, "modes", "a", "lam"),
         store("a", solution, names),
-        checks,
+        tuple(checks),
         watched=True,
-        labels=tuple(labels.by_value.values()),
-        steps=tuple(labels.steps),
+        **labels.text,
     )
