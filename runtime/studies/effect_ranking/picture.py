@@ -21,20 +21,14 @@ COLOURS = {
 
 
 def check_place(path: Path) -> None:
-    """Refuse a file that could not be written, before anything runs.
-
-    Raises
-    ------
-    InputError
-        For an ending that is not a picture's, or a folder that does not exist.
-    """
+    """Refuse an ending that is no picture's, or a place in no folder, before anything runs."""
     if path.suffix not in ENDINGS:
         raise InputError(f"--out {path}: a picture ends in {', '.join(ENDINGS)}.")
     check_parent(path)
 
 
 def save(ranking: Matters, path: Path) -> tuple[Path]:
-    """Draw to a file; returns the path. Raises InputError if it cannot be written."""
+    """Draw to a file; returns the path."""
     check_place(path)
     with writing(path):
         figure(ranking).savefig(path)

@@ -31,26 +31,14 @@ _FAILED = -0.75  # place of runs that did not reach their end, on the axis of di
 
 
 def check_place(path: Path) -> None:
-    """Refuse a place that cannot become a folder, before the study runs.
-
-    Raises
-    ------
-    InputError
-        If it is a file, or its parent folder does not exist.
-    """
+    """Refuse a file, or a place in no folder, before the study runs."""
     if path.exists() and not path.is_dir():
         raise InputError(f"--out {path}: it is a file; name a folder.")
     check_parent(path)
 
 
 def save(study: WorkPrecision, folder: Path) -> tuple[Path, Path]:
-    """Write MODEL__SCENE.jsonl and .png into a folder, which is created; returns the paths.
-
-    Raises
-    ------
-    InputError
-        As `check_place`; if matplotlib is missing or a file cannot be written.
-    """
+    """Write MODEL__SCENE.jsonl and .png into a folder, which is created; returns the paths."""
     check_place(folder)
     picture = figure(study)
     with writing(folder):
