@@ -131,7 +131,7 @@ class Fidelities(Couplers):
         self, read: Reader, where: str, how: dict[str, str], effects: tuple[str, ...]
     ) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Elements that the choices of groups bring, and those that they leave out."""
-        brought: list[str] = []
+        added: list[str] = []
         gone: list[str] = []
         for group, choices in self.groups.items():
             choice = self.choice(group, how, effects)
@@ -143,6 +143,6 @@ class Fidelities(Couplers):
                     f"'{choice}', which the scene takes; give fidelity={{'{group}': ...}} and "
                     "leave the other's effects out."
                 )
-            brought += members if group in how else ()
+            added += members if group in how else ()
             gone += others
-        return tuple(brought), tuple(gone)
+        return tuple(added), tuple(gone)

@@ -146,7 +146,7 @@ class Scenes(Fidelities, Outputs):
     def _drop_unused_starts(self, merged: Request, mine: Request) -> Request:
         """Drop inherited start values of elements that no longer take part."""
         scratch = self._compose(Reader(), "scratch", merged)
-        present = {*scratch.bodies, *self.joints} - {*scratch.opened, *merged.without}
+        present = {*scratch.bodies, *self.joints} - {*scratch.inactive_joints, *merged.without}
         renewed = {name for name, _ in (*mine.start, *mine.guess)}
 
         def fits(values: NamedValues) -> NamedValues:
@@ -160,25 +160,25 @@ class Scenes(Fidelities, Outputs):
         where = f"scene '{name}'"
         how = dict(request.fidelity)
         named = tuple(e for e in request.effects if e not in request.without)
-        brought, others = self._chosen(read, where, how, named)
+        added, others = self._chosen(read, where, how, named)
         gone = (*request.without, *others)
         absent = (*gone, *self._left_out(read, where, gone, how))
         idle = {e for e, word in how.items() if word == NONE}
         present = [b for b in self.bodies if b not in absent]
-        acting = {*named, *brought, *self._brought(request.outputs, present)}
+        acting = {*named, *added, *self._path_points(request.outputs, present)}
         acting -= idle | {*request.without}
         read.problems += [
             f"{where}: '{e}' has a fidelity but does not act; name it among the effects."
             for e in how
             if e in self.effects and e not in (*acting, *idle)
         ]
-        driving = ({*request.drivers} | {*brought}) - {*request.without}
+        driving = ({*request.drivers} | {*added}) - {*request.without}
         return Scene(
             name=name,
             bodies=tuple(present),
             effects=tuple(e for e in self.effects if e in acting),
             drivers=tuple(d for d in self.drivers if d in driving),
-            opened=tuple(n for n in dict.fromkeys(absent) if n in self.joints),
+            inactive_joints=tuple(n for n in dict.fromkeys(absent) if n in self.joints),
             fidelity=tuple((n, w) for n, w in how.items() if n in acting or n not in self.effects),
             start=request.start,
             guess=self._with_contacts(request.start, absent, request.guess),
