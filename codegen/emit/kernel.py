@@ -265,7 +265,7 @@ class KernelText:
                 ("not ", NEGATION, NEGATION) if value.op is Op.NOT else ("-", SUM, SIGN)
             )
             text = f"{word}{self._text(value.args[0], inner)}"
-        elif value.op is Op.HELD:
+        elif value.op is Op.SLIDING:
             text, level = f"{self._text(value.args[0], SIGN)} == 2", NEGATION
         elif value.op in BINARY:
             sign, level, tighter = BINARY[value.op]

@@ -280,7 +280,9 @@ class SceneGraph:
         """Whether the friction `name` sticks, and its stiction force, if a run determines that."""
         for place, (effect, switch) in enumerate(self.equations.stiction):
             if effect == name:
-                return self.graph.held(switch), self.graph.input("held", place, f"held_{name}")
+                return self.graph.is_sliding(switch), self.graph.input(
+                    "stiction", place, f"stiction_{name}"
+                )
         return None, None
 
     def _load(self, joint: str, entry: tuple[tuple[str, sympy.Expr], ...]) -> dict[int, int]:

@@ -113,9 +113,9 @@ class Numbering:
         """Whether the condition of switching function `index` holds."""
         return self._add(Op.MODE, (), index)
 
-    def held(self, index: int) -> int:
-        """Whether switching function `index` is kept at zero by a force of the caller."""
-        return self._add(Op.HELD, (self.mode(index),))
+    def is_sliding(self, index: int) -> int:
+        """Whether the motion stays on the surface g = 0 of switching function `index`, mode 2."""
+        return self._add(Op.SLIDING, (self.mode(index),))
 
     def number(self, a: int) -> float | None:
         """The number that `a` is, or None if it is only known at run time."""

@@ -54,7 +54,7 @@ accepted_of = TABLE.function("accepted", HOOK)
 restart_of = TABLE.function("restart", HOOK)
 
 # Parts of the loop.
-PART = i8(integers)  # context; what follows, see `integrate.signals`
+PART = i8(integers)  # context; what follows, see `integrate.step`
 CORRECT = i8(integers, f8, i8, i8)  # context t row weighing
 TRIAL_STEP = i8(integers, f8, f8)  # context t h
 REPARTITION = i8(integers, f8, i8)  # context t state

@@ -1,19 +1,10 @@
-"""The right side of the equations of motion, as the methods call it."""
+"""The right-hand side of the equations of motion, as the methods call it."""
 
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers, Vector
-from runtime.core.function_table import (
-    COORDINATES,
-    EACH_STAGE,
-    MODIFIED,
-    modes_of,
-    modified_accelerations_of,
-    modified_rhs_of,
-    multipliers_of,
-    parameters_of,
-)
 from runtime.core.jit import inlined
 from runtime.core.kernel_abi import accelerations_of
-from runtime.core.workspace import position_rates, positions, velocities, velocity_rates
 
 
 @inlined
@@ -24,31 +15,37 @@ def evaluate_accelerations(
 
     Where the motion follows the machine's own equations this is its kernel and nothing else.
     """
-    p = parameters_of(context)
-    lam = multipliers_of(context)
-    if context[MODIFIED] == 0:
+    p, lam = ft.parameters_of(context), ft.multipliers_of(context)
+    if context[ft.MODIFIED] == 0:
         return int(accelerations_of(context)(t, q, v, p, modes, a, lam))
-    return int(modified_accelerations_of(context)(context, t, q, v, modes, a, lam))
+    return int(ft.modified_accelerations_of(context)(context, t, q, v, modes, a, lam))
+
+
+@inlined
+def write_derivative(context: Integers, t: float, state: int, derivative: int) -> int:
+    """Write (v, a) at the state in row `state` into another row; answers as the accelerations."""
+    q, v = ws.positions(context, state), ws.velocities(context, state)
+    rate = ws.position_rates(context, derivative)
+    for j in range(context[ft.COORDINATES]):
+        rate[j] = v[j]
+    a = ws.velocity_rates(context, derivative)
+    return evaluate_accelerations(context, t, q, v, ft.modes_of(context), a)
 
 
 @inlined
 def evaluate_rhs(context: Integers, t: float, state: int, derivative: int) -> int:
-    """Write the derivative at the state in row `state` into row `derivative`.
+    """Write the derivative at a stage, the state in row `state`, into row `derivative`.
 
     Where stages are corrected, the state is first; returns the iterations that took, negative
     where they failed. All but the machine's own equations is one call: a stage with three calls in
     it takes twice the time, whichever is made.
     """
-    p = parameters_of(context)
-    modes = modes_of(context)
-    lam = multipliers_of(context)
-    if context[MODIFIED] + context[EACH_STAGE] != 0:
-        return int(modified_rhs_of(context)(context, t, state, derivative))
-    n = context[COORDINATES]
-    q = positions(context, state)
-    v = velocities(context, state)
-    rate = position_rates(context, derivative)
-    accelerations_of(context)(t, q, v, p, modes, velocity_rates(context, derivative), lam)
-    for j in range(n):
+    p, modes, lam = ft.parameters_of(context), ft.modes_of(context), ft.multipliers_of(context)
+    if context[ft.MODIFIED] + context[ft.EACH_STAGE] != 0:
+        return int(ft.modified_rhs_of(context)(context, t, state, derivative))
+    q, v = ws.positions(context, state), ws.velocities(context, state)
+    rate = ws.position_rates(context, derivative)
+    accelerations_of(context)(t, q, v, p, modes, ws.velocity_rates(context, derivative), lam)
+    for j in range(context[ft.COORDINATES]):
         rate[j] = v[j]
     return 0

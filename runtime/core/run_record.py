@@ -44,7 +44,7 @@ _FLOATS = [
     "vanishing",  # time from now at which constraints seem to become dependent
     "tried",  # length of a step that was taken for good, but for this; 0 for none
     "turn",  # instant at which the step over a singular position begins
-    "leap",  # length of that step
+    "length_across",  # of that step
     "blind_from",  # samples between these two instants stay as they are interpolated
     "blind_to",
     "look_at",  # instant at which the constraints are looked at again

@@ -13,6 +13,7 @@ from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inner
 from runtime.core.modes import SLIDING
 from runtime.core.rounding import EPS
+from runtime.core.run_record import run_record
 from runtime.hybrid.switching_functions import evaluate_switching
 
 # accuracy: of the time; difference of two instants that the clock cannot resolve
@@ -20,6 +21,7 @@ INSTANT = 4.0 * EPS
 NOT_FOUND = 2.0  # code: a fraction of the step: there is no such point
 # measured: of the variation of g over the step; g is scanned where it is closer to zero
 _MARGIN = 0.15
+_ROUNDED = 64.0 * EPS  # accuracy: of a run; rounding of its states, as a time
 _NOISE = 1e-14  # accuracy: of the largest |g|; a dip of this depth is rounding
 _GOLDEN = 0.3819660112501051  # formula: golden section
 
@@ -148,15 +150,20 @@ def find_root(
 
 @inner
 def find_crossing_at_end(context: Integers, t: float) -> int:
-    """A function that is zero within the clock's resolution after the end of a run, or -1."""
+    """A function that is zero within the clock's resolution after the end of a run, or -1.
+
+    The instant is known as well as the state: methods with large weights round a step's result by
+    some tens of units, which the clock resolves.
+    """
     modes, r1 = ft.modes_of(context), ws.switch_row(context, ws.R1)
     band, g1 = ws.switch_row(context, ws.BAND), ws.switch_row(context, ws.G1)
-    s = context[ft.SWITCHES]
-    for k in range(s):
+    largest, duration = ws.switch_row(context, ws.LARGEST), run_record(context).duration
+    for k in range(context[ft.SWITCHES]):
         side = 1.0 if modes[k] != 0 else -1.0
-        change = side * r1[k] * INSTANT * abs(t)
+        closing = -side * r1[k]
+        rounding = min(_NOISE * largest[k], closing * _ROUNDED * duration)
         off = modes[k] != SLIDING and band[k] == 0.0
-        if off and change < 0.0 and side * g1[k] + change <= 0.0:
+        if off and closing > 0.0 and side * g1[k] <= closing * INSTANT * abs(t) + rounding:
             return k
     return -1
 

@@ -2,27 +2,15 @@
 
 import numpy as np
 
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
-from runtime.core.function_table import (
-    COORDINATES,
-    PART,
-    RECENT,
-    SWITCHES,
-    accepted_of,
-    emit_of,
-    first_step_of,
-    modes_of,
-    recent_events_of,
-    restart_of,
-    transition_of,
-)
 from runtime.core.jit import addressed, inner
 from runtime.core.outcomes import Outcome
 from runtime.core.run_record import run_record
-from runtime.core.workspace import BAND, G0, G1, LARGEST, R0, R1, Y0, Y1, K, row_of, switch_row
 from runtime.hybrid.mode_consistency import CONSISTENT
-from runtime.integrate.signals import Signal, reject
-from runtime.integrate.step import TrialStep
+from runtime.integrate.event_step import copy_end
+from runtime.integrate.step import Signal, TrialStep, reject
 
 _FLIGHT = 0.6  # measured: of the time between two impacts; a first step that meets none
 _ZENO_EVENTS = 30  # safety: events in a row with such a ratio that are no accident
@@ -35,83 +23,67 @@ _LEAST_ERROR = 1e-4  # safety: a smaller error of the last step says nothing of 
 @inner
 def change_modes(context: Integers) -> None:
     """Give the step's end the modes that follow an event; `run.changed` counts the events."""
-    r = run_record(context)
-    s, modes = context[SWITCHES], modes_of(context)
-    g1, largest, band = (
-        switch_row(context, G1),
-        switch_row(context, LARGEST),
-        switch_row(context, BAND),
-    )
-    for k in range(s):
+    r, modes = run_record(context), ft.modes_of(context)
+    g1, largest = ws.switch_row(context, ws.G1), ws.switch_row(context, ws.LARGEST)
+    band = ws.switch_row(context, ws.BAND)
+    for k in range(modes.size):
         largest[k] = max(largest[k], abs(g1[k]))
     r.changed = 0
     if r.crossing >= 0:
-        r.changed = transition_of(context)(context, r.crossing, r.end, r.next_length)
+        r.changed = ft.transition_of(context)(context, r.crossing, r.end, r.next_length)
         r.rhs += 1
         return
-    for k in range(s):
+    for k in range(modes.size):
         side = 1.0 if modes[k] != 0 else -1.0
         if side * g1[k] > band[k]:
             band[k] = 0.0
 
 
-@addressed(PART)
+@addressed(ft.PART)
 def accept_step(context: Integers) -> int:
     """Write the samples, change modes at an event, and make the step's end the next one's start."""
     r = run_record(context)
     h = r.length
     r.due = 0
     if h > 0.0:
-        if emit_of(context)(context, r.t, r.end, h, r.dense_ready) < 0:
-            reject(context, _NEWTON_FAILED, 0.5 * h)
-            return Signal.RETRY
+        if ft.emit_of(context)(context, r.t, r.end, h, r.dense_ready) < 0:
+            return reject(context, _NEWTON_FAILED, 0.5 * h)
         r.steps += 1
         r.rejected_before = 0
         r.error_old = max(r.error, _LEAST_ERROR)
-        r.due = accepted_of(context)(context, r.t, h)
+        r.due = ft.accepted_of(context)(context, r.t, h)
         r.weak = r.weak + 1 if r.weak_row > 0 else 0
     r.t = r.end
     r.h = r.next_length
     change_modes(context)
-    y0, y1 = row_of(context, Y0), row_of(context, Y1)
-    k0, k1 = row_of(context, K), row_of(context, K + r.last)
-    for j in range(2 * context[COORDINATES]):
-        y0[j] = y1[j]
-        k0[j] = k1[j]
-    g0, g1 = switch_row(context, G0), switch_row(context, G1)
-    r0, r1 = switch_row(context, R0), switch_row(context, R1)
-    for k in range(context[SWITCHES]):
-        g0[k] = g1[k]
-        r0[k] = r1[k]
+    copy_end(context, 1, 0)
     return Signal.PROCEED
 
 
-@addressed(PART)
+@addressed(ft.PART)
 def judge_events(context: Integers) -> int:
     """After events: whether modes agree and events come to an end; then start the method anew."""
     r = run_record(context)
     if r.changed == 0:
         return Signal.PROCEED
-    recent = recent_events_of(context)
+    recent = ft.recent_events_of(context)
     span = r.t - recent[0]
-    for i in range(RECENT - 1):
+    for i in range(ft.RECENT - 1):
         recent[i] = recent[i + 1]
-    recent[RECENT - 1] = r.t
+    recent[ft.RECENT - 1] = r.t
     faster = span < _ZENO_RATIO * r.event_span and r.flight == np.inf
     r.shrinking = r.shrinking + 1 if faster else 0
     r.event_span = span
     if r.blamed != CONSISTENT:
         r.index = r.blamed
-        if r.shrinking >= RECENT:
-            return Outcome.ZENO
-        return Outcome.INCONSISTENT
+        return Outcome.ZENO if r.shrinking >= ft.RECENT else Outcome.INCONSISTENT
     endless = r.shrinking >= _ZENO_EVENTS and span < _ZENO_SPAN * r.duration
     if endless or r.events > r.max_events:
         r.index = r.crossing
         return Outcome.ZENO
-    restart_of(context)(context, r.t, r.next_length)
+    ft.restart_of(context)(context, r.t, r.next_length)
     if r.fixed == 0:
-        first = first_step_of(context)(context, r.t, r.h_max, r.rtol, r.order)
+        first = ft.first_step_of(context)(context, r.t, r.h_max, r.rtol, r.order)
         r.h = min(r.next_length, 2.0 * first, _FLIGHT * r.flight)
         r.rhs += 1
         r.error_old = _LEAST_ERROR

@@ -3,30 +3,36 @@
 Where a switching function crosses zero inside a trial step, the step is taken again up to there.
 """
 
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
-from runtime.core.function_table import (
-    COORDINATES,
-    PART,
-    SWITCHES,
-    crossed_of,
-    dense_of,
-    locate_of,
-    modes_of,
-    screen_step_of,
-    trial_step_of,
-)
 from runtime.core.jit import addressed, inner
 from runtime.core.outcomes import Outcome
 from runtime.core.run_record import run_record
-from runtime.core.workspace import BAND, G0, G1, LARGEST, R0, R1, Y0, Y1, K, row_of, switch_row
+from runtime.core.workspace import row_of, switch_row
 from runtime.hybrid.event_location import INSTANT, find_crossing_at_end
 from runtime.hybrid.event_resolution import UNRESOLVED
 from runtime.hybrid.switching_functions import evaluate_switching_and_rates
-from runtime.integrate.signals import Signal, reject
-from runtime.integrate.step import TrialStep
+from runtime.integrate.step import Signal, TrialStep, reject
 
 _RETAKES = 5  # safety: steps up to an event before its instant is taken as it is
 _STANDING = 8  # safety: events in a row without time between them, and two for each function
+
+
+@inner
+def copy_end(context: Integers, source: int, target: int) -> None:
+    """Copy state, derivative and switching functions between the ends, 0 and 1, of the step."""
+    y, z = row_of(context, ws.Y0 + source), row_of(context, ws.Y0 + target)
+    last = run_record(context).last
+    k, d = row_of(context, ws.K + source * last), row_of(context, ws.K + target * last)
+    for j in range(2 * context[ft.COORDINATES]):
+        z[j] = y[j]
+        d[j] = k[j]
+    for row in range(2):
+        g = switch_row(context, ws.G0 + 2 * source + row)
+        h = switch_row(context, ws.G0 + 2 * target + row)
+        for i in range(context[ft.SWITCHES]):
+            h[i] = g[i]
 
 
 @inner
@@ -35,59 +41,47 @@ def find_event(context: Integers, suspects: int) -> None:
     r = run_record(context)
     h = r.length
     if suspects > 0:
-        dense_of(context)(context, r.t, h)
+        ft.dense_of(context)(context, r.t, h)
         r.dense_ready = 1
         r.dense_outputs += 1
         r.rhs += r.dense_calls
-        x = locate_of(context)(context, r.t, h, r.dense_rows)
+        x = ft.locate_of(context)(context, r.t, h, r.dense_rows)
         if x <= 1.0:
-            r.crossing = crossed_of(context)[0]
-            r.reach = h
+            r.crossing = ft.crossed_of(context)[0]
             r.length = x * h
-            r.dense_ready = 0
     if r.crossing < 0 and r.end >= r.t_end:
         r.crossing = find_crossing_at_end(context, r.end)
-        if r.crossing >= 0:
-            r.reach = h
-            r.dense_ready = 0
-    if r.crossing >= 0 and r.end >= r.t_end:
-        # The last sample is that of what follows the event.
-        r.reach = r.t_end - INSTANT * abs(r.t_end) - r.t
-        r.length = min(r.length, r.reach)
+    if r.crossing >= 0:
+        r.reach = h
+        r.dense_ready = 0
+        if r.end >= r.t_end:
+            # The last sample is that of what follows the event.
+            r.reach = r.t_end - INSTANT * abs(r.t_end) - r.t
+            r.length = min(r.length, r.reach)
 
 
-@addressed(PART)
+@addressed(ft.PART)
 def stay(context: Integers) -> int:
     """At an event at this very instant: no step, only a change of modes."""
     r = run_record(context)
-    y0, y1 = row_of(context, Y0), row_of(context, Y1)
-    k0, k1 = row_of(context, K), row_of(context, K + r.last)
-    g0, g1 = switch_row(context, G0), switch_row(context, G1)
-    r0, r1 = switch_row(context, R0), switch_row(context, R1)
-    s = context[SWITCHES]
     r.length = 0.0
     r.end = r.t
-    for j in range(2 * context[COORDINATES]):
-        y1[j] = y0[j]
-        k1[j] = k0[j]
-    for k in range(s):
-        g1[k] = g0[k]
-        r1[k] = r0[k]
+    copy_end(context, 0, 1)
     r.standing += 1
-    if r.standing > _STANDING + 2 * s:
+    if r.standing > _STANDING + 2 * context[ft.SWITCHES]:
         r.index = r.crossing
         return Outcome.ZENO
     return Signal.PROCEED
 
 
-@addressed(PART)
+@addressed(ft.PART)
 def retake(context: Integers) -> int:
     """Take the step again up to the event, by Newton's method on its switching function."""
     r = run_record(context)
-    g1, r1 = switch_row(context, G1), switch_row(context, R1)
-    largest, band = switch_row(context, LARGEST), switch_row(context, BAND)
+    g1, r1 = switch_row(context, ws.G1), switch_row(context, ws.R1)
+    largest, band = switch_row(context, ws.LARGEST), switch_row(context, ws.BAND)
     crossing, t, h, reach = r.crossing, r.t, r.length, r.reach
-    take_trial_step = trial_step_of(context)
+    take_trial_step = ft.trial_step_of(context)
     code = 0
     r.standing = 0
     for turn in range(_RETAKES):
@@ -96,7 +90,7 @@ def retake(context: Integers) -> int:
         r.retakes += 1
         if code != TrialStep.DONE:
             break
-        evaluate_switching_and_rates(context, r.end, Y1, K + r.last, G1)
+        evaluate_switching_and_rates(context, r.end, ws.Y1, ws.K + r.last, ws.G1)
         g = g1[crossing]
         if abs(g) <= 4e-16 * largest[crossing] or turn == _RETAKES - 1:
             break
@@ -108,16 +102,15 @@ def retake(context: Integers) -> int:
         h = polished
     r.length = h
     if code != TrialStep.DONE:
-        reject(context, code, 0.5 * h)
-        return Signal.RETRY
-    side = 1.0 if modes_of(context)[crossing] != 0 else -1.0
+        return reject(context, code, 0.5 * h)
+    side = 1.0 if ft.modes_of(context)[crossing] != 0 else -1.0
     near = max(1e-11 * largest[crossing], 1e-12 * reach * abs(r1[crossing]), band[crossing])
     if side * g1[crossing] > near:
         r.crossing = -1  # it only came close
     return Signal.PROCEED
 
 
-@addressed(PART)
+@addressed(ft.PART)
 def end_at_event(context: Integers) -> int:
     """Find the first event in the step, and end the step there.
 
@@ -126,12 +119,11 @@ def end_at_event(context: Integers) -> int:
     r = run_record(context)
     r.crossing = -1
     r.dense_ready = 0
-    if context[SWITCHES] == 0:
+    if context[ft.SWITCHES] == 0:
         return Signal.PROCEED
-    suspects = screen_step_of(context)(context, r.t, r.length, r.end)
+    suspects = ft.screen_step_of(context)(context, r.t, r.length, r.end)
     if suspects == UNRESOLVED:
-        reject(context, UNRESOLVED, r.stretch * r.length)
-        return Signal.RETRY
+        return reject(context, UNRESOLVED, r.stretch * r.length)
     r.next_length = min(r.next_length, r.length * r.stretch)
     find_event(context, suspects)
     if r.crossing < 0:

@@ -1,55 +1,18 @@
-"""The first instant of a run: partition, correction, modes, first step."""
+"""The first instant of a run: partition, return onto the constraints, modes, first step."""
 
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers, i8
-from runtime.core.function_table import (
-    CONSTRAINT_COUNT,
-    COORDINATES,
-    RANK,
-    SAMPLE_TIMES,
-    SWITCHES,
-    correct_of,
-    first_step_of,
-    initialize_modes_of,
-    modes_of,
-    out_modes_of,
-    parameters_of,
-    repartition_of,
-    restart_of,
-    rigid_of,
-    row_order_of,
-    sample_times_of,
-    settings_of,
-    spreads_of,
-)
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import switching_rates_of
 from runtime.core.modes import SLIDING
 from runtime.core.outcomes import Outcome
-from runtime.core.rhs import evaluate_accelerations
+from runtime.core.rhs import write_derivative
 from runtime.core.run_record import Plan, run_record
-from runtime.core.workspace import (
-    BAND,
-    G0,
-    IMPACT_AT,
-    LARGEST,
-    PARTITION,
-    RESERVE,
-    SAMPLE,
-    SCAN,
-    SIZE,
-    TRIAL,
-    Y0,
-    K,
-    position_rates,
-    positions,
-    row_of,
-    switch_row,
-    velocities,
-    velocity_rates,
-)
+from runtime.core.workspace import Y0, K, row_of, switch_row
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.hybrid.mode_transition import LOOK_AHEAD
 from runtime.hybrid.sliding_rhs import STEP
@@ -62,38 +25,102 @@ _ROUGH = 0.1
 
 
 @inner
-def spread(context: Integers, t: float) -> None:
+def measure_spreads(context: Integers, t: float) -> None:
     """Write into row TRIAL how far functions go when all is changed by its size: Σ |∂g| size.
 
     dg/dt is linear in velocities and accelerations; taken one at a time, each of its size, they
     give the derivatives.
     """
-    p = parameters_of(context)
-    sample = row_of(context, SAMPLE)
-    size = row_of(context, SIZE)
-    n = context[COORDINATES]
-    length = 2 * n
-    s = context[SWITCHES]
-    rates = switching_rates_of(context)
-    q = positions(context, Y0)
-    v, a = positions(context, SAMPLE), velocities(context, SAMPLE)
-    now, rest = switch_row(context, SCAN), switch_row(context, SCAN + 1)
-    found = switch_row(context, TRIAL)
-    for j in range(length):
+    p, rates = ft.parameters_of(context), switching_rates_of(context)
+    sample, size = row_of(context, ws.SAMPLE), row_of(context, ws.SIZE)
+    q, v = ws.positions(context, Y0), ws.positions(context, ws.SAMPLE)
+    a, known = ws.velocities(context, ws.SAMPLE), ft.spreads_of(context)
+    now, rest = switch_row(context, ws.SCAN), switch_row(context, ws.SCAN + 1)
+    spread = switch_row(context, ws.TRIAL)
+    for j in range(sample.size):
         sample[j] = 0.0
     rates(t, q, v, a, p, rest)
-    known = spreads_of(context)
-    for k in range(s):
-        found[k] = 0.0
-    for j in range(length):
+    for k in range(spread.size):
+        spread[k] = 0.0
+    for j in range(sample.size):
         sample[j] = size[j]
         rates(t, q, v, a, p, now)
         sample[j] = 0.0
-        for k in range(s):
+        for k in range(spread.size):
             change = abs(now[k] - rest[k])
-            found[k] += change if np.isfinite(change) else 0.0
-    for k in range(s):
-        found[k] = max(found[k], known[k])
+            spread[k] += change if np.isfinite(change) else 0.0
+    for k in range(spread.size):
+        spread[k] = max(spread[k], known[k])
+
+
+@inner
+def place_on_constraints(context: Integers, t: float) -> int:
+    """Choose the independent coordinates and return Y0 onto the constraints."""
+    r = run_record(context)
+    ft.repartition_of(context)(context, t, Y0)
+    r.repartitions = 0
+    if r.rank < context[ft.RANK]:
+        r.index = ft.row_order_of(context)[r.rank]
+        return Outcome.SINGULAR
+    result = ft.correct_of(context)(context, t, Y0, ws.PARTITION)
+    r.newton += 1
+    if result == FAILED:
+        return Outcome.NEWTON_FAILED
+    r.corrections += result
+    return Outcome.OK
+
+
+@inner
+def choose_modes(context: Integers, t: float) -> int:
+    """Set the modes, and the sizes of switching functions by which their rounding is judged."""
+    r, modes, rigid = run_record(context), ft.modes_of(context), ft.rigid_of(context)
+    largest, spread = switch_row(context, ws.LARGEST), switch_row(context, ws.TRIAL)
+    band, reserve = switch_row(context, ws.BAND), switch_row(context, ws.RESERVE)
+    impact_at, size = switch_row(context, ws.IMPACT_AT), ws.first_half(context, ws.SIZE)
+    # A run of no length has modes too; they are judged as if it went on for a second.
+    longest = r.h_max if r.h_max > 0.0 else 1.0
+    h = ft.first_step_of(context)(context, t, longest, r.rtol, r.order)
+    ft.settings_of(context)[STEP] = h
+    measure_spreads(context, t)
+    for k in range(modes.size):
+        # The rounding of a function is that of what it is made of, however small itself.
+        if rigid[k] < 0:
+            largest[k] = _ROUGH * spread[k]
+        else:
+            impact_at[k] = t
+            largest[k] = size[0]
+            for j in range(size.size):
+                largest[k] = min(largest[k], size[j])
+    blamed = ft.initialize_modes_of(context)(context, 0, t, LOOK_AHEAD * h, Y0, ws.G0)
+    write_derivative(context, t, Y0, K)  # after the impacts of this instant
+    evaluate_switching_and_rates(context, t, Y0, K, ws.G0)
+    for k in range(modes.size):
+        if modes[k] == SLIDING:
+            reserve[k] = largest[k]
+            largest[k], band[k] = 1.0, 0.0
+    r.rhs += 2
+    if blamed != CONSISTENT:
+        r.index = blamed
+        return Outcome.INCONSISTENT
+    return Outcome.OK
+
+
+@inner
+def record_start(context: Integers, t: float) -> None:
+    """Write the samples of the first instant."""
+    r, t_eval = run_record(context), ft.sample_times_of(context)
+    band, out_modes = switch_row(context, ws.BAND), ft.out_modes_of(context)
+    if r.every_step != 0:
+        record(context, t, Y0)
+    while r.next_sample < context[ft.SAMPLE_TIMES] and t_eval[r.next_sample] <= t:
+        if r.every_step == 0:
+            record(context, t_eval[r.next_sample], Y0)
+        r.next_sample += 1
+    for i in range(r.samples):
+        for k in range(context[ft.SWITCHES]):
+            # At the very instant of the start a condition on its boundary does not hold yet.
+            if band[k] > 0.0:
+                out_modes[i, k] = 0
 
 
 @compiled(i8(ADDRESSES))
@@ -103,73 +130,27 @@ def start(context: Integers) -> int:
     Returns the code of an outcome: OK, or why there is no first step (`run.index` says which
     constraint or switching function).
     """
-    modes = modes_of(context)
-    t_eval = sample_times_of(context)
-    out_modes = out_modes_of(context)
-    largest = switch_row(context, LARGEST)
-    trial = switch_row(context, TRIAL)
-    impact_at = switch_row(context, IMPACT_AT)
-    size = row_of(context, SIZE)
-    reserve = switch_row(context, RESERVE)
-    band = switch_row(context, BAND)
-    first_step = first_step_of(context)
     r = run_record(context)
-    n = context[COORDINATES]
-    m = context[CONSTRAINT_COUNT]
-    s = context[SWITCHES]
-    t = r.t
-    if m > 0 and r.plan == Plan.FREE:
-        repartition_of(context)(context, t, Y0)
-        r.repartitions = 0
-        if r.rank < context[RANK]:
-            r.index = row_order_of(context)[r.rank]
-            return Outcome.SINGULAR
-        result = correct_of(context)(context, t, Y0, PARTITION)
-        r.newton += 1
-        if result == FAILED:
-            return Outcome.NEWTON_FAILED
-        r.corrections += result
-    q = positions(context, Y0)
-    v = velocities(context, Y0)
-    slope = position_rates(context, K)
-    a = velocity_rates(context, K)
-    for j in range(n):
-        slope[j] = v[j]
+    outcome: int = Outcome.OK
+    t, free = r.t, r.plan == Plan.FREE
+    if free and context[ft.CONSTRAINT_COUNT] > 0:
+        outcome = place_on_constraints(context, t)
+        if outcome != Outcome.OK:
+            return outcome
+    q, v = ws.positions(context, Y0), ws.velocities(context, Y0)
+    rate, a = ws.position_rates(context, K), ws.velocity_rates(context, K)
     # Whether the constraints are independent is not for a joint to say that friction jams.
     suspend_friction(context)
-    if r.plan == Plan.FREE:
-        weak = evaluate_accelerations(context, t, q, v, modes, a)
+    if free:
+        weak = write_derivative(context, t, Y0, K)
         if weak > 0:
             r.index = weak - 1
             return Outcome.SINGULAR
-    outcome = Outcome.OK
-    if s > 0:
-        # A run of no length has modes too; they are judged as if it went on for a second.
-        longest = r.h_max if r.h_max > 0.0 else 1.0
-        h = first_step(context, t, longest, r.rtol, r.order)
-        settings_of(context)[STEP] = h
-        rigid = rigid_of(context)
-        spread(context, t)
-        for k in range(s):
-            # The rounding of a function is that of what it is made of, however small itself.
-            if rigid[k] < 0:
-                largest[k] = _ROUGH * trial[k]
-            else:
-                impact_at[k] = t
-                largest[k] = size[0]
-                for j in range(n):
-                    largest[k] = min(largest[k], size[j])
-        settled = initialize_modes_of(context)(context, 0, t, LOOK_AHEAD * h, Y0, G0)
-        if settled != CONSISTENT:
-            r.index = settled
-            outcome = Outcome.INCONSISTENT
-        evaluate_accelerations(context, t, q, v, modes, a)
-        evaluate_switching_and_rates(context, t, Y0, K, G0)
-        for k in range(s):
-            if modes[k] == SLIDING:
-                reserve[k] = largest[k]
-                largest[k], band[k] = 1.0, 0.0
-        r.rhs += 2
+    else:  # accelerations are those by continuity
+        for j in range(rate.size):
+            rate[j] = v[j]
+    if context[ft.SWITCHES] > 0:
+        outcome = choose_modes(context, t)
     if not is_finite(a):
         jammed = find_jamming_friction(context, t, q, v, a)
         if jammed == CONSISTENT:
@@ -177,19 +158,9 @@ def start(context: Integers) -> int:
         r.index = jammed
         return Outcome.INCONSISTENT
     if r.fixed == 0 and not r.h > 0.0:
-        r.h = first_step(context, t, r.h_max, r.rtol, r.order)
+        r.h = ft.first_step_of(context)(context, t, r.h_max, r.rtol, r.order)
         r.rhs += 1
     r.rhs += 1
-    restart_of(context)(context, t, r.h)
-    if r.every_step != 0:
-        record(context, t, Y0)
-    while r.next_sample < context[SAMPLE_TIMES] and t_eval[r.next_sample] <= t:
-        if r.every_step == 0:
-            record(context, t_eval[r.next_sample], Y0)
-        r.next_sample += 1
-    for i in range(r.samples):
-        for k in range(s):
-            # At the very instant of the start a condition on its boundary does not hold yet.
-            if band[k] > 0.0:
-                out_modes[i, k] = 0
+    ft.restart_of(context)(context, t, r.h)
+    record_start(context, t)
     return outcome

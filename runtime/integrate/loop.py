@@ -8,30 +8,15 @@ record.
 
 import numpy as np
 
+from runtime.core import function_table as ft
 from runtime.core.array_types import Integers, i8
-from runtime.core.function_table import (
-    CONSTRAINT_COUNT,
-    EVENT_ROWS,
-    LOG_ROWS,
-    LOOPS,
-    MODIFIED,
-    PART,
-    STABILIZED,
-    SWITCHES,
-    guard_branches_of,
-    propose_of,
-    repartition_of,
-    trial_step_of,
-    vanishing_of,
-)
 from runtime.core.jit import ADDRESSES, addressed, compiled, inner
 from runtime.core.outcomes import Outcome
 from runtime.core.run_record import Plan, run_record
 from runtime.core.workspace import Y0, Y1
 from runtime.integrate.acceptance import accept_step, judge_events
 from runtime.integrate.event_step import end_at_event
-from runtime.integrate.signals import Signal, reject
-from runtime.integrate.step import TrialStep
+from runtime.integrate.step import Signal, TrialStep, reject
 
 _SHARE = 0.3  # measured: of the way to a configuration that is missed, which one step may cover
 WEAK_STATES = 3  # safety: accepted states in a row with a weak pivot that make a singular run
@@ -39,7 +24,7 @@ TOO_CLOSE = 1.2  # safety: steps; a nearer singular configuration needs a plan b
 LOG_MARGIN = 16  # safety: free rows of the partition log that one step may need
 
 
-@addressed(PART)
+@addressed(ft.PART)
 def plan_step(context: Integers) -> int:
     """Choose the end of the next step: the controller's, a plan's, or that of the run."""
     r = run_record(context)
@@ -47,8 +32,8 @@ def plan_step(context: Integers) -> int:
     if t >= r.t_end:
         return Outcome.OK
     if (
-        r.logged_events + 2 * context[SWITCHES] > context[EVENT_ROWS]
-        or r.logged_repartitions + LOG_MARGIN > context[LOG_ROWS]
+        r.logged_events + 2 * context[ft.SWITCHES] > context[ft.EVENT_ROWS]
+        or r.logged_repartitions + LOG_MARGIN > context[ft.LOG_ROWS]
     ):
         return Signal.GOING
     if r.steps + r.rejected >= r.max_steps:
@@ -57,10 +42,10 @@ def plan_step(context: Integers) -> int:
     r.tried = 0.0
     r.planned = 0
     if r.plan == Plan.CROSSING or (r.plan == Plan.APPROACHING and t + 1.01 * h >= r.turn):
-        h = r.leap if r.plan == Plan.CROSSING else r.turn - t
+        h = r.length_across if r.plan == Plan.CROSSING else r.turn - t
         r.planned = 1
     elif r.plan == Plan.MISSING:
-        h = min(h, max(r.leap, _SHARE * abs(r.turn - t)))
+        h = min(h, max(r.length_across, _SHARE * abs(r.turn - t)))
     end = r.turn if r.planned != 0 and r.plan == Plan.APPROACHING else t + h
     if t + (1.01 - 0.01 * r.planned) * h >= r.t_end:
         h = r.t_end - t
@@ -75,15 +60,15 @@ def plan_step(context: Integers) -> int:
     return Signal.PROCEED
 
 
-@addressed(PART)
+@addressed(ft.PART)
 def try_step(context: Integers) -> int:
     """Take the trial step; where it is rejected, shorten the next one."""
     r = run_record(context)
     t, h, end = r.t, r.length, r.end
-    code = trial_step_of(context)(context, t, h)
+    code = ft.trial_step_of(context)(context, t, h)
     if code == TrialStep.DONE:
-        if context[LOOPS] != 0:
-            passed = guard_branches_of(context)(context, t, h)
+        if context[ft.LOOPS] != 0:
+            passed = ft.guard_branches_of(context)(context, t, h)
             if passed > 0:
                 return int(passed)
             if passed < 0:
@@ -98,33 +83,29 @@ def try_step(context: Integers) -> int:
         r.h = 0.0
     if r.plan == Plan.CROSSING:
         return Signal.LOOK
-    if (
-        r.fixed == 0
-        and context[CONSTRAINT_COUNT] > 0
-        and r.plan != Plan.APPROACHING
-        and t >= r.quiet
-    ):
+    guided = r.fixed != 0 or r.plan == Plan.APPROACHING or t < r.quiet
+    if not guided and context[ft.CONSTRAINT_COUNT] > 0:
         # Where constraints are about to become dependent, shorter steps do not help.
-        r.vanishing = vanishing_of(context)(context, t, end - t, Y0)
+        r.vanishing = ft.vanishing_of(context)(context, t, end - t, Y0)
         if np.isfinite(r.vanishing):
             return Signal.LOOK
     return Signal.RETRY
 
 
-@addressed(PART)
+@addressed(ft.PART)
 def look_for_singularity(context: Integers) -> int:
     """Whether a singular configuration lies so near that the step must not be taken."""
     r = run_record(context)
     r.announced = 0
     if (
         r.plan == Plan.FREE
-        and context[CONSTRAINT_COUNT] > 0
-        and context[MODIFIED] == context[STABILIZED]
+        and context[ft.CONSTRAINT_COUNT] > 0
+        and context[ft.MODIFIED] == context[ft.STABILIZED]
         and r.end >= r.look_at
         and r.end >= r.quiet
         and r.fixed == 0
     ):
-        r.vanishing = vanishing_of(context)(context, r.t, r.length, Y1)
+        r.vanishing = ft.vanishing_of(context)(context, r.t, r.length, Y1)
         if r.vanishing < TOO_CLOSE * r.length:
             # Not to be stepped over by chance, nor to be ended at.
             r.rejected += 1
@@ -142,19 +123,19 @@ def propose_next(context: Integers) -> None:
     r = run_record(context)
     r.next_length = r.h
     if r.fixed == 0:
-        r.next_length = r.length * propose_of(context)(context, r.length)
+        r.next_length = r.length * ft.propose_of(context)(context, r.length)
         if r.planned != 0:
             r.next_length = max(r.next_length, r.h) if r.plan == Plan.APPROACHING else r.h
 
 
-@addressed(PART)
+@addressed(ft.PART)
 def follow_plan(context: Integers) -> int:
     """After an accepted step: what is planned about singular configurations and the method."""
     r = run_record(context)
     if r.weak >= WEAK_STATES:
         r.index = r.weak_row - 1
         r.vanishing = 0.0  # where constraints are left there is a position to look for
-        if r.index < context[CONSTRAINT_COUNT]:
+        if r.index < context[ft.CONSTRAINT_COUNT]:
             return Signal.LOOK
         return Outcome.SINGULAR
     if r.planned == 0 and r.length > 0.0:
@@ -163,7 +144,7 @@ def follow_plan(context: Integers) -> int:
         return Signal.LOOK
     if r.plan >= Plan.LEAVING and r.t >= r.quiet:
         if r.plan == Plan.LEAVING:
-            repartition_of(context)(context, r.t, Y0)
+            ft.repartition_of(context)(context, r.t, Y0)
         r.plan = Plan.FREE
     if (r.lent != 0 and r.plan == Plan.FREE and r.t >= r.lent_until) or r.announced != 0:
         return Signal.LOOK

@@ -1,4 +1,4 @@
-"""What is asked of an integration: the equations, start and end, and how to solve them."""
+"""The input of an integration: start and end, and how to solve the equations."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -13,34 +13,19 @@ Formulation = Literal["cartesian", "reduced"]
 
 @dataclass(frozen=True)
 class Problem:
-    """An initial-value problem.
+    """An initial-value problem."""
 
-    Attributes
-    ----------
-    t0, t_end
-        Start and end, s; t_end >= t0.
-    q, v : (n,)
-        State at t0, which must be on the constraints but for rounding.
-    p : (np,)
-        Parameters and derived constants.
-    scale : (n,)
-        Typical size of a change of each coordinate, 1 / sqrt(M_kk).
-    sizes
-        Typical size of each coordinate, m or rad, and of its velocity a second; one number or
-        (n,).
-    spreads : (s,)
-        How far switching functions go when all that they are made of is changed by its size, where
-        that is more than what the coordinates' own changes do.
-    """
-
-    t0: float
-    t_end: float
-    q: Vector
-    v: Vector
-    p: Vector
-    scale: Vector
+    t0: float  # start, s
+    t_end: float  # end, s; not before the start
+    q: Vector  # (n,): state at t0, which must be on the constraints but for rounding
+    v: Vector  # (n,)
+    p: Vector  # (np,): parameters and derived constants
+    scale: Vector  # (n,): typical size of a change of each coordinate, 1 / sqrt(M_kk)
     sizes: ArrayLike = 1.0
+    """Typical size of each coordinate, m or rad, and of its velocity a second: a number or (n,)."""
     spreads: ArrayLike = 0.0
+    """(s,): how far switching functions go when all that they are made of is changed by its size,
+    where that is more than the coordinates' own changes do."""
 
 
 @dataclass(frozen=True)

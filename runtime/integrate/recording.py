@@ -1,7 +1,6 @@
-"""What the compiled loop writes while it runs, taken over whenever it returns."""
+"""Samples, events and partitions that the compiled loop writes, taken over when it returns."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -16,11 +15,11 @@ _EVENTS = ("event_times", "event_kinds", "event_states")
 _SAMPLES = ("out_times", "out_states", "out_modes")
 
 
-@dataclass
 class _Rows:
     """Rows of some arrays, chunk by chunk."""
 
-    parts: list[tuple[np.ndarray, ...]] = field(default_factory=list)
+    def __init__(self) -> None:
+        self.parts: list[tuple[np.ndarray, ...]] = []
 
     def take(self, count: int, *arrays: np.ndarray) -> None:
         """Copy the first `count` rows of each array."""
@@ -34,7 +33,7 @@ class _Rows:
         return tuple(np.concatenate(column) for column in zip(*self.parts, strict=True))
 
 
-class Gathered:
+class Recording:
     """Samples, events and changes of the partition of one run.
 
     Parameters
@@ -52,8 +51,8 @@ class Gathered:
     def __init__(
         self, wiring: Wiring, n: int, s: int, t_eval: Vector | None, interval: int | None = None
     ) -> None:
-        self.n, self.s = n, s
-        self.wiring = wiring
+        self.n, self.s, self.wiring = n, s, wiring
+        self.record = wiring.arrays["record"][0]
         self.fixed_size = t_eval is not None and interval is None
         self.interval = interval or 1
         self.log = wiring.arrays["log_times"], wiring.arrays["log_sets"]
@@ -62,8 +61,8 @@ class Gathered:
         self._place(EVENT_ROWS, rows, _EVENTS, self.events_out)
         instants = np.zeros(0) if t_eval is None else t_eval
         self._place(SAMPLE_TIMES, instants.size, ("sample_times",), (instants,))
-        self.taken, self.happened, self.sets = _Rows(), _Rows(), _Rows()
-        self.instants = 0 if t_eval is None else instants.size
+        self.sample_rows, self.event_rows, self.partition_rows = _Rows(), _Rows(), _Rows()
+        self.instants = instants.size
         self._allot(self.instants if self.fixed_size else 1)
 
     def _place(self, count: int, rows: int, names: Iterable[str], arrays: Iterable[Any]) -> None:
@@ -79,47 +78,42 @@ class Gathered:
             self._allot(size)
 
     def _allot(self, size: int) -> None:
-        self.out: tuple[Any, ...] = (
-            np.zeros(size),
-            np.zeros((size, 2 * self.n)),
-            np.zeros((size, self.s), np.int64),
-        )
+        modes = np.zeros((size, self.s), np.int64)
+        self.out: tuple[Any, ...] = np.zeros(size), np.zeros((size, 2 * self.n)), modes
         self._place(OUT_ROWS, size, _SAMPLES, self.out)
 
-    def flush(self, r: Any) -> None:
+    def flush(self) -> None:
         """Take over what the last chunk wrote; samples at given instants stay where they are."""
+        r = self.record
         if not self.fixed_size:
-            self.taken.take(r["samples"], *self.out)
+            self.sample_rows.take(r["samples"], *self.out)
             r["samples"] = 0
-        self.happened.take(r["logged_events"], *self.events_out)
-        r["logged_events"] = 0
-        self.sets.take(r["logged_repartitions"], *self.log)
-        r["logged_repartitions"] = 0
+        self.event_rows.take(r["logged_events"], *self.events_out)
+        self.partition_rows.take(r["logged_repartitions"], *self.log)
+        r["logged_events"] = r["logged_repartitions"] = 0
 
-    def strike(self, t: float, contacts: Integers, kinds: list[int], y: Vector) -> None:
+    def add_events(self, t: float, switches: Integers, kinds: list[int], y: Vector) -> None:
         """Add events at one instant that the loop has not seen."""
         times, kind, states = self.events_out
-        count = len(contacts)
+        count = len(switches)
         times[:count], states[:count] = t, y
-        kind[:count, 0], kind[:count, 1] = contacts, kinds
-        self.happened.take(count, *self.events_out)
+        kind[:count, 0], kind[:count, 1] = switches, kinds
+        self.event_rows.take(count, *self.events_out)
 
-    def samples(self, r: Any) -> tuple[Vector, Matrix, IntegerMatrix]:
+    def samples(self) -> tuple[Vector, Matrix, IntegerMatrix]:
         """Times (k,), states (k, 2 n) and modes (k, s)."""
-        t, y, modes = (
-            (array[: r["samples"]] for array in self.out)
-            if self.fixed_size
-            else self.taken.joined(*self.out)
-        )
+        if self.fixed_size:
+            t, y, modes = (array[: self.record["samples"]] for array in self.out)
+        else:
+            t, y, modes = self.sample_rows.joined(*self.out)
         return t, y, modes
 
     def events(self) -> Events:
         """All events so far."""
-        n = self.n
-        t, kind, y = self.happened.joined(*self.events_out)
-        return Events(t, kind[:, 0], kind[:, 1], y[:, :n], y[:, n:])
+        t, kind, y = self.event_rows.joined(*self.events_out)
+        return Events(t, kind[:, 0], kind[:, 1], y[:, : self.n], y[:, self.n :])
 
     def partitions(self) -> Partitions:
         """The first partition and all changes so far."""
-        t, sets = self.sets.joined(*self.log)
+        t, sets = self.partition_rows.joined(*self.log)
         return Partitions(t, sets.astype(bool))

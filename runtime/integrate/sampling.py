@@ -3,25 +3,9 @@
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED
+from runtime.core import function_table as ft
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import interpolate
-from runtime.core.function_table import (
-    CONSTRAINT_COUNT,
-    COORDINATES,
-    CORRECTING,
-    EMIT,
-    SAMPLE_TIMES,
-    SLIDING_COUNT,
-    SWITCHES,
-    correct_of,
-    dense_of,
-    modes_of,
-    out_modes_of,
-    out_states_of,
-    out_times_of,
-    return_to_surfaces_of,
-    sample_times_of,
-)
 from runtime.core.jit import addressed, inner
 from runtime.core.run_record import run_record
 from runtime.core.workspace import PROJECTION, SAMPLE, Y1, row_of
@@ -37,18 +21,13 @@ INTERVAL = len(NODES) + 1
 @inner
 def record(context: Integers, t: float, state: int) -> None:
     """Append the state in row `state` and the modes in force to the samples."""
-    modes = modes_of(context)
-    out_t = out_times_of(context)
-    out_y = out_states_of(context)
-    out_modes = out_modes_of(context)
-    r = run_record(context)
-    length = 2 * context[COORDINATES]
-    y = row_of(context, state)
+    r, y, modes = run_record(context), row_of(context, state), ft.modes_of(context)
+    out_y, out_modes = ft.out_states_of(context), ft.out_modes_of(context)
     at = r.samples
-    out_t[at] = t
-    for j in range(length):
+    ft.out_times_of(context)[at] = t
+    for j in range(y.size):
         out_y[at, j] = y[j]
-    for k in range(context[SWITCHES]):
+    for k in range(modes.size):
         out_modes[at, k] = modes[k]
     r.samples += 1
 
@@ -57,21 +36,21 @@ def record(context: Integers, t: float, state: int) -> None:
 def sample(context: Integers, t: float, h: float, at: float) -> int:
     """Append the state at the instant `at` within a step, from its dense output.
 
-    It is returned onto the constraints and the switching surfaces of closed contacts and sliding
+    It is returned onto the constraints, and the switching surfaces of closed contacts and sliding
     modes. Returns FAILED, or 0.
     """
     r = run_record(context)
     interpolate(context, r.dense_rows, (at - t) / h, SAMPLE)
     # Near a singular position a return onto the constraints would move the sample further
     # than it errs.
-    corrected = context[CONSTRAINT_COUNT] > 0 and context[CORRECTING] != 0
+    corrected = context[ft.CONSTRAINT_COUNT] > 0 and context[ft.CORRECTING] != 0
     if corrected and not r.blind_from < at < r.blind_to:
-        result = correct_of(context)(context, at, SAMPLE, PROJECTION)
+        result = ft.correct_of(context)(context, at, SAMPLE, PROJECTION)
         if result == FAILED:
             return FAILED
         r.corrections += result
-    if context[SLIDING_COUNT] != 0:
-        return_to_surfaces_of(context)(context, at, SAMPLE)
+    if context[ft.SLIDING_COUNT] != 0:
+        ft.return_to_surfaces_of(context)(context, at, SAMPLE)
     record(context, at, SAMPLE)
     return 0
 
@@ -82,15 +61,14 @@ def sample_nodes(context: Integers, t: float, t1: float, h: float) -> int:
 
     These are Gauss' nodes and the interval's end. Returns FAILED, without samples, or 0.
     """
-    t_eval = sample_times_of(context)
-    r = run_record(context)
+    r, t_eval = run_record(context), ft.sample_times_of(context)
     samples, next_sample = r.samples, r.next_sample
     low, code = t, 0
     while low < t1 and code == 0:
-        while r.next_sample < context[SAMPLE_TIMES] and t_eval[r.next_sample] <= low:
+        while r.next_sample < context[ft.SAMPLE_TIMES] and t_eval[r.next_sample] <= low:
             r.next_sample += 1
         high = t1
-        if r.next_sample < context[SAMPLE_TIMES]:
+        if r.next_sample < context[ft.SAMPLE_TIMES]:
             high = min(high, t_eval[r.next_sample])
         for node in NODES:
             if code == 0:
@@ -105,25 +83,24 @@ def sample_nodes(context: Integers, t: float, t1: float, h: float) -> int:
     return code
 
 
-@addressed(EMIT)
+@addressed(ft.EMIT)
 def emit(context: Integers, t: float, t1: float, h: float, dense_ready: int) -> int:
     """Write the samples after `t` up to `t1`.
 
     Returns a negative number where a sample could not be corrected, else 0.
     """
-    t_eval = sample_times_of(context)
-    r = run_record(context)
+    r, t_eval = run_record(context), ft.sample_times_of(context)
     if r.every_step == STEP_ENDS:
         record(context, t1, Y1)
         return 0
-    within = r.next_sample < context[SAMPLE_TIMES] and t_eval[r.next_sample] < t1
+    within = r.next_sample < context[ft.SAMPLE_TIMES] and t_eval[r.next_sample] < t1
     if dense_ready == 0 and (within or r.every_step == QUADRATURE):
-        dense_of(context)(context, t, h)
+        ft.dense_of(context)(context, t, h)
         r.dense_outputs += 1
         r.rhs += r.dense_calls
     if r.every_step == QUADRATURE:
         return sample_nodes(context, t, t1, h)
-    while r.next_sample < context[SAMPLE_TIMES] and t_eval[r.next_sample] <= t1:
+    while r.next_sample < context[ft.SAMPLE_TIMES] and t_eval[r.next_sample] <= t1:
         at = t_eval[r.next_sample]
         if at == t1:
             record(context, t1, Y1)

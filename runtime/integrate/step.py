@@ -6,45 +6,14 @@ import numpy as np
 
 from runtime.constraints.newton_return import FAILED
 from runtime.constraints.repartitioning import is_poorly_chosen
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
-from runtime.core.array_views import (
-    view,
-)
-from runtime.core.function_table import (
-    CONSTRAINT_COUNT,
-    COORDINATES,
-    CORRECTING,
-    SLIDING_COUNT,
-    TRIAL_STEP,
-    correct_of,
-    error_of,
-    modes_of,
-    parameters_of,
-    repartition_of,
-    return_to_surfaces_of,
-    settings_of,
-    stages_of,
-)
+from runtime.core.array_views import view
 from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import constraints_of
-from runtime.core.rhs import evaluate_accelerations
+from runtime.core.rhs import write_derivative
 from runtime.core.run_record import ConstraintReturn, is_near_singularity, run_record
-from runtime.core.workspace import (
-    ATOL,
-    DELTA,
-    PARTITION,
-    PREDICTED,
-    PROJECTION,
-    SAMPLE,
-    SIZE,
-    Y1,
-    K,
-    position_rates,
-    positions,
-    row_of,
-    velocities,
-    velocity_rates,
-)
 from runtime.hybrid.sliding_rhs import STEP
 
 
@@ -58,194 +27,185 @@ class TrialStep(IntEnum):
     """The error is over the tolerance."""
 
 
-SAME = 0  # no result of `correct`: no coordinates are better
+class Signal(IntEnum):
+    """How a run goes on, as the parts of a step and the loop answer.
 
+    Codes of outcomes, which are not negative, end it.
+    """
+
+    GOING = -1
+    """The run is not over."""
+    LOOK = -2
+    """A singular configuration has to be looked at, see `singular_crossing`."""
+    CHANGE = -3
+    """Another method is due."""
+    PROCEED = -4
+    """The step goes on with its next part."""
+    RETRY = -5
+    """The step is not taken; the next one is shorter."""
+
+
+SAME = 0  # code: no result of a return: no coordinates are better
 _MANY_ITERATIONS = 4  # measured: Newton iterations of a return from which on a repartition is tried
 
 
 @inner
-def drifted(context: Integers, t: float, rtol: float) -> bool:
+def reject(context: Integers, reason: int, next_length: float) -> int:
+    """Count a rejected step and set the length of the next one; `Signal.RETRY`."""
+    r = run_record(context)
+    r.rejected += 1
+    r.reason = reason
+    r.rejected_before = 1
+    r.h = next_length
+    return Signal.RETRY
+
+
+@inner
+def has_drifted(context: Integers, t: float, rtol: float) -> bool:
     """Whether a constraint is off by more than a step's tolerance at Y1."""
-    p = parameters_of(context)
-    atol = row_of(context, ATOL)
-    size = row_of(context, SIZE)
-    n = context[COORDINATES]
-    phi = view(row_of(context, DELTA), 0, context[CONSTRAINT_COUNT])
-    constraints_of(context)(t, positions(context, Y1), p, phi)
-    tolerance = np.inf
-    for j in range(n):
+    atol, size = ws.row_of(context, ws.ATOL), ws.row_of(context, ws.SIZE)
+    phi = view(ws.row_of(context, ws.DELTA), 0, context[ft.CONSTRAINT_COUNT])
+    constraints_of(context)(t, ws.positions(context, ws.Y1), ft.parameters_of(context), phi)
+    tolerance, largest = np.inf, 0.0
+    for j in range(context[ft.COORDINATES]):
         tolerance = min(tolerance, atol[j] + rtol * size[j])
-    largest = 0.0
     for i in range(phi.size):
         largest = max(largest, abs(phi[i]))
     return bool(largest > tolerance)
 
 
 @inner
-def projected(context: Integers, t: float) -> int:
-    """Move Y1 onto the constraints by the least in the metric of the masses, if it must be."""
-    y1 = row_of(context, Y1)
-    predicted = row_of(context, PREDICTED)
-    r = run_record(context)
-    length = 2 * context[COORDINATES]
-    if context[CORRECTING] == ConstraintReturn.IF_DRIFTED and not drifted(context, t, r.rtol):
-        return TrialStep.DONE
-    result = correct_of(context)(context, t, Y1, PROJECTION)
-    r.newton += 1
-    if result == FAILED:
-        return TrialStep.NEWTON_FAILED
-    r.corrections += result
-    for j in range(length // 2):
-        moved = abs(y1[j] - predicted[j])
-        r.largest_dq = max(r.largest_dq, moved)
-    return TrialStep.DONE
-
-
-@inner
-def anew(context: Integers, t: float) -> int:
-    """Return Y1 once more from where the step led, by other coordinates.
+def return_by_other_coordinates(context: Integers, t: float) -> int:
+    """Return Y1 once more from where the step led, by other independent coordinates.
 
     Answers as `correct` does; `SAME`, with Y1 as it was, where there are none better.
     """
-    length = 2 * context[COORDINATES]
-    y1 = row_of(context, Y1)
-    predicted = row_of(context, PREDICTED)
-    kept = row_of(context, SAMPLE)
-    for j in range(length):
+    y1, predicted = ws.row_of(context, ws.Y1), ws.row_of(context, ws.PREDICTED)
+    kept = ws.row_of(context, ws.SAMPLE)
+    for j in range(y1.size):
         kept[j] = y1[j]
         y1[j] = predicted[j]
-    if repartition_of(context)(context, t, Y1) == 0:
-        for j in range(length):
+    if ft.repartition_of(context)(context, t, ws.Y1) == 0:
+        for j in range(y1.size):
             y1[j] = kept[j]
         return SAME
     run_record(context).newton += 1
-    return int(correct_of(context)(context, t, Y1, PARTITION))
+    return int(ft.correct_of(context)(context, t, ws.Y1, ws.PARTITION))
 
 
 @inner
-def returned(context: Integers, t: float) -> int:
-    """Bring Y1 back onto the constraints, with another partition where this one is poor."""
+def return_by_partition(context: Integers, t: float) -> int:
+    """Return Y1 by its independent coordinates, by others where these are poor."""
+    if is_poorly_chosen(context, t) != 0:
+        ft.repartition_of(context)(context, t, ws.Y1)
+    result = ft.correct_of(context)(context, t, ws.Y1, ws.PARTITION)
+    weak = run_record(context).weak_return != 0
+    if result == FAILED or weak or result >= _MANY_ITERATIONS:
+        again = return_by_other_coordinates(context, t)
+        if again != SAME:
+            return again
+    return int(result)
+
+
+@inner
+def return_to_constraints(context: Integers, t: float) -> int:
+    """Bring Y1 back onto the constraints; row PREDICTED keeps where the step led."""
     r = run_record(context)
-    n = context[COORDINATES]
-    length = 2 * n
-    correct = correct_of(context)
-    y1 = row_of(context, Y1)
-    predicted = row_of(context, PREDICTED)
+    y1, predicted = ws.row_of(context, ws.Y1), ws.row_of(context, ws.PREDICTED)
     finite = True
-    for j in range(length):
+    for j in range(y1.size):
         predicted[j] = y1[j]
         finite = finite and np.isfinite(y1[j])
     if not finite:
         return TrialStep.NOT_FINITE
-    if context[CORRECTING] != ConstraintReturn.BY_PARTITION:
-        return projected(context, t)
-    if is_near_singularity(context):
-        # No coordinates are independent at a singular position, and near it none are good.
-        result = correct(context, t, Y1, PROJECTION)
-        r.newton += 1
-        if result == FAILED:
-            return TrialStep.NEWTON_FAILED
-        r.corrections += result
+    correcting = context[ft.CORRECTING]
+    by_partition = correcting == ConstraintReturn.BY_PARTITION
+    # No coordinates are independent at a singular position, and near it none are good.
+    near = by_partition and is_near_singularity(context)
+    if by_partition and not near:
+        result = return_by_partition(context, t)
+    elif correcting == ConstraintReturn.IF_DRIFTED and not has_drifted(context, t, r.rtol):
         return TrialStep.DONE
-    if is_poorly_chosen(context, t) != 0:
-        repartition_of(context)(context, t, Y1)
-    result = correct(context, t, Y1, PARTITION)
+    else:
+        result = ft.correct_of(context)(context, t, ws.Y1, ws.PROJECTION)
     r.newton += 1
-    if result == FAILED or result >= _MANY_ITERATIONS or r.weak_return != 0:
-        again = anew(context, t)
-        if again != SAME:
-            result = again
     if result == FAILED:
         return TrialStep.NEWTON_FAILED
     r.corrections += result
-    for j in range(n):
-        r.largest_dq = max(r.largest_dq, abs(y1[j] - predicted[j]))
+    if not near:
+        for j in range(context[ft.COORDINATES]):
+            r.largest_dq = max(r.largest_dq, abs(y1[j] - predicted[j]))
     return TrialStep.DONE
 
 
 @inner
-def strained(context: Integers, t: float) -> int:
-    """Return Y1 by other coordinates where it went further than the tolerance; 1 where it did.
+def improve_return(context: Integers, t: float) -> int:
+    """Return Y1 by other coordinates where the return moved it by more than the tolerance.
 
     Explicit methods integrate all coordinates as well as the tolerance asks, so that the return
     moves the dependent ones by less, unless the independent ones determine them badly: within two
     steps a partition can go from good to singular, which the probes now and then do not see. With
-    implicit methods the independent ones alone are right.
+    implicit methods the independent ones alone are right. Answers as `correct` does, or `SAME`.
     """
     r = run_record(context)
     implicit = r.stage_calls == 0
-    if (
-        implicit
-        or context[CORRECTING] != ConstraintReturn.BY_PARTITION
-        or is_near_singularity(context)
-    ):
-        return 0
-    length = 2 * context[COORDINATES]
-    y1 = row_of(context, Y1)
-    predicted = row_of(context, PREDICTED)
-    atol = row_of(context, ATOL)
+    by_partition = context[ft.CORRECTING] == ConstraintReturn.BY_PARTITION
+    if implicit or not by_partition or is_near_singularity(context):
+        return SAME
+    y1, predicted = ws.row_of(context, ws.Y1), ws.row_of(context, ws.PREDICTED)
+    atol = ws.row_of(context, ws.ATOL)
     far = False
-    for j in range(length):
+    for j in range(y1.size):
         far = far or abs(y1[j] - predicted[j]) > atol[j] + r.rtol * abs(y1[j])
     if not far:
-        return 0
+        return SAME
     growth, ratio = r.growth_limit, r.ratio_limit
-    result = anew(context, t)
+    result = return_by_other_coordinates(context, t)
     if result == SAME:
         r.growth_limit, r.ratio_limit = growth, ratio
-        return 0
-    if result == FAILED:
-        return FAILED
-    r.corrections += result
-    return 1
+    elif result != FAILED:
+        r.corrections += result
+    return result
 
 
 @inner
-def judged(context: Integers, t: float, h: float) -> None:
-    """The derivative at Y1, and the error of the step."""
-    modes = modes_of(context)
+def estimate_error(context: Integers, t: float, h: float) -> bool:
+    """Write the derivative at Y1 and `run.error`; whether that is finite."""
     r = run_record(context)
-    n = context[COORDINATES]
-    slope = position_rates(context, K + r.last)
-    a = velocity_rates(context, K + r.last)
-    v = velocities(context, Y1)
-    r.weak_row = evaluate_accelerations(context, t, positions(context, Y1), v, modes, a)
+    r.weak_row = write_derivative(context, t, ws.Y1, ws.K + r.last)
     r.rhs += 1
-    for j in range(n):
-        slope[j] = v[j]
-    r.error = error_of(context)(context, h, r.rtol)
+    r.error = ft.error_of(context)(context, h, r.rtol)
+    return bool(np.isfinite(r.error))
 
 
-@addressed(TRIAL_STEP)
+@addressed(ft.TRIAL_STEP)
 def take_trial_step(context: Integers, t: float, h: float) -> int:
     """Step from Y0 over `h` to Y1, corrected, with its derivative and the error `run.error`.
 
     Returns `TrialStep.DONE`, or why the step cannot be accepted.
     """
     r = run_record(context)
-    settings_of(context)[STEP] = h
-    taken = stages_of(context)(context, t, h)
+    ft.settings_of(context)[STEP] = h
+    taken = ft.stages_of(context)(context, t, h)
     r.rhs += r.stage_calls
     if taken < 0:
         return TrialStep.NEWTON_FAILED
     r.corrections += taken
-    if context[CONSTRAINT_COUNT] > 0 and context[CORRECTING] != ConstraintReturn.NEVER:
-        code = returned(context, t + h)
+    constrained = context[ft.CONSTRAINT_COUNT] > 0
+    if constrained and context[ft.CORRECTING] != ConstraintReturn.NEVER:
+        code = return_to_constraints(context, t + h)
         if code != TrialStep.DONE:
             return code
-    if context[SLIDING_COUNT] != 0:
-        return_to_surfaces_of(context)(context, t + h, Y1)
-    judged(context, t + h, h)
-    if not np.isfinite(r.error):
+    if context[ft.SLIDING_COUNT] != 0:
+        ft.return_to_surfaces_of(context)(context, t + h, ws.Y1)
+    if not estimate_error(context, t + h, h):
         return TrialStep.NOT_FINITE
     if r.error > r.permitted and r.fixed == 0:
         return TrialStep.TOO_LARGE
-    if context[CONSTRAINT_COUNT] > 0 and context[SLIDING_COUNT] == 0:
-        again = strained(context, t + h)
+    if constrained and context[ft.SLIDING_COUNT] == 0:
+        again = improve_return(context, t + h)
         if again == FAILED:
             return TrialStep.NEWTON_FAILED
-        if again == 1:
-            judged(context, t + h, h)
-            if not np.isfinite(r.error):
-                return TrialStep.NOT_FINITE
+        if again != SAME and not estimate_error(context, t + h, h):
+            return TrialStep.NOT_FINITE
     return TrialStep.DONE

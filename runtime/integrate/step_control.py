@@ -7,23 +7,13 @@ section II.4.
 
 import numpy as np
 
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers
-from runtime.core.function_table import COORDINATES, FIRST_STEP, PROPOSE, modes_of
-from runtime.core.jit import addressed, compiled, inner
-from runtime.core.rhs import evaluate_accelerations
+from runtime.core.jit import addressed, compiled
+from runtime.core.rhs import write_derivative
 from runtime.core.run_record import Plan, run_record
-from runtime.core.workspace import (
-    ATOL,
-    DELTA,
-    SAMPLE,
-    SIZE,
-    Y0,
-    K,
-    positions,
-    row_of,
-    second_half,
-    velocities,
-)
+from runtime.core.workspace import row_of
 
 # measured: least ratio of an error to its expectation from the step before that is believed
 _FALL = 0.1
@@ -33,24 +23,7 @@ _ROUNDING = 1e-12  # accuracy: of the typical size; start values that assembly l
 _START = 1e-3  # measured: of the typical size; a start value counts as no smaller
 
 
-@inner
-def factor(
-    error: float,
-    error_old: float,
-    exponent: float,
-    beta: float,
-    safety: float,
-    shrink: float,
-    grow: float,
-) -> float:
-    """Ratio of the next step's length to this one's, between `shrink` and `grow`."""
-    if error == 0.0:
-        return grow
-    change = error ** (exponent - 0.75 * beta) / error_old**beta / safety
-    return float(max(shrink, min(grow, 1.0 / change)))
-
-
-@addressed(PROPOSE)
+@addressed(ft.PROPOSE)
 def propose(context: Integers, h: float) -> float:
     """Ratio of the next step's length to this accepted one's.
 
@@ -66,48 +39,39 @@ def propose(context: Integers, h: float) -> float:
             expected = r.remembered * (h / r.length_old) ** r.order
             r.error = max(r.error, _FALL * expected)
         r.remembered, r.length_old = r.error, h
-    ratio = factor(r.error, r.error_old, r.exponent, r.beta, r.safety, r.shrink, r.grow)
+    ratio = r.grow
+    if r.error != 0.0:
+        change = r.error ** (r.exponent - 0.75 * r.beta) / r.error_old**r.beta / r.safety
+        ratio = max(r.shrink, min(r.grow, 1.0 / change))
     return float(min(ratio, 1.0) if r.rejected_before != 0 else ratio)
 
 
-@compiled(FIRST_STEP)
+@compiled(ft.FIRST_STEP)
 def first_step(context: Integers, t: float, h_max: float, rtol: float, order: int) -> float:
     """Length of a first step from the state Y0 with derivative K, at most `h_max`.
 
-    One evaluation of the field.
+    One evaluation of the right-hand side.
     """
-    modes = modes_of(context)
-    n = context[COORDINATES]
-    length = 2 * n
-    y0 = row_of(context, Y0)
-    k1 = row_of(context, K)
-    z = row_of(context, SAMPLE)
-    d = row_of(context, DELTA)
-    atol = row_of(context, ATOL)
-    typical = row_of(context, SIZE)
-    size = 0.0
-    rate = 0.0
-    largest = 0.0
+    y0, k0, z = row_of(context, ws.Y0), row_of(context, ws.K), row_of(context, ws.SAMPLE)
+    d, atol, typical = row_of(context, ws.DELTA), row_of(context, ws.ATOL), row_of(context, ws.SIZE)
+    length = 2 * context[ft.COORDINATES]
+    size, rate, largest = 0.0, 0.0, 0.0
     for j in range(length):
         tolerance = atol[j] + rtol * max(abs(y0[j]), _START * typical[j])
         size += (y0[j] / tolerance) ** 2
         largest = max(largest, abs(y0[j]) / typical[j])
-        rate += (k1[j] / tolerance) ** 2
+        rate += (k0[j] / tolerance) ** 2
     nothing = largest <= _ROUNDING or size <= 1e-10 * length or rate <= 1e-10 * length
     h = 1e-6 if nothing else 0.01 * np.sqrt(size / rate)
     h = min(h, h_max)
     for j in range(length):
-        z[j] = y0[j] + h * k1[j]
-    a = second_half(context, DELTA)
-    q, v = positions(context, SAMPLE), velocities(context, SAMPLE)
-    evaluate_accelerations(context, t + h, q, v, modes, a)
-    bend = 0.0
-    for j in range(n):
-        d[j] = z[n + j]
+        z[j] = y0[j] + h * k0[j]
+    write_derivative(context, t + h, ws.SAMPLE, ws.DELTA)
+    change = 0.0
     for j in range(length):
         tolerance = atol[j] + rtol * max(abs(y0[j]), _START * typical[j])
-        bend += ((d[j] - k1[j]) / tolerance) ** 2
-    steepest = max(np.sqrt(rate / length), np.sqrt(bend / length) / h)
+        change += ((d[j] - k0[j]) / tolerance) ** 2
+    steepest = max(np.sqrt(rate / length), np.sqrt(change / length) / h)
     if not np.isfinite(steepest):
         return float(h)
     second = max(1e-6, h * 1e-3) if steepest <= 1e-15 else (0.01 / steepest) ** (1.0 / order)

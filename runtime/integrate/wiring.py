@@ -5,52 +5,34 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from runtime.constraints import repartitioning as repartition
-from runtime.constraints.newton_return import return_to_constraints
+from runtime.constraints import newton_return, repartitioning
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
 from runtime.core.array_types import Integers, Vector
-from runtime.core.function_table import (
-    CONSTRAINT_COUNT,
-    COORDINATES,
-    CORRECTING,
-    LOG_ROWS,
-    LOOPS,
-    METHOD_FLOATS_SIZE,
-    METHOD_INTEGERS_SIZE,
-    NONZEROS,
-    PARAMETER_COUNT,
-    PIVOT_SIZE,
-    PLAN_SIZE,
-    RANK,
-    REACTION_ROWS,
-    RECORD,
-    RIGID_COUNT,
-    SWITCHES,
-    SWITCHING_SIZE,
-    TABLE,
-    WORKSPACE_SIZE,
-)
 from runtime.core.jit import addresses
 from runtime.core.kernel_abi import KERNELS
-from runtime.core.run_record import RUN
+from runtime.core.run_record import RUN, ConstraintReturn
 from runtime.core.system import System
-from runtime.core.workspace import ROWS, SWITCH_ROWS
-from runtime.hybrid import event_location, impact, mode_selection, sliding_rhs
-from runtime.hybrid.event_resolution import screen_step
-from runtime.hybrid.loop_branch_guard import guard_branches
-from runtime.hybrid.mode_reactions import compute_friction_margin
-from runtime.hybrid.mode_transition import change_modes
-from runtime.hybrid.switching_functions import write_margins
-from runtime.integrate import sampling as outputs
-from runtime.integrate import step
-from runtime.integrate import step_control as control
+from runtime.hybrid import (
+    event_location,
+    event_resolution,
+    impact,
+    loop_branch_guard,
+    mode_reactions,
+    mode_selection,
+    mode_transition,
+    sliding_rhs,
+    switching_functions,
+)
+from runtime.integrate import sampling, step, step_control
 from runtime.integrate.method import find_method
 from runtime.linalg.elimination_plan import plan_capacity
 from runtime.singularity.detection import PIVOT_ROWS, predict_vanishing_pivot
 
-METHOD_SLOTS = slice(TABLE.slots["stages"], TABLE.slots["correct"])
+METHOD_SLOTS = slice(ft.TABLE.slots["stages"], ft.TABLE.slots["correct"])
 """Slots of the method's functions."""
 
-_LOOP_SLOTS = slice(TABLE.slots["correct"], TABLE.slots["guard_branches"] + 1)
+_LOOP_SLOTS = slice(ft.TABLE.slots["correct"], ft.TABLE.slots["guard_branches"] + 1)
 
 
 class Wiring(NamedTuple):
@@ -65,25 +47,25 @@ def _loop() -> Integers:
     """Addresses of the parts of the loop, in the order of the function table from `correct` on."""
     return addresses(
         (
-            return_to_constraints,
+            newton_return.return_to_constraints,
             step.take_trial_step,
-            repartition.repartition,
+            repartitioning.repartition,
             event_location.locate_event,
             event_location.sample_function,
             mode_selection.select_modes,
             mode_selection.initialize_modes,
-            control.first_step,
-            outputs.emit,
-            screen_step,
+            step_control.first_step,
+            sampling.emit,
+            event_resolution.screen_step,
             sliding_rhs.evaluate_modified_accelerations,
             sliding_rhs.evaluate_modified_rhs,
             impact.apply_impact,
             impact.return_to_surfaces,
-            change_modes,
-            compute_friction_margin,
-            write_margins,
+            mode_transition.change_modes,
+            mode_reactions.compute_friction_margin,
+            switching_functions.write_margins,
             predict_vanishing_pivot,
-            guard_branches,
+            loop_branch_guard.guard_branches,
         )
     )
 
@@ -103,47 +85,41 @@ def _kernels(system: System) -> Integers:
 def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     """Lay out the table of a run of `system` with the method `name`.
 
-    Parameters
-    ----------
-    p
-        Parameters and derived constants.
-    log_rows
-        Room for changes of the partition.
+    `p` are parameters and derived constants, `log_rows` the room for changes of the partition.
     """
     n, m, s = system.coordinates, system.constraint_count, system.switches
     nonzeros, loops = len(system.jacobian_rows), len(system.loop_rows)
-    table = np.zeros(TABLE.size, np.int64)
+    table = np.zeros(ft.TABLE.size, np.int64)
     table[: len(KERNELS)] = _kernels(system)
     table[METHOD_SLOTS] = function_table(name)
     table[_LOOP_SLOTS] = _loop()
-    memory, notes = find_method(name).memory(n)
+    floats, integers = find_method(name).memory(n)
     numbers = {
-        COORDINATES: n,
-        CONSTRAINT_COUNT: m,
-        SWITCHES: s,
-        RANK: system.rank,
-        NONZEROS: nonzeros,
-        PARAMETER_COUNT: p.size,
-        RIGID_COUNT: len(system.rigid),
-        REACTION_ROWS: system.reaction_rows,
-        LOOPS: loops,
-        PLAN_SIZE: plan_capacity(m, nonzeros),
-        WORKSPACE_SIZE: 2 * n * ROWS,
-        SWITCHING_SIZE: s * SWITCH_ROWS,
-        PIVOT_SIZE: PIVOT_ROWS * m,
-        METHOD_FLOATS_SIZE: memory,
-        METHOD_INTEGERS_SIZE: notes,
-        LOG_ROWS: log_rows,
-        CORRECTING: 1,
+        ft.COORDINATES: n,
+        ft.CONSTRAINT_COUNT: m,
+        ft.SWITCHES: s,
+        ft.RANK: system.rank,
+        ft.NONZEROS: nonzeros,
+        ft.PARAMETER_COUNT: p.size,
+        ft.RIGID_COUNT: len(system.rigid),
+        ft.REACTION_ROWS: system.reaction_rows,
+        ft.LOOPS: loops,
+        ft.PLAN_SIZE: plan_capacity(m, nonzeros),
+        ft.WORKSPACE_SIZE: 2 * n * ws.ROWS,
+        ft.SWITCHING_SIZE: s * ws.SWITCH_ROWS,
+        ft.PIVOT_SIZE: PIVOT_ROWS * m,
+        ft.METHOD_FLOATS_SIZE: floats,
+        ft.METHOD_INTEGERS_SIZE: integers,
+        ft.LOG_ROWS: log_rows,
+        ft.CORRECTING: ConstraintReturn.BY_PARTITION,
     }
     table[list(numbers)] = list(numbers.values())
-    arrays = TABLE.allot(table)
+    arrays = ft.TABLE.allot(table)
     place(table, arrays, "parameters", p)
-    place(table, arrays, "jacobian_rows", np.ascontiguousarray(system.jacobian_rows, np.int64))
-    columns = np.ascontiguousarray(system.jacobian_columns, np.int64)
-    place(table, arrays, "jacobian_columns", columns)
-    record = arrays["record"] = np.zeros(1, RUN)
-    table[RECORD] = record.ctypes.data
+    for indices in ("jacobian_rows", "jacobian_columns"):
+        place(table, arrays, indices, np.ascontiguousarray(getattr(system, indices), np.int64))
+    arrays["record"] = np.zeros(1, RUN)
+    table[ft.RECORD] = arrays["record"].ctypes.data
     arrays["row_order"][:], arrays["column_order"][:] = np.arange(m), np.arange(n)
     arrays["recent_events"][:] = -np.inf
     if loops:
@@ -156,7 +132,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
 def place(table: Integers, arrays: dict[str, Any], name: str, array: Any) -> None:
     """Put an array that was made elsewhere into a table."""
     arrays[name] = array
-    table[TABLE.slots[name]] = array.ctypes.data
+    table[ft.TABLE.slots[name]] = array.ctypes.data
 
 
 def _describe_switches(system: System, p: Vector, arrays: dict[str, Any]) -> None:

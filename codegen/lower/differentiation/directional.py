@@ -14,7 +14,7 @@ from codegen.lower.differentiation.tangent import slopes_of
 from codegen.lower.factored_sums import PLAIN, Parts
 from codegen.lower.graph import Graph
 from codegen.lower.program import LOGICAL, Op
-from codegen.lower.substitution import reached
+from codegen.lower.substitution import dependencies
 
 Terms = Callable[[], Iterable[tuple[float, Parts]]]
 
@@ -49,7 +49,7 @@ class Direction:
     def jet(self, number: int) -> Jet:
         """Both derivatives of a value."""
         if number not in self._known:
-            for k in sorted(reached(self.graph, [number], self._known)):
+            for k in sorted(dependencies(self.graph, [number], self._known)):
                 if k not in self._known:
                     with self.graph.serving(self.graph.values[k].serves):
                         self._known[k] = self._differentiated(k)

@@ -13,7 +13,7 @@ from codegen.lower.differentiation.tangent import slopes_of
 from codegen.lower.factored_sums import PLAIN, Parts
 from codegen.lower.graph import Graph
 from codegen.lower.program import Op
-from codegen.lower.substitution import reached
+from codegen.lower.substitution import dependencies
 
 PLANE = frozenset({Op.CONST, Op.INPUT, Op.ADD, Op.SUB, Op.NEG, Op.MUL, Op.SIN, Op.COS})
 """Operations of which vectors in a plane consist."""
@@ -58,7 +58,7 @@ class Slopes:
         queue: dict[int, Parts] = {}
         for number, weight in weights.items():
             self._hand(queue, number, Parts.of(graph, weight))
-        order = sorted(reached(graph, weights), reverse=True)
+        order = sorted(dependencies(graph, weights), reverse=True)
         for number in order:
             share = queue.pop(number, None)
             if not share:
@@ -97,13 +97,13 @@ class Slopes:
         if movers & (movers - 1) == 0:
             return True
         two = movers.bit_count() == 2 and graph.values[number].op in (Op.ADD, Op.SUB)
-        return two and all(graph.values[k].op in PLANE for k in reached(graph, [number]))
+        return two and all(graph.values[k].op in PLANE for k in dependencies(graph, [number]))
 
     def _breaks(self, number: int) -> bool:
         """Whether a side of a choice may have no slope where it does not hold."""
         graph = self.graph
         _, *sides = graph.values[number].args
-        inside = reached(graph, sides)
+        inside = dependencies(graph, sides)
         return any(graph.values[k].op in BREAKING and not graph.settled[k] for k in inside)
 
     def _chosen(self, number: int) -> dict[int, int]:

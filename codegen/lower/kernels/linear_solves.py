@@ -109,8 +109,7 @@ def _dynamics(
         outputs,
         checks,
         watched=True,
-        labels=tuple(labels.by_value.values()),
-        steps=tuple(labels.steps),
+        **labels.text,
     )
 
 
@@ -151,8 +150,7 @@ def _kinematics(scene: SceneGraph) -> Kernel:
         "q̈ of Φ_q q̈ = γ (of least norm while drivers are missing).",
         (*STATE, "modes", "a", "lam"),
         store("a", solution, names),
-        checks,
+        tuple(checks),
         watched=True,
-        labels=tuple(labels.by_value.values()),
-        steps=tuple(labels.steps),
+        **labels.text,
     )

@@ -1,10 +1,11 @@
-"""Steps across a singular position: where they begin, how long they are, and what they err by.
+"""Steps across a singular position: their beginnings, lengths and expected errors.
 
 A method evaluates the equations at a few nodes of its step; the singular instant falls into the
 middle of a gap between two of them. The length balances the error of the method against that of
 rounding.
 """
 
+from functools import cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -26,7 +27,7 @@ _WEIGHT = 0.1  # measured: of one stage in the result of a step
 _TAYLOR = 5e-3  # accuracy: eps ** (1/7) of the time scale, where rounding balances a cubic's error
 
 
-class Leap(NamedTuple):
+class CrossingStep(NamedTuple):
     """A step across: its length, its beginning before the singular instant, s, and errors.
 
     `method` and `rounding` are expected errors over the tolerance; `start` is the part of the
@@ -41,7 +42,7 @@ class Leap(NamedTuple):
     total: float
 
 
-# What `Leaps` knows of a singular position, as compiled formulas take it.
+# Numbers of a singular position, as compiled formulas take them.
 _NOISE, _REACH, _SPEED, _MISS, _ORDER = 0, 1, 2, 3, 4
 
 
@@ -53,7 +54,7 @@ def _weigh(
 
     Its error is that of the method, of rounding, and of stages: they lie off the constraints by
     their own errors, which the accelerations at that distance multiply by about 1/g; and the
-    instant is known only so well. `out` is a `Leap`.
+    instant is known only so well. `out` is a `CrossingStep`.
     """
     noise = known[_NOISE]
     method = max(h / usual, 1.0) ** known[_ORDER]
@@ -61,8 +62,8 @@ def _weigh(
     start = noise * h / max(abs(lead), 1e-100) ** 3
     if abs(lead) < known[_REACH]:
         start = min(start, 1.0)  # it will be found by continuity
-    unsure = known[_MISS] / (known[_SPEED] * g * h)
-    total = method * (1.0 + (_ROOM / g) ** 2) + rounding + start + unsure**2
+    uncertainty = known[_MISS] / (known[_SPEED] * g * h)
+    total = method * (1.0 + (_ROOM / g) ** 2) + rounding + start + uncertainty**2
     if total < out[5]:
         out[0], out[1], out[2], out[3], out[4], out[5] = h, lead, method, rounding, start, total
 
@@ -113,44 +114,45 @@ def _size(q: FloatArray, scale: FloatArray) -> float:
     return float(largest)
 
 
-class Leaps:
-    """The steps across that a method can take, at a tolerance."""
+@cache
+def _gaps(nodes: tuple[float, ...]) -> FloatArray:
+    """The gaps between the nodes of a step, as fractions of it, (k, 2)."""
+    return np.array([(a, b) for a, b in pairwise(sorted(nodes)) if b > a])
 
-    def __init__(self, scale: FloatArray, rtol: float, method: Method) -> None:
-        self.scale, self.rtol = scale, rtol
-        self.follow(method)
 
-    def follow(self, method: Method) -> None:
-        """Plan for the steps of the method."""
-        self.order = method.error_order + 1
-        nodes = sorted(method.nodes)
-        self.gaps = np.array([(a, b) for a, b in pairwise(nodes) if b > a])
+class CrossingSteps(NamedTuple):
+    """The steps across that a method can take, at a tolerance; `scale` as in `Problem`."""
+
+    scale: FloatArray
+    rtol: float
+    method: Method
 
     def rounding(self, q: FloatArray) -> float:
-        """What a constraint misses by rounding alone."""
+        """The residual of a constraint by rounding alone."""
         return _ROUNDING * EPS * float(_size(q, self.scale))
 
-    def noise(self, found: Singularity) -> float:
+    def noise(self, position: Singularity) -> float:
         """Error over tolerance, times g³ h², of a step h that keeps the distance g h."""
-        rounding = _RESIDUE * float(_size(found.q, self.scale))
-        return 2.0 * _WEIGHT * rounding / (found.rate * found.speed * self.rtol)
+        rounding = _RESIDUE * float(_size(position.q, self.scale))
+        return 2.0 * _WEIGHT * rounding / (position.rate * position.speed * self.rtol)
 
-    def reach(self, found: Singularity) -> float:
+    def reach(self, position: Singularity) -> float:
         """Time from a singular instant within which accelerations can be found by continuity."""
-        return _TAYLOR / max(found.rate, found.speed)
+        return _TAYLOR / max(position.rate, position.speed)
 
-    def best(self, found: Singularity, usual: float) -> Leap:
-        """The step across that errs least, wherever it begins."""
+    def best(self, position: Singularity, usual: float) -> CrossingStep:
+        """The step across that errs least, wherever it begins; `usual` is a step's length, s."""
         out = np.empty(6)
-        _best(self.gaps, self._known(found), usual, out)
-        return Leap(*out.tolist())
+        _best(_gaps(self.method.nodes), self._numbers(position), usual, out)
+        return CrossingStep(*out.tolist())
 
-    def from_here(self, found: Singularity, ahead: float, usual: float) -> Leap:
-        """The step across that errs least among those that begin now."""
+    def from_here(self, position: Singularity, ahead: float, usual: float) -> CrossingStep:
+        """The step across that errs least among those that begin the time `ahead` before, s."""
         out = np.empty(6)
-        _from_here(self.gaps, self._known(found), ahead, usual, out)
-        return Leap(*out.tolist())
+        _from_here(_gaps(self.method.nodes), self._numbers(position), ahead, usual, out)
+        return CrossingStep(*out.tolist())
 
-    def _known(self, found: Singularity) -> FloatArray:
-        reach = self.reach(found)
-        return np.array([self.noise(found), reach, found.speed, found.miss, float(self.order)])
+    def _numbers(self, position: Singularity) -> FloatArray:
+        order = float(self.method.error_order + 1)
+        noise, reach = self.noise(position), self.reach(position)
+        return np.array([noise, reach, position.speed, position.miss, order])

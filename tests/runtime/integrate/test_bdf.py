@@ -19,9 +19,8 @@ from runtime.integrate.implicit.method_memory import (
 )
 from runtime.integrate.implicit.method_memory import ROWS as LINES
 from runtime.integrate.problem import Options, Problem
-from runtime.integrate.run import _Run, integrate
-from runtime.integrate.signals import Signal
-from runtime.integrate.step import take_trial_step
+from runtime.integrate.run import Run, integrate
+from runtime.integrate.step import Signal, take_trial_step
 from tests.runtime.integrate.stiff import DRAWN, SMOOTH_PENDULUM, one, smooth_relay
 from tests.runtime.integrate.systems import pendulum_problem, run_relay
 
@@ -44,11 +43,11 @@ class Stepper:
         system, p = smooth_relay(stiffness=OMEGA**2)
         q, v = oscillator(0.0)
         options = Options(method="bdf", rtol=1e-13, atol_q=1e-13, atol_v=1e-13)
-        self.run = _Run(
+        self.run = Run(
             system, Problem(0.0, 1e3, np.array([q]), np.array([v]), p, np.ones(1)), options
         )
         self.run.start()
-        arrays = self.run.wiring.arrays
+        arrays = self.run.state.wiring.arrays
         lines = arrays["method_floats"][NUMBERS : NUMBERS + 2 * LINES].reshape(LINES, 2)
         past = np.array([oscillator(-i * h) for i in range(7)])
         for j in range(7):
@@ -58,11 +57,11 @@ class Stepper:
         self.h, self.t = h, 0.0
 
     def step(self):
-        table = self.run.table
+        table = self.run.state.table
         _attempt(table, self.t, self.h)
         accepted(table, self.t, self.h)
         self.t += self.h
-        rows = self.run.rows.reshape(ROWS, 2)
+        rows = self.run.state.rows.reshape(ROWS, 2)
         rows[Y0], rows[K] = rows[Y1], rows[K + 1]
         return rows[Y1].copy()
 
@@ -116,14 +115,14 @@ def test_the_order_rises_from_one_to_five():
 def test_a_change_of_partition_costs_neither_order_nor_restart():
     # x or y is the independent coordinate, and changes twice a turn.
     problem = pendulum_problem(0.3, 12.0, 20.0)
-    run = _Run(SMOOTH_PENDULUM, problem, Options(method="bdf", rtol=1e-8, t_eval=[20.0]))
-    notes, before, orders = run.wiring.arrays["method_integers"], 0, []
+    run = Run(SMOOTH_PENDULUM, problem, Options(method="bdf", rtol=1e-8, t_eval=[20.0]))
+    notes, before, orders = run.state.wiring.arrays["method_integers"], 0, []
     code = Signal.GOING if run.start() == Outcome.OK else None
     while code == Signal.GOING:
-        code = driver.advance(run.table, 1)
-        run.gathered.flush(run.r)
-        if run.r["repartitions"] > before:
-            before = int(run.r["repartitions"])
+        code = driver.advance(run.state.table, 1)
+        run.recording.flush()
+        if run.state.record["repartitions"] > before:
+            before = int(run.state.record["repartitions"])
             orders.append(int(notes[STEP_ORDER]))
     assert code == Outcome.OK
     assert len(orders) > 100
@@ -132,7 +131,7 @@ def test_a_change_of_partition_costs_neither_order_nor_restart():
     assert sum(order == 5 for order in orders) > 0.9 * len(orders)
     exact = integrate(SMOOTH_PENDULUM, problem, Options(rtol=1e-13, t_eval=[20.0]))
     # An angle of 244 rad is asked for to 1e-8 of itself, and x and y follow from it.
-    assert np.abs(run.state[0] - exact.q[-1]).max() < 1e-7 * exact.q[-1, 2]
+    assert np.abs(run.state.y[0] - exact.q[-1]).max() < 1e-7 * exact.q[-1, 2]
 
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e8, 1e12])

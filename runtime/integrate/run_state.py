@@ -1,0 +1,155 @@
+"""The state of a run: arrays and record of the compiled loop, and the methods that step it."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from runtime.constraints.repartitioning import GROWTH_LIMIT
+from runtime.core import function_table as ft
+from runtime.core import workspace as ws
+from runtime.core.array_types import Integers, Matrix
+from runtime.core.run_record import ConstraintReturn
+from runtime.core.system import System
+from runtime.hybrid.sliding_rhs import TIME_SCALE
+from runtime.integrate.loop import LOG_MARGIN
+from runtime.integrate.method import Method, find_method
+from runtime.integrate.problem import Options, Problem
+from runtime.integrate.sampling import QUADRATURE, STEP_ENDS
+from runtime.integrate.wiring import METHOD_SLOTS, function_table, wire
+
+_FOLLOWED = 2.0  # measured: of Baumgarte's time; in longer steps the stabilisation oscillates
+_MOST_PATIENCE = 1024  # safety: times the first, before a method is changed
+_METHOD_NUMBERS = (
+    "order", "last", "stage_calls", "dense_calls", "dense_rows", "foresight", "beta", "safety",
+    "shrink", "grow",
+)  # fmt: skip
+_CORRECTING = {
+    "step": ConstraintReturn.BY_PARTITION,
+    "stage": ConstraintReturn.BY_PARTITION,
+    "projection": ConstraintReturn.BY_PROJECTION,
+    "baumgarte": ConstraintReturn.NEVER,
+    "hybrid": ConstraintReturn.IF_DRIFTED,
+}
+
+
+class RunState:
+    """All that a run needs to go on from where it stands.
+
+    Attributes
+    ----------
+    system, options
+        The equations, and how they are integrated.
+    wiring, table
+        Function table with its arrays, and the table alone, which compiled code takes.
+    record
+        Where the run stands, how it steps and what it has counted, see `core.run_record`.
+    rows : (ROWS, 2, n)
+        The workspace, see `core.workspace`.
+    switch_rows : (SWITCH_ROWS, s)
+        That of switching functions.
+    p, modes
+        Parameters with derived constants, and the modes in force.
+    method
+        The method that takes the next step.
+    methods
+        From when on each method was used, with its name.
+    """
+
+    def __init__(self, system: System, problem: Problem, options: Options) -> None:
+        self.system, self.options = system, options
+        self.p = np.ascontiguousarray(problem.p, dtype=np.float64)
+        self.wiring = wire(system, options.method, self.p, 4 * LOG_MARGIN)
+        self.table, arrays = self.wiring
+        self.record: np.void = arrays["record"][0]
+        self.rows: NDArray[np.float64] = arrays["workspace"].reshape(ws.ROWS, 2, system.coordinates)
+        self.switch_rows: Matrix = arrays["switching_rows"].reshape(ws.SWITCH_ROWS, system.switches)
+        self.modes: Integers = arrays["modes"]
+        self.methods = [(float(problem.t0), str(options.method))]
+        self._fill_rows(problem)
+        self._fill_record(problem)
+        self._take(find_method(options.method))
+        self._choose_return(problem)
+
+    @property
+    def y(self) -> Matrix:
+        """q and v at the start of the next step, (2, n)."""
+        y: Matrix = self.rows[ws.Y0]
+        return y
+
+    def _fill_rows(self, problem: Problem) -> None:
+        rows, options, scale = self.rows, self.options, problem.scale
+        rows[ws.Y0, 0], rows[ws.Y0, 1] = problem.q, problem.v
+        rows[ws.SIZE] = problem.sizes
+        fallback = options.rtol * np.minimum(1.0, rows[ws.SIZE])
+        rows[ws.ATOL, 0] = fallback[0] if options.atol_q is None else options.atol_q
+        rows[ws.ATOL, 1] = fallback[1] if options.atol_v is None else options.atol_v
+        rows[ws.PARTITION, 0], rows[ws.PARTITION, 1] = scale**2, scale
+        rows[ws.PROJECTION, 0] = scale**2
+
+    def _fill_record(self, problem: Problem) -> None:
+        r, options = self.record, self.options
+        duration = problem.t_end - problem.t0
+        r["t"], r["t_end"], r["duration"] = problem.t0, problem.t_end, duration
+        r["h_max"] = duration if options.h_max is None else options.h_max
+        largest = max(abs(problem.t0), abs(problem.t_end))
+        r["h_min"] = 1e-15 * largest if options.h_min is None else options.h_min
+        r["h"] = options.first_step or 0.0
+        if options.fixed_step is not None:
+            r["fixed"], r["h"], r["h_max"] = 1, options.fixed_step, options.fixed_step
+        r["rtol"] = options.rtol
+        r["max_steps"], r["max_events"] = options.max_steps, options.max_events
+        r["automatic"], r["patience"] = int(options.method == "auto"), 1
+        r["error_old"] = 1e-4
+        r["every_step"] = STEP_ENDS if options.t_eval is None else 0
+        if options.quadrature:
+            r["every_step"] = QUADRATURE
+        r["growth_limit"] = r["ratio_limit"] = GROWTH_LIMIT
+        r["event_span"] = np.inf
+        r["index"] = -1
+        r["permitted"] = 1.0
+        r["quiet"] = r["blind_from"] = r["blind_to"] = -np.inf
+
+    def _choose_return(self, problem: Problem) -> None:
+        """When steps return onto the constraints, and Baumgarte's terms."""
+        r, options, arrays = self.record, self.options, self.wiring.arrays
+        stabilized = options.correction in ("baumgarte", "hybrid")
+        self.table[ft.CORRECTING] = _CORRECTING[options.correction]
+        self.table[ft.STABILIZED] = self.table[ft.MODIFIED] = int(stabilized)
+        each_stage = options.correction == "stage" and self.system.constraint_count > 0
+        self.table[ft.EACH_STAGE] = int(each_stage)
+        tau = options.time_scale or 1e-3 * float(r["duration"]) or 1.0
+        arrays["settings"][TIME_SCALE] = tau
+        if stabilized and options.fixed_step is None:
+            r["h_max"] = min(float(r["h_max"]), _FOLLOWED * tau)
+        n = self.system.coordinates
+        arrays["weights"][:n], arrays["weights"][3 * n :] = problem.scale**2, problem.sizes
+        arrays["spreads"][:] = problem.spreads
+
+    def _take(self, method: Method) -> None:
+        """Write the numbers of the method into the record."""
+        self.method = method
+        for name in _METHOD_NUMBERS:
+            self.record[name] = getattr(method, name)
+        self.record["exponent"] = 1.0 / (method.error_order + 1)
+
+    def use_method(self, name: str) -> None:
+        """Take the next steps with the method `name`, for which nothing is to be remembered."""
+        self._take(find_method(name))
+        self.table[METHOD_SLOTS] = function_table(name)
+        self.wiring.arrays["method_integers"][:] = 0
+        self.method.restart(self.table, self.record["t"], self.record["h"])
+
+    def change_method(self) -> None:
+        """Go on with the method that suits: the state and its derivative are all that it needs.
+
+        Each change doubles the number of steps that have to speak for the next one.
+        """
+        # Most runs need none of its functions.
+        from runtime.integrate.implicit.stiffness_switching import successor
+
+        r, system = self.record, self.system
+        independent = int(np.count_nonzero(self.rows[ws.PARTITION, 0] == 0.0))
+        freedoms = independent if system.constraint_count else system.coordinates
+        name = successor(self.methods[-1][1], freedoms, self.options.rtol)
+        self.methods.append((float(r["t"]), name))
+        r["patience"] = min(2 * r["patience"], _MOST_PATIENCE)
+        self.use_method(name)
