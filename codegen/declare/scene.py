@@ -13,14 +13,8 @@ Pairs = tuple[tuple[str, float], ...]
 class Request:
     """The request of a scene, by name and unresolved; an extension builds on it.
 
-    Attributes
-    ----------
-    without
-        Bodies, joints, effects and drivers that do not take part.
-    fidelity
-        Effect, coupler or group of alternatives → how it is taken.
-    outputs
-        The outputs computed in addition to the motion; None means all.
+    The fields are those of `Scene`; `without` names bodies, joints, effects and drivers that
+    do not take part, and `fidelity` may name groups of alternatives too.
     """
 
     effects: tuple[str, ...] = ()
@@ -37,10 +31,7 @@ class Request:
     def extended(self, by: "Request", explicit: frozenset[str]) -> "Request":
         """The request, overridden by that of an extension.
 
-        Parameters
-        ----------
-        explicit
-            The ones of `frozen`, `analysis` and `outputs` that the extension states.
+        `explicit`: the ones of `frozen`, `analysis` and `outputs` that the extension states.
         """
 
         def both(key: str) -> tuple[Any, ...]:

@@ -79,14 +79,9 @@ def reduce(lowered: Lowered) -> Reduced:
         mapping.closures,
         tuple(angle.column for angle in mapping.angles),
         tuple((angle.column, angle.row) for angle in sides),
-        _pattern(equations.jacobian),
-        _pattern(equations.mass),
+        Pattern.of(equations.jacobian),
+        Pattern.of(equations.mass),
     )
-
-
-def _pattern(entries: dict[tuple[int, int], int]) -> Pattern:
-    rows, columns = zip(*entries, strict=True) if entries else ((), ())
-    return Pattern(tuple(rows), tuple(columns))
 
 
 def _sides(mapping: CoordinateMap) -> list[Angle]:

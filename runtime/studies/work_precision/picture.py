@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable
+from itertools import cycle
 from pathlib import Path
 from textwrap import fill
 
@@ -9,19 +10,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from codegen.errors import InputError
+from runtime.integrate.method import METHODS
 from runtime.show.plot import check_parent, finish_axes, new_figure, writing
 from runtime.studies.work_precision.diagram import Line, Point, WorkPrecision
 from runtime.studies.work_precision.interpretation import front, headline
 from runtime.studies.work_precision.json_records import write_records
 
-COLOURS = {
-    "dop853": "#1f6fb2",
-    "dopri5": "#2a9d8f",
-    "tsit5": "#8a9a2b",
-    "radau5": "#b23a48",
-    "bdf": "#e07b1a",
-    "auto": "#7b5ea7",
-}
+PALETTE = (
+    "#1f6fb2", "#2a9d8f", "#8a9a2b", "#b23a48", "#e07b1a", "#7b5ea7", "#5d4037", "#c2185b",
+    "#00838f", "#546e7a",
+)  # fmt: skip
+COLOURS = dict(zip(METHODS, cycle(PALETTE), strict=False))
+"""Colour of each method, in the order of the register."""
 LOOKS = {("cartesian", "step"): ("-", "o"), ("reduced", "step"): ("--", "s"),
          ("cartesian", "stage"): (":", "^"), ("cartesian", "projection"): ("-.", "v")}  # fmt: skip
 """Formulation, correction → style of the line, marker."""
