@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from runtime.results.time_series import TimeSeries
+    from runtime.results.result import Result
 
 
 def new_figure(purpose: str, width: float, height: float, **options: Any) -> "Figure":
@@ -47,7 +47,7 @@ def writing(path: Path) -> Iterator[None]:
         raise InputError(f"--out {path}: {error.strerror or error}.") from error
 
 
-def plot(result: "TimeSeries", names: Sequence[str] = ()) -> "Figure":
+def plot(result: "Result", names: Sequence[str] = ()) -> "Figure":
     """Draw series of a result, those of one unit in one panel.
 
     Parameters
