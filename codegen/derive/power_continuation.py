@@ -30,13 +30,7 @@ Facts = tuple[sympy.Expr, ...]
 
 
 def continue_powers(expression: sympy.Expr) -> sympy.Expr:
-    """The same function, its powers continued past the switches at which their base is zero.
-
-    Parameters
-    ----------
-    expression
-        With its kinks as pieces.
-    """
+    """A function in pieces, its powers continued past the switches at which their base is zero."""
     if not expression.has(sympy.Piecewise):
         return expression
     return _continue(expression, Facts())

@@ -53,12 +53,10 @@ class SideValue:
 
 @dataclass(frozen=True)
 class RigidContact:
-    """A rigid contact in a scene.
+    """A rigid contact in a scene, by its name and the number of its switch.
 
     Attributes
     ----------
-    effect, switch
-        Its name, and the number of its switch.
     moving
         Whether the gap depends on the time, so that the contact does work.
     acceleration

@@ -8,7 +8,7 @@ from typing import Any
 
 from codegen.emit.arguments import Arguments
 from codegen.emit.formula import formula
-from codegen.emit.module import Origin, laid_out, operation_table
+from codegen.emit.module import Origin, assemble_module, operation_table
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.program import Program
 from codegen.reduce.reduced_kernels import Reduced
@@ -87,4 +87,4 @@ def _companion_text(
         "OPERATIONS": operation_table(program),
     }
     title = f'"""Machine {description.model}, scene {description.scene}: {first}'
-    return laid_out(program, origin, [title, "", *more, '"""'], head, arguments)
+    return assemble_module(program, origin, [title, "", *more, '"""'], head, arguments)

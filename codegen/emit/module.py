@@ -8,8 +8,7 @@ from codegen.artefact import MARK, UNSIGNED, signed
 from codegen.emit.arguments import Arguments
 from codegen.emit.formula import folded_numbers, formula
 from codegen.emit.kernel import KernelText
-from codegen.emit.line_wrapping import quantity
-from codegen.emit.literals import assignment
+from codegen.emit.line_wrapping import assignment, quantity
 from codegen.emit.sincos import sin_cos_lines
 from codegen.emit.table_lookup import lookups, spline_lines
 from codegen.lower.kernels.scene_kernels import Lowered
@@ -47,10 +46,10 @@ def module_text(lowered: Lowered, origin: Origin) -> str:
     """The whole module, signed with the SHA-256 of its own text."""
     tables = _tables(lowered, origin)
     arguments = Arguments.of(lowered.description)
-    return laid_out(lowered.program, origin, _docstring(lowered), tables, arguments)
+    return assemble_module(lowered.program, origin, _docstring(lowered), tables, arguments)
 
 
-def laid_out(
+def assemble_module(
     program: Program,
     origin: Origin,
     docstring: list[str],

@@ -8,7 +8,7 @@ from collections import defaultdict
 from dataclasses import dataclass
 from itertools import takewhile
 
-from codegen.emit.solution_steps import BESIDE_ELEMENTS, in_steps, labelled
+from codegen.emit.solution_steps import BESIDE_ELEMENTS, names_of_solution, order_by_steps
 from codegen.lower.program import LEAVES, LOGICAL, Input, Kernel, Op, Program
 
 Path = tuple[tuple[int, bool], ...]
@@ -55,8 +55,8 @@ class _Planner:
     def __init__(self, program: Program, kernel: Kernel) -> None:
         self.program, self.kernel = program, kernel
         self.hoisted = program.hoisted(kernel)
-        self.numbers, self.steps = in_steps(program, kernel, self.hoisted)
-        self.names = labelled(program, kernel, self.numbers)
+        self.numbers, self.steps = order_by_steps(program, kernel, self.hoisted)
+        self.names = names_of_solution(program, kernel, self.numbers)
         # None stands for an output or a check, which are outside all branches.
         self.uses: dict[int, list[int | None]] = defaultdict(list)
         for root in kernel.roots:

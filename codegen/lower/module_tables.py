@@ -96,14 +96,7 @@ def describe(
     reported: tuple[int, ...],
     recovered: tuple[int, ...],
 ) -> Description:
-    """The tables of a scene whose equations stand in a graph.
-
-    Parameters
-    ----------
-    powers, reported, recovered
-        What is asked for: the powers, places among the scene's reactions, and the constraints whose
-        multipliers are recovered.
-    """
+    """The tables of a scene, with its powers, its reported reactions and recovered multipliers."""
     named = equations.scene
     turned = (q for q in equations.coordinates if q.measure.neutral != 0.0)
     start = [(_dotted(q.name), q.measure.neutral, "neutral") for q in turned]

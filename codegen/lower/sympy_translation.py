@@ -27,14 +27,8 @@ RANKS = {"p": 1, "t": 2, "q": 3, "v": 4, "a": 5, "lam": 6}
 class Translator:
     """Translates expressions into one graph.
 
-    Parameters
-    ----------
-    graph
-        Where the values go.
-    environment
-        Symbol, or another expression that is known as a whole → value.
-    switches
-        Switching function → its number.
+    `environment` maps symbols, and other expressions that are known as a whole, to values,
+    `switches` each switching function to its number.
     """
 
     def __init__(

@@ -70,11 +70,7 @@ class Loop(NamedTuple):
 
 
 def find_loops(
-    graph: Graph,
-    q: Sequence[int],
-    phi: Mapping[int, int],
-    angles: Sequence[int],
-    first_branch: int,
+    graph: Graph, q: Sequence[int], phi: Mapping[int, int], angles: Sequence[int], first_branch: int
 ) -> list[Loop]:
     """The loops with a solution in closed form, in an order in which each needs only those before.
 

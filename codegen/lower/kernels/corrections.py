@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.graph import Graph
 from codegen.lower.linear.labels import Labels
-from codegen.lower.linear.normal_equations import NormalEquations, stemmed
+from codegen.lower.linear.normal_equations import NormalEquations, prefixed
 from codegen.lower.linear.null_space import NullSpace
 from codegen.lower.linear.square_systems import Square
 from codegen.lower.operation_count import cost
@@ -75,7 +75,7 @@ def least_correction(
         for (i, k), entry in jacobian.items():
             rates[i] = graph.add(rates[i], graph.mul(entry, v[k]))
         right = [[graph.neg(one) for one in phi], [graph.neg(rate) for rate in rates]]
-        stems, unknowns = ["rhs_q", "rhs_v"], stemmed(["dq", "dv"], names)
+        stems, unknowns = ["rhs_q", "rhs_v"], prefixed(["dq", "dv"], names)
         task = Task(graph, jacobian, right, w, names, rows, stems, unknowns)
         for cancels in (True, False):
             with graph.cancelling(cancels):
@@ -113,13 +113,13 @@ def _solutions(task: Task) -> list[Solution]:
     """The solutions to compare, the most accurate first."""
     graph, right = task.graph, task.right
     if len(right[0]) == len(task.weights) > 0:
-        labels = Labels(task.rows, stemmed(task.stems, task.rows), task.unknowns)
+        labels = Labels(task.rows, prefixed(task.stems, task.rows), task.unknowns)
         square = Square(graph, task.jacobian, right, labels, task.names)
         solutions = square.solve()
         if solutions is not None:
             return [(solutions, square.checks, labels)]
     candidates: list[Solution] = []
-    labels = Labels(task.names, stemmed(task.stems, task.rows), task.unknowns)
+    labels = Labels(task.names, prefixed(task.stems, task.rows), task.unknowns)
     weights, rows = task.weights, task.rows
     space = NullSpace(graph, task.jacobian, right, labels, weights=weights, rows=rows)
     changes = space.solve()

@@ -19,13 +19,7 @@ ratio has.
 
 
 def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Strategy]:
-    """The fused kernel, by the order of elimination that costs least.
-
-    Parameters
-    ----------
-    rows
-        The constraints whose multipliers the kernel returns.
-    """
+    """The fused kernel, by the order that costs least; it returns the multipliers of `rows`."""
     if scene.driven:
         return _kinematics(scene), "square"
     if not scene.mass:

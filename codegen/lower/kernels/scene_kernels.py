@@ -16,18 +16,9 @@ from codegen.lower.scene_graph import SceneGraph
 
 @dataclass(frozen=True)
 class Lowered:
-    """A scene ready to be emitted.
+    """A scene ready to be emitted: its kernels, their tables, and the graph of their values.
 
-    Attributes
-    ----------
-    program
-        All kernels.
-    description
-        The tables that go with them.
-    strategy
-        The order of elimination that was cheapest; None where nothing is eliminated.
-    scene
-        The equations as values of the graph that the program was made from.
+    `strategy` is the order of elimination that was cheapest, None where nothing is eliminated.
     """
 
     program: Program

@@ -40,8 +40,8 @@ class NormalEquations(SparseRows):
         names = [self.rows[i] for i in left]
         self.text = Labels(
             names,
-            stemmed(self.stems, names),
-            stemmed([stem.replace("rhs", "mu") for stem in self.stems], names),
+            prefixed(self.stems, names),
+            prefixed([stem.replace("rhs", "mu") for stem in self.stems], names),
             "S",
         )
         self.text.step("The matrix and the right sides")
@@ -66,7 +66,7 @@ class NormalEquations(SparseRows):
         return None
 
 
-def stemmed(stems: Sequence[str], names: Sequence[str]) -> list[list[str]]:
+def prefixed(stems: Sequence[str], names: Sequence[str]) -> list[list[str]]:
     """Each name with each stem before it."""
     return [[f"{stem}_{name}" for name in names] for stem in stems]
 
