@@ -70,7 +70,7 @@ class Scene:
         The bodies that take part, in the order of their declaration.
     effects, drivers
         The effects and drivers that act; joints act where all their bodies take part.
-    opened
+    inactive_joints
         Joints that do not act although their bodies take part.
     fidelity
         Effect or coupler → how it is taken, where it has more than one fidelity and the scene says.
@@ -88,7 +88,7 @@ class Scene:
         The outputs computed in addition to the motion; None means all.
     request, owner
         The request that the scene resolves, and the model that declared it.
-    spelled, root, problems
+    expression, root, problems
         Of a scene varied by `without` and `with_`: its expression, the declared scene, its faults.
     """
 
@@ -96,7 +96,7 @@ class Scene:
     bodies: tuple[str, ...]
     effects: tuple[str, ...]
     drivers: tuple[str, ...]
-    opened: tuple[str, ...]
+    inactive_joints: tuple[str, ...]
     fidelity: tuple[tuple[str, str], ...]
     start: Pairs
     guess: Pairs
@@ -106,7 +106,7 @@ class Scene:
     outputs: tuple[str, ...] | None = None
     request: Request = field(default=Request(), repr=False, compare=False)
     owner: Owner | None = field(default=None, repr=False, compare=False)
-    spelled: str = field(default="", repr=False, compare=False)
+    expression: str = field(default="", repr=False, compare=False)
     root: "Scene | None" = field(default=None, repr=False, compare=False)
     problems: tuple[str, ...] = field(default=(), repr=False, compare=False)
 

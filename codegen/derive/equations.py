@@ -94,7 +94,7 @@ def active_joints(model: Model, scene: Scene) -> dict[str, Constraint]:
     for name, joint in model.joints.items():
         stands_for = getattr(joint, "instead_of", None)
         replaced = stands_for is None or stands_for.name not in present
-        closed = name not in scene.opened
+        closed = name not in scene.inactive_joints
         if closed and replaced and all(body.name in present for body in joint.bodies):
             chosen[name] = joint
     return chosen

@@ -52,15 +52,15 @@ class Variations(Scenes):
         base = replace(scene.request, without=returned)
         merged = self._extend(read, where, replace(scene, request=base), request, explicit)
         merged = self._remove_elements(merged, removed)
-        spelled = scene.spelled if scene.root else f"{self.name}.scene({scene.name!r})"
+        expression = scene.expression if scene.root else f"{self.name}.scene({scene.name!r})"
         if removed:
-            spelled += f".without({', '.join(map(repr, removed))})"
+            expression += f".without({', '.join(map(repr, removed))})"
         if added or changes or fidelity:
             parts = [repr(name) for name in added]
             parts += [f"{k}={v!r}" for k, v in (("fidelity", fidelity), *changes.items()) if v]
-            spelled += f".with_({', '.join(parts)})"
+            expression += f".with_({', '.join(parts)})"
         name = self._variation_name(root, merged)
-        variation = self._compose(read, name, merged, spelled=spelled, root=root)
+        variation = self._compose(read, name, merged, expression=expression, root=root)
         problems = (*scene.problems, *read.problems)
         return replace(variation, problems=tuple(dict.fromkeys(problems)))
 
@@ -82,7 +82,7 @@ class Variations(Scenes):
         if scene.owner is self:
             return scene
         read = Reader()
-        about = {"spelled": scene.spelled, "root": scene.root}
+        about = {"expression": scene.expression, "root": scene.root}
         variation = self._compose(read, scene.name, scene.request, **about)
         return replace(variation, problems=(*scene.problems, *read.problems))
 

@@ -146,7 +146,7 @@ class Scenes(Fidelities, Outputs):
     def _drop_unused_starts(self, merged: Request, mine: Request) -> Request:
         """Drop inherited start values of elements that no longer take part."""
         scratch = self._compose(Reader(), "scratch", merged)
-        present = {*scratch.bodies, *self.joints} - {*scratch.opened, *merged.without}
+        present = {*scratch.bodies, *self.joints} - {*scratch.inactive_joints, *merged.without}
         renewed = {name for name, _ in (*mine.start, *mine.guess)}
 
         def fits(values: NamedValues) -> NamedValues:
@@ -178,7 +178,7 @@ class Scenes(Fidelities, Outputs):
             bodies=tuple(present),
             effects=tuple(e for e in self.effects if e in acting),
             drivers=tuple(d for d in self.drivers if d in driving),
-            opened=tuple(n for n in dict.fromkeys(absent) if n in self.joints),
+            inactive_joints=tuple(n for n in dict.fromkeys(absent) if n in self.joints),
             fidelity=tuple((n, w) for n, w in how.items() if n in acting or n not in self.effects),
             start=request.start,
             guess=self._locate_contacts(request.start, absent, request.guess),

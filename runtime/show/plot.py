@@ -15,13 +15,7 @@ if TYPE_CHECKING:
 
 
 def new_figure(purpose: str, width: float, height: float, **options: Any) -> "Figure":
-    """An empty figure for a "plot", "picture" or "report", sizes in inches.
-
-    Raises
-    ------
-    InputError
-        If matplotlib is not installed.
-    """
+    """An empty figure for a "plot", "picture" or "report", sizes in inches."""
     try:
         from matplotlib.figure import Figure
     except ImportError as error:

@@ -74,13 +74,6 @@ def simulate_to(
 
     Method and formulation are chosen unless given: reduced coordinates where they are built and
     stay valid, and the method that suits the first run. See `Machine.simulate`.
-
-    Raises
-    ------
-    AnalysisError
-        If not even the beginning can be computed so accurately.
-    InputError
-        If a quantity is no series, or has no value at any instant.
     """
     began = clock.perf_counter()
     ready = PreparedSimulation(
@@ -119,7 +112,7 @@ class _Search:
         pair = self._compare(choice, self._second(first), first)
         while not self._is_final(pair):
             pair = self._compare(choice, self._tighter(pair), pair.tight)
-        run = pair.delivered
+        run, _ = pair.by_merit
         result = finish_simulation(
             self.ready, choice.coordinates, run.options, began, silent, run.path
         )

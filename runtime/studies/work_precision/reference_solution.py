@@ -85,12 +85,8 @@ def find_reference(
 
     Reduced equations are built for it only if a setting of the study takes them; derivatives, which
     implicit methods take, also where otherwise there would be no reference, or none that is
-    confirmed.
-
-    Raises
-    ------
-    LinkwrightError
-        If no run reaches the end, nothing confirms the one that does, or a quantity has no value.
+    confirmed. Raises LinkwrightError if no run reaches the end, nothing confirms the one that does,
+    or a quantity has no value.
     """
     runner = replace(runner, limit=LIMIT_FACTOR * runner.limit, steps=_STEPS_FACTOR * runner.steps)
     description, end = runner.machine.description, runner.instants[-1]

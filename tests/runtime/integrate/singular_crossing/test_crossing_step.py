@@ -27,6 +27,9 @@ def test_the_instant_falls_into_the_middle_of_a_gap_between_nodes(name):
     k = np.searchsorted(nodes, best.lead / best.h)
     assert best.lead / best.h == pytest.approx(0.5 * (nodes[k - 1] + nodes[k]))
     assert best.h >= 0.01
+    distance = 0.5 * (nodes[k] - nodes[k - 1]) * best.h
+    noise = steps(method=method).noise(position())
+    assert best.rounding == pytest.approx(noise * best.h / distance**3)
 
 
 def test_where_rounding_rules_the_step_is_longer():
