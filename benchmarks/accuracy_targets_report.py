@@ -6,7 +6,7 @@ from statistics import median
 
 from benchmarks import accuracy_targets
 from benchmarks.report import Report, records
-from runtime.results.json_values import plain
+from runtime.results.samples import plain
 
 SHARE, WORST, COST = 0.95, 10.0, 3.0
 """Bars: share of the runs that meet the target, worst ratio, cost over that of the cheapest run."""

@@ -1,9 +1,9 @@
 """Linkwright's compiler: a declared mechanism in, a module of numba kernels out.
 
-Public names: `Model` to declare, `build` to compile, the errors, and what an element of one's own
-is written with: `element` registers its class, `Statement` holds its equations in the placeholders
-of the frames `I` and `J`. They load SymPy only when they are first used, so that the runtime can
-ask for the errors alone.
+Public names: `Model` to declare, `build` to compile, the errors, and the words of an element of
+one's own: `element` registers its class, which derives from `Constraint` or `Effect`; `Statement`
+holds its equations in the placeholders of the frames `I` and `J`. They load SymPy only when they
+are first used, so that the runtime can ask for the errors alone.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -12,7 +12,15 @@ from codegen.errors import InputError, LinkwrightError, ModelError
 
 if TYPE_CHECKING:
     from codegen.declare.body import Body, Curve, Point
-    from codegen.declare.element import ConjugateReaction, I, J, JointReaction, Statement
+    from codegen.declare.element import (
+        ConjugateReaction,
+        Constraint,
+        Effect,
+        I,
+        J,
+        JointReaction,
+        Statement,
+    )
     from codegen.declare.scene import Scene
     from codegen.declare.symbols import Coordinate, alpha, coordinate, given, t
     from codegen.driver import build
@@ -25,7 +33,9 @@ __version__ = "0.1.0"
 _ROOMS = {
     "codegen.model": ("Model",),
     "codegen.declare.body": ("Body", "Curve", "Point"),
-    "codegen.declare.element": ("ConjugateReaction", "I", "J", "JointReaction", "Statement"),
+    "codegen.declare.element": (
+        *("ConjugateReaction", "Constraint", "Effect", "I", "J", "JointReaction", "Statement"),
+    ),
     "codegen.declare.scene": ("Scene",),
     "codegen.declare.symbols": ("Coordinate", "alpha", "coordinate", "given", "t"),
     "codegen.generated_files.build_report": ("BuildReport",),
@@ -38,8 +48,10 @@ __all__ = [
     "Body",
     "BuildReport",
     "ConjugateReaction",
+    "Constraint",
     "Coordinate",
     "Curve",
+    "Effect",
     "I",
     "InputError",
     "J",

@@ -144,10 +144,12 @@ def _print_build(report: Any, check: bool) -> None:
         output.print(f"  left out      {', '.join(s.left_out) or 'nothing'}")
         output.print(f"  operations    {listed(s.operations)}")
         seconds = dict(s.seconds)
-        for made in s.companions:
-            output.print(f"  {made.title:<13} {escaped(str(made.path))}: {state(made)}")
-            output.print(f"  operations    {listed(made.operations)}")
-            seconds |= {f"{k} {made.title}": x for k, x in made.seconds.items()}
+        for companion in s.companions:
+            output.print(
+                f"  {companion.title:<13} {escaped(str(companion.path))}: {state(companion)}"
+            )
+            output.print(f"  operations    {listed(companion.operations)}")
+            seconds |= {f"{k} {companion.title}": x for k, x in companion.seconds.items()}
         output.print(f"  seconds       {', '.join(f'{k} {x:.2f}' for k, x in seconds.items())}")
         for note in s.notes:
             output.print(f"  note          {escaped(note)}")

@@ -83,35 +83,29 @@ def fit(name: str, x: Sequence[float], y: Sequence[float], periodic: bool) -> Ta
 
 def _open_slopes(h: list[float], rise: list[float]) -> list[float]:
     """Slopes at the knots, the third derivative continuous at the second and the last but one."""
-    n = len(h)
-    lower, diagonal, upper, right = [0.0], [h[1]], [h[0] + h[1]], []
-    wide = h[0] + h[1]
-    right.append(((h[0] + 2 * wide) * h[1] * rise[0] + h[0] ** 2 * rise[1]) / wide)
-    for k in range(1, n):
-        lower.append(h[k])
-        diagonal.append(2 * (h[k - 1] + h[k]))
-        upper.append(h[k - 1])
-        right.append(3 * (h[k] * rise[k - 1] + h[k - 1] * rise[k]))
-    wide = h[-1] + h[-2]
-    lower.append(wide)
-    diagonal.append(h[-2])
-    upper.append(0.0)
-    right.append((h[-1] ** 2 * rise[-2] + (2 * wide + h[-1]) * h[-2] * rise[-1]) / wide)
-    return _tridiagonal(lower, diagonal, upper, right)
+    first, last = h[0] + h[1], h[-1] + h[-2]
+    start = ((h[0] + 2 * first) * h[1] * rise[0] + h[0] ** 2 * rise[1]) / first
+    end = (h[-1] ** 2 * rise[-2] + (2 * last + h[-1]) * h[-2] * rise[-1]) / last
+    inner = zip(pairwise(h), pairwise(rise), strict=True)
+    return _tridiagonal(
+        [0.0, *h[1:], last],
+        [h[1], *(2 * (a + b) for a, b in pairwise(h)), h[-2]],
+        [first, *h[:-1], 0.0],
+        [start, *(3 * (b * c + a * d) for (a, b), (c, d) in inner), end],
+    )
 
 
 def _periodic_slopes(h: list[float], rise: list[float]) -> list[float]:
     """Slopes at the knots of a closed curve: a cyclic system, by Sherman and Morrison's formula."""
-    n = len(h)
-    lower = [h[k] for k in range(n)]
-    diagonal = [2 * (h[k - 1] + h[k]) for k in range(n)]
-    upper = [h[k - 1] for k in range(n)]
-    right = [3 * (h[k] * rise[k - 1] + h[k - 1] * rise[k]) for k in range(n)]
-    corner, other, gamma = lower[0], upper[-1], -diagonal[0]
+    before, rise_before = [h[-1], *h[:-1]], [rise[-1], *rise[:-1]]
+    diagonal = [2 * (a + b) for a, b in zip(before, h, strict=True)]
+    rows = zip(before, h, rise_before, rise, strict=True)
+    right = [3 * (b * c + a * d) for a, b, c, d in rows]
+    corner, other, gamma = h[0], before[-1], -diagonal[0]
     diagonal[0] -= gamma
     diagonal[-1] -= corner * other / gamma
-    x = _tridiagonal(lower, diagonal, upper, right)
-    z = _tridiagonal(lower, diagonal, upper, [gamma, *[0.0] * (n - 2), other])
+    x = _tridiagonal(h, diagonal, before, right)
+    z = _tridiagonal(h, diagonal, before, [gamma, *[0.0] * (len(h) - 2), other])
     part = (x[0] + corner * x[-1] / gamma) / (1 + z[0] + corner * z[-1] / gamma)
     slopes = [a - part * b for a, b in zip(x, z, strict=True)]
     return [*slopes, slopes[0]]

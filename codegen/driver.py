@@ -171,7 +171,7 @@ def valid_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None
         (names,) if isinstance(names, str | Scene) else model.scenes if names is None else names
     )
     by_name = [name for name in chosen if isinstance(name, str)]
-    variants = [model.again(scene) for scene in chosen if isinstance(scene, Scene)]
+    variants = [model.recompose(scene) for scene in chosen if isinstance(scene, Scene)]
     missing = [
         f"model '{model.name}' has no scene '{name}'; {nearest(name, model.scenes)}"
         for name in by_name

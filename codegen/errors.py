@@ -16,7 +16,7 @@ class InputError(LinkwrightError):
     Parameters
     ----------
     problems
-        One sentence a problem: what is wrong, where, the numbers that show it, what to do.
+        One sentence a problem: the fault, its place, the numbers that show it, the remedy.
     """
 
     def __init__(self, problems: str | Iterable[str]) -> None:

@@ -43,12 +43,7 @@ def find_model_file(model: str | Path) -> Path:
     """The file of a model: a path, or a name for ``models/NAME.py``.
 
     A name may contain folders: ``hard/pendulum`` is ``models/hard/pendulum.py``, unless there is a
-    file of that path itself.
-
-    Raises
-    ------
-    ModelFileError
-        If there is no such file.
+    file of that path itself. ModelFileError where there is none.
     """
     given = Path(model)
     folders = (Path.cwd() / "models", library_folder() / "models")
@@ -68,13 +63,7 @@ def find_model_file(model: str | Path) -> Path:
 
 
 def read_model(model: str | Path | Model) -> ModelFile:
-    """Read the model of a path or bare name; a `Model` is returned as it is.
-
-    Raises
-    ------
-    ModelFileError
-        As `find_model_file` and `execute_model_file`.
-    """
+    """Read the model of a path or bare name; a `Model` is returned as it is."""
     if isinstance(model, Model):
         return ModelFile(model, None, ())
     return execute_model_file(find_model_file(model))
@@ -83,22 +72,19 @@ def read_model(model: str | Path | Model) -> ModelFile:
 def execute_model_file(path: Path) -> ModelFile:
     """Execute a model file and return the model that it declares.
 
-    Raises
-    ------
-    ModelFileError
-        If the file fails, or declares no model or several without calling one `model`.
+    ModelFileError where it fails, or declares no model, or several without calling one `model`.
     """
     namespace, files = _execute(path)
     declared = namespace.get("model")
-    found = {id(v): v for v in namespace.values() if isinstance(v, Model)}
+    models = {id(v): v for v in namespace.values() if isinstance(v, Model)}
     if not isinstance(declared, Model):
-        if len(found) != 1:
-            names = ", ".join(repr(m.name) for m in found.values())
+        if len(models) != 1:
+            names = ", ".join(repr(m.name) for m in models.values())
             raise ModelFileError(
-                f"{path} declares {f'several models ({names})' if found else 'no model'}; "
+                f"{path} declares {f'several models ({names})' if models else 'no model'}; "
                 "assign the one to build to the name 'model': model = Model(...)."
             )
-        (declared,) = found.values()
+        (declared,) = models.values()
     files += [file for file in declared.files if file not in files]
     return ModelFile(declared, path, tuple((p, file_hash(p)) for p in files))
 
@@ -113,18 +99,18 @@ def local_files(path: Path) -> list[Path]:
 
     The imported modules must still be loaded.
     """
-    found: dict[Path, None] = {}
+    files: dict[Path, None] = {}
     waiting = [path.resolve()]
     while waiting:
         current = waiting.pop(0)
-        if current in found:
+        if current in files:
             continue
-        found[current] = None
+        files[current] = None
         for name in _imported_names(current, _package(current)):
             file = getattr(sys.modules.get(name), "__file__", None)
             if file and _is_local(Path(file).resolve()):
                 waiting.append(Path(file).resolve())
-    return list(found)
+    return list(files)
 
 
 def _package(path: Path) -> str:
@@ -133,12 +119,12 @@ def _package(path: Path) -> str:
     Thousands of modules may be loaded, and resolving a path accesses the disk: names are compared
     first.
     """
-    found = ""
+    package = ""
     for module in list(sys.modules.values()):
         file = getattr(module, "__file__", None)
         if file and str(file).endswith(path.name) and Path(file).resolve() == path:
-            found = str(module.__package__ or "")
-    return found
+            package = str(module.__package__ or "")
+    return package
 
 
 def _is_local(file: Path) -> bool:

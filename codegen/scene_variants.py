@@ -14,15 +14,10 @@ from codegen.model_file import read_model
 
 @dataclass(frozen=True)
 class Variant:
-    """One change of a scene.
+    """One change of a scene: of an effect, coupler, body or group of alternatives of that kind.
 
-    Attributes
-    ----------
-    name, kind
-        The effect, coupler, body or group of alternatives that changes, and its kind.
-    word
-        Its new fidelity; ``"none"`` for an effect that is left out, ``"link"`` for a body that a
-        massless joint replaces.
+    `word` is its new fidelity: ``"none"`` for an effect that is left out, ``"link"`` for a body
+    that a massless joint replaces.
     """
 
     name: str
@@ -43,13 +38,7 @@ class Variant:
 
 
 def declared(model: str | Path | Model, scene: str | Scene | None) -> tuple[Model, Scene]:
-    """The model and one scene of it, the first unless one is named.
-
-    Raises
-    ------
-    InputError
-        As `build` does.
-    """
+    """The model and one scene of it, the first unless one is named; errors as of `build`."""
     read = read_model(model).model
     return read, valid_scenes(read, scene)[0]
 

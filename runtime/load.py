@@ -112,15 +112,8 @@ def _models_nearby(model: str, folders: list[Path]) -> str:
     """Hint at models of a similar name."""
     from difflib import get_close_matches
 
-    names = sorted(
-        {
-            path.stem
-            for folder in folders
-            if folder.is_dir()
-            for path in folder.glob("*.py")
-            if not path.stem.startswith("_")
-        }
-    )
+    paths = [path for folder in folders if folder.is_dir() for path in folder.glob("*.py")]
+    names = sorted({path.stem for path in paths if not path.stem.startswith("_")})
     near = get_close_matches(Path(model).stem, names, n=3, cutoff=0.5) or names[:8]
     return f" Models there: {', '.join(near)}." if near else ""
 
@@ -156,44 +149,37 @@ def _first_scene(model: Path) -> str | None:
             f"{model}, line {error.lineno}: {error.msg}. Correct the model file."
         ) from error
     for statement in tree.body:
-        for node in ast.walk(statement):
-            is_scene = (
-                isinstance(node, ast.Call)
-                and isinstance(node.func, ast.Attribute)
-                and node.func.attr == "scene"
-            )
-            if not is_scene:
-                continue
-            assert isinstance(node, ast.Call)
-            plain = isinstance(statement, ast.Expr | ast.Assign) and statement.value is node
-            first = node.args[0] if node.args else None
-            if plain and isinstance(first, ast.Constant) and isinstance(first.value, str):
-                return first.value
+        calls = [node for node in ast.walk(statement) if isinstance(node, ast.Call)]
+        scenes = [c for c in calls if isinstance(c.func, ast.Attribute) and c.func.attr == "scene"]
+        if scenes:
+            plain = isinstance(statement, ast.Expr | ast.Assign) and statement.value is scenes[0]
+            name = scenes[0].args[0] if plain and scenes[0].args else None
+            if isinstance(name, ast.Constant) and isinstance(name.value, str):
+                return name.value
             return None
     return None
 
 
 def _sources_match(path: Path, text: str, model: Path) -> bool:
     """Whether the module comes from this generator, and from `model` and its files as they are."""
-    literals = {}
-    head = _FIRST_KERNEL.split(text, maxsplit=1)[0]
-    for statement in ast.parse(head).body:
-        if isinstance(statement, ast.Assign) and isinstance(statement.targets[0], ast.Name):
-            name = statement.targets[0].id
-            if name in {"GENERATOR", "SOURCES"}:
-                literals[name] = ast.literal_eval(statement.value)
-        if len(literals) == 2:
-            break
-    if literals.get("GENERATOR") != f"linkwright {__version__}":
+    head = ast.parse(_FIRST_KERNEL.split(text, maxsplit=1)[0])
+    assigned = {
+        target.id: statement.value
+        for statement in head.body
+        if isinstance(statement, ast.Assign)
+        for target in statement.targets
+        if isinstance(target, ast.Name)
+    }
+    if not {"GENERATOR", "SOURCES"} <= assigned.keys():
         return False
     root = path.resolve().parent.parent
-    sources = literals.get("SOURCES", ())
-    if not sources or (root / sources[0][0]).resolve() != model.resolve():
-        return False
-    for name, expected in sources:
-        source = root / name
-        if not source.is_file():
-            return False
-        if hashlib.sha256(source.read_bytes()).hexdigest() != expected:
-            return False
-    return True
+    sources = {root / name: digest for name, digest in ast.literal_eval(assigned["SOURCES"])}
+    return (
+        ast.literal_eval(assigned["GENERATOR"]) == f"linkwright {__version__}"
+        and bool(sources)
+        and next(iter(sources)).resolve() == model.resolve()
+        and all(
+            source.is_file() and hashlib.sha256(source.read_bytes()).hexdigest() == digest
+            for source, digest in sources.items()
+        )
+    )

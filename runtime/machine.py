@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -24,7 +24,26 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class Machine(MechanismTables):
-    """A mechanism in one scene, ready to be analysed; `runtime.load` makes one."""
+    """A mechanism in one scene, ready to be analysed; `runtime.load` makes one.
+
+    Methods of `simulate`: "dop853" (default), of order 8, "dopri5" and "tsit5", of order 5, are
+    explicit. "radau5" and "bdf" are implicit, for stiff equations: contacts and springs much
+    stiffer than the motion is fast; "radau5" also where these vibrate. "auto" starts with "dop853"
+    and changes to an implicit method where the equations are stiff, and back. The last three take
+    exact derivatives, built when they are first needed.
+
+    Its step has an error below `atol` + `rtol` times the value, for each coordinate and velocity.
+    By default `atol` is `rtol` times a typical size: 1 rad for angles; for lengths that of the
+    machine at its start (its longest arm; without arms its largest distance from the origin, or a
+    fixed length), but not more than 1 m; the same a second for velocities. With an accuracy target
+    in place of tolerances the program chooses these, and method and formulation unless they are
+    given; `Result.accuracy` says what was reached.
+
+    States return onto the constraints once a "step" (dependent coordinates from independent ones),
+    at every "stage", by "projection", by "baumgarte" or "hybrid"; see
+    `runtime.integrate.problem.Options`. The formulation "cartesian" integrates all coordinates,
+    "reduced" those that no constraint gives explicitly, with the same results.
+    """
 
     @cached_property
     def degrees_of_freedom(self) -> int:
@@ -51,11 +70,9 @@ class Machine(MechanismTables):
 
         Raises
         ------
-        InputError
-            If `overrides` is no mapping from names to numbers.
-        ParameterError
-            One sentence for each value that is unknown, not finite or of the wrong sign, and for
-            each contact and friction whose coefficients make no sense.
+        InputError, ParameterError
+            If `overrides` is no mapping from names to numbers; one sentence for each value that is
+            unknown, not finite or of the wrong sign, and for coefficients that make no sense.
         """
         return parameter_values(self.mechanism, overrides)
 
@@ -73,18 +90,16 @@ class Machine(MechanismTables):
         t
             Instant in s.
         q, v : (n,)
-            Coordinates and velocities, on the constraints; the assembled start unless both are
-            given.
+            A state on the constraints; the assembled start unless both are given.
         parameters
             Values by name, in the declared units; the others keep their defaults.
 
         Returns
         -------
         (s,) int64
-            1 where the condition holds, 0 where it does not. A condition exactly at its boundary
-            holds if the motion is about to make it hold. 2 where the switching function stays at
-            zero: the motion slides on the switching surface, friction sticks, or a rigid contact is
-            closed.
+            1 where the condition holds, or is about to, at its boundary; 0 where it does not; 2
+            where the switching function stays at zero: the motion slides on the switching surface,
+            friction sticks, or a rigid contact is closed.
 
         Raises
         ------
@@ -117,10 +132,8 @@ class Machine(MechanismTables):
         guess
             Start values by name of coordinate (m, rad) or velocity (m/s, rad/s), over those of the
             scene; a name that the scene fixes stays fixed, at the new value.
-        parameters
-            Values by name, in the declared units; the others keep their defaults.
-        t
-            Instant in s.
+        parameters, t
+            Values by name, in the declared units, the others keep their defaults; instant in s.
 
         Returns
         -------
@@ -162,102 +175,62 @@ class Machine(MechanismTables):
         max_steps: int = 100_000_000,
         progress: bool = True,
     ) -> "Result":
-        """Integrate the equations of motion from the assembled start.
-
-        A run that cannot go on keeps its results up to that instant: see `Result.outcome` and
-        `Result.message`.
+        """Integrate the equations of motion from the assembled start; see `Machine` on methods.
 
         Parameters
         ----------
-        t_end
-            Last instant in s.
-        t_eval
-            Output instants in s, increasing; without them, the end of every step.
-        accuracy
-            Relative global error that the result may have, from 1e-12 to 0.1, in place of
-            tolerances. The program then chooses tolerances, and method and formulation unless they
-            are given; `Result.accuracy` says what was reached.
-        quantities
-            With `accuracy`: names of the series whose error is meant; all coordinates and
-            velocities by default.
-        t_start
-            First instant in s; that of `start` where one is given.
-        method
-            "dop853" (default), of order 8, "dopri5" or "tsit5", of order 5, explicit. "radau5" or
-            "bdf", implicit, for stiff equations: contacts and springs much stiffer than the motion
-            is fast; "radau5" also where these vibrate. "auto" starts with "dop853" and changes to
-            an implicit method where the equations are stiff, and back. The last three take exact
-            derivatives, built when they are first needed.
+        t_end, t_eval
+            Last instant in s; output instants in s, increasing, by default the end of every step.
+        accuracy, quantities
+            In place of tolerances, the relative global error that the result may have, from 1e-12
+            to 0.1; names of the series whose error is meant, by default the whole state.
+        t_start, guess, start
+            First instant in s, by default that of `start` or 0; start values by name of coordinate
+            (m, rad) or velocity (m/s, rad/s), over those of the scene; or an assembled state, in
+            place of the scene's start.
+        method, formulation
+            "dop853" (default), "dopri5", "tsit5": explicit; "radau5", "bdf": implicit, for stiff
+            equations; "auto" changes between these. "cartesian" (default) equations integrate all
+            coordinates, "reduced" those that no constraint gives explicitly.
         rtol, atol
-            Tolerances of a step: `atol` + `rtol` (1e-8 by default) times the value, for each
-            coordinate and velocity; `atol` in m, rad, m/s, rad/s. By default `atol` is `rtol` times
-            a typical size: 1 rad for angles; for lengths that of the machine at its start (its
-            longest arm; without arms its largest distance from the origin, or a fixed length), but
-            not more than 1 m; the same a second for velocities.
+            Tolerances of a step: relative, 1e-8 by default; absolute in m, rad, m/s, rad/s, by
+            default `rtol` times a typical size.
         parameters
             Values by name, in the declared units; the others keep their defaults.
-        guess
-            Start values by name of coordinate or velocity, SI units, over those of the scene.
-        start
-            An assembled state to start from, in place of the scene's start.
-        correction
-            Return onto the constraints: once a "step" (dependent coordinates from independent
-            ones), at every "stage", by "projection", by "baumgarte" or "hybrid"; see
-            `runtime.integrate.problem.Options`.
-        formulation
-            "cartesian" (default) integrates all coordinates; "reduced" those that no constraint
-            gives explicitly, with the same results.
-        time_scale
-            τ of Baumgarte's accelerations, s; a thousandth of the run by default.
-        first_step, max_step
-            Lengths in s; chosen by default.
-        max_steps
-            Trial steps after which the run ends with `Outcome.MAX_STEPS`.
-        progress
-            Whether a terminal shows a bar, once the run has taken a second.
+        correction, time_scale
+            Return onto the constraints: "step", "stage", "projection", "baumgarte" or "hybrid"; τ
+            of Baumgarte's accelerations in s, by default a thousandth of the run.
+        first_step, max_step, max_steps, progress
+            Lengths in s, chosen by default; trial steps, 1e8 by default, after which the run ends
+            with `Outcome.MAX_STEPS`; whether a terminal shows a bar, once it has taken a second.
 
         Returns
         -------
         Result
-            Motion, reactions, powers, energies, modes and events.
+            Motion, reactions, powers, energies, modes, events; if it cannot go on, up to there: see
+            `Result.outcome` and `Result.message`.
 
         Raises
         ------
-        InputError
-            One sentence for each argument of the wrong kind or value.
-        ParameterError
-            If parameters are unknown, or give masses or coefficients that make no sense.
-        AssemblyError
-            If the machine cannot be assembled at the start.
+        InputError, ParameterError, AssemblyError
+            If arguments or parameters make no sense, or the start cannot be assembled.
         AnalysisError
-            If the scene has no masses, if nothing is left to integrate, or if not even the
-            beginning can be computed to the `accuracy` asked for.
+            If the scene has no masses, nothing is left to integrate, or not even the beginning can
+            be computed to the `accuracy` asked for.
         """
         from runtime.studies.accuracy_target import accuracy_or_tolerances
 
         require_motion(self.mechanism, "simulate")
-        given: dict[str, Any] = {
-            "t_start": t_start,
-            "parameters": parameters,
-            "guess": guess,
-            "start": start,
-            "first_step": first_step,
-            "max_step": max_step,
-            "max_steps": max_steps,
-        }
-        check(self.mechanism, t_end=t_end, rtol=rtol, atol=atol, accuracy=accuracy, **given)
+        begin = {"t_start": t_start, "parameters": parameters, "guess": guess, "start": start}
+        steps = {"first_step": first_step, "max_step": max_step, "max_steps": max_steps}
+        errors = {"accuracy": accuracy, "rtol": rtol, "atol": atol}
+        check(self.mechanism, t_end=t_end, **errors, **begin, **steps)
         analyse = accuracy_or_tolerances(
-            self.mechanism, accuracy, quantities, rtol, atol, method, formulation
+            self.mechanism, **errors, quantities=quantities, method=method, formulation=formulation
         )
-        with bar(f"simulate {self.description.title}", progress) as report:
-            return analyse(
-                t_end,
-                t_eval,
-                correction=correction,
-                time_scale=time_scale,
-                progress=report,
-                **given,
-            )
+        given = {**begin, **steps, "correction": correction, "time_scale": time_scale}
+        with bar(f"simulate {self.mechanism.title}", progress) as report:
+            return analyse(t_end, t_eval, **given, progress=report)
 
     def kinematics(
         self,
@@ -279,10 +252,9 @@ class Machine(MechanismTables):
         ----------
         t_eval
             Instants in s, increasing.
-        parameters
-            Values by name, in the declared units; the others keep their defaults.
-        guess
-            Start values by name of coordinate or velocity, SI units, over those of the scene.
+        parameters, guess
+            Values by name, in the declared units; start values by name of coordinate or velocity,
+            SI units. The others keep their defaults, and what the scene says.
         t_start
             Instant in s to which the start values belong. The machine is assembled there and
             followed to the first of `t_eval`, so that it stays on the branch on which it starts.
@@ -300,9 +272,8 @@ class Machine(MechanismTables):
         from runtime.dynamics.kinematics import kinematics
 
         require_motion(self.mechanism, "kinematics")
-        given: dict[str, Any] = {"parameters": parameters, "guess": guess, "t_start": t_start}
-        check(self.mechanism, **given)
-        with bar(f"kinematics of {self.description.title}", progress) as report:
+        given = check(self.mechanism, parameters=parameters, guess=guess, t_start=t_start)
+        with bar(f"kinematics of {self.mechanism.title}", progress) as report:
             return kinematics(self.mechanism, t_eval, **given, progress=report)
 
     def inverse_dynamics(
@@ -321,16 +292,8 @@ class Machine(MechanismTables):
 
         Parameters
         ----------
-        t_eval
-            Instants in s, increasing.
-        parameters
-            Values by name, in the declared units; the others keep their defaults.
-        guess
-            Start values by name of coordinate or velocity, SI units, over those of the scene.
-        t_start
-            Instant in s to which the start values belong.
-        progress
-            Whether a terminal shows a bar.
+        t_eval, parameters, guess, t_start, progress
+            As for `kinematics`: instants in s, values by name in their units, whether a bar shows.
 
         Raises
         ------
@@ -343,9 +306,8 @@ class Machine(MechanismTables):
         from runtime.dynamics.kinematics import inverse_dynamics
 
         require_motion(self.mechanism, "inverse_dynamics")
-        given: dict[str, Any] = {"parameters": parameters, "guess": guess, "t_start": t_start}
-        check(self.mechanism, **given)
-        with bar(f"inverse dynamics of {self.description.title}", progress) as report:
+        given = check(self.mechanism, parameters=parameters, guess=guess, t_start=t_start)
+        with bar(f"inverse dynamics of {self.mechanism.title}", progress) as report:
             return inverse_dynamics(self.mechanism, t_eval, **given, progress=report)
 
     def equilibrium(
@@ -364,15 +326,11 @@ class Machine(MechanismTables):
         method
             "energy": a minimum of the total potential energy. "settling": a damped motion until
             rest, which also finds the way from a start far off.
-        guess
+        guess, parameters
             Start values by name of coordinate, SI units, over those of the scene; positions that
-            the scene fixes are free here.
-        parameters
-            Values by name, in the declared units; the others keep their defaults.
-        t
-            Instant in s at which drivers and forces are frozen.
-        progress
-            Whether a terminal shows a bar.
+            the scene fixes are free here. Values by name, in the declared units.
+        t, progress
+            Instant in s at which drivers and forces are frozen; whether a terminal shows a bar.
 
         Returns
         -------
@@ -393,7 +351,6 @@ class Machine(MechanismTables):
         if method == "settling":
             require_motion(self.mechanism, 'equilibrium(method="settling")')
         require_energy(self.mechanism)
-        given: dict[str, Any] = {"parameters": parameters, "guess": guess, "t": t}
-        check(self.mechanism, **given)
-        with bar(f"equilibrium of {self.description.title}", progress) as report:
+        given = check(self.mechanism, parameters=parameters, guess=guess, t=t)
+        with bar(f"equilibrium of {self.mechanism.title}", progress) as report:
             return equilibrium(self.mechanism, method, **given, progress=report)

@@ -13,7 +13,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from runtime.core.jit import ROOMS
-from runtime.integrate.method import METHODS, REGISTER
+from runtime.integrate.method import METHODS, find_method
 
 _PROCESSES = 4  # measured: more of them only wait for each other
 _OUTSIDE = ("dynamics", "continuation", "statics", "mechanism")
@@ -25,15 +25,19 @@ def precompile(*methods: str) -> None:
     context = get_context("spawn")
     processes = min(_PROCESSES, os.cpu_count() or 1)
     with ProcessPoolExecutor(processes, mp_context=context) as pool:
-        list(pool.map(_import, _modules(methods or METHODS)))
+        list(pool.map(_import, [*_modules(), *(methods or METHODS)]))
 
 
-def _import(module: str) -> None:
-    import_module(module)
+def _import(name: str) -> None:
+    """Import a module, or load a method."""
+    if name in METHODS:
+        find_method(name)
+    else:
+        import_module(name)
 
 
-def _modules(methods: tuple[str, ...]) -> list[str]:
-    """Names of modules with compiled code, the lower rooms first."""
+def _modules() -> list[str]:
+    """Names of modules with compiled code but those of methods, the lower rooms first."""
     package = Path(__file__).parent
     files = [
         path.relative_to(package.parent)
@@ -41,12 +45,11 @@ def _modules(methods: tuple[str, ...]) -> list[str]:
         for path in sorted((package / room).rglob("*.py"))
         if b"runtime.core.jit" in path.read_bytes()
     ]
-    names = [
+    return [
         ".".join(path.with_suffix("").parts)
         for path in files
         if not {"explicit", "implicit"}.intersection(path.parts)
     ]
-    return names + [REGISTER[method].module for method in methods]
 
 
 if __name__ == "__main__":

@@ -14,9 +14,8 @@ from codegen.derive.switching_functions import Named, switches
 from codegen.model import Model
 
 Numbers = dict[sympy.Symbol, float]
-ROUNDING = (
-    1e-12  # accuracy: difference of two ratios of friction coefficients that rounding explains
-)
+# accuracy: difference of two ratios of friction coefficients that rounding explains
+ROUNDING = 1e-12
 
 
 def contact_problems(model: Model, scene: Scene) -> list[str]:

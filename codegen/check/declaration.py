@@ -251,9 +251,9 @@ def _mass_problems(model: Model, body: Body) -> Iterator[str]:
 def _collisions(model: Model) -> Iterator[str]:
     """Two things that would have one name in the generated text."""
     owners: dict[str, str] = {"t": "the time"}
-    brought = [("body", body.name, body.coordinates) for body in model.bodies.values()]
-    brought += [("joint", joint.name, own_coordinates(joint)) for joint in model.joints.values()]
-    for kind, owner, coordinates in brought:
+    declared = [("body", body.name, body.coordinates) for body in model.bodies.values()]
+    declared += [("joint", joint.name, own_coordinates(joint)) for joint in model.joints.values()]
+    for kind, owner, coordinates in declared:
         for symbol in (s for q in coordinates for s in (q, q.rate)):
             owners[symbol.name] = f"a coordinate or velocity of {kind} '{owner}'"
     for name in model.parameters:

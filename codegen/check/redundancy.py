@@ -23,21 +23,14 @@ PROBES = 3
 
 
 class Findings(NamedTuple):
-    """Findings about the constraints of a scene.
-
-    Attributes
-    ----------
-    problems
-        Drivers that have nothing left to drive.
-    notes
-        Joints that repeat each other: a run bears with them, while their parameters let them agree.
-    independent
-        Number of constraints that do not follow from others.
-    """
+    """Findings about the constraints of a scene."""
 
     problems: tuple[str, ...]
+    """Drivers that have nothing left to drive."""
     notes: tuple[str, ...]
+    """Joints that repeat each other: a run bears with them while their parameters agree."""
     independent: int
+    """Number of constraints that do not follow from others."""
 
 
 def examine(equations: Equations, lowered: Lowered) -> Findings:

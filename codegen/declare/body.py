@@ -16,7 +16,7 @@ from codegen.declare.units import is_quantity, plain_length
 
 
 class Pose:
-    """The coordinates x, y and φ of what has a name."""
+    """The coordinates x, y and φ that belong to a name."""
 
     name: str
 

@@ -13,14 +13,8 @@ Pairs = tuple[tuple[str, float], ...]
 class Request:
     """The request of a scene, by name and unresolved; an extension builds on it.
 
-    Attributes
-    ----------
-    without
-        Bodies, joints, effects and drivers that do not take part.
-    fidelity
-        Effect, coupler or group of alternatives → how it is taken.
-    outputs
-        The outputs computed in addition to the motion; None means all.
+    The fields are those of `Scene`; `without` names bodies, joints, effects and drivers that
+    do not take part, and `fidelity` may name groups of alternatives too.
     """
 
     effects: tuple[str, ...] = ()
@@ -37,10 +31,7 @@ class Request:
     def extended(self, by: "Request", explicit: frozenset[str]) -> "Request":
         """The request, overridden by that of an extension.
 
-        Parameters
-        ----------
-        explicit
-            The ones of `frozen`, `analysis` and `outputs` that the extension states.
+        `explicit`: the ones of `frozen`, `analysis` and `outputs` that the extension states.
         """
 
         def both(key: str) -> tuple[Any, ...]:
@@ -79,7 +70,7 @@ class Scene:
         The bodies that take part, in the order of their declaration.
     effects, drivers
         The effects and drivers that act; joints act where all their bodies take part.
-    opened
+    inactive_joints
         Joints that do not act although their bodies take part.
     fidelity
         Effect or coupler → how it is taken, where it has more than one fidelity and the scene says.
@@ -97,7 +88,7 @@ class Scene:
         The outputs computed in addition to the motion; None means all.
     request, owner
         The request that the scene resolves, and the model that declared it.
-    spelled, root, problems
+    expression, root, problems
         Of a scene varied by `without` and `with_`: its expression, the declared scene, its faults.
     """
 
@@ -105,7 +96,7 @@ class Scene:
     bodies: tuple[str, ...]
     effects: tuple[str, ...]
     drivers: tuple[str, ...]
-    opened: tuple[str, ...]
+    inactive_joints: tuple[str, ...]
     fidelity: tuple[tuple[str, str], ...]
     start: Pairs
     guess: Pairs
@@ -115,7 +106,7 @@ class Scene:
     outputs: tuple[str, ...] | None = None
     request: Request = field(default=Request(), repr=False, compare=False)
     owner: Owner | None = field(default=None, repr=False, compare=False)
-    spelled: str = field(default="", repr=False, compare=False)
+    expression: str = field(default="", repr=False, compare=False)
     root: "Scene | None" = field(default=None, repr=False, compare=False)
     problems: tuple[str, ...] = field(default=(), repr=False, compare=False)
 

@@ -54,18 +54,10 @@ def is_quantity(value: object) -> bool:
 
 
 def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
-    """`value` as a number or expression in `unit`; a wrong dimension is added to `problems`.
+    """A number, expression or quantity in the SI unit `unit`, empty for a pure number.
 
-    Parameters
-    ----------
-    value
-        A number, a SymPy expression (both are taken to be in `unit`) or a pint quantity.
-    unit
-        The SI unit of the result, such as ``"kg m^2"``; empty for a pure number.
-    where
-        The role of the number, such as ``"mass of body 'crank'"``; begins the message.
-    problems
-        Receives one sentence when the dimension does not fit.
+    A wrong dimension is added to `problems`, in a sentence that begins with `where`, the role of
+    the number: ``"mass of body 'crank'"``. All but quantities are taken to be in `unit`.
     """
     if not is_quantity(value):
         return value
@@ -88,13 +80,7 @@ def plain_length(value: Any) -> Any:
 
 
 def expression(value: Any) -> sympy.Expr:
-    """`value` as a SymPy expression.
-
-    Raises
-    ------
-    TypeError
-        If it is something else: text, a truth value, a condition, a list, a matrix.
-    """
+    """`value` as a SymPy expression; TypeError for text, a truth value, a condition, a matrix."""
     if isinstance(value, bool | str):
         raise TypeError(f"{value!r} is no number or expression")
     read = sympy.sympify(value)

@@ -19,9 +19,8 @@ from codegen.derive.zero_test import is_zero
 class ConstraintTerms:
     """The terms of one constraint, in placeholders or in coordinates of the model.
 
-    The kernels take the derivatives of Φ from its values (`codegen.lower.differentiation.gradient`,
-    `codegen.lower.differentiation.directional`); those here
-    are for reading, and are taken when somebody asks.
+    The kernels take the derivatives of Φ from its values (`codegen.lower.differentiation`); those
+    here are for reading, and are taken when somebody asks.
 
     Attributes
     ----------

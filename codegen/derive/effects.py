@@ -9,21 +9,12 @@ from functools import cache, cached_property
 import sympy
 from sympy.core.relational import Relational
 
+from codegen.declare import element as el
 from codegen.declare.body import Body
-from codegen.declare.element import (
-    Effect,
-    Pressing,
-    Rigid,
-    Sticking,
-    friction_law,
-    hold,
-    pulling,
-    reported,
-)
 from codegen.declare.symbols import SPEED, Coordinate, kinds, side, t
 from codegen.derive.conditions import as_pieces
 from codegen.derive.derivative import derivative
-from codegen.derive.power_continuation import continued
+from codegen.derive.power_continuation import continue_powers
 from codegen.elements.forces.scalar_force import rate
 
 
@@ -55,7 +46,7 @@ class FrictionTerms:
     slip: sympy.Expr
     grip: sympy.Expr
     direction: tuple[tuple[Coordinate, sympy.Expr], ...]
-    contacts: tuple[Pressing, ...]
+    contacts: tuple[el.Pressing, ...]
     unit: str
     sticks: bool = False
     limit: sympy.Expr | None = None
@@ -88,14 +79,16 @@ class EffectTerms:
     loads: tuple[tuple[Coordinate, sympy.Expr], ...]
     pulls: tuple[tuple[sympy.Expr, sympy.Expr], ...] = ()
     friction: FrictionTerms | None = None
-    hold: Sticking | Rigid | None = None
+    hold: el.Sticking | el.Rigid | None = None
     reported: tuple[tuple[str, str, sympy.Expr], ...] = ()
     weights: tuple[tuple[str, sympy.Expr, sympy.Expr], ...] = ()
 
     @cached_property
     def gradient(self) -> tuple[tuple[Coordinate, sympy.Expr], ...]:
         """(coordinate, ∂V/∂q); for reading: the kernels take it from the values of V."""
-        return () if self.potential is None else _gradient(self.potential)
+        potential = self.potential
+        moved = () if potential is None else kinds(potential, Coordinate)
+        return tuple((q, derivative(potential, q)) for q in moved)
 
     @cached_property
     def forces(self) -> tuple[tuple[Coordinate, sympy.Expr], ...]:
@@ -109,61 +102,52 @@ class EffectTerms:
         return tuple((q, force) for q, force in rows if force != 0)
 
 
-def effect_terms(effect: Effect, bodies: tuple[Body, ...]) -> EffectTerms:
+def effect_terms(effect: el.Effect, bodies: tuple[Body, ...]) -> EffectTerms:
     """Potential and forces of `effect` in a scene with `bodies`."""
     potential = effect.potential(bodies)
     if potential is not None:
-        potential = _conservative(potential)
+        potential = _pieces(potential)
     forces = sorted(effect.forces(bodies).items(), key=lambda pair: pair[0].name)
     loads = tuple((q, f) for q, f in ((q, _pieces(force)) for q, force in forces) if f != 0)
-    pulls = tuple((s, _pull(s, f)) for s, f in pulling(effect, bodies) if f != 0)
+    pulls = tuple((s, _pull(s, f)) for s, f in el.pulling(effect, bodies) if f != 0)
     components = tuple(
-        (part, unit, _pieces(value)) for part, unit, value in reported(effect, bodies)
+        (part, unit, _pieces(value)) for part, unit, value in el.reported(effect, bodies)
     )
-    law = hold(effect, bodies)
+    law = el.hold(effect, bodies)
     weights = effect.weights(bodies) if hasattr(effect, "weights") else ()
     return EffectTerms(potential, loads, pulls, _friction(effect, law), law, components, weights)
 
 
 @cache
-def _pieces(force: sympy.Expr) -> sympy.Expr:
-    """A force with its kinks as pieces."""
-    return continued(as_pieces(force))
-
-
-@cache
-def _conservative(energy: sympy.Expr) -> sympy.Expr:
-    """V with its kinks as pieces."""
-    return continued(as_pieces(energy))
+def _pieces(expression: sympy.Expr) -> sympy.Expr:
+    """A potential or a force with its kinks as pieces."""
+    return continue_powers(as_pieces(expression))
 
 
 @cache
 def _pull(s: sympy.Expr, f: sympy.Expr) -> sympy.Expr:
     """f with its kinks as pieces, and their conditions by coordinates and velocities."""
-    pieces = continued(as_pieces(f))
+    pieces = continue_powers(as_pieces(f))
     turns = pieces.atoms(Relational)
     return pieces.xreplace({c: c.xreplace({SPEED: rate(s)}) for c in turns if c.has(SPEED)})
 
 
-@cache
-def _gradient(potential: sympy.Expr) -> tuple[tuple[Coordinate, sympy.Expr], ...]:
-    return tuple((q, derivative(potential, q)) for q in kinds(potential, Coordinate))
-
-
 def derived_effects() -> int:
     """How many different potentials and forces have been worked on in this process."""
-    return _conservative.cache_info().misses + _pieces.cache_info().misses
+    return _pieces.cache_info().misses
 
 
-def _friction(effect: Effect, law_at_rest: Sticking | Rigid | None) -> FrictionTerms | None:
-    law = friction_law(effect)
+def _friction(
+    effect: el.Effect, law_at_rest: el.Sticking | el.Rigid | None
+) -> FrictionTerms | None:
+    law = el.friction_law(effect)
     if law is None:
         return None
     direction = tuple((q, derivative(law.along, q)) for q in kinds(law.along, Coordinate))
     slip = sympy.Add(*(slope * q.rate for q, slope in direction), derivative(law.along, t))
     direction_of_slip = side(effect.name) if law.creep is None else sympy.tanh(slip / law.creep)
     grip, limit = law.strength * direction_of_slip, None
-    if isinstance(law_at_rest, Sticking) and law.creep is None:
+    if isinstance(law_at_rest, el.Sticking) and law.creep is None:
         more = 1 if law_at_rest.static is None else law_at_rest.static / law_at_rest.kinetic
         limit = law.strength * more
     return FrictionTerms(

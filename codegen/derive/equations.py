@@ -8,24 +8,10 @@ from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Element, Statement
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration
-from codegen.derive.constraints import (
-    ConstraintTerms,
-    constraint_terms,
-    derived_statements,
-    statement_terms,
-)
+from codegen.derive import constraints as cs
+from codegen.derive import switching_functions as sf
 from codegen.derive.effects import EffectTerms, derived_effects, effect_terms
 from codegen.derive.inertia import inertia
-from codegen.derive.switching_functions import (
-    HeldSide,
-    RigidContact,
-    Switch,
-    held_sides,
-    rate,
-    rigid_contacts,
-    stiction,
-    switches,
-)
 from codegen.model import Model
 from codegen.model.outputs import TRACKED
 
@@ -38,7 +24,7 @@ class ConstraintEquations:
     kind: str
     driver: bool
     statement: Statement
-    terms: ConstraintTerms
+    terms: cs.ConstraintTerms
 
 
 @dataclass(frozen=True)
@@ -85,10 +71,10 @@ class Equations:
     inertia_force: tuple[tuple[int, sympy.Expr], ...]
     constraints: tuple[ConstraintEquations, ...]
     effects: tuple[EffectEquations, ...]
-    switches: tuple[Switch, ...]
-    sides: tuple[HeldSide, ...]
+    switches: tuple[sf.Switch, ...]
+    sides: tuple[sf.SideValue, ...]
     stiction: tuple[tuple[str, int], ...]
-    contacts: tuple[RigidContact, ...]
+    contacts: tuple[sf.RigidContact, ...]
     left_out: tuple[tuple[str, str], ...]
     unused: tuple[str, ...] = ()
 
@@ -108,7 +94,7 @@ def active_joints(model: Model, scene: Scene) -> dict[str, Constraint]:
     for name, joint in model.joints.items():
         stands_for = getattr(joint, "instead_of", None)
         replaced = stands_for is None or stands_for.name not in present
-        closed = name not in scene.opened
+        closed = name not in scene.inactive_joints
         if closed and replaced and all(body.name in present for body in joint.bodies):
             chosen[name] = joint
     return chosen
@@ -118,7 +104,7 @@ def body_equations(body: Body) -> ConstraintEquations:
     """The equations between the coordinates of a body, whose reactions are not reported."""
     words, phi = zip(*body.equations, strict=True)
     statement = Statement(phi, words, None)
-    return ConstraintEquations(body.name, OWN, False, statement, statement_terms(statement))
+    return ConstraintEquations(body.name, OWN, False, statement, cs.statement_terms(statement))
 
 
 def derive(model: Model, scene: Scene) -> Equations:
@@ -128,7 +114,7 @@ def derive(model: Model, scene: Scene) -> Equations:
     drivers = {name: model.drivers[name] for name in scene.drivers}
     constraints = tuple(body_equations(body) for body in bodies if body.equations)
     constraints += tuple(
-        ConstraintEquations(e.name, e.kind, e.name in drivers, *constraint_terms(e))
+        ConstraintEquations(e.name, e.kind, e.name in drivers, *cs.constraint_terms(e))
         for e in (*joints.values(), *drivers.values())
     )
     coordinates = (
@@ -142,7 +128,7 @@ def derive(model: Model, scene: Scene) -> Equations:
         if dynamic or effect.kind == TRACKED
     )
     named = tuple((e.name, e.terms) for e in effects)
-    surfaces = switches(named)
+    surfaces = sf.switches(named)
     overrides = dict(scene.parameters)
     mass, force = inertia(bodies, coordinates) if dynamic else ((), ())
     used = _symbols((mass, force), constraints, effects)
@@ -165,9 +151,9 @@ def derive(model: Model, scene: Scene) -> Equations:
         constraints=constraints,
         effects=effects,
         switches=surfaces,
-        sides=held_sides(named, surfaces),
-        stiction=stiction(named, surfaces) if scene.analysis == "dynamics" else (),
-        contacts=rigid_contacts(named, surfaces),
+        sides=sf.side_values(named, surfaces),
+        stiction=sf.stiction(named, surfaces) if scene.analysis == "dynamics" else (),
+        contacts=sf.rigid_contacts(named, surfaces),
         left_out=tuple((e.name, e.kind) for e in everything if e.name not in taking_part),
         unused=tuple(name for name in model.parameters if name not in used),
     )
@@ -196,4 +182,4 @@ def _symbols(
 
 def derivations() -> int:
     """Statements, potentials, forces and switching functions that SymPy has worked on so far."""
-    return derived_statements() + derived_effects() + rate.cache_info().misses
+    return cs.derived_statements() + derived_effects() + sf.rate.cache_info().misses

@@ -29,14 +29,8 @@ Facts = tuple[sympy.Expr, ...]
 """Expressions that are not negative where the value of another is used."""
 
 
-def continued(expression: sympy.Expr) -> sympy.Expr:
-    """The same function, its powers continued past the switches at which their base is zero.
-
-    Parameters
-    ----------
-    expression
-        With its kinks as pieces.
-    """
+def continue_powers(expression: sympy.Expr) -> sympy.Expr:
+    """A function in pieces, its powers continued past the switches at which their base is zero."""
     if not expression.has(sympy.Piecewise):
         return expression
     return _continue(expression, Facts())

@@ -42,7 +42,7 @@ class Switch:
 
 
 @dataclass(frozen=True)
-class HeldSide:
+class SideValue:
     """The number `symbol` is `above` in mode 1 of a switch and `below` in mode 0."""
 
     symbol: Side
@@ -53,12 +53,10 @@ class HeldSide:
 
 @dataclass(frozen=True)
 class RigidContact:
-    """A rigid contact in a scene.
+    """A rigid contact in a scene, by its name and the number of its switch.
 
     Attributes
     ----------
-    effect, switch
-        Its name, and the number of its switch.
     moving
         Whether the gap depends on the time, so that the contact does work.
     acceleration
@@ -114,7 +112,7 @@ def ratio(hold: Sticking) -> sympy.Expr | None:
     return None if hold.static is None else hold.static / hold.kinetic
 
 
-def held_sides(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[HeldSide, ...]:
+def side_values(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[SideValue, ...]:
     """The sides of the effects that hold, in their order."""
     sides = []
     for name, terms in effects:
@@ -122,13 +120,13 @@ def held_sides(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[Hel
             number = next(
                 k for k, s in enumerate(among) if s.kind == "contact" and s.effect == name
             )
-            sides.append(HeldSide(side(name), number, 0, 1))
+            sides.append(SideValue(side(name), number, 0, 1))
         elif isinstance(terms.hold, Sticking):
             others = [s for s in among if s.kind != "contact"]
             same = _same(terms.hold.slip, others)
             assert same is not None
             one = -1 if same[1] else 1
-            sides.append(HeldSide(side(name), among.index(others[same[0]]), one, -one))
+            sides.append(SideValue(side(name), among.index(others[same[0]]), one, -one))
     return tuple(sides)
 
 
@@ -140,7 +138,7 @@ def stiction(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[tuple
     """
     effects = tuple(effects)
     others = [s for s in among if s.kind != "contact"]
-    switching = [s.switch for s in held_sides(effects, among)]
+    switching = [s.switch for s in side_values(effects, among)]
     for _, terms in effects:
         functions = (switching_function(c) for c in conditions(_expressions(terms)))
         same = (_same(g, others) for g in functions)

@@ -13,7 +13,7 @@ from functools import cache
 from inspect import cleandoc
 from typing import Any, Literal, TypeVar, dataclass_transform, overload
 
-from codegen.declare.element import Constraint
+from codegen.declare.element import Constraint, Effect
 from codegen.errors import ModelError
 
 Role = Literal["joint", "driver", "force"]
@@ -24,21 +24,13 @@ WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ -]*")
 SHARED = ("name", "bodies", "problems")
 CONSTRAINT = (*SHARED, "statement")
 EFFECT = (*SHARED, "potential", "forces")
+ACTIONS = ("potential", "forces", "pulls", "friction", "reported")
+"""One of these an effect answers itself; the others it may inherit."""
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A registered class of elements.
-
-    Attributes
-    ----------
-    name
-        Its `kind`, a few words.
-    role
-        Joints and drivers bring equations Φ, forces a potential V or generalized forces Q.
-    element
-        The class.
-    """
+    """A registered class of elements, `name` being its `kind`."""
 
     name: str
     role: Role
@@ -101,7 +93,7 @@ def element(
         problems = _problems(cls)
         if problems:
             raise ModelError(problems)
-        if not any("__init__" in vars(c) for c in cls.__mro__[:-1] if not _is_protocol(c)):
+        if not any("__init__" in vars(c) for c in _own_classes(cls)):
             cls = dataclass(frozen=True, eq=False)(cls)
         role: Role = "driver" if driver else "joint" if hasattr(cls, "statement") else "force"
         _KINDS[cls.kind] = Kind(cls.kind, role, cls)
@@ -121,7 +113,7 @@ def kinds_of_elements() -> dict[str, Kind]:
 
 
 def role(kind: str) -> Role | None:
-    """What elements of a registered kind are."""
+    """The role of a registered kind; None for one that is not."""
     return _KINDS[kind].role if kind in _KINDS else None
 
 
@@ -133,8 +125,9 @@ def _load() -> None:
         importlib.import_module(info.name)
 
 
-def _is_protocol(cls: type[Any]) -> bool:
-    return bool(getattr(cls, "_is_protocol", False))
+def _own_classes(cls: type[Any]) -> list[type[Any]]:
+    """The class and its bases, without `object` and the protocols."""
+    return [c for c in cls.__mro__[:-1] if not getattr(c, "_is_protocol", False)]
 
 
 def _of_library(cls: type[Any]) -> bool:
@@ -148,10 +141,13 @@ def _problems(cls: type[Any]) -> list[str]:
     problems = []
     if not (cls.__doc__ or "").strip() or str(cls.__doc__).startswith(f"{cls.__name__}("):
         problems.append(f"{where} has no docstring; say in one sentence what it holds or exerts.")
-    declared = {*dir(cls)}.union(*(vars(c).get("__annotations__", ()) for c in cls.__mro__))
-    required = CONSTRAINT if "statement" in declared else EFFECT
-    if getattr(cls, "statement", None) is Constraint.statement:
-        declared.remove("statement")
+    own = _own_classes(cls)
+    declared = {word for c in own for word in (*vars(c), *vars(c).get("__annotations__", ()))}
+    if Constraint in cls.__mro__ or Effect in cls.__mro__:
+        declared |= {"bodies", "problems"}
+    if Effect in cls.__mro__ and declared & {*ACTIONS}:
+        declared |= {"potential", "forces"}
+    required = CONSTRAINT if "statement" in declared or Constraint in cls.__mro__ else EFFECT
     if missing := [word for word in required if word not in declared]:
         problems.append(
             f"{where} lacks {', '.join(missing)}; a joint or driver answers "

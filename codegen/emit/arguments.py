@@ -38,10 +38,7 @@ class Arguments:
     ) -> "Arguments":
         """Those of a scene, or of its equations in the coordinates `kept`.
 
-        Parameters
-        ----------
-        more
-            Entries of ``p`` behind the parameters that are no constants.
+        In ``p`` `more` entries that are no constants stand behind the parameters.
         """
         n = len(description.coordinates if kept is None else kept)
         sizes = dict.fromkeys(PER_COORDINATE, n)

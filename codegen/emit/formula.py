@@ -1,6 +1,8 @@
-"""A value written out as one formula, for people."""
+"""Values written out as formulas, for people: expressions, and the origins of folded numbers."""
 
-from codegen.lower.program import Input, Lookup, Op, Program
+from collections.abc import Iterator
+
+from codegen.lower.program import Folded, Input, Lookup, Op, Program
 
 SIGNS = {Op.ADD: "+", Op.SUB: "-", Op.MUL: "*", Op.DIV: "/"}
 LEVEL = {Op.ADD: 1, Op.SUB: 1, Op.NEG: 1, Op.MUL: 2, Op.DIV: 2}
@@ -27,3 +29,40 @@ def formula(program: Program, number: int) -> str:
 def _inside(program: Program, number: int, level: int) -> str:
     text = formula(program, number)
     return f"({text})" if LEVEL.get(program.values[number].op, 3) < level else text
+
+
+def folded_numbers(program: Program) -> Iterator[str]:
+    """A comment with a line a number, in the order of size; nothing where none was computed."""
+    origins = {
+        value.literal: value.origin
+        for value in program.values
+        if value.op is Op.CONST and value.origin is not None
+    }
+    needed = {
+        abs(program.values[number].literal)  # type: ignore[arg-type]
+        for kernel in program.kernels
+        for number in program.reachable(kernel)
+        if program.values[number].op is Op.CONST
+    }
+    folded: dict[float, Folded] = {}
+    while needed:
+        number = needed.pop()
+        if number in origins and number not in folded:
+            folded[number] = origins[number]
+            needed |= {abs(other) for other in origins[number].numbers}
+    folded.pop(0.0, None)
+    if folded:
+        yield "# Folded numbers"
+    for number, origin in sorted(folded.items()):
+        yield f"#     {number!r} = {_origin(origin)}{f' ({origin.note})' if origin.note else ''}"
+
+
+def _origin(origin: Folded) -> str:
+    """How a positive number came about, signs worked into it."""
+    if origin.sign in ("+", "-"):
+        x, y = origin.numbers[0], float(f"{origin.sign}1") * origin.numbers[1]
+        first, second = (x, y) if abs(x) >= abs(y) else (y, x)
+        return f"{abs(first)!r} {'+' if first * second > 0 else '-'} {abs(second)!r}"
+    if origin.sign in ("*", "/"):
+        return f" {origin.sign} ".join(repr(abs(number)) for number in origin.numbers)
+    return f"{origin.sign}({', '.join(map(repr, origin.numbers))})"

@@ -5,7 +5,15 @@ from collections.abc import Iterator
 
 from codegen.emit.arguments import Arguments
 from codegen.emit.formula import formula
-from codegen.emit.line_wrapping import PAGE, comments, fitted, note_of, quantity, tail
+from codegen.emit.line_wrapping import (
+    PAGE,
+    assigned_text,
+    comments,
+    note_of,
+    quantity,
+    wrap_pieces,
+    wrap_statement,
+)
 from codegen.emit.placement import Path, Placement, place
 from codegen.emit.sincos import NAME as SIN_COS
 from codegen.emit.table_lookup import lookups
@@ -23,27 +31,11 @@ BINARY = {
     Op.AND: ("and", BOTH, 0),
     Op.OR: ("or", EITHER, 0),
 }
-RESERVED = {
-    *("t", "q", "v", "p", "w", "a", "g", "dq", "dv", "nu", "phi", "lam", "out", "rate", "gamma"),
-    *(
-        "low",
-        "high",
-        "Q",
-        "modes",
-        "values",
-        "math",
-        "numba",
-        "and",
-        "or",
-        "not",
-        "if",
-        "else",
-        "return",
-        "in",
-    ),
-    *("is", "for", "def", "pass", "del", "as", "WEAK_PIVOT", "OPTIONS", SIN_COS),
-    *dir(builtins),
-}
+ARGUMENTS = "t q v p w a g dq dv nu phi lam out rate gamma low high Q modes values"
+WORDS = "math numba and or not if else return in is for def pass del as WEAK_PIVOT OPTIONS"
+RESERVED = {*f"{ARGUMENTS} {WORDS} {SIN_COS}".split(), *dir(builtins)}
+"""Names that no value may take: those of any kernel's arguments, of the language and the module."""
+
 TITLES = {
     "factorization": "Factorization of M, Φ_q",
     "correction": "Factorization of Φ_q W Φ_qᵀ",
@@ -56,26 +48,14 @@ SHORT = {"factorization": "f", "correction": "c", "reduction": "r", "masses": "m
 
 
 class KernelText:
-    """Writes one kernel.
-
-    Parameters
-    ----------
-    program, kernel
-        What to write.
-    arguments
-        Shapes and units of what it takes.
-    """
+    """Writes one kernel, with the shapes and units of its arguments."""
 
     def __init__(self, program: Program, kernel: Kernel, arguments: Arguments) -> None:
-        self.arguments = arguments
-        self.program, self.kernel = program, kernel
+        self.program, self.kernel, self.arguments = program, kernel, arguments
         self.plan: Placement = place(program, kernel)
-        slots = (
-            {}
-            if kernel.name == "constants"
-            else {number: arguments.declared + k for k, number in enumerate(program.constants)}
-        )
-        self.constants: dict[int, int] = {n: slots[n] for n in self.plan.numbers if n in slots}
+        hoisted = program.hoisted(kernel)
+        slots = {number: arguments.declared + k for k, number in enumerate(program.constants)}
+        self.constants: dict[int, int] = {n: slots[n] for n in self.plan.numbers if n in hoisted}
         self.names: dict[int, str] = {}
         self._lookups = lookups(program)
         self._taken: set[str] = {*RESERVED, *kernel.arguments, *self._lookups.values()}
@@ -104,18 +84,18 @@ class KernelText:
         for number in self.plan.numbers:
             literal = self.program.values[number].literal
             if number in self.constants:
-                name = self.names[number] = self._free(f"p_{self.constants[number]}")
+                name = self.names[number] = self._unused(f"p_{self.constants[number]}")
                 meaning = formula(self.program, number)
                 note = f"  # {meaning}" if len(meaning) <= NOTE_WIDTH else ""
                 yield f"    {name} = p[{self.constants[number]}]{note}"
             elif isinstance(literal, Input):
                 wanted = "t" if literal.array == "t" else literal.name
-                self.names[number] = name = "t" if wanted == "t" else self._free(wanted)
+                self.names[number] = name = "t" if wanted == "t" else self._unused(wanted)
                 if literal.array != "t":
                     yield f"    {name} = {literal.array}[{literal.slot}]"
             elif self.program.values[number].op is Op.MODE:
                 # Read before the first branch: numba counts references to an array behind one.
-                self.names[number] = name = self._free(f"mode_{literal}")
+                self.names[number] = name = self._unused(f"mode_{literal}")
                 yield f"    {name} = modes[{literal}]"
 
     def _angles(self) -> Iterator[str]:
@@ -143,7 +123,7 @@ class KernelText:
         else:
             text = self._expression(number)
             self.names[number] = self._name(number)
-            yield from fitted(f"{indent}{self.names[number]} = ", text)
+            yield from wrap_statement(f"{indent}{self.names[number]} = ", text)
 
     def _block(self, path: Path, depth: int) -> Iterator[str]:
         serves = None
@@ -179,11 +159,7 @@ class KernelText:
         for one in both:
             self.names[one] = self._name(one)
         sine, cosine = (self.names[one] for one in both)
-        head = f"{indent}{sine}, {cosine} = {SIN_COS}("
-        if len(head) + len(angle) < PAGE:
-            yield f"{head}{angle})"
-        else:
-            yield from (head, f"{indent}    {angle}", f"{indent})")
+        yield from wrap_pieces(f"{indent}{sine}, {cosine} = {SIN_COS}(", [angle], ")")
 
     def _is_cosine(self, number: int) -> bool:
         return self.program.values[number].op is Op.COS
@@ -198,14 +174,22 @@ class KernelText:
             for side, branch in ((True, value.args[1]), (False, value.args[2]))
         )
         if not yes_before and not no_before and len(yes) == len(no) == 1:
-            first = f"({tail(yes)})" if self._goes_on(value.args[1]) else tail(yes)
-            short = f"{indent}{name} = {first} if {test} else {tail(no)}"
+            first = (
+                f"({assigned_text(yes)})"
+                if self._is_nested_choice(value.args[1])
+                else assigned_text(yes)
+            )
+            short = f"{indent}{name} = {first} if {test} else {assigned_text(no)}"
             if len(short) <= PAGE:
                 yield short
                 return
         yield f"{indent}if {test}:"
         yield from (*yes_before, *yes)
-        if self._goes_on(value.args[2]) and not no_before and no[0].strip().startswith("if "):
+        if (
+            self._is_nested_choice(value.args[2])
+            and not no_before
+            and no[0].strip().startswith("if ")
+        ):
             yield f"{indent}el{no[0].strip()}"
             yield from (line.removeprefix("    ") for line in no[1:])
         else:
@@ -215,12 +199,12 @@ class KernelText:
     def _side(self, number: int, path: Path, name: str, depth: int) -> tuple[list[str], list[str]]:
         """One side of a choice: the lines that it needs first, and those that set `name`."""
         before = list(self._block(path, depth))
-        if self._goes_on(number):
+        if self._is_nested_choice(number):
             return before, list(self._choice(number, name, depth))
         text = self._text(number, NOTHING)
-        return before, list(fitted(f"{'    ' * depth}{name} = ", text))
+        return before, list(wrap_statement(f"{'    ' * depth}{name} = ", text))
 
-    def _goes_on(self, number: int) -> bool:
+    def _is_nested_choice(self, number: int) -> bool:
         """Whether a side of a choice is a further choice, with the same name to set."""
         return self.program.values[number].op is Op.SELECT and number in self.plan.inlined
 
@@ -230,10 +214,10 @@ class KernelText:
             yield "    # Outputs"
         for out in stores:
             text = self._text(out.value, NOTHING)
-            yield from fitted(f"    {out.array}[{out.slot}] = ", text, note_of(out))
+            yield from wrap_statement(f"    {out.array}[{out.slot}] = ", text, note_of(out))
         for out in self.kernel.outputs:
             if out.array == "return":
-                yield from fitted("    return ", self._text(out.value, NOTHING))
+                yield from wrap_statement("    return ", self._text(out.value, NOTHING))
 
     def _watch(self) -> Iterator[str]:
         if not self.kernel.watched:
@@ -265,7 +249,7 @@ class KernelText:
                 ("not ", NEGATION, NEGATION) if value.op is Op.NOT else ("-", SUM, SIGN)
             )
             text = f"{word}{self._text(value.args[0], inner)}"
-        elif value.op is Op.HELD:
+        elif value.op is Op.SLIDING:
             text, level = f"{self._text(value.args[0], SIGN)} == 2", NEGATION
         elif value.op in BINARY:
             sign, level, tighter = BINARY[value.op]
@@ -290,22 +274,22 @@ class KernelText:
     def _name(self, number: int) -> str:
         value = self.program.values[number]
         if number in self.plan.names:
-            return self._counted(self.plan.names[number])
+            return self._numbered(self.plan.names[number])
         if value.op in (Op.SIN, Op.COS) and value.args[0] in self.names:
-            return self._free(f"{value.op.value}_{self.names[value.args[0]]}")
+            return self._unused(f"{value.op.value}_{self.names[value.args[0]]}")
         stem = SHORT.get(value.serves, value.serves)
         while True:
             self._counts[stem] = self._counts.get(stem, 0) + 1
             name = f"{stem}_{self._counts[stem]}"
             if name not in self._taken:
-                return self._free(name)
+                return self._unused(name)
 
-    def _counted(self, name: str) -> str:
+    def _numbered(self, name: str) -> str:
         """The name, or with a number behind it: an entry that changes again."""
         count = self._counts[name] = self._counts.get(name, 0) + 1
-        return self._free(name if count == 1 else f"{name}_{count}")
+        return self._unused(name if count == 1 else f"{name}_{count}")
 
-    def _free(self, name: str) -> str:
+    def _unused(self, name: str) -> str:
         while name in self._taken:
             name += "_"
         self._taken.add(name)

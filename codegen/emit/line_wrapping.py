@@ -1,6 +1,8 @@
-"""How the lines of a generated function fit the page."""
+"""How the lines of a generated module fit the page: statements, comments, Python literals."""
 
-from collections.abc import Iterator, Sequence
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 from codegen.lower.program import Output
 
@@ -14,12 +16,12 @@ def quantity(count: int, noun: str) -> str:
     return " ".join([str(count), first if count == 1 else f"{first}s", *rest])
 
 
-def tail(lines: list[str]) -> str:
+def assigned_text(lines: list[str]) -> str:
     """What the last of the lines sets its name to."""
     return lines[-1].partition(" = ")[2]
 
 
-def fitted(head: str, text: str, note: str = "") -> Iterator[str]:
+def wrap_statement(head: str, text: str, note: str = "") -> Iterator[str]:
     """A statement on one line; where the page is too narrow, its note above, brackets around."""
     indent = head[: len(head) - len(head.lstrip())]
     if len(head) + len(text) + len(note) > PAGE and note:
@@ -50,8 +52,8 @@ def note_of(out: Output) -> str:
     return f"  # {out.note}" if out.note else ""
 
 
-def filled(head: str, pieces: Sequence[str], end: str) -> Iterator[str]:
-    """Pieces between `head` and `end` on one line; else on lines of their own, each filled."""
+def wrap_pieces(head: str, pieces: Sequence[str], end: str) -> Iterator[str]:
+    """Pieces between `head` and `end` on one line; else on lines of their own, each wrap_pieces."""
     line = f"{head}{' '.join(pieces)}{end}"
     if len(line) <= PAGE:
         yield line
@@ -70,3 +72,43 @@ def filled(head: str, pieces: Sequence[str], end: str) -> Iterator[str]:
 def items(text: str) -> list[str]:
     """The items of a list, each with the comma behind it."""
     return text.replace(", ", ",\n").split("\n")
+
+
+# -- literals laid out as a formatter would ----------------------------------------------------
+
+
+def assignment(name: str, value: Any) -> list[str]:
+    """``NAME = literal``, on one line if it fits, else one element a line."""
+    line = f"{name} = {literal(value)}"
+    if len(line) <= PAGE:
+        return [line]
+    if all(isinstance(item, int) for item in value):
+        return [f"{name} = (", "    # fmt: off", *_rows(value), "    # fmt: on", ")"]
+    return [f"{name} = (", *(line for item in value for line in _row(item)), ")"]
+
+
+def literal(value: Any) -> str:
+    """A number, text, or tuple of them."""
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, Sequence):
+        inside = ", ".join(literal(item) for item in value)
+        return f"({inside},)" if len(value) == 1 else f"({inside})"
+    return repr(value)
+
+
+def _row(item: Any) -> list[str]:
+    line = f"    {literal(item)},"
+    if len(line) <= PAGE or isinstance(item, str):
+        return [line]
+    return ["    (", *(f"        {literal(part)}," for part in item), "    ),"]
+
+
+def _rows(numbers: Iterable[int]) -> list[str]:
+    rows, line = [], "   "
+    for number in numbers:
+        if len(line) + len(str(number)) + 2 > PAGE:
+            rows.append(line)
+            line = "   "
+        line += f" {number},"
+    return [*rows, line]

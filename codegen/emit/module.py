@@ -1,19 +1,18 @@
 """A lowered scene → the text of its generated module."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 from codegen.artefact import MARK, UNSIGNED, signed
 from codegen.emit.arguments import Arguments
-from codegen.emit.folded_numbers import folded_numbers
-from codegen.emit.formula import formula
+from codegen.emit.formula import folded_numbers, formula
 from codegen.emit.kernel import KernelText
-from codegen.emit.line_wrapping import quantity
-from codegen.emit.literals import assignment
+from codegen.emit.line_wrapping import assignment, quantity
 from codegen.emit.sincos import sin_cos_lines
 from codegen.emit.table_lookup import lookups, spline_lines
 from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.module_tables import Pattern
 from codegen.lower.operation_count import operations
 from codegen.lower.program import Program
 
@@ -47,10 +46,10 @@ def module_text(lowered: Lowered, origin: Origin) -> str:
     """The whole module, signed with the SHA-256 of its own text."""
     tables = _tables(lowered, origin)
     arguments = Arguments.of(lowered.description)
-    return laid_out(lowered.program, origin, _docstring(lowered), tables, arguments)
+    return assemble_module(lowered.program, origin, _docstring(lowered), tables, arguments)
 
 
-def laid_out(
+def assemble_module(
     program: Program,
     origin: Origin,
     docstring: list[str],
@@ -85,10 +84,13 @@ def laid_out(
     return signed("\n".join(lines) + "\n")
 
 
-def counted(program: Program) -> tuple[tuple[str, int], ...]:
+def operation_table(program: Program) -> tuple[tuple[str, int], ...]:
     """(kernel, operations) of each."""
     return tuple((kernel.name, operations(program, kernel)) for kernel in program.kernels)
 
+
+OPTIONAL = ("folded", "unused", "rigid", "stiction")
+"""Tables that a module leaves out where they are empty."""
 
 NAMES = (
     "Names: M_i_k, Phi_c_k, S_c_d are entries of the reduced matrix, Q_i and gamma_c right sides,",
@@ -97,30 +99,24 @@ NAMES = (
 )
 
 
+ORDERS = {
+    "substitute": "first the coordinates that one constraint determines, then the loops",
+    "mixed": "coordinates and constraints in the order of least fill",
+    "square": "first the coordinates that one constraint determines, then loop after loop",
+    "schur": "accelerations, then S = Φ_q M⁻¹ Φ_qᵀ, in the order of least fill",
+}
+
+
 def _docstring(lowered: Lowered) -> list[str]:
-    told = lowered.description
-    n, m = len(told.coordinates), len(told.constraints)
-    orders = {
-        "substitute": "first the coordinates that one constraint determines, then the loops",
-        "mixed": "coordinates and constraints in the order of least fill",
-        "square": "first the coordinates that one constraint determines, then loop after loop",
-        "schur": "accelerations, then S = Φ_q M⁻¹ Φ_qᵀ, in the order of least fill",
-    }
-    counts = ", ".join(
-        (
-            quantity(n, "coordinate"),
-            quantity(m, "constraint"),
-            quantity(max(n - m, 0), "degree of freedom"),
-        )
-    )
-    eliminated = []
-    if lowered.strategy:
-        eliminated = [f"Elimination: {orders[lowered.strategy]}.", *NAMES]
+    description = lowered.description
+    n, m = len(description.coordinates), len(description.constraints)
+    freedom = quantity(max(n - m, 0), "degree of freedom")
+    elimination = [f"Elimination: {ORDERS[lowered.strategy]}.", *NAMES] if lowered.strategy else []
     return [
-        f'"""Machine {told.model}, scene {told.scene}: {told.analysis}.',
+        f'"""Machine {description.model}, scene {description.scene}: {description.analysis}.',
         "",
-        f"{counts}.",
-        *eliminated,
+        f"{quantity(n, 'coordinate')}, {quantity(m, 'constraint')}, {freedom}.",
+        *elimination,
         "SI units. t is the time; q, v, a are coordinates, velocities and accelerations as in",
         "COORDINATES, lam the multipliers of CONSTRAINTS, p PARAMETERS followed by CONSTANTS,",
         "modes the mode of each of SWITCHES: off (0), on (1) or sliding on g = 0 (2).",
@@ -129,37 +125,23 @@ def _docstring(lowered: Lowered) -> list[str]:
 
 
 def _tables(lowered: Lowered, origin: Origin) -> dict[str, Any]:
-    program, told = lowered.program, lowered.description
-    whole = len(told.recovered) == len(told.constraints)
-    return {
-        "GENERATOR": origin.generator,
-        "MODEL": told.model,
-        "SCENE": told.scene,
-        "FORMULATION": "cartesian",
-        "ANALYSIS": told.analysis,
-        "SOURCES": origin.sources,
-        "DECLARATION_SHA256": origin.declaration,
-        "BODIES": told.bodies,
-        "COORDINATES": told.coordinates,
-        "CONSTRAINTS": told.constraints,
-        "PARAMETERS": told.parameters,
-        **({"FOLDED": told.folded} if told.folded else {}),
-        "CONSTANTS": tuple(formula(program, number) for number in program.constants),
-        "EFFECTS": told.effects,
-        "LEFT_OUT": told.left_out,
-        **({"UNUSED": told.unused} if told.unused else {}),
-        **({} if told.outputs is None else {"OUTPUTS": told.outputs}),
-        **({} if whole else {"RECOVERED": told.recovered}),
-        "DRIVERS": told.drivers,
-        "SWITCHES": told.switches,
-        **({"RIGID": told.rigid} if told.rigid else {}),
-        **({"STICTION": told.stiction} if told.stiction else {}),
-        "REACTIONS": told.reactions,
-        "POWERS": told.powers,
-        "START": told.start,
-        "JACOBIAN_ROWS": told.jacobian.rows,
-        "JACOBIAN_COLUMNS": told.jacobian.columns,
-        "MASS_ROWS": told.mass.rows,
-        "MASS_COLUMNS": told.mass.columns,
-        "OPERATIONS": counted(program),
-    }
+    """The fields of the description in capitals, and the provenance, kinds and counts."""
+    program, description = lowered.program, lowered.description
+    tables: dict[str, Any] = {"GENERATOR": origin.generator}
+    for field in fields(description):
+        name, value = field.name, getattr(description, field.name)
+        if isinstance(value, Pattern):
+            tables |= value.tables(name.upper())
+        elif value is not None and (value or name not in OPTIONAL):
+            tables[name.upper()] = value
+        match name:
+            case "scene":
+                tables["FORMULATION"] = "cartesian"
+            case "analysis":
+                tables |= {"SOURCES": origin.sources, "DECLARATION_SHA256": origin.declaration}
+            case "folded":
+                constants = tuple(formula(program, number) for number in program.constants)
+                tables["CONSTANTS"] = constants
+    if len(description.recovered) == len(description.constraints):
+        del tables["RECOVERED"]
+    return {**tables, "OPERATIONS": operation_table(program)}

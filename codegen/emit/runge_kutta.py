@@ -6,7 +6,7 @@ loop over the 2 n entries of the state.
 
 from collections.abc import Iterator, Sequence
 
-from codegen.emit.line_wrapping import filled, items
+from codegen.emit.line_wrapping import items, wrap_pieces
 from codegen.tableaus.tableau import Stage, Tableau, Weights
 
 COMMAND = "python -m codegen methods"
@@ -62,7 +62,7 @@ def _step_control(tableau: Tableau) -> Iterator[str]:
         return
     powers = ", ".join(repr(float(x)) for x in reversed(tableau.stability_function))
     yield from ("", f"EDGE = {tableau.stability_edge!r}  # accuracy: as the tableau says")
-    yield from filled("POWERS = np.array([", items(powers), "])")
+    yield from wrap_pieces("POWERS = np.array([", items(powers), "])")
 
 
 def _stages(tableau: Tableau) -> Iterator[str]:
@@ -72,14 +72,14 @@ def _stages(tableau: Tableau) -> Iterator[str]:
     for number, stage in enumerate(tableau.stages, 2):
         yield from _stage(number, stage)
     yield "    for j in range(length):"
-    yield from filled("        y1[j] = y0[j] + h * (", _terms(tableau.b), ")")
+    yield from wrap_pieces("        y1[j] = y0[j] + h * (", _terms(tableau.b), ")")
     yield "    return taken"
 
 
 def _stage(number: int, stage: Stage) -> Iterator[str]:
     """State and derivative of a stage."""
     yield "    for j in range(length):"
-    yield from filled("        z[j] = y0[j] + h * (", _terms(stage.a), ")")
+    yield from wrap_pieces("        z[j] = y0[j] + h * (", _terms(stage.a), ")")
     instant = "t + h" if stage.c == 1 else f"t + {float(stage.c)!r} * h"
     called = f"evaluate_rhs(context, {instant}, ws.STAGE, {_row(number)})"
     yield f"    taken += {called}"
@@ -92,7 +92,7 @@ def _error(tableau: Tableau) -> Iterator[str]:
     scale = "atol[j] + rtol * max(abs(y0[j]), abs(y1[j]))"
     if not tableau.lower:
         yield from ("    total = 0.0", "    for j in range(length):")
-        yield from filled("        estimate = h * (", _terms(tableau.error), ")")
+        yield from wrap_pieces("        estimate = h * (", _terms(tableau.error), ")")
         yield f"        ratio = estimate / ({scale})"
         yield "        total += ratio * ratio"
         if tableau.stability_edge is not None:
@@ -103,9 +103,9 @@ def _error(tableau: Tableau) -> Iterator[str]:
     second = [*_terms(tableau.b), *_terms(tuple(-x for x in tableau.lower), first=False)]
     yield from ("    high, low = 0.0, 0.0", "    for j in range(length):")
     yield f"        tolerance = {scale}"
-    yield from filled("        ratio = (", _terms(tableau.error), ") / tolerance")
+    yield from wrap_pieces("        ratio = (", _terms(tableau.error), ") / tolerance")
     yield "        high += ratio * ratio"
-    yield from filled("        ratio = (", second, ") / tolerance")
+    yield from wrap_pieces("        ratio = (", second, ") / tolerance")
     yield "        low += ratio * ratio"
     yield "    both = high + 0.01 * low"
     yield "    if both == 0.0:  # also where a ratio is too small to be squared"
@@ -131,7 +131,7 @@ def _dense(tableau: Tableau) -> Iterator[str]:
     if tableau.dense:
         yield "    for j in range(length):"
     for k, weights in enumerate(tableau.dense, HERMITE):
-        yield from filled(f"        f{k}[j] = h * (", _terms(weights), ")")
+        yield from wrap_pieces(f"        f{k}[j] = h * (", _terms(weights), ")")
     yield "    return taken" if tableau.further else "    return 0"
 
 
@@ -149,7 +149,7 @@ def _record(tableau: Tableau) -> Iterator[str]:
     yield f"    last={tableau.last},"
     yield f"    dense_rows={HERMITE + len(tableau.dense)},"
     yield f"    dense_calls={len(tableau.further)},"
-    yield from filled("    nodes=(", items(nodes), "),")
+    yield from wrap_pieces("    nodes=(", items(nodes), "),")
     for name in ("beta", "safety", "shrink", "grow"):
         yield f"    {name}={getattr(tableau, name)!r},"
     for name in FUNCTIONS:
@@ -168,7 +168,7 @@ def _record(tableau: Tableau) -> Iterator[str]:
 def _head(name: str, summary: str) -> Iterator[str]:
     kind, arguments, result = FUNCTIONS[name]
     yield from ("", "", f"@addressed(ft.{kind})")
-    yield from filled(f"def {name}(", items(arguments), f") -> {result}:")
+    yield from wrap_pieces(f"def {name}(", items(arguments), f") -> {result}:")
     yield f'    """{summary}"""'
 
 

@@ -14,7 +14,7 @@ LONGEST = 36
 """Characters of a name; values with longer ones are numbered."""
 
 
-def labelled(program: Program, kernel: Kernel, numbers: tuple[int, ...]) -> dict[int, str]:
+def names_of_solution(program: Program, kernel: Kernel, numbers: tuple[int, ...]) -> dict[int, str]:
     """Value → its name, among the `numbers` that a kernel needs and that bear no element's name."""
     names: dict[int, str] = {}
     mine = {number for number in numbers if _has_label(program, number)}
@@ -34,8 +34,8 @@ def _has_label(program: Program, number: int) -> bool:
     return not named and value.serves in BESIDE_ELEMENTS
 
 
-def in_steps(
-    program: Program, kernel: Kernel, hoisted: set[int]
+def order_by_steps(
+    program: Program, kernel: Kernel, hoisted: frozenset[int]
 ) -> tuple[tuple[int, ...], dict[int, int]]:
     """The values that a kernel needs, step by step, and the step of each value of a solution.
 

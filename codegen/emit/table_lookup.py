@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from codegen.cubic_spline import MARGIN, Table
-from codegen.emit.literals import assignment
+from codegen.emit.line_wrapping import assignment
 from codegen.lower.program import Lookup, Program
 
 POLYNOMIALS = (
@@ -21,10 +21,9 @@ def lookups(program: Program) -> dict[Lookup, str]:
     something else in the module.
     """
     found = {v.literal for v in program.values if isinstance(v.literal, Lookup)}
-    wanted = sorted(found, key=lambda look: (look.table.name, look.table.digest, look.order))
     numbers: dict[Table, int] = {}
     names = {}
-    for look in wanted:
+    for look in sorted(found, key=lambda x: (x.table.name, x.table.digest, x.order)):
         number = numbers.setdefault(look.table, len(numbers))
         names[look] = f"table_{number}" + (f"_d{look.order}" if look.order else "")
     return names

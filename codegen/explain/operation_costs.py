@@ -18,7 +18,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from codegen.derive.equations import Equations
-from codegen.derive.switching_functions import held_sides, rigid_contacts, switches
+from codegen.derive.switching_functions import rigid_contacts, side_values, switches
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.lower.operation_count import by_element, operations
 from codegen.lower.program import Kernel, Output, Program
@@ -46,7 +46,7 @@ def with_effects(equations: Equations, effects: Collection[str]) -> Equations:
         equations,
         effects=chosen,
         switches=functions,
-        sides=held_sides(named, functions),
+        sides=side_values(named, functions),
         contacts=rigid_contacts(named, functions),
     )
 

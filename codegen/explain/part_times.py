@@ -11,7 +11,7 @@ import numpy as np
 from codegen.artefact import import_generated
 from codegen.derive.equations import Equations
 from codegen.emit.arguments import Arguments
-from codegen.emit.module import Origin, laid_out
+from codegen.emit.module import Origin, assemble_module
 from codegen.errors import InputError
 from codegen.explain.kernel_timer import ROUNDS, States, Timed, times
 from codegen.explain.ledger_data import Part, RunCosts
@@ -98,7 +98,9 @@ def measure(
 
 def _compiled(equations: Equations, program: Program, path: Path) -> Timed:
     declared = parameters(equations)
-    text = laid_out(program, ORIGIN, ['"""A stage of a ledger."""'], {}, Arguments(len(declared)))
+    text = assemble_module(
+        program, ORIGIN, ['"""A stage of a ledger."""'], {}, Arguments(len(declared))
+    )
     path.write_text(text, encoding="utf-8")
     module = import_generated(path)
     p = np.array([*declared, *[0.0] * len(program.constants)])

@@ -9,9 +9,8 @@ from pathlib import Path
 
 from codegen.artefact import companion_path
 from codegen.derive.equations import Equations
+from codegen.emit.companion_modules import reduced_text, tangents_text
 from codegen.emit.module import Origin
-from codegen.emit.reduced_module import reduced_text
-from codegen.emit.tangent_module import tangents_text
 from codegen.errors import SceneError
 from codegen.generated_files.generated_file import Clock, File
 from codegen.lower.differentiation.tangent import tangent_program

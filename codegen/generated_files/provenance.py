@@ -53,7 +53,7 @@ def origin(
     named = [(_relative(source, base), digest) for source, digest in file.sources]
     options = "".join(f" --set {name}={value!r}" for name, value in sorted(settings.items())) + more
     varied = equations.scene.root is not None  # by without() or with_(): not declared in a file
-    scene = equations.scene.spelled if varied else f"'{equations.scene.name}'"
+    scene = equations.scene.expression if varied else f"'{equations.scene.name}'"
     command = f"build({file.model.name}, scene={scene})"
     if named and not varied:
         command = f"python -m codegen build {named[0][0]} --scene {equations.scene.name}{options}"
@@ -67,7 +67,7 @@ def _relative(source: Path, base: Path) -> str:
 
 _HASHED: dict[type, tuple[str, ...]] = {
     Scene: (
-        *("name", "bodies", "effects", "drivers", "opened", "fidelity", "start", "guess"),
+        *("name", "bodies", "effects", "drivers", "inactive_joints", "fidelity", "start", "guess"),
         *("parameters", "frozen", "analysis", "outputs"),
     ),
     ParameterDeclaration: ("name", "value", "unit", "sign"),
@@ -78,10 +78,12 @@ _HASHED: dict[type, tuple[str, ...]] = {
     Rigid: ("gap", "restitution", "scale"),
 }
 """The fields of each record that the fingerprint reads, in its order."""
+_LABELS = {"inactive_joints": "opened"}  # a field's name in the fingerprint, where it differs
 
 
 def _text(record: Any) -> str:
-    values = ", ".join(f"{name}={getattr(record, name)!r}" for name in _HASHED[type(record)])
+    fields = ((_LABELS.get(name, name), getattr(record, name)) for name in _HASHED[type(record)])
+    values = ", ".join(f"{label}={value!r}" for label, value in fields)
     return f"{type(record).__name__}({values})"
 
 

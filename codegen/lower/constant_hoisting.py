@@ -16,23 +16,22 @@ def with_constants(graph: Graph, kernels: tuple[Kernel, ...], declared: int) -> 
     """The program with all values of parameters alone in a separate kernel.
 
     These values stand in ``p`` behind the declared parameters and are computed once a run. Before
-    them stand the forces of what is held, which a run sets as it goes.
+    them stand the stiction forces, which a run sets as it goes.
     """
-    bare = Program(turned_about(graph, kernels), kernels, (), WEAK_PIVOT)
+    bare = Program(orient_differences(graph, kernels), kernels, (), WEAK_PIVOT)
     hoisted: dict[int, None] = {}
-    inputs: set[int] = set()
+    slots: dict[int, int] = {}
     for kernel in kernels:
-        numbers = bare.reachable(kernel)
-        inputs |= {number for number in numbers if _is_given(graph, number)}
-        needed = {out.value for out in kernel.outputs}
-        needed |= {v for check in kernel.checks for v in (check.pivot, check.reference)}
-        for number in numbers:
+        needed = set(kernel.roots)
+        for number in bare.reachable(kernel):
+            value = graph.values[number]
+            if isinstance(value.literal, Input) and value.literal.array == "stiction":
+                slots[number] = value.literal.slot
             if not graph.settled[number]:
-                needed |= set(graph.values[number].args)
-        for number in sorted(needed):
-            if graph.settled[number] and graph.values[number].args:
-                hoisted[number] = None
-    forces = tuple(sorted(inputs, key=lambda number: graph.values[number].literal.slot))  # type: ignore[union-attr]
+                needed |= set(value.args)
+        settled = (k for k in sorted(needed) if graph.settled[k] and graph.values[k].args)
+        hoisted |= dict.fromkeys(settled)
+    forces = sorted(slots, key=slots.__getitem__)
     declared += len(forces)
     first = Kernel(
         "constants",
@@ -43,7 +42,7 @@ def with_constants(graph: Graph, kernels: tuple[Kernel, ...], declared: int) -> 
     return Program(bare.values, (first, *kernels), (*forces, *hoisted), WEAK_PIVOT)
 
 
-def turned_about(graph: Graph, kernels: tuple[Kernel, ...]) -> tuple[Value, ...]:
+def orient_differences(graph: Graph, kernels: tuple[Kernel, ...]) -> tuple[Value, ...]:
     """The graph's values, signs put into differences that nothing else needs.
 
     In the graph a - b and b - a are one value and its opposite, so that what contains them is
@@ -51,18 +50,11 @@ def turned_about(graph: Graph, kernels: tuple[Kernel, ...]) -> tuple[Value, ...]
     """
     values = list(graph.values)
     everything = Program(tuple(values), kernels, (), WEAK_PIVOT)
-    reached = {number for kernel in kernels for number in everything.reachable(kernel)}
-    uses = Counter(a for number in reached for a in values[number].args)
-    for kernel in kernels:
-        uses.update(out.value for out in kernel.outputs)
-        uses.update(v for check in kernel.checks for v in (check.pivot, check.reference))
-    for number in sorted(reached):
+    reachable = {number for kernel in kernels for number in everything.reachable(kernel)}
+    uses = Counter(a for number in reachable for a in values[number].args)
+    uses.update(root for kernel in kernels for root in kernel.roots)
+    for number in sorted(reachable):
         value = values[number]
         if value.op is Op.NEG and values[value.args[0]].op is Op.SUB and uses[value.args[0]] == 1:
             values[number] = replace(value, op=Op.SUB, args=values[value.args[0]].args[::-1])
     return tuple(values)
-
-
-def _is_given(graph: Graph, number: int) -> bool:
-    literal = graph.values[number].literal
-    return isinstance(literal, Input) and literal.array == "held"

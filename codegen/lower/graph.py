@@ -1,30 +1,17 @@
 """Values built from values, folding constants and structural zeros on the way."""
 
 import math
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 
 from codegen.cubic_spline import Table
 from codegen.lower.program import Lookup, Op
 from codegen.lower.value_numbering import Numbering
 
-UNARY: dict[Op, Callable[[float], float]] = {
-    Op.SIN: math.sin,
-    Op.COS: math.cos,
-    Op.TAN: math.tan,
-    Op.ASIN: math.asin,
-    Op.ACOS: math.acos,
-    Op.ATAN: math.atan,
-    Op.SINH: math.sinh,
-    Op.COSH: math.cosh,
-    Op.TANH: math.tanh,
-    Op.EXP: math.exp,
-    Op.LOG: math.log,
-    Op.SQRT: math.sqrt,
-}
-BINARY: dict[Op, Callable[[float, float], float]] = {Op.ATAN2: math.atan2, Op.POW: math.pow}
 ODD = frozenset({Op.SIN, Op.TAN, Op.ASIN, Op.ATAN, Op.SINH, Op.TANH})
 EVEN = frozenset({Op.COS, Op.COSH})
+SUMS = {Op.ADD: 1, Op.SUB: -1, Op.NEG: -1}
+"""Operations of which sums consist → the sign of the last argument."""
 
 
 class Graph(Numbering):
@@ -33,6 +20,20 @@ class Graph(Numbering):
     Signs are carried outside: -a is represented once, and of a - b and b - a one and its opposite,
     so that entries of Φ_q that differ in sign only share their work.
     """
+
+    _cancelling = False
+
+    @contextmanager
+    def cancelling(self, on: bool = True) -> Iterator[None]:
+        """Sums that are formed inside leave out a term that they would add and take back.
+
+        Where the sum with that term is needed as well this may cost more than it saves.
+        """
+        before, self._cancelling = self._cancelling, on
+        try:
+            yield
+        finally:
+            self._cancelling = before
 
     # -- arithmetic --------------------------------------------------------------------------
 
@@ -47,66 +48,82 @@ class Graph(Numbering):
 
     def add(self, a: int, b: int) -> int:
         """a + b."""
+        return self._sum(a, b, 1)
+
+    def sub(self, a: int, b: int) -> int:
+        """a - b."""
+        return self._sum(a, b, -1)
+
+    def _sum(self, a: int, b: int, sign: int) -> int:
+        """a ± b, signs of its terms moved into the operation or outside."""
         x, y = self.number(a), self.number(b)
         if x is not None and y is not None:
-            return self.constant(x + y, "+", x, y)
-        if x == 0.0:
-            return b
+            return self.constant(x + sign * y, "+" if sign > 0 else "-", x, y)
         if y == 0.0:
             return a
-        if x is not None and x < 0.0:
-            return self.sub(b, self.constant(-x))
-        if y is not None and y < 0.0:
-            return self.sub(a, self.constant(-y))
-        if self.values[b].op is Op.NEG:
-            return self.sub(a, self.values[b].args[0])
-        if self.values[a].op is Op.NEG:
-            return self.sub(b, self.values[a].args[0])
-        if self.values[a].op is Op.SELECT:
-            merged = self._merged(self.add, a, b)
-            if merged is not None:
-                return merged
-        return self._add(Op.ADD, (a, b))
+        if x == 0.0:
+            return b if sign > 0 else self.neg(b)
+        if a == b and sign < 0:
+            return self.zero
+        if self._is_negative(b) and not (x or 0.0) < 0.0:
+            return self._sum(a, self.neg(b), -sign)
+        if self._is_negative(a):
+            opposite = self._sum(b, self.neg(a), -sign)
+            return opposite if sign > 0 else self.neg(opposite)
+        for shorter in (self._merge_choices(a, b, sign), self._cancelled(a, b, sign)):
+            if shorter is not None:
+                return shorter
+        if sign > 0:
+            return self._add(Op.ADD, (a, b))
+        known = ((Op.SUB, pair, None) in self._numbers for pair in ((a, b), (b, a)))
+        if tuple(known) == (False, True):
+            return self.neg(self._add(Op.SUB, (b, a)))
+        return self._add(Op.SUB, (a, b))
 
-    def _merged(self, combine: Callable[[int, int], int], a: int, b: int) -> int | None:
+    def _merge_choices(self, a: int, b: int, sign: int) -> int | None:
         """The sum of two choices by one condition that are zero on the same side, as one choice."""
-        if self.values[b].op is not Op.SELECT:
+        if not self.values[a].op is self.values[b].op is Op.SELECT:
             return None
         (condition, *one), (other, *two) = self.values[a].args, self.values[b].args
         for k in (0, 1):
             if condition == other and one[k] == two[k] == self.zero:
                 sides = [self.zero, self.zero]
-                sides[1 - k] = combine(one[1 - k], two[1 - k])
+                sides[1 - k] = self._sum(one[1 - k], two[1 - k], sign)
                 return self.select(condition, *sides)
         return None
 
-    def sub(self, a: int, b: int) -> int:
-        """a - b."""
-        x, y = self.number(a), self.number(b)
-        if x is not None and y is not None:
-            return self.constant(x - y, "-", x, y)
-        if y == 0.0:
-            return a
-        if x == 0.0:
-            return self.neg(b)
-        if a == b:
+    def _cancelled(self, a: int, b: int, sign: int) -> int | None:
+        """a ± b without a term that one adds and the other takes back; None where there is none."""
+        opposite = {(term, -sign * s) for term, s in self._terms(b)} if self._cancelling else set()
+        for term, s in self._terms(a) if opposite else ():
+            if (term, s) in opposite:
+                rest = self._without(a, term, s), self._without(b, term, -sign * s)
+                return self.add(*rest) if sign > 0 else self.sub(*rest)
+        return None
+
+    def _terms(self, a: int, sign: int = 1) -> Iterator[tuple[int, int]]:
+        """The terms of a sum, each with its sign."""
+        value = self.values[a]
+        if value.op not in SUMS:
+            yield a, sign
+        elif value.op is Op.NEG:
+            yield from self._terms(value.args[0], -sign)
+        else:
+            yield from self._terms(value.args[0], sign)
+            yield from self._terms(value.args[1], sign * SUMS[value.op])
+
+    def _without(self, a: int, term: int, sign: int) -> int:
+        """A sum without one of its terms."""
+        value = self.values[a]
+        if value.op is Op.NEG:
+            return self.neg(self._without(value.args[0], term, -sign))
+        if value.op not in SUMS:
             return self.zero
-        if y is not None and y < 0.0:
-            return self.add(a, self.constant(-y))
-        if x is not None and x < 0.0:
-            return self.neg(self.add(self.constant(-x), b))
-        if self.values[b].op is Op.NEG:
-            return self.add(a, self.values[b].args[0])
-        if self.values[a].op is Op.NEG:
-            return self.neg(self.add(self.values[a].args[0], b))
-        if self.values[a].op is Op.SELECT:
-            merged = self._merged(self.sub, a, b)
-            if merged is not None:
-                return merged
-        known = ((Op.SUB, pair, None) in self._numbers for pair in ((a, b), (b, a)))
-        if tuple(known) == (False, True):
-            return self.neg(self._add(Op.SUB, (b, a)))
-        return self._add(Op.SUB, (a, b))
+        x, y = value.args
+        combine = self.add if value.op is Op.ADD else self.sub
+        if (term, sign) in self._terms(x):
+            return combine(self._without(x, term, sign), y)
+        return combine(x, self._without(y, term, sign * SUMS[value.op]))
 
     def mul(self, a: int, b: int) -> int:
         """a b; a structural zero annihilates, a sign moves outside."""
@@ -114,28 +131,24 @@ class Graph(Numbering):
         if x is not None and y is not None:
             return self.constant(x * y, "*", x, y)
         if y is not None:
-            a, b, x, y = b, a, y, x
-        if x is not None:
-            if x == 0.0:
-                return self.zero
-            if x == 1.0:
-                return b
-            if x < 0.0:
-                return self.neg(self.mul(self.constant(-x), b))
-            if self.values[b].op is Op.MUL:
-                one, other = self.values[b].args
-                for inner, rest in ((one, other), (other, one)):
-                    if (z := self.number(inner)) is not None:
-                        return self.mul(self.constant(x * z, "*", x, z), rest)
+            a, b, x = b, a, y
+        if x == 0.0:
+            return self.zero
+        if x == 1.0:
+            return b
         for one, other in ((a, b), (b, a)):
-            if self.values[one].op is Op.NEG:
-                return self.neg(self.mul(self.values[one].args[0], other))
+            if self._is_negative(one):
+                return self.neg(self.mul(self.neg(one), other))
+        if x is not None and self.values[b].op is Op.MUL:
+            for inner, rest in (pair := self.values[b].args, pair[::-1]):
+                if (z := self.number(inner)) is not None:
+                    return self.mul(self.constant(x * z, "*", x, z), rest)
         for one, other in ((a, b), (b, a)):
-            if (inside := self._inside(one, other)) is not None:
+            if (inside := self._move_into_choice(one, other)) is not None:
                 return inside
         return self._add(Op.MUL, (a, b))
 
-    def _inside(self, choice: int, factor: int) -> int | None:
+    def _move_into_choice(self, choice: int, factor: int) -> int | None:
         """A product with a choice that is zero on one side, computed on the other only."""
         if self.values[choice].op is not Op.SELECT:
             return None
@@ -153,12 +166,10 @@ class Graph(Numbering):
             return self.zero
         if y is not None and y != 0.0:
             return self.mul(self.constant(1.0 / y, "/", 1.0, y), a)
-        if x is not None and x < 0.0:
-            return self.neg(self.div(self.constant(-x), b))
-        for k, value in enumerate((self.values[a], self.values[b])):
-            if value.op is Op.NEG:
-                inner = value.args[0]
-                return self.neg(self.div(inner, b) if k == 0 else self.div(a, inner))
+        if self._is_negative(a):
+            return self.neg(self.div(self.neg(a), b))
+        if self._is_negative(b):
+            return self.neg(self.div(a, self.neg(b)))
         if self.settled[b] and not self.settled[a]:
             return self.mul(self.div(self.one, b), a)
         return self._add(Op.DIV, (a, b))
@@ -187,9 +198,8 @@ class Graph(Numbering):
         """An elementary function; numbers are folded, sin(-x) = -sin(x), cos(-x) = cos(x)."""
         numbers = [n for a in args if (n := self.number(a)) is not None]
         if len(numbers) == len(args):
-            fold: Callable[..., float] = UNARY.get(op) or BINARY[op]
             with suppress(ValueError, OverflowError):  # left to the run: log(0) is -inf there
-                return self.constant(fold(*numbers), op.value, *numbers)
+                return self.constant(getattr(math, op.value)(*numbers), op.value, *numbers)
         if op in ODD | EVEN and self.values[args[0]].op is Op.NEG:
             inner = self._add(op, self.values[args[0]].args)
             return self.neg(inner) if op in ODD else inner
@@ -220,7 +230,8 @@ class Graph(Numbering):
         """Whether a b is there already."""
         return (Op.MUL, tuple(sorted((a, b))), None) in self._numbers
 
-    def _negative(self, a: int) -> bool:
+    def _is_negative(self, a: int) -> bool:
+        """Whether `a` is a negative number or has a sign outside."""
         number = self.number(a)
         return self.values[a].op is Op.NEG if number is None else number < 0.0
 
@@ -241,6 +252,6 @@ class Graph(Numbering):
             return yes
         if self.values[condition].op is Op.NOT:
             return self.select(self.values[condition].args[0], no, yes)
-        if self.zero in (yes, no) and self._negative(no if yes == self.zero else yes):
+        if self.zero in (yes, no) and self._is_negative(no if yes == self.zero else yes):
             return self.neg(self.select(condition, self.neg(yes), self.neg(no)))
         return self._add(Op.SELECT, (condition, yes, no))

@@ -1,5 +1,6 @@
 """The tables of a generated module: plain values, for the runtime and for readers."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from codegen.derive.equations import Equations
@@ -12,6 +13,15 @@ class Pattern:
 
     rows: tuple[int, ...]
     columns: tuple[int, ...]
+
+    @classmethod
+    def of(cls, entries: Mapping[tuple[int, int], int]) -> "Pattern":
+        """The pattern of (row, column) → value."""
+        return cls(tuple(i for i, _ in entries), tuple(k for _, k in entries))
+
+    def tables(self, stem: str) -> dict[str, tuple[int, ...]]:
+        """The two tables of a module."""
+        return {f"{stem}_ROWS": self.rows, f"{stem}_COLUMNS": self.columns}
 
 
 @dataclass(frozen=True)
@@ -86,16 +96,8 @@ def describe(
     reported: tuple[int, ...],
     recovered: tuple[int, ...],
 ) -> Description:
-    """The tables of a scene whose equations stand in a graph.
-
-    Parameters
-    ----------
-    powers, reported, recovered
-        What is asked for: the powers, places among the scene's reactions, and the constraints whose
-        multipliers are recovered.
-    """
+    """The tables of a scene, with its powers, its reported reactions and recovered multipliers."""
     named = equations.scene
-    rows, columns = zip(*scene.jacobian, strict=True) if scene.jacobian else ((), ())
     turned = (q for q in equations.coordinates if q.measure.neutral != 0.0)
     start = [(_dotted(q.name), q.measure.neutral, "neutral") for q in turned]
     start += [(name, value, "fixed") for name, value in named.start]
@@ -130,8 +132,8 @@ def describe(
         reactions=tuple(scene.reactions[k][:3] for k in reported),
         powers=tuple((source, kind) for source, kind, _ in powers),
         start=tuple(start),
-        jacobian=Pattern(tuple(rows), tuple(columns)),
-        mass=Pattern(*(tuple(place[side] for place in scene.mass) for side in (0, 1))),
+        jacobian=Pattern.of(scene.jacobian),
+        mass=Pattern.of(scene.mass),
     )
 
 

@@ -31,9 +31,5 @@ def cost(program: Program, kernel: Kernel) -> int:
 
 
 def _computed(program: Program, kernel: Kernel) -> list[int]:
-    hoisted = set(program.constants) if kernel.name != "constants" else set()
-    return [
-        number
-        for number in program.reachable(kernel)
-        if number not in hoisted and program.values[number].op not in LEAVES | LOGICAL
-    ]
+    computed = set(program.reachable(kernel)) - program.hoisted(kernel)
+    return sorted(k for k in computed if program.values[k].op not in LEAVES | LOGICAL)

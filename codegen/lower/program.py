@@ -5,6 +5,7 @@ one number. A *kernel* is a named list of (output slot, value). There is no cont
 ``select``, whose condition depends on modes alone, and no memory but inputs and outputs.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
@@ -39,7 +40,7 @@ class Op(Enum):
     TABLE = "table"
     LESS = "<"
     MODE = "mode"
-    HELD = "held"
+    SLIDING = "sliding"
     NOT = "not"
     AND = "and"
     OR = "or"
@@ -48,26 +49,13 @@ class Op(Enum):
 
 LEAVES = frozenset({Op.CONST, Op.INPUT, Op.MODE})
 COMMUTATIVE = frozenset({Op.ADD, Op.MUL, Op.AND, Op.OR})
-LOGICAL = frozenset({Op.MODE, Op.HELD, Op.NOT, Op.AND, Op.OR, Op.LESS})
-FUNCTIONS = frozenset(
-    {
-        Op.SIN,
-        Op.COS,
-        Op.TAN,
-        Op.ASIN,
-        Op.ACOS,
-        Op.ATAN,
-        Op.ATAN2,
-        Op.SINH,
-        Op.COSH,
-        Op.TANH,
-        Op.EXP,
-        Op.LOG,
-        Op.SQRT,
-        Op.POW,
-        Op.TABLE,
-    }
+LOGICAL = frozenset({Op.MODE, Op.SLIDING, Op.NOT, Op.AND, Op.OR, Op.LESS})
+ELEMENTARY = (
+    *("sin", "cos", "tan", "asin", "acos", "atan", "atan2"),
+    *("sinh", "cosh", "tanh", "exp", "log", "sqrt", "pow"),
 )
+"""Functions that `math` knows under the names of their operations."""
+FUNCTIONS = frozenset(map(Op, (*ELEMENTARY, "table")))
 
 
 class Input(NamedTuple):
@@ -171,6 +159,12 @@ class Kernel:
     labels: tuple[Label, ...] = ()
     steps: tuple[str, ...] = ()
 
+    @property
+    def roots(self) -> list[int]:
+        """The values that are stored or checked."""
+        checked = (v for check in self.checks for v in (check.pivot, check.reference))
+        return [*(out.value for out in self.outputs), *checked]
+
 
 @dataclass(frozen=True, slots=True)
 class Program:
@@ -184,7 +178,7 @@ class Program:
         In the order of the text.
     constants
         Values that stand in ``p`` behind the declared parameters, in the order of their slots:
-        forces that a run sets while it holds something, then what depends on parameters alone.
+        stiction forces, which a run sets, then what depends on parameters alone.
     weak_pivot
         The tolerance of the checks.
     """
@@ -196,24 +190,34 @@ class Program:
 
     def reachable(self, kernel: Kernel) -> tuple[int, ...]:
         """Numbers of the values that `kernel` computes, in order; constants of p are leaves."""
-        hoisted = frozenset(self.constants) if kernel.name != "constants" else frozenset()
-        roots = [out.value for out in kernel.outputs]
-        roots += [v for check in kernel.checks for v in (check.pivot, check.reference)]
-        numbers: set[int] = set()
-        while roots:
-            number = roots.pop()
+        hoisted = self.hoisted(kernel)
+        stack, numbers = kernel.roots, set[int]()
+        while stack:
+            number = stack.pop()
             if number not in numbers:
                 numbers.add(number)
                 if number not in hoisted:
-                    roots.extend(self.values[number].args)
+                    stack.extend(self.values[number].args)
         return tuple(sorted(numbers))
+
+    def hoisted(self, kernel: Kernel) -> frozenset[int]:
+        """The values that `kernel` reads from ``p`` instead of computing them."""
+        return frozenset(self.constants if kernel.name != "constants" else ())
 
 
 STATE = ("t", "q", "v", "p")
 """The arguments that most kernels begin with."""
 
 
-def store(array: str, values: list[int], notes: list[str]) -> tuple[Output, ...]:
+def store(array: str, values: Sequence[int], notes: Sequence[str]) -> tuple[Output, ...]:
     """Outputs that fill `array` in order."""
     pairs = zip(values, notes, strict=True)
     return tuple(Output(array, k, value, note) for k, (value, note) in enumerate(pairs))
+
+
+def storing(
+    name: str, summary: str, arguments: str, values: Sequence[int], notes: Sequence[str]
+) -> Kernel:
+    """The kernel that stores `values` in the last of its arguments, which stand in one string."""
+    names = tuple(arguments.split())
+    return Kernel(name, summary, names, store(names[-1], values, notes))

@@ -14,19 +14,17 @@ from codegen.lower.sympy_translation import Translator
 
 
 class Friction(NamedTuple):
-    """A force -grip · (sum of the sizes of `loads`) along `direction`.
+    """A force -coefficient · (sum of the sizes of `loads`) along `direction`.
 
     Attributes
     ----------
-    grip
-        The value that a load is multiplied by.
     direction
         Column → generalized force of a unit force.
     loads
         One a contact: a vector, each entry a sum over row → factor of the multiplier.
-    held, given
-        Whether it is at rest, and the force along `direction` that it then exerts; None where a
-        run does not seek this force.
+    is_stuck, stiction
+        Whether it sticks, and the force along `direction` that it then exerts; None where a run
+        does not determine this force.
     """
 
     coefficient: int
@@ -45,7 +43,7 @@ class SceneGraph:
         One value a constraint.
     jacobian
         (row, column) → value, structural non-zeros in order.
-    own
+    massless
         (row, column) of the constraints that determine a coordinate without mass.
     reactions
         (element, component, unit, value).
@@ -73,13 +71,14 @@ class SceneGraph:
         self.m = sum(len(c.terms.phi) for c in equations.constraints)
         self.driven = self.m == self.n > 0 and equations.scene.analysis == "kinematics"
         self.graph = graph = Graph()
-        self.w = [graph.input("w", k, f"w_{q.name}") for k, q in enumerate(equations.coordinates)]
-        self.q = [graph.input("q", k, q.name) for k, q in enumerate(equations.coordinates)]
-        self.v = [graph.input("v", k, q.rate.name) for k, q in enumerate(equations.coordinates)]
-        self.lam = [
-            graph.input("lam", k, f"lambda_{name}") for k, name in enumerate(self.row_names())
-        ]
-        self.translate = Translator(graph, self._environment(), self._switches())
+        self.columns = {q: k for k, q in enumerate(equations.coordinates)}
+        self.w = self._inputs("w", [f"w_{q.name}" for q in equations.coordinates])
+        self.q = self._inputs("q", [q.name for q in equations.coordinates])
+        self.v = self._inputs("v", [q.rate.name for q in equations.coordinates])
+        self.lam = self._inputs("lam", [f"lambda_{name}" for name in self.row_names()])
+        switches = enumerate(equations.switches)
+        modes = {switch.g: k for k, switch in switches if switch.kind != "contact"}
+        self.translate = Translator(graph, self._environment(), modes)
         self.translate.environment |= self._sides()
         self.phi: list[int] = []
         self.nu: list[int] = []
@@ -113,23 +112,21 @@ class SceneGraph:
             for row in c.statement.rows
         ]
 
+    def _inputs(self, array: str, names: list[str]) -> list[int]:
+        return [self.graph.input(array, k, name) for k, name in enumerate(names)]
+
     def _environment(self) -> dict[sympy.Symbol, int]:
         graph, equations = self.graph, self.equations
         environment: dict[sympy.Symbol, int] = {t: graph.input("t", 0, "t")}
         for k, p in enumerate(equations.parameters):
             frozen = equations.scene.frozen
-            environment[Parameter(p.name, real=True)] = (
-                graph.constant(p.value) if frozen else graph.input("p", k, p.name)
-            )
+            number = graph.constant(p.value) if frozen else graph.input("p", k, p.name)
+            environment[Parameter(p.name, real=True)] = number
         for k, q in enumerate(equations.coordinates):
             environment[q], environment[q.rate] = self.q[k], self.v[k]
             rate = Acceleration(f"{q.rate.name}_rate", real=True)
             environment[rate] = graph.input("a", k, rate.name)
         return environment
-
-    def _switches(self) -> dict[sympy.Expr, int]:
-        switches = enumerate(self.equations.switches)
-        return {switch.g: k for k, switch in switches if switch.kind != "contact"}
 
     def _sides(self) -> dict[sympy.Symbol, int]:
         """A choice by its mode for each symbol that says on which side an effect acts."""
@@ -146,18 +143,17 @@ class SceneGraph:
     # -- equations ---------------------------------------------------------------------------
 
     def _constraints(self) -> None:
-        columns = {q: k for k, q in enumerate(self.equations.coordinates)}
         still = self.equations.scene.analysis == "equilibrium"  # at rest γ vanishes
         for element in self.equations.constraints:
             terms, bindings = element.terms, dict(element.statement.bindings)
             inner: dict[sympy.Symbol, sympy.Expr | int] = dict(bindings)
             for place, meaning in bindings.items():
                 if place in terms.coordinates:
-                    inner[place.rate] = meaning.rate if meaning in columns else sympy.S.Zero
+                    inner[place.rate] = meaning.rate if meaning in self.columns else sympy.S.Zero
             first = len(self.phi)
             rows = element.statement.rows
             self.massless += [
-                (first + rows.index(row), columns[q]) for row, q in element.statement.own
+                (first + rows.index(row), self.columns[q]) for row, q in element.statement.own
             ]
             for k, multiplier in enumerate(terms.multipliers):
                 inner[multiplier] = self.lam[first + k]
@@ -205,7 +201,7 @@ class SceneGraph:
                     energy = self.translate(terms.potential)
                     self.potential = graph.add(self.potential, energy)
                     self._gather(self.gradient, {energy: graph.one})
-                power = self._exerted(terms, energy)
+                power = self._apply_forces(terms, energy)
                 if (terms.loads or terms.pulls) and effect.name not in workless:
                     self.powers.append((effect.name, power))
                 if outputs & {"works", f"work({effect.name})"}:
@@ -220,14 +216,13 @@ class SceneGraph:
             for k, force in equations.inertia_force:
                 self.forces[k] = graph.add(self.forces[k], self.translate(force))
 
-    def _exerted(self, terms: EffectTerms, energy: int) -> int:
+    def _apply_forces(self, terms: EffectTerms, energy: int) -> int:
         """Add all forces of an effect to `forces`; the power of those without a potential.
 
         Those of the potential and those along scalars are gathered in one walk back: a spring and
         the damper parallel to it pull along one line.
         """
         graph = self.graph
-        columns = {q: k for k, q in enumerate(self.equations.coordinates)}
         weights = {energy: graph.constant(-1.0)}
         power = graph.zero
         for scalar, force in terms.pulls:
@@ -238,7 +233,7 @@ class SceneGraph:
             power = graph.add(power, graph.mul(f, self.moving.jet(s).first.value()))
         self._gather(self.forces, weights)
         for q, load in terms.loads:
-            k, value = columns[q], self.translate(load)
+            k, value = self.columns[q], self.translate(load)
             self.forces[k] = graph.add(self.forces[k], value)
             power = graph.add(power, graph.mul(value, self.v[k]))
         return power
@@ -247,15 +242,13 @@ class SceneGraph:
         """Add Σ weight ∂value/∂q to the totals, one a coordinate."""
         slopes = self.slopes.gradient(weights)
         for k, q in enumerate(self.q):
-            if q in slopes:
-                totals[k] = self.graph.add(totals[k], slopes[q])
+            totals[k] = self.graph.add(totals[k], slopes.get(q, self.graph.zero))
 
     def _friction(self, name: str, terms: FrictionTerms) -> None:
         """Add a friction: its force from the multipliers as inputs, its power, and its equation."""
         graph = self.graph
-        columns = {q: k for k, q in enumerate(self.equations.coordinates)}
         coefficient = self.translate(terms.grip)
-        direction = {columns[q]: self.translate(slope) for q, slope in terms.direction}
+        direction = {self.columns[q]: self.translate(slope) for q, slope in terms.direction}
         loads = tuple(
             tuple(self._load(terms.joint, entry) for entry in contact) for contact in terms.contacts
         )
@@ -280,7 +273,9 @@ class SceneGraph:
         """Whether the friction `name` sticks, and its stiction force, if a run determines that."""
         for place, (effect, switch) in enumerate(self.equations.stiction):
             if effect == name:
-                return self.graph.held(switch), self.graph.input("held", place, f"held_{name}")
+                return self.graph.is_sliding(switch), self.graph.input(
+                    "stiction", place, f"stiction_{name}"
+                )
         return None, None
 
     def _load(self, joint: str, entry: tuple[tuple[str, sympy.Expr], ...]) -> dict[int, int]:

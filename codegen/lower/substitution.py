@@ -1,4 +1,4 @@
-"""Substitution in a graph: values are rebuilt with others in the place of some.
+"""Substitution in a graph: outputs with other values in the place of some.
 
 Every operation is built by the graph again, so that new constants fold, new zeros annihilate,
 and values that become equal are one. A sine of a sum whose second
@@ -12,8 +12,8 @@ from codegen.lower.graph import Graph
 from codegen.lower.program import Lookup, Op, Value
 
 
-def reached(graph: Graph, roots: Iterable[int], stop: Mapping[int, object] = {}) -> set[int]:
-    """Numbers of the values that the roots depend on, not below those in `stop`."""
+def dependencies(graph: Graph, roots: Iterable[int], stop: Mapping[int, object] = {}) -> set[int]:
+    """The roots and all values that they depend on, but not those below the ones in `stop`."""
     stack, numbers = list(roots), set[int]()
     while stack:
         number = stack.pop()
@@ -24,63 +24,49 @@ def reached(graph: Graph, roots: Iterable[int], stop: Mapping[int, object] = {})
     return numbers
 
 
-def rebuilt(graph: Graph, outputs: Sequence[int], replaced: Mapping[int, int]) -> list[int]:
-    """The outputs with values replaced, as values of the same graph.
-
-    Parameters
-    ----------
-    replaced
-        Number of a value, an input or a function of one, → its replacement.
-    """
+def substitute(graph: Graph, outputs: Sequence[int], replaced: Mapping[int, int]) -> list[int]:
+    """The outputs with each value in `replaced` replaced, as values of the same graph."""
     known = dict(replaced)
-    for number in sorted(reached(graph, outputs, replaced)):
-        if number in known:
-            continue
+    for number in sorted(dependencies(graph, outputs, replaced) - replaced.keys()):
         value = graph.values[number]
         args = tuple(known[a] for a in value.args)
-        if args == value.args:
-            known[number] = number
-            continue
-        with graph.serving(value.serves):
-            known[number] = _again(graph, value, args)
+        known[number] = number
+        if args != value.args:
+            with graph.serving(value.serves):
+                known[number] = _with_arguments(graph, value, args)
     return [known[number] for number in outputs]
 
 
-def _again(graph: Graph, value: Value, args: tuple[int, ...]) -> int:
+def _with_arguments(graph: Graph, value: Value, args: tuple[int, ...]) -> int:
     if value.op in ARITHMETIC:
         return ARITHMETIC[value.op](graph, *args)
     if value.op in (Op.SIN, Op.COS):
-        return turned(graph, value.op, *args)
-    if value.op is Op.POW:
-        exponent = graph.number(args[1])
-        if exponent is not None:
-            return graph.power(args[0], exponent)
-    if value.op is Op.TABLE:
-        assert isinstance(value.literal, Lookup)
+        return expand_sine(graph, value.op, *args)
+    if value.op is Op.POW and (exponent := graph.number(args[1])) is not None:
+        return graph.power(args[0], exponent)
+    if isinstance(value.literal, Lookup):
         return graph.lookup(value.literal.table, value.literal.order, *args)
     return graph.function(value.op, *args)
 
 
-def turned(graph: Graph, op: Op, angle: int) -> int:
+def expand_sine(graph: Graph, op: Op, angle: int) -> int:
     """sin or cos of an angle; of a sum with a constant angle by the addition theorems."""
     value = graph.values[angle]
     if value.op is Op.NEG:
-        same = turned(graph, op, value.args[0])
+        same = expand_sine(graph, op, value.args[0])
         return graph.neg(same) if op is Op.SIN else same
     if value.op not in (Op.ADD, Op.SUB) or graph.settled[angle]:
         return graph.function(op, angle)
     moving, fixed = value.args
-    turns, offset = 1, -1 if value.op is Op.SUB else 1
+    moving_sign, fixed_sign = 1, -1 if value.op is Op.SUB else 1
     if graph.settled[moving]:
-        moving, fixed, turns, offset = fixed, moving, offset, 1
+        moving, fixed, moving_sign, fixed_sign = fixed, moving, fixed_sign, 1
     if not graph.settled[fixed]:
         return graph.function(op, angle)
-    s, c = turned(graph, Op.SIN, moving), turned(graph, Op.COS, moving)
+    s, c = expand_sine(graph, Op.SIN, moving), expand_sine(graph, Op.COS, moving)
     fixed_s, fixed_c = graph.function(Op.SIN, fixed), graph.function(Op.COS, fixed)
-    if turns < 0:
-        s = graph.neg(s)
-    if offset < 0:
-        fixed_s = graph.neg(fixed_s)
+    s = s if moving_sign > 0 else graph.neg(s)
+    fixed_s = fixed_s if fixed_sign > 0 else graph.neg(fixed_s)
     if op is Op.SIN:
         return graph.add(graph.mul(fixed_c, s), graph.mul(fixed_s, c))
     return graph.sub(graph.mul(fixed_c, c), graph.mul(fixed_s, s))

@@ -6,6 +6,7 @@ s'_x cos φ that occur in Φ, Φ_q and γ come out as one value.
 """
 
 from collections.abc import Mapping
+from functools import partial, reduce
 from typing import Any
 
 import sympy
@@ -15,35 +16,19 @@ from codegen.declare.table_function import Interpolant
 from codegen.derive.conditions import switching_function
 from codegen.errors import ModelError
 from codegen.lower.graph import Graph
-from codegen.lower.program import Op
+from codegen.lower.program import ELEMENTARY, Input, Op
 
-FUNCTIONS = {
-    sympy.sin: Op.SIN,
-    sympy.cos: Op.COS,
-    sympy.tan: Op.TAN,
-    sympy.asin: Op.ASIN,
-    sympy.acos: Op.ACOS,
-    sympy.atan: Op.ATAN,
-    sympy.atan2: Op.ATAN2,
-    sympy.sinh: Op.SINH,
-    sympy.cosh: Op.COSH,
-    sympy.tanh: Op.TANH,
-    sympy.exp: Op.EXP,
-    sympy.log: Op.LOG,
-}
+FUNCTIONS = {getattr(sympy, name): Op(name) for name in ELEMENTARY if name not in ("sqrt", "pow")}
+
+RANKS = {"p": 1, "t": 2, "q": 3, "v": 4, "a": 5, "lam": 6}
+"""How often the entries of an argument change."""
 
 
 class Translator:
     """Translates expressions into one graph.
 
-    Parameters
-    ----------
-    graph
-        Where the values go.
-    environment
-        Symbol, or another expression that is known as a whole → value.
-    switches
-        Switching function → its number.
+    `environment` maps symbols, and other expressions that are known as a whole, to values,
+    `switches` each switching function to its number.
     """
 
     def __init__(
@@ -52,9 +37,7 @@ class Translator:
         environment: Mapping[sympy.Expr, int],
         switches: Mapping[sympy.Expr, int],
     ) -> None:
-        self.graph = graph
-        self.environment = dict(environment)
-        self.switches = switches
+        self.graph, self.environment, self.switches = graph, dict(environment), switches
         self._known: dict[sympy.Basic, int] = {}
         self._ranks: dict[int, int] = {}
 
@@ -130,14 +113,11 @@ class Translator:
                 denominator.append(self(base**-exponent))
             else:
                 numerator.append(self(factor))
-        top = self._fold(numerator)
-        return self.graph.div(top, self._fold(denominator)) if denominator else top
-
-    def _fold(self, factors: list[int]) -> int:
-        result = self.graph.one
-        for factor in self._in_order(factors):
-            result = self.graph.mul(result, factor)
-        return result
+        top, bottom = (
+            reduce(self.graph.mul, self._in_order(factors), self.graph.one)
+            for factors in (numerator, denominator)
+        )
+        return self.graph.div(top, bottom) if denominator else top
 
     def _piecewise(self, node: sympy.Piecewise) -> int:
         *pieces, last = node.args
@@ -157,10 +137,7 @@ class Translator:
             return graph.negation(self._condition(node.args[0]))
         if isinstance(node, sympy.And | sympy.Or):
             op = Op.AND if isinstance(node, sympy.And) else Op.OR
-            first, *rest = sorted(self._condition(a) for a in node.args)
-            for other in rest:
-                first = graph.logical(op, first, other)
-            return first
+            return reduce(partial(graph.logical, op), sorted(self._condition(a) for a in node.args))
         g = switching_function(node)
         if g in self.switches:
             return graph.mode(self.switches[g])
@@ -178,12 +155,8 @@ class Translator:
     def _rank(self, number: int) -> int:
         if number not in self._ranks:
             value = self.graph.values[number]
-            if value.op is Op.CONST:
-                rank = 0
-            elif value.literal is not None and value.op is Op.INPUT:
-                order = {"p": 1, "t": 2, "q": 3, "v": 4, "a": 5, "lam": 6}
-                rank = order[value.literal.array]  # type: ignore[union-attr]
-            else:
-                rank = max((self._rank(a) for a in value.args), default=2)
+            rank = 0 if value.op is Op.CONST else max(map(self._rank, value.args), default=2)
+            if isinstance(value.literal, Input):
+                rank = RANKS[value.literal.array]
             self._ranks[number] = rank
         return self._ranks[number]

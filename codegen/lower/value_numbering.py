@@ -3,6 +3,8 @@
 import math
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from functools import reduce
+from operator import or_
 from typing import Self
 
 from codegen.errors import ModelError
@@ -69,17 +71,11 @@ class Numbering:
                 if isinstance(literal, Input)
                 else op is not Op.MODE and all(self.settled[a] for a in args)
             )
-            self.movers.append(self._moved(self._numbers[key]))
+            moves = reduce(or_, (self.movers[a] for a in args), 0)
+            if isinstance(literal, Input) and not self.settled[-1]:
+                moves = 1 << self.place_of(self._numbers[key])
+            self.movers.append(moves)
         return self._numbers[key]
-
-    def _moved(self, number: int) -> int:
-        value = self.values[number]
-        if isinstance(value.literal, Input) and not self.settled[number]:
-            return 1 << self.place_of(number)
-        moved = 0
-        for a in value.args:
-            moved |= self.movers[a]
-        return moved
 
     def place_of(self, number: int) -> int:
         """The bit of an input in `movers`."""
@@ -113,9 +109,9 @@ class Numbering:
         """Whether the condition of switching function `index` holds."""
         return self._add(Op.MODE, (), index)
 
-    def held(self, index: int) -> int:
-        """Whether switching function `index` is kept at zero by a force of the caller."""
-        return self._add(Op.HELD, (self.mode(index),))
+    def is_sliding(self, index: int) -> int:
+        """Whether the motion stays on the surface g = 0 of switching function `index`, mode 2."""
+        return self._add(Op.SLIDING, (self.mode(index),))
 
     def number(self, a: int) -> float | None:
         """The number that `a` is, or None if it is only known at run time."""

@@ -9,7 +9,7 @@ from codegen.model.base import Declarations
 
 
 class Bodies(Declarations):
-    """What moves."""
+    """The bodies and particles of a declaration."""
 
     def body(self, name: str, mass: Any = None, inertia: Any = None) -> Body:
         """A rigid body with its centre of mass at its origin.
@@ -22,9 +22,9 @@ class Bodies(Declarations):
             Numbers in kg and kg m², pint quantities, parameters or expressions of them; may be
             left out where only kinematic scenes use the body.
         """
-        heavy = self._positive(mass, "kg", f"mass of body '{name}'")
-        sluggish = self._positive(inertia, "kg m^2", f"inertia of body '{name}'")
-        body = Body(str(name), heavy, sluggish, self.token)
+        m = self._positive(mass, "kg", f"mass of body '{name}'")
+        j = self._positive(inertia, "kg m^2", f"inertia of body '{name}'")
+        body = Body(str(name), m, j, self.token)
         if self._claim("body", name):
             self.bodies[name] = body
         return body
@@ -40,8 +40,8 @@ class Bodies(Declarations):
             A number in kg, a pint quantity, a parameter or an expression of them; may be left out
             where only kinematic scenes use the particle.
         """
-        heavy = self._positive(mass, "kg", f"mass of particle '{name}'")
-        particle = Particle(str(name), heavy, None, self.token)
+        m = self._positive(mass, "kg", f"mass of particle '{name}'")
+        particle = Particle(str(name), m, None, self.token)
         if self._claim("particle", name):
             self.bodies[name] = particle
         return particle
@@ -50,6 +50,6 @@ class Bodies(Declarations):
         """A mass or inertia, if given; a parameter that is one must be positive from now on."""
         if value is None:
             return None
-        known = len(self.problems)
+        before = len(self.problems)
         read = self._value(value, unit, where, "positive")
-        return read if len(self.problems) == known else None
+        return read if len(self.problems) == before else None

@@ -75,7 +75,7 @@ class Cams(Declarations):
             runs from 0 to 1.
         """
         where = f"curve '{name}'"
-        known = len(self.problems)
+        before = len(self.problems)
         pairs = [self._read.pair(p, "m", f"{where}, point {k}") for k, p in enumerate(points)]
         rows = [
             [self._read.finite(c, "m", f"{where}, point {k}") for c in pair]
@@ -93,7 +93,7 @@ class Cams(Declarations):
                 self._note(f"{where}: points {k} and {k + 1} are both {tuple(rows[k])}; drop one.")
         if len(rows) < FEWEST:
             self._note(f"{where}: {len(points)} points are too few; give at least {FEWEST}.")
-        if not self._claim("curve", name) or len(self.problems) > known:
+        if not self._claim("curve", name) or len(self.problems) > before:
             return body.circle(1)
         unit = 2 * pi if closed else 1.0
         at = [unit * (distance / along[-1]) for distance in along]
@@ -111,12 +111,12 @@ class Cams(Declarations):
             )
             return self.ground.circle(1)
         where = f"curve of '{name}' on body '{curve.body.name}'"
-        known = len(self.problems)
+        before = len(self.problems)
         x, y = (self._read.value(c, "m", where) for c in (curve.x, curve.y))
         shape = sympy.Matrix([x, y]).subs(self.defaults)
-        if len(self.problems) == known:
+        if len(self.problems) == before:
             for problem in profile_problems(shape, closed, convex):
                 self._note(f"{where}: {problem}")
-        if len(self.problems) > known:
+        if len(self.problems) > before:
             return curve.body.circle(1)  # stands in, so that nothing else is said of it
         return Curve(curve.body, x, y, pace(shape))

@@ -58,7 +58,7 @@ class Couplers(Bodies, Joints):
         self.couplers[rod.name] = (rod, *halves)
         return rod
 
-    def _left_out(
+    def _absent_bodies(
         self, read: Reader, where: str, without: tuple[str, ...], forms: Mapping[str, str]
     ) -> tuple[str, ...]:
         """Bodies that the forms of the couplers leave out of a scene."""

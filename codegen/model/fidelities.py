@@ -71,20 +71,20 @@ class Fidelities(Couplers):
         self, read: Reader, where: str, fidelity: Any, couplers: Any
     ) -> tuple[tuple[str, str], ...]:
         """The fidelities that a scene names; impossible ones are noted as problems."""
-        taken: dict[str, str] = {}
+        fidelities: dict[str, str] = {}
         for key, form in read.mapping(couplers, "couplers", "{'rod': 'link'}", where).items():
             name = name_of(key)
             if name in self.couplers:
-                taken[name] = read.choice(form, FORMS, f"{where}, coupler '{name}'")
+                fidelities[name] = read.choice(form, FORMS, f"{where}, coupler '{name}'")
             else:
                 read.note(f"{where}: there is no coupler '{name}'; {nearest(name, self.couplers)}")
         for key, word in read.mapping(fidelity, "fidelity", "{'rub': 'sticking'}", where).items():
             name = name_of(key)
-            if problem := self._fidelity_problem(name, word, taken.get(name, word)):
+            if problem := self._fidelity_problem(name, word, fidelities.get(name, word)):
                 read.note(f"{where}: {problem}")
             else:
-                taken[name] = word
-        return tuple(taken.items())
+                fidelities[name] = word
+        return tuple(fidelities.items())
 
     def _fidelity_problem(self, name: str, word: Any, named: Any) -> str | None:
         """Why an element cannot be taken as `word`; `named`: its form among the couplers."""
@@ -115,24 +115,17 @@ class Fidelities(Couplers):
         return f"'{name}' as '{word}' {lacking}" if isinstance(lacking, str) else None
 
     def choice(self, group: str, how: Mapping[str, str], effects: Iterable[str]) -> str:
-        """The alternative that a scene takes, by its fidelity or by the effects that it names.
-
-        Parameters
-        ----------
-        how, effects
-            The scene's fidelities, and the effects that it names.
-        """
+        """The alternative of a scene, by its fidelities `how` or by the effects that it names."""
         choices = self.groups[group]
-        acting = set(effects)
-        named = [word for word, names in choices.items() if acting.intersection(names)]
+        named = [word for word, names in choices.items() if {*effects}.intersection(names)]
         return how.get(group) or (named[0] if len(named) == 1 else next(iter(choices)))
 
-    def _chosen(
+    def _group_members(
         self, read: Reader, where: str, how: dict[str, str], effects: tuple[str, ...]
     ) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Elements that the choices of groups bring, and those that they leave out."""
-        brought: list[str] = []
-        gone: list[str] = []
+        included: list[str] = []
+        excluded: list[str] = []
         for group, choices in self.groups.items():
             choice = self.choice(group, how, effects)
             members = choices[choice]
@@ -143,6 +136,6 @@ class Fidelities(Couplers):
                     f"'{choice}', which the scene takes; give fidelity={{'{group}': ...}} and "
                     "leave the other's effects out."
                 )
-            brought += members if group in how else ()
-            gone += others
-        return tuple(brought), tuple(gone)
+            included += members if group in how else ()
+            excluded += others
+        return tuple(included), tuple(excluded)

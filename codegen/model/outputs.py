@@ -54,7 +54,9 @@ class Outputs(Declarations):
         """Names of the tracked points."""
         return [name for name, effect in self.effects.items() if effect.kind == TRACKED]
 
-    def _brought(self, outputs: tuple[str, ...] | None, bodies: Iterable[str]) -> tuple[str, ...]:
+    def _output_points(
+        self, outputs: tuple[str, ...] | None, bodies: Iterable[str]
+    ) -> tuple[str, ...]:
         """Points whose paths are outputs: all on the bodies that take part, or the named ones."""
         words, present = outputs or (), set(bodies)
         return tuple(

@@ -21,7 +21,7 @@ def known_units(units: Any) -> bool:
 
 
 class Values(Declarations):
-    """What is known about a machine in numbers."""
+    """The parameters, tables and data files of a declaration."""
 
     def parameter(self, name: str, value: Any, unit: str = "", sign: SignRule = "") -> Parameter:
         """A number that runs may change without a new build.
@@ -88,10 +88,10 @@ class Values(Declarations):
             [self._read.finite(v, unit, f"{where}, {axis}[{k}]") for k, v in enumerate(given)]
             for given, unit, axis in ((x, units[0], "x"), (y, units[1], "y"))
         )
-        known = len(self.problems)
+        before = len(self.problems)
         for problem in point_problems(at, values, periodic):
             self._note(f"{where}: {problem}")
-        if self._claim("table", name) and len(self.problems) == known:
+        if self._claim("table", name) and len(self.problems) == before:
             return TableFunction(fit(name, at, values, periodic))
         return TableFunction(fit("none", (0.0, 1.0, 2.0, 3.0), (0.0,) * 4, periodic=False))
 

@@ -22,26 +22,21 @@ class Variations(Scenes):
     def varied(
         self, scene: Scene, *, out: Any, taken: Any, fidelity: Any = None, **changes: Any
     ) -> Scene:
-        """`scene` with elements left out or taken in; it is not declared.
+        """`scene` with elements `out` left out and `taken` taken in; it is not declared.
 
-        Parameters
-        ----------
-        out, taken
-            Effects, drivers, joints and bodies, by name or object.
-        fidelity, changes
-            As in `scene`.
+        Elements are named or given as objects; `fidelity` and `changes` are as in `scene`.
         """
         read, root = Reader(), scene.root or scene
         where, known = f"scene '{scene.name}', varied", self.elements
-        gone, back = (tuple(map(name_of, names)) for names in (out, taken))
-        for name in (*gone, *back):
-            if name not in known and not (name in back and name in self.groups):
-                leave = name in gone
+        removed, added = (tuple(map(name_of, names)) for names in (out, taken))
+        for name in (*removed, *added):
+            if name not in known and not (name in added and name in self.groups):
+                leave = name in removed
                 hint = nearest(name, scene.effects if leave else known)
                 verb = "leave out" if leave else "take in"
                 read.note(f"{where}: there is no '{name}' to {verb}; {hint}")
         acting = (*scene.effects, *scene.drivers)
-        for name in gone:
+        for name in removed:
             if name in self.effects | self.drivers and name not in acting:
                 hint = nearest(name, acting)
                 read.note(f"{where}: '{name}' does not act in it, so it cannot be left out; {hint}")
@@ -49,45 +44,45 @@ class Variations(Scenes):
             if word not in CHANGES:
                 hint = nearest(word, (*CHANGES, "fidelity"))
                 read.note(f"{where}: with_ knows no {word}=; {hint}")
-        effects, drivers = ([n for n in back if n in of] for of in (self.effects, self.drivers))
+        effects, drivers = ([n for n in added if n in of] for of in (self.effects, self.drivers))
         words = {key: changes.get(key) for key in CHANGES} | {"fidelity": fidelity}
-        words["without"] = [n for n in gone if n in known]
+        words["without"] = [n for n in removed if n in known]
         request, explicit = self._read_request(read, where, effects, drivers, **words)
-        returned = tuple(n for n in scene.request.without if n not in back)
+        returned = tuple(n for n in scene.request.without if n not in added)
         base = replace(scene.request, without=returned)
         merged = self._extend(read, where, replace(scene, request=base), request, explicit)
-        merged = self._without_traces(merged, gone)
-        spelled = scene.spelled if scene.root else f"{self.name}.scene({scene.name!r})"
-        if gone:
-            spelled += f".without({', '.join(map(repr, gone))})"
-        if back or changes or fidelity:
-            parts = [repr(name) for name in back]
+        merged = self._remove_elements(merged, removed)
+        expression = scene.expression if scene.root else f"{self.name}.scene({scene.name!r})"
+        if removed:
+            expression += f".without({', '.join(map(repr, removed))})"
+        if added or changes or fidelity:
+            parts = [repr(name) for name in added]
             parts += [f"{k}={v!r}" for k, v in (("fidelity", fidelity), *changes.items()) if v]
-            spelled += f".with_({', '.join(parts)})"
+            expression += f".with_({', '.join(parts)})"
         name = self._variation_name(root, merged)
-        variation = self._compose(read, name, merged, spelled=spelled, root=root)
+        variation = self._compose(read, name, merged, expression=expression, root=root)
         problems = (*scene.problems, *read.problems)
         return replace(variation, problems=tuple(dict.fromkeys(problems)))
 
-    def _without_traces(self, request: Request, gone: tuple[str, ...]) -> Request:
+    def _remove_elements(self, request: Request, removed: tuple[str, ...]) -> Request:
         """The request without effects and drivers that are left out now."""
         choices = chain.from_iterable(group.values() for group in self.groups.values())
         chosen = {*chain.from_iterable(choices)}
-        forces = {n for n in gone if n in self.effects | self.drivers}
+        forces = {n for n in removed if n in self.effects | self.drivers}
         return replace(
             request,
-            effects=tuple(n for n in request.effects if n not in gone),
-            drivers=tuple(n for n in request.drivers if n not in gone),
+            effects=tuple(n for n in request.effects if n not in removed),
+            drivers=tuple(n for n in request.drivers if n not in removed),
             without=tuple(n for n in request.without if n not in forces or n in chosen),
-            fidelity=tuple((n, word) for n, word in request.fidelity if n not in gone),
+            fidelity=tuple((n, word) for n, word in request.fidelity if n not in removed),
         )
 
-    def again(self, scene: Scene) -> Scene:
+    def recompose(self, scene: Scene) -> Scene:
         """The same scene of this model, where `scene` is that of another of the same names."""
         if scene.owner is self:
             return scene
         read = Reader()
-        about = {"spelled": scene.spelled, "root": scene.root}
+        about = {"expression": scene.expression, "root": scene.root}
         variation = self._compose(read, scene.name, scene.request, **about)
         return replace(variation, problems=(*scene.problems, *read.problems))
 
@@ -99,14 +94,14 @@ class Variations(Scenes):
         acted = {*before.effects, *before.drivers} - out_before
         acting = {*request.effects, *request.drivers} - out_now
         order = [*self.bodies, *self.joints, *self.effects, *self.drivers]
-        gone = [n for n in order if n in (out_now - out_before) | (acted - acting)]
-        took = [n for n in order if n in (out_before - out_now) | (acting - acted)]
-        took += [n for n in new if new[n] != old.get(n) and n not in took]
+        removed = [n for n in order if n in (out_now - out_before) | (acted - acting)]
+        added = [n for n in order if n in (out_before - out_now) | (acting - acted)]
+        added += [n for n in new if new[n] != old.get(n) and n not in added]
         name = root.name
-        if gone:
-            name += f"_without_{'_'.join(gone)}"
-        if took:
-            name += f"_with_{'_'.join(f'{n}_{new[n]}' if n in new else n for n in took)}"
+        if removed:
+            name += f"_without_{'_'.join(removed)}"
+        if added:
+            name += f"_with_{'_'.join(f'{n}_{new[n]}' if n in new else n for n in added)}"
         keys, inherited = CHANGES[1:], self._inherited(root, request)
         rest = [getattr(request, key) for key in keys]
         if rest != [getattr(inherited, key) for key in keys]:

@@ -50,7 +50,7 @@ class Scenes(Fidelities, Outputs):
         effects, drivers
             Elements that act, by name or by the object that their declaration returned.
         extends
-            Another scene: it has all that this one has, but for what is said here.
+            Another scene, whose elements and values this one has too, unless stated here.
         without
             Bodies that do not take part, with the joints and effects on them; or joints, effects
             and drivers alone.
@@ -63,8 +63,8 @@ class Scenes(Fidelities, Outputs):
         start
             Values that must hold at the beginning: ``{"crank.phi": π, "crank.omega": 30}``.
         guess
-            Values from which assembly starts; what is named nowhere starts from 0, the place of a
-            contact from where it is for the values of the bodies.
+            Values from which assembly starts. A coordinate without one starts from 0, the place of
+            a contact from its place for the values of the bodies.
         parameters
             Values that replace the declared defaults in this scene.
         frozen
@@ -75,12 +75,12 @@ class Scenes(Fidelities, Outputs):
         outputs
             Outputs in addition to the motion: ``"reactions"``, ``"energy"``, ``"powers"``, or
             those of one element, ``"reaction(A)"``, ``"power(gas)"``; all unless given, which
-            ``"all"`` says in an extension. And what has to be named: ``"paths"`` of tracked points,
-            ``"path(tip)"``; ``"works"``, ``"work(gas)"``, integrated along a simulation.
+            ``"all"`` says in an extension. Two have to be named: ``"paths"`` of tracked points, or
+            ``"path(tip)"``; ``"works"``, or ``"work(gas)"``, integrated along a simulation.
         """
         base = self.scenes.get(name)
-        said = (effects, drivers, extends, without, couplers, fidelity, start, guess, parameters)
-        bare = not any(bool(word) for word in said) and (frozen, analysis, outputs) == (None,) * 3
+        values = (effects, drivers, extends, without, couplers, fidelity, start, guess, parameters)
+        bare = not any(map(bool, values)) and (frozen, analysis, outputs) == (None,) * 3
         if bare and base is not None and base.request != Request():
             return base
         where, read = f"scene '{name}'", self._read
@@ -146,7 +146,7 @@ class Scenes(Fidelities, Outputs):
     def _drop_unused_starts(self, merged: Request, mine: Request) -> Request:
         """Drop inherited start values of elements that no longer take part."""
         scratch = self._compose(Reader(), "scratch", merged)
-        present = {*scratch.bodies, *self.joints} - {*scratch.opened, *merged.without}
+        present = {*scratch.bodies, *self.joints} - {*scratch.inactive_joints, *merged.without}
         renewed = {name for name, _ in (*mine.start, *mine.guess)}
 
         def fits(values: NamedValues) -> NamedValues:
@@ -160,28 +160,28 @@ class Scenes(Fidelities, Outputs):
         where = f"scene '{name}'"
         how = dict(request.fidelity)
         named = tuple(e for e in request.effects if e not in request.without)
-        brought, others = self._chosen(read, where, how, named)
-        gone = (*request.without, *others)
-        absent = (*gone, *self._left_out(read, where, gone, how))
+        included, excluded = self._group_members(read, where, how, named)
+        removed = (*request.without, *excluded)
+        absent = (*removed, *self._absent_bodies(read, where, removed, how))
         idle = {e for e, word in how.items() if word == NONE}
         present = [b for b in self.bodies if b not in absent]
-        acting = {*named, *brought, *self._brought(request.outputs, present)}
+        acting = {*named, *included, *self._output_points(request.outputs, present)}
         acting -= idle | {*request.without}
         read.problems += [
             f"{where}: '{e}' has a fidelity but does not act; name it among the effects."
             for e in how
             if e in self.effects and e not in (*acting, *idle)
         ]
-        driving = ({*request.drivers} | {*brought}) - {*request.without}
+        driving = ({*request.drivers} | {*included}) - {*request.without}
         return Scene(
             name=name,
             bodies=tuple(present),
             effects=tuple(e for e in self.effects if e in acting),
             drivers=tuple(d for d in self.drivers if d in driving),
-            opened=tuple(n for n in dict.fromkeys(absent) if n in self.joints),
+            inactive_joints=tuple(n for n in dict.fromkeys(absent) if n in self.joints),
             fidelity=tuple((n, w) for n, w in how.items() if n in acting or n not in self.effects),
             start=request.start,
-            guess=self._with_contacts(request.start, absent, request.guess),
+            guess=self._locate_contacts(request.start, absent, request.guess),
             parameters=request.parameters,
             frozen=request.frozen,
             analysis=request.analysis,
@@ -191,10 +191,10 @@ class Scenes(Fidelities, Outputs):
             **about,
         )
 
-    def _with_contacts(
+    def _locate_contacts(
         self, start: NamedValues, absent: tuple[str, ...], guess: NamedValues
     ) -> NamedValues:
-        """The guess, with the places of contacts that nobody named."""
+        """The guess, with places for the contacts that it does not name."""
         known = dict((*guess, *start))
         coordinates = self._coordinates()
         numbers = self.defaults | {q: known.get(dotted(q), q.measure.neutral) for q in coordinates}
@@ -203,7 +203,7 @@ class Scenes(Fidelities, Outputs):
             missing = [q for q in own_coordinates(joint) if dotted(q) not in known]
             taking_part = name not in absent and not any(b.name in absent for b in joint.bodies)
             if missing and taking_part and isinstance(joint, Located):
-                with suppress(TypeError, ValueError):  # what is wrong with it, `build` says
+                with suppress(TypeError, ValueError):  # `build` reports its fault
                     near = joint.near(numbers)
                     places |= {dotted(q): near[q] for q in missing}
         return tuple(places.items())

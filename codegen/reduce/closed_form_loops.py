@@ -23,7 +23,7 @@ from codegen.lower.differentiation.tangent import differentiate
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
 from codegen.lower.program import Kernel, Op, Program, store
-from codegen.lower.substitution import reached, rebuilt
+from codegen.lower.substitution import dependencies, substitute
 
 POINTS = 4  # measured: random points at which an identity is tested
 
@@ -70,11 +70,7 @@ class Loop(NamedTuple):
 
 
 def find_loops(
-    graph: Graph,
-    q: Sequence[int],
-    phi: Mapping[int, int],
-    angles: Sequence[int],
-    first_branch: int,
+    graph: Graph, q: Sequence[int], phi: Mapping[int, int], angles: Sequence[int], first_branch: int
 ) -> list[Loop]:
     """The loops with a solution in closed form, in an order in which each needs only those before.
 
@@ -111,7 +107,7 @@ class _LoopSearch:
         unknown = {self.q[k]: k for k in angles}
         support = {}
         for i, value in phi.items():
-            reachable = reached(self.graph, [value])
+            reachable = dependencies(self.graph, [value])
             support[i] = tuple(sorted(unknown[number] for number in unknown if number in reachable))
         for i, columns in support.items():
             if len(columns) == 1 and (loop := self._single(i, phi[i], *columns)):
@@ -189,10 +185,10 @@ class _LoopSearch:
         ends = [self._sine_cosine(k) for k in columns]
         inside = {number for pair in ends for number in pair}
         stop = dict.fromkeys(inside)
-        if reached(graph, [value], stop) & {self.q[k] for k in columns}:
+        if dependencies(graph, [value], stop) & {self.q[k] for k in columns}:
             return None
         still = dict.fromkeys(inside, graph.zero)
-        (start,) = rebuilt(graph, [value], still)
+        (start,) = substitute(graph, [value], still)
         factors = [
             (self._slope(value, sine, still), self._slope(value, cosine, still))
             for sine, cosine in ends
@@ -207,7 +203,7 @@ class _LoopSearch:
     def _slope(self, value: int, number: int, still: dict[int, int]) -> int:
         """Derivative by a sine or cosine, where all sines and cosines are zero."""
         (slope,) = differentiate(self.graph, [value], {number: self.graph.one})
-        return rebuilt(self.graph, [slope], still)[0]
+        return substitute(self.graph, [slope], still)[0]
 
     def _sine_cosine(self, column: int) -> tuple[int, int]:
         angle = self.q[column]

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Description
 from codegen.lower.program import Op
-from codegen.lower.substitution import reached, rebuilt
+from codegen.lower.substitution import dependencies, substitute
 from codegen.reduce.closed_form_loops import Angle, Loop, find_loops
 from codegen.reduce.explicit_coordinates import ExplicitCoordinates, Rates, combined
 
@@ -86,7 +86,7 @@ class CoordinateMap:
 
     def substituted(self, values: Iterable[int]) -> list[int]:
         """Values of the scene, in the coordinates that are kept."""
-        return rebuilt(self.graph, list(values), self.substitutes)
+        return substitute(self.graph, list(values), self.substitutes)
 
     # -- selection ---------------------------------------------------------------------------
 
@@ -129,14 +129,14 @@ class CoordinateMap:
         for rates in explicit.rates().values():
             values += [rates.velocity, rates.acceleration, *rates.slopes.values()]
         given = {scene.q[k]: formula for k, formula in self.formulas.items()}
-        return rebuilt(self.graph, values, given)
+        return substitute(self.graph, values, given)
 
     def _is_periodic(self, k: int, values: list[int]) -> bool:
         """Whether a coordinate is an angle that enters the values by its sine and cosine alone."""
         if self.description.coordinates[k][2] != "rad":
             return False
         ends = {self.graph.function(op, self.scene.q[k]): None for op in (Op.SIN, Op.COS)}
-        return self.scene.q[k] not in reached(self.graph, values, ends)
+        return self.scene.q[k] not in dependencies(self.graph, values, ends)
 
     # -- positions ---------------------------------------------------------------------------
 
@@ -147,7 +147,7 @@ class CoordinateMap:
             substitutes[scene.q[k]] = graph.input("q", slot, self.name(k))
             substitutes[scene.v[k]] = graph.input("v", slot, self.rate_name(k))
         for angle in self.angles:
-            s, c = rebuilt(graph, [angle.s, angle.c], substitutes)
+            s, c = substitute(graph, [angle.s, angle.c], substitutes)
             substitutes[graph.function(Op.SIN, scene.q[angle.column])] = s
             substitutes[graph.function(Op.COS, scene.q[angle.column])] = c
             substitutes[scene.q[angle.column]] = graph.function(Op.ATAN2, s, c)
@@ -156,7 +156,7 @@ class CoordinateMap:
         for k, formula in self.formulas.items():
             for op in (Op.SIN, Op.COS):
                 end = graph.function(op, scene.q[k])
-                (of_formula,) = rebuilt(graph, [end], {scene.q[k]: formula})
+                (of_formula,) = substitute(graph, [end], {scene.q[k]: formula})
                 (substitutes[end],) = self.substituted([of_formula])
         substitutes |= {scene.q[k]: value for k, value in zip(self.formulas, values, strict=True)}
 

@@ -17,9 +17,8 @@ from typing import NamedTuple
 
 from codegen.lower.differentiation.tangent import differentiate
 from codegen.lower.graph import Graph
-from codegen.lower.linear.pivots import LEAST_PIVOT
-from codegen.lower.linear.square_systems import ROUNDING
-from codegen.lower.substitution import reached, rebuilt
+from codegen.lower.linear.sparse_rows import LEAST_PIVOT, ROUNDING
+from codegen.lower.substitution import dependencies, substitute
 
 
 class Rates(NamedTuple):
@@ -114,7 +113,7 @@ class ExplicitCoordinates:
     def _substitute(self, i: int, k: int) -> None:
         graph, row = self.graph, self.rows.pop(i)
         inverse = graph.neg(graph.div(graph.one, row.entries.pop(k)))
-        (rest,) = rebuilt(graph, [row.value], {self.q[k]: graph.zero})
+        (rest,) = substitute(graph, [row.value], {self.q[k]: graph.zero})
         formula = graph.mul(inverse, rest)
         rates = Rates(
             {j: graph.mul(inverse, entry) for j, entry in row.entries.items()},
@@ -128,7 +127,7 @@ class ExplicitCoordinates:
 
     def _substitute_in(self, row: Row, k: int, formula: int, rates: Rates) -> None:
         graph = self.graph
-        (row.value,) = rebuilt(graph, [row.value], {self.q[k]: formula})
+        (row.value,) = substitute(graph, [row.value], {self.q[k]: formula})
         factor = row.entries.pop(k)
         for j, slope in rates.slopes.items():
             before, product = row.entries.pop(j, graph.zero), graph.mul(factor, slope)
@@ -145,9 +144,9 @@ class ExplicitCoordinates:
         """Column of each explicit coordinate → its formula in those that remain."""
         known: dict[int, int] = {}
         for one in reversed(self.substitutions):
-            reachable = reached(self.graph, [one.formula])
+            reachable = dependencies(self.graph, [one.formula])
             inner = {self.q[k]: value for k, value in known.items() if self.q[k] in reachable}
-            (known[one.column],) = rebuilt(self.graph, [one.formula], inner)
+            (known[one.column],) = substitute(self.graph, [one.formula], inner)
         return known
 
     def rates(self) -> dict[int, Rates]:

@@ -15,7 +15,7 @@ from codegen.lower.kernels.corrections import least_correction
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Pattern
 from codegen.lower.program import STATE, Kernel, Program, store
-from codegen.lower.substitution import rebuilt
+from codegen.lower.substitution import substitute
 from codegen.reduce.closed_form_loops import Angle
 from codegen.reduce.coordinate_map import EVENT_KERNELS, CoordinateMap
 from codegen.reduce.projected_equations import ProjectedEquations
@@ -79,14 +79,9 @@ def reduce(lowered: Lowered) -> Reduced:
         mapping.closures,
         tuple(angle.column for angle in mapping.angles),
         tuple((angle.column, angle.row) for angle in sides),
-        _pattern(equations.jacobian),
-        _pattern(equations.mass),
+        Pattern.of(equations.jacobian),
+        Pattern.of(equations.mass),
     )
-
-
-def _pattern(entries: dict[tuple[int, int], int]) -> Pattern:
-    rows, columns = zip(*entries, strict=True) if entries else ((), ())
-    return Pattern(tuple(rows), tuple(columns))
 
 
 def _sides(mapping: CoordinateMap) -> list[Angle]:
@@ -159,7 +154,7 @@ def _event_kernels(mapping: CoordinateMap) -> list[Kernel]:
         substitutes[mapping.accelerations[k]] = graph.total([*terms, mapping.bias[k]])
     repeated = []
     for kernel in (kernels[name] for name in EVENT_KERNELS if name in kernels):
-        values = rebuilt(graph, [out.value for out in kernel.outputs], substitutes)
+        values = substitute(graph, [out.value for out in kernel.outputs], substitutes)
         pairs = zip(kernel.outputs, values, strict=True)
         outputs = tuple(out._replace(value=value) for out, value in pairs)
         repeated.append(Kernel(kernel.name, kernel.summary, kernel.arguments, outputs))
@@ -176,7 +171,7 @@ def _expansion_kernels(mapping: CoordinateMap) -> list[Kernel]:
         turns = graph.mul(turn, graph.input("turns", slot, f"turns_{name}"))
         q = scene.q[angle.column]
         full[q] = graph.add(mapping.substitutes[q], turns)
-    formulas = rebuilt(graph, list(mapping.formulas.values()), full)
+    formulas = substitute(graph, list(mapping.formulas.values()), full)
     full |= {scene.q[k]: value for k, value in zip(mapping.formulas, formulas, strict=True)}
     rates = [mapping.substitutes[v] for v in scene.v]
     columns = range(scene.n)

@@ -1,6 +1,6 @@
 """Close the joints: Haug's growing-penalty minimisation, then Newton's method to rounding.
 
-Minimise (q - q0)^T W (q - q0) + r Phi^T Phi for growing r, by Levenberg-Marquardt with the exact
+Minimise (q - q0)ᵀ W (q - q0) + r Φᵀ Φ for growing r, by Levenberg-Marquardt with the exact
 Jacobian. Lengths are measured in a length typical of the mechanism, angles in rad.
 """
 
@@ -19,7 +19,7 @@ _RESTARTS = 6  # safety: random starts after the given one has failed
 
 
 class Closing(NamedTuple):
-    """Result of closing the joints: q, Phi there, and the largest scaled gap."""
+    """Result of closing the joints: q, Φ there, and the largest scaled gap."""
 
     q: FloatArray
     phi: FloatArray
@@ -32,12 +32,16 @@ class Closing(NamedTuple):
 
 
 class Task(NamedTuple):
-    """A closure problem: active rows, free coordinates, and the weights of their changes."""
+    """A closure problem: active rows, free coordinates, and the weights of their changes.
+
+    `row_units` are for messages.
+    """
 
     equations: Equations
     t: float
     scale: FloatArray
     row_scale: FloatArray
+    row_units: list[str]
     rows: npt.NDArray[np.bool_]
     free: npt.NDArray[np.bool_]
     weight: FloatArray

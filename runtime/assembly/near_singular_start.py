@@ -18,12 +18,14 @@ from runtime.singularity.local_motion import taylor
 from runtime.singularity.singular_position import SingularPositions
 
 _NEAR = EPS ** (1.0 / 3.0)  # accuracy: distance d at which the errors d and eps / d² are equal
-_TOLD = 4.0 * EPS**0.5  # accuracy: distance from which on a position shows on which branch it is
+_DISTINCT = (
+    4.0 * EPS**0.5
+)  # accuracy: distance from which on a position shows on which branch it is
 _ROUNDING = 64.0 * EPS  # accuracy: scaled gap that is rounding
 # accuracy: error of a velocity against its branch, relative, as at the start of a run
-_ASTRAY = 1e-6
+_DIRECTION_ERROR = 1e-6
 # accuracy: difference of a branch's fixed velocities from the given ones, in parts of the speed
-_AGREED = 1e-9
+_SAME_VELOCITY = 1e-9
 
 
 class BranchStart(NamedTuple):
@@ -55,14 +57,14 @@ def start_on_branch(
     if position is None or position.gap > _ROUNDING:
         return None
     away = q - position.q
-    if np.linalg.norm(away / task.scale) > _TOLD:
+    if np.linalg.norm(away / task.scale) > _DISTINCT:
         part = float(away[fixed_v] @ v[fixed_v]) if fixed_v.any() else float(away @ v)
         along = away * np.sign(part or 1.0)
         along *= np.linalg.norm(v / task.scale) / np.linalg.norm(along / task.scale)
         position = positions.find(taylor(task.t, q, along, rest), 0.0)
         if position is None or position.gap > _ROUNDING:
             return None
-    elif position.astray > _ASTRAY:
+    elif position.astray > _DIRECTION_ERROR:
         return None  # neither position nor velocities say which branch is meant
     else:
         along = v
@@ -73,7 +75,7 @@ def start_on_branch(
         if not square > 0.0:
             return None
         branch = branch * (float(branch[fixed_v] @ v[fixed_v]) / square)
-        if np.abs((branch - v)[fixed_v]).max() > _AGREED * speed:
+        if np.abs((branch - v)[fixed_v]).max() > _SAME_VELOCITY * speed:
             return None
         branch[fixed_v] = v[fixed_v]
     fixed = ~task.free

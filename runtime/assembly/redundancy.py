@@ -16,6 +16,7 @@ from runtime.mechanism.dense_equations import FloatArray
 BoolArray = npt.NDArray[np.bool_]
 # measured: scaled lengths of the displacements at whose ends the rank is taken again
 _SIZES = (0.02, -0.05, 0.1, 0.02, -0.05, 0.1, -0.2)
+_SHARE = 1e-6  # accuracy: share of a constraint in a dependency, below which it has none
 _APART = 1e-3  # measured: scaled distance at which a rank deficiency of a single position has ended
 
 
@@ -40,27 +41,20 @@ def dependent_rows(matrix: FloatArray, order: list[int]) -> list[Dependency]:
         least = np.linalg.svd(rows, compute_uv=False).min(initial=np.inf)
         if least > 2.0 * LOST:
             return []
-    basis: list[FloatArray] = []
+    basis = np.zeros((0, rows.shape[1]))
     accepted: list[int] = []
     dependent = []
     for row in order:
-        rest = unit[row].copy()
-        for _ in range(2):
-            for vector in basis:
-                rest -= (vector @ rest) * vector
+        rest = unit[row] - basis.T @ (basis @ unit[row])
+        rest -= basis.T @ (basis @ rest)
         size = float(np.linalg.norm(rest))
         if size > LOST:
-            basis.append(rest / size)
+            basis = np.vstack([basis, rest / size])
             accepted.append(row)
             continue
-        if accepted:
-            shares = np.linalg.lstsq(unit[accepted].T, unit[row], rcond=None)[0]
-            sources = tuple(
-                index for index, share in zip(accepted, shares, strict=True) if abs(share) > 1e-6
-            )
-        else:
-            sources = ()
-        dependent.append(Dependency(row, sources))
+        shares = np.linalg.lstsq(unit[accepted].T, unit[row], rcond=None)[0] if accepted else ()
+        sources = (k for k, share in zip(accepted, shares, strict=True) if abs(share) > _SHARE)
+        dependent.append(Dependency(row, tuple(sources)))
     return dependent
 
 
@@ -79,15 +73,11 @@ def find_redundancy(task: Task, q: FloatArray, drivers: BoolArray, v: FloatArray
     (a dead centre); one that stays is a redundancy. The start velocities `v` give one such motion,
     if the joints allow them; others are tried too.
     """
-    order = [int(row) for row in np.argsort(drivers, kind="stable")]
+    order = np.argsort(drivers, kind="stable").tolist()
     here = dependent_rows(_scaled(task, q), order)
     if not here:
         return Findings([], [], len(order))
-    lasting = here
-    for moved in _neighbours(task, q, drivers, v):
-        there = dependent_rows(_scaled(task, moved), order)
-        if len(there) < len(lasting):
-            lasting = there
+    lasting = _fewest(task, order, here, _neighbours(task, q, drivers, v))
     if len(lasting) == len(here):
         return Findings(here, [], len(order) - len(here))
     # The last row of a dependency may differ between positions: the lasting ones go first.
@@ -98,22 +88,10 @@ def find_redundancy(task: Task, q: FloatArray, drivers: BoolArray, v: FloatArray
 
 def structural_redundancy(task: Task, q: FloatArray, drivers: BoolArray) -> list[Dependency]:
     """Dependencies among the joints at every position, assembled or not."""
-    order = [int(row) for row in np.flatnonzero(~drivers)]
+    order = np.flatnonzero(~drivers).tolist()
     random = np.random.default_rng(2)
-    lasting = dependent_rows(_scaled(task, q), order)
-    for _ in range(2):
-        if not lasting:
-            break
-        moved = q + 0.3 * random.normal(size=len(q)) * task.scale
-        there = dependent_rows(_scaled(task, moved), order)
-        if len(there) < len(lasting):
-            lasting = there
-    return lasting
-
-
-def _scaled(task: Task, q: FloatArray) -> FloatArray:
-    matrix: FloatArray = task.equations.jacobian(task.t, q) * task.scale
-    return matrix
+    others = [q + 0.3 * random.normal(size=len(q)) * task.scale for _ in range(2)]
+    return _fewest(task, order, dependent_rows(_scaled(task, q), order), others)
 
 
 def overdetermined_rows(task: Task, q: FloatArray, drivers: BoolArray) -> list[Dependency]:
@@ -121,10 +99,24 @@ def overdetermined_rows(task: Task, q: FloatArray, drivers: BoolArray) -> list[D
 
     The residual of contradictory constraints is a combination that no motion changes.
     """
-    if int((~drivers).sum()) <= len(q):
-        return []
-    order = [int(row) for row in np.flatnonzero(~drivers)]
-    return dependent_rows(_scaled(task, q), order)
+    order = np.flatnonzero(~drivers).tolist()
+    return dependent_rows(_scaled(task, q), order) if len(order) > len(q) else []
+
+
+def _fewest(
+    task: Task, order: list[int], here: list[Dependency], others: list[FloatArray]
+) -> list[Dependency]:
+    """The fewest dependencies at any position: those `here`, and at the `others`."""
+    fewest = here
+    for q in others if here else ():
+        there = dependent_rows(_scaled(task, q), order)
+        fewest = there if len(there) < len(fewest) else fewest
+    return fewest
+
+
+def _scaled(task: Task, q: FloatArray) -> FloatArray:
+    matrix: FloatArray = task.equations.jacobian(task.t, q) * task.scale
+    return matrix
 
 
 def undetermined_rows(task: Task, q: FloatArray) -> list[int]:

@@ -41,11 +41,10 @@ def with_redundancy(mechanism: Mechanism, start: "Assembly") -> Mechanism:
         )
     variants = _VARIANTS.setdefault(mechanism, {})
     if start.independent not in variants:
-        count = len(start.independent)
-        kernels = minimum_norm_kernels(mechanism.kernels, mechanism.description, count)
-        variants[start.independent] = replace(
-            mechanism, kernels=kernels, sufficient=start.independent
-        )
+        kernels, description = mechanism.kernels, mechanism.description
+        kernels = minimum_norm_kernels(kernels, description, len(start.independent))
+        variant = replace(mechanism, kernels=kernels, sufficient=start.independent)
+        variants[start.independent] = variant
     return variants[start.independent]
 
 
@@ -56,11 +55,6 @@ def projection_only(
 
     Off the constraints a redundant row appears independent, which would mislead a partition of the
     coordinates.
-
-    Raises
-    ------
-    AnalysisError
-        With the constraints that are redundant.
     """
     names = ", ".join(row.name for row in begin.redundant)
     if method in IMPLICIT:
@@ -88,18 +82,20 @@ def redundancy_note(start: "Assembly") -> str:
 
 def minimum_norm_kernels(kernels: Kernels, description: Description, count: int) -> Kernels:
     """Kernels for which `count` independent constraints suffice."""
-    n, m = len(description.coordinates), len(description.constraints)
-    accelerations = _accelerations(kernels, description, n, m, m - count)
-    correction = _correction(kernels, description, n, m, count)
-    return replace(kernels, accelerations=accelerations, correction=correction)
+    accelerations = _accelerations(kernels, description, count)
+    return replace(
+        kernels, accelerations=accelerations, correction=_correction(kernels, description, count)
+    )
 
 
-def _accelerations(kernels: Kernels, description: Description, n: int, m: int, spare: int) -> Any:
+def _accelerations(kernels: Kernels, description: Description, count: int) -> Any:
     jacobian, gamma_of = kernels.jacobian, kernels.acceleration_rhs
     mass_of, forces = kernels.mass, kernels.applied_forces
     resting = description.analysis == "equilibrium"  # such a scene has no γ, which is zero at rest
-    rows, columns = _arrays(description.jacobian_rows, description.jacobian_columns)
-    mass_rows, mass_columns = _arrays(description.mass_rows, description.mass_columns)
+    rows, columns = description.jacobian_rows, description.jacobian_columns
+    mass_rows, mass_columns = description.mass_rows, description.mass_columns
+    n, m = len(description.coordinates), len(description.constraints)
+    spare = m - count
 
     def dynamic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
         values, masses = np.empty(rows.size), np.empty(mass_rows.size)
@@ -126,9 +122,10 @@ def _accelerations(kernels: Kernels, description: Description, n: int, m: int, s
     return njit(SIGNATURES["accelerations"], **_OPTIONS)(chosen)
 
 
-def _correction(kernels: Kernels, description: Description, n: int, m: int, count: int) -> Any:
+def _correction(kernels: Kernels, description: Description, count: int) -> Any:
     jacobian, constraints, rates = kernels.jacobian, kernels.constraints, kernels.velocity_rhs
-    rows, columns = _arrays(description.jacobian_rows, description.jacobian_columns)
+    rows, columns = description.jacobian_rows, description.jacobian_columns
+    n, m = len(description.coordinates), len(description.constraints)
 
     def correction(t: Any, q: Any, v: Any, p: Any, w: Any, dq: Any, dv: Any) -> int:
         values, right, d = np.empty(rows.size), np.empty((2, m)), np.empty((2, n))
@@ -145,7 +142,3 @@ def _correction(kernels: Kernels, description: Description, n: int, m: int, coun
         return 0 if rank >= count else m
 
     return njit(SIGNATURES["correction"], **_OPTIONS)(correction)
-
-
-def _arrays(rows: Any, columns: Any) -> tuple[Any, Any]:
-    return rows.astype(np.int64), columns.astype(np.int64)

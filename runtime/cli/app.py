@@ -14,7 +14,7 @@ import typer
 
 from codegen.errors import InputError
 from runtime.cli import common, studies
-from runtime.cli.common import Guess, Json, Model, MotionStart, Parameters, Scene, TEnd, TStart
+from runtime.cli.common import Guess, Json, Model, MotionStart, Scene, TEnd, TStart, Values, option
 from runtime.integrate.method import METHODS, alternatives
 
 if TYPE_CHECKING:
@@ -32,59 +32,41 @@ app = typer.Typer(
 app.command()(studies.matters)
 app.command()(studies.accuracy)
 
-Out = Annotated[
-    Path | None, typer.Option(help="File for the result: .nc, .csv, .parquet or .html.")
-]
-Points = Annotated[int, typer.Option(min=2, help="Number of output instants, ends included.")]
+Out = Annotated[Path | None, option("File for the result: .nc, .csv, .parquet or .html.")]
+Points = Annotated[int, option("Number of output instants, ends included.", min=2)]
 
 
 @app.command()
 def simulate(
-    model: Model,
-    t_end: TEnd,
-    t_start: MotionStart = 0.0,
-    scene: Scene = None,
-    settings: Parameters = None,
-    guess: Guess = None,
-    points: Points = 501,
+    model: Model, t_end: TEnd, t_start: MotionStart = 0.0, scene: Scene = None,
+    settings: Values = None, guess: Guess = None, points: Points = 501,
     accuracy: Annotated[
         float | None,
-        typer.Option(
-            help="Relative global error that the result may have, in place of tolerances; the "
-            "program chooses whatever is not given."
-        ),
+        option("Relative global error that the result may have, in place of tolerances; the "
+               "program chooses whatever is not given."),
     ] = None,
     quantity: Annotated[
         list[str] | None,
-        typer.Option(
-            help="With --accuracy: a series whose error counts; all coordinates and velocities "
-            "unless given."
-        ),
+        option("With --accuracy: a series whose error counts; all coordinates and velocities "
+               "unless given."),
     ] = None,
     method: Annotated[
-        str | None,
-        typer.Option(help=f"Integration method: {alternatives(METHODS)}; dop853 unless given."),
+        str | None, option(f"Integration method: {alternatives(METHODS)}; dop853 unless given.")
     ] = None,
     rtol: Annotated[
-        float | None, typer.Option(help="Relative tolerance of a step; 1e-8 unless given.")
+        float | None, option("Relative tolerance of a step; 1e-8 unless given.")
     ] = None,
-    atol: Annotated[float | None, typer.Option(help="Absolute tolerance in SI units.")] = None,
+    atol: Annotated[float | None, option("Absolute tolerance in SI units.")] = None,
     correction: Annotated[
-        str,
-        typer.Option(
-            help="Return onto the constraints: step, stage, projection, baumgarte or hybrid."
-        ),
+        str, option("Return onto the constraints: step, stage, projection, baumgarte or hybrid.")
     ] = "step",
     formulation: Annotated[
         str | None,
-        typer.Option(
-            help="Coordinates that are integrated: cartesian (all of them; unless given) or "
-            "reduced (those that no constraint determines)."
-        ),
+        option("Coordinates that are integrated: cartesian (all of them; unless given) or reduced "
+               "(those that no constraint determines)."),
     ] = None,
-    out: Out = None,
-    as_json: Json = False,
-) -> None:
+    out: Out = None, as_json: Json = False,
+) -> None:  # fmt: skip
     """Dynamics: the motion of the machine under the forces that act on it."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
@@ -102,7 +84,7 @@ def simulate(
 @app.command()
 def kinematics(
     model: Model, t_end: TEnd, t_start: TStart = 0.0, scene: Scene = None,
-    settings: Parameters = None, guess: Guess = None, points: Points = 501, out: Out = None,
+    settings: Values = None, guess: Guess = None, points: Points = 501, out: Out = None,
     as_json: Json = False,
 ) -> None:  # fmt: skip
     """Kinematics: the motion that the drivers prescribe, one for every degree of freedom."""
@@ -116,7 +98,7 @@ def kinematics(
 @app.command()
 def inverse(
     model: Model, t_end: TEnd, t_start: TStart = 0.0, scene: Scene = None,
-    settings: Parameters = None, guess: Guess = None, points: Points = 501, out: Out = None,
+    settings: Values = None, guess: Guess = None, points: Points = 501, out: Out = None,
     as_json: Json = False,
 ) -> None:  # fmt: skip
     """Inverse dynamics: the forces that the prescribed motion takes."""
@@ -129,9 +111,9 @@ def inverse(
 
 @app.command()
 def report(
-    model: Model, out: Annotated[Path, typer.Option(help="The page to write, .html.")],
-    t_end: TEnd = 1.0, scene: Scene = None, settings: Parameters = None, guess: Guess = None,
-    points: Points = 501, rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 1e-8,
+    model: Model, out: Annotated[Path, option("The page to write, .html.")],
+    t_end: TEnd = 1.0, scene: Scene = None, settings: Values = None, guess: Guess = None,
+    points: Points = 501, rtol: Annotated[float, option("Relative tolerance.")] = 1e-8,
     as_json: Json = False,
 ) -> None:  # fmt: skip
     """A page about a run: a simulation, or the driven motion where drivers leave no freedom."""
@@ -151,9 +133,9 @@ def report(
 
 @app.command()
 def equilibrium(
-    model: Model, scene: Scene = None, settings: Parameters = None, guess: Guess = None,
-    method: Annotated[str, typer.Option(help="energy or settling.")] = "energy",
-    t: Annotated[float, typer.Option(help="Instant at which the drivers stand, in s.")] = 0.0,
+    model: Model, scene: Scene = None, settings: Values = None, guess: Guess = None,
+    method: Annotated[str, option("energy or settling.")] = "energy",
+    t: Annotated[float, option("Instant at which the drivers stand, in s.")] = 0.0,
     out: Out = None, as_json: Json = False,
 ) -> None:  # fmt: skip
     """Equilibrium: the position of rest, and whether it is stable."""

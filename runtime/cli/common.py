@@ -10,22 +10,26 @@ import typer
 
 from codegen.errors import InputError, LinkwrightError
 
+
+def option(text: str, *names: str, **limits: Any) -> Any:
+    """An option of a command, with its help."""
+    return typer.Option(*names, help=text, **limits)
+
+
 Model = Annotated[str, typer.Argument(help="Path of a model file, or a name: models/NAME.py.")]
-Scene = Annotated[str | None, typer.Option(help="Scene of the model; the first unless given.")]
-Parameters = Annotated[
-    list[str] | None, typer.Option("--set", help="NAME=VALUE: a parameter, in its declared unit.")
+Scene = Annotated[str | None, option("Scene of the model; the first unless given.")]
+Values = Annotated[
+    list[str] | None, option("NAME=VALUE: a parameter, in its declared unit.", "--set")
 ]
-Guess = Annotated[
-    list[str] | None, typer.Option("--guess", help="NAME=VALUE: a start value, in SI units.")
-]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
-TEnd = Annotated[float, typer.Option("--t-end", help="Last instant in s.")]
-OptionalTEnd = Annotated[float | None, typer.Option("--t-end", help="Last instant in s.")]
+Guess = Annotated[list[str] | None, option("NAME=VALUE: a start value, in SI units.", "--guess")]
+Json = Annotated[bool, option("Print one JSON object on stdout.", "--json")]
+TEnd = Annotated[float, option("Last instant in s.", "--t-end")]
+OptionalTEnd = Annotated[float | None, option("Last instant in s.", "--t-end")]
 TStart = Annotated[
-    float, typer.Option("--t-start", help="First instant in s; the start values belong to t = 0.")
+    float, option("First instant in s; the start values belong to t = 0.", "--t-start")
 ]
 MotionStart = Annotated[
-    float, typer.Option("--t-start", help="First instant in s; the start values belong to it.")
+    float, option("First instant in s; the start values belong to it.", "--t-start")
 ]
 
 

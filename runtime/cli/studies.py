@@ -5,10 +5,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Annotated, TypeVar
 
-import typer
-
 from runtime.cli import common
-from runtime.cli.common import Guess, Json, Model, MotionStart, OptionalTEnd, Parameters, Scene
+from runtime.cli.common import Guess, Json, Model, MotionStart, OptionalTEnd, Scene, Values, option
 
 if TYPE_CHECKING:
     from runtime.studies.effect_ranking import Matters
@@ -21,42 +19,33 @@ def matters(
     model: Model,
     quantity: Annotated[
         str,
-        typer.Option(
-            help="A coordinate, velocity, a(coordinate), reaction, energy or power at the end; "
-            "max:, min:, peak:, range:, mean:, rate: or period: of one; event:EFFECT, "
-            "count:EFFECT."
-        ),
+        option("A coordinate, velocity, a(coordinate), reaction, energy or power at the end; max:, "
+               "min:, peak:, range:, mean:, rate: or period: of one; event:EFFECT, count:EFFECT."),
     ],
-    scene: Scene = None,
-    t_end: OptionalTEnd = None,
-    t_start: MotionStart = 0.0,
+    scene: Scene = None, t_end: OptionalTEnd = None, t_start: MotionStart = 0.0,
     error: Annotated[
-        float | None,
-        typer.Option(help="Relative change that is permitted; proposes the cheapest scene."),
+        float | None, option("Relative change that is permitted; proposes the cheapest scene.")
     ] = None,
     analysis: Annotated[
         str | None,
-        typer.Option(
-            help="simulate, kinematics, inverse or equilibrium (which needs no --t-end); follows "
-            "from the scene unless given."
-        ),
+        option("simulate, kinematics, inverse or equilibrium (which needs no --t-end); follows "
+               "from the scene unless given."),
     ] = None,
     fidelities: Annotated[
-        bool, typer.Option(help="Try the other fidelities of rods, contacts and frictions as well.")
+        bool, option("Try the other fidelities of rods, contacts and frictions as well.")
     ] = True,
-    settings: Parameters = None,
-    guess: Guess = None,
-    method: Annotated[str, typer.Option(help="Integration method, as in simulate.")] = "dop853",
+    settings: Values = None, guess: Guess = None,
+    method: Annotated[str, option("Integration method, as in simulate.")] = "dop853",
     rtol: Annotated[
-        float, typer.Option(help="Relative tolerance; a run with 100 times this is compared.")
+        float, option("Relative tolerance; a run with 100 times this is compared.")
     ] = 1e-10,
-    points: Annotated[int, typer.Option(help="Number of output instants, ends included.")] = 1001,
+    points: Annotated[int, option("Number of output instants, ends included.")] = 1001,
     rounds: Annotated[
-        int | None, typer.Option(help="Timed runs of each scene; the least time counts.")
+        int | None, option("Timed runs of each scene; the least time counts.")
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Picture: .png, .svg or .pdf.")] = None,
+    out: Annotated[Path | None, option("Picture: .png, .svg or .pdf.")] = None,
     as_json: Json = False,
-) -> None:
+) -> None:  # fmt: skip
     """Effect ranking: the scene without each of its effects, the change and the saving."""
     from runtime.studies.effect_ranking import matters as rank_effects
     from runtime.studies.effect_ranking import picture
@@ -77,51 +66,44 @@ def matters(
 
 
 def accuracy(
-    model: Model,
-    scene: Scene = None,
+    model: Model, scene: Scene = None,
     quantity: Annotated[
         list[str] | None,
-        typer.Option(
-            help="A series that is compared, such as crank.phi; again for more. Unless given, the "
-            "coordinates that the scene starts from, and their velocities. a.x|b.x is whichever of "
-            "them a scene has."
-        ),
+        option("A series that is compared, such as crank.phi; again for more. Unless given, the "
+               "coordinates that the scene starts from, and their velocities. a.x|b.x is whichever "
+               "of them a scene has."),
     ] = None,
-    t_end: OptionalTEnd = None,
-    t_start: MotionStart = 0.0,
+    t_end: OptionalTEnd = None, t_start: MotionStart = 0.0,
     method: Annotated[
-        list[str] | None, typer.Option(help="Integration method; again for more. All unless given.")
+        list[str] | None, option("Integration method; again for more. All unless given.")
     ] = None,
     formulation: Annotated[
-        list[str] | None, typer.Option(help="cartesian or reduced; both unless given.")
+        list[str] | None, option("cartesian or reduced; both unless given.")
     ] = None,
     reference: Annotated[
         Path | None,
-        typer.Option(help="A .csv file with columns t, in s, and the quantities: the reference."),
+        option("A .csv file with columns t, in s, and the quantities: the reference."),
     ] = None,
-    points: Annotated[int, typer.Option(help="Instants at which runs are compared.")] = 200,
+    points: Annotated[int, option("Instants at which runs are compared.")] = 200,
     modelling: Annotated[
-        bool, typer.Option(help="Run the other fidelities of rods, contacts and frictions as well.")
+        bool, option("Run the other fidelities of rods, contacts and frictions as well.")
     ] = True,
     beside: Annotated[
-        list[str] | None,
-        typer.Option(help="A further scene that models the same machine; again for more."),
+        list[str] | None, option("A further scene that models the same machine; again for more.")
     ] = None,
     building: Annotated[
-        bool | None,
-        typer.Option(help="Build the scene anew and time each stage; not with --quick."),
+        bool | None, option("Build the scene anew and time each stage; not with --quick.")
     ] = None,
     quick: Annotated[
-        bool, typer.Option("--quick", help="Four tolerances in place of seventeen, few repeats.")
+        bool, option("Four tolerances in place of seventeen, few repeats.", "--quick")
     ] = False,
-    limit: Annotated[float, typer.Option(help="Seconds that a run may take.")] = 10.0,
-    settings: Parameters = None,
-    guess: Guess = None,
+    limit: Annotated[float, option("Seconds that a run may take.")] = 10.0,
+    settings: Values = None, guess: Guess = None,
     out: Annotated[
-        Path | None, typer.Option(help="Folder for the picture and the runs as JSON lines.")
+        Path | None, option("Folder for the picture and the runs as JSON lines.")
     ] = None,
     as_json: Json = False,
-) -> None:
+) -> None:  # fmt: skip
     """Work-precision: digits against time, by method, formulation and modelling choice."""
     from runtime.integrate.method import METHODS
     from runtime.studies.work_precision import accuracy as work_precision

@@ -11,7 +11,7 @@ from runtime.continuation.predictor_corrector import advance
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.results.assembled_state import Assembly
-from runtime.results.singular_positions import SingularPosition
+from runtime.results.event_records import SingularPosition
 
 _CHUNK = 4096  # measured: instants between two returns to Python, for progress and interrupts
 # accuracy: uncertainty of the instant of a singular position, in parts of its zone's reach

@@ -26,7 +26,7 @@ from runtime.core.rounding import EPS
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly
-from runtime.results.singular_positions import Kind, SingularPosition
+from runtime.results.event_records import Kind, SingularPosition
 from runtime.singularity.local_motion import taylor
 from runtime.singularity.singular_position import Singularity, SingularPositions
 

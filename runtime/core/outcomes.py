@@ -31,99 +31,90 @@ class Outcome(IntEnum):
     @property
     def meaning(self) -> str:
         """What happened, in a sentence."""
-        return _TEXT[self][0]
+        return " ".join(_TEXT[self].split("\n\n")[0].split())
 
     @property
     def advice(self) -> str:
         """What to try next, in a sentence."""
-        return _TEXT[self][1]
+        return " ".join(_TEXT[self].split("\n\n")[1].split())
 
 
 _TEXT = {
-    Outcome.OK: ("The run reached its end.", "Nothing needs to be done."),
-    Outcome.INCONSISTENT: (
-        (
-            "No modes of the switching effects are consistent with the motion that follows from "
-            "them: on either side of the switch, forces drive the motion back to the other side, "
-            "and no sliding or sticking is possible between them."
-        ),
-        (
-            "Look for a joint that jams because friction raises its own normal force, a contact "
-            "that works against a driver, or two conditions that undo each other; give the "
-            "friction creep= or the contact stiffness=, or end the run before this time."
-        ),
-    ),
-    Outcome.ZENO: (
-        "Switching conditions change ever faster, infinitely often in a finite time, with no rest.",
-        (
-            "Look at the events before this time; let the effect come to rest (add damping, a "
-            "clearance or a hysteresis), or, if it represents a contact, declare a rigid one, "
-            "whose bouncing ends."
-        ),
-    ),
-    Outcome.STEP_TOO_SMALL: (
-        "The tolerances require a step that the resolution of the clock does not permit.",
-        (
-            "Loosen rtol, give atol a size that matters for the machine, or look for an effect "
-            "that grows without bound or jumps without a switching condition."
-        ),
-    ),
-    Outcome.MAX_STEPS: (
-        "The permitted number of steps was used up.",
-        (
-            "Raise max_steps, or loosen the tolerances. Where that hardly changes the number of "
-            "steps, the model is stiff: lower its largest stiffness or damping, or make an "
-            "effect that changes abruptly smoother."
-        ),
-    ),
-    Outcome.NEWTON_FAILED: (
-        "Newton's method did not return the state onto the constraints, however short the step.",
-        (
-            "Check that the mechanism can move on from here: a driver may require a position that "
-            "the joints do not permit."
-        ),
-    ),
-    Outcome.SINGULAR: (
-        (
-            "The constraints are no longer independent: the mechanism is in a singular "
-            "position, or one of them is redundant."
-        ),
-        (
-            "Remove the constraint named if it repeats what others demand; otherwise look "
-            "for a dead centre or a lock-up at this position."
-        ),
-    ),
-    Outcome.NOT_FINITE: (
-        "The accelerations are not finite.",
-        (
-            "Look in the effects for a division by zero, a root of a negative number, a spring "
-            "whose ends coincide or a mass of zero; in motion laws, curves and effects for a table "
-            "evaluated beyond its ends; in joints with friction for one that jams."
-        ),
-    ),
-    Outcome.INTERRUPTED: (
-        "The user interrupted the run.",
-        "The results up to this time are kept; start again from the last state to go on.",
-    ),
-    Outcome.LOCKED: (
-        "The mechanism cannot follow its driver any further.",
-        (
-            "Change a length or the range of the driver; the position before this time is "
-            "the last that can be reached."
-        ),
-    ),
-    Outcome.UNBALANCED: (
-        "No position was found in which the forces balance.",
-        (
-            "Start from a guess nearer to rest, try the other method, or check that "
-            "something holds the machine."
-        ),
-    ),
-    Outcome.INACCURATE: (
-        "Beyond this time the motion cannot be computed to the accuracy asked for.",
-        (
-            "Ask for less accuracy or for a shorter time, or simulate with rtol in place of "
-            "accuracy for a motion of which only constraints, energy and means are right."
-        ),
-    ),
+    Outcome.OK: """
+        The run reached its end.
+
+        Nothing needs to be done.
+        """,
+    Outcome.INCONSISTENT: """
+        No modes of the switching effects are consistent with the motion that follows from them: on
+        either side of the switch, forces drive the motion back to the other side, and no sliding or
+        sticking is possible between them.
+
+        Look for a joint that jams because friction raises its own normal force, a contact that
+        works against a driver, or two conditions that undo each other; give the friction creep= or
+        the contact stiffness=, or end the run before this time.
+        """,
+    Outcome.ZENO: """
+        Switching conditions change ever faster, infinitely often in a finite time, with no rest.
+
+        Look at the events before this time; let the effect come to rest (add damping, a clearance
+        or a hysteresis), or, if it represents a contact, declare a rigid one, whose bouncing ends.
+        """,
+    Outcome.STEP_TOO_SMALL: """
+        The tolerances require a step that the resolution of the clock does not permit.
+
+        Loosen rtol, give atol a size that matters for the machine, or look for an effect that grows
+        without bound or jumps without a switching condition.
+        """,
+    Outcome.MAX_STEPS: """
+        The permitted number of steps was used up.
+
+        Raise max_steps, or loosen the tolerances. Where that hardly changes the number of steps,
+        the model is stiff: lower its largest stiffness or damping, or make an effect that changes
+        abruptly smoother.
+        """,
+    Outcome.NEWTON_FAILED: """
+        Newton's method did not return the state onto the constraints, however short the step.
+
+        Check that the mechanism can move on from here: a driver may require a position that the
+        joints do not permit.
+        """,
+    Outcome.SINGULAR: """
+        The constraints are no longer independent: the mechanism is in a singular position, or one
+        of them is redundant.
+
+        Remove the constraint named if it repeats what others demand; otherwise look for a dead
+        centre or a lock-up at this position.
+        """,
+    Outcome.NOT_FINITE: """
+        The accelerations are not finite.
+
+        Look in the effects for a division by zero, a root of a negative number, a spring whose ends
+        coincide or a mass of zero; in motion laws, curves and effects for a table evaluated beyond
+        its ends; in joints with friction for one that jams.
+        """,
+    Outcome.INTERRUPTED: """
+        The user interrupted the run.
+
+        The results up to this time are kept; start again from the last state to go on.
+        """,
+    Outcome.LOCKED: """
+        The mechanism cannot follow its driver any further.
+
+        Change a length or the range of the driver; the position before this time is the last that
+        can be reached.
+        """,
+    Outcome.UNBALANCED: """
+        No position was found in which the forces balance.
+
+        Start from a guess nearer to rest, try the other method, or check that something holds the
+        machine.
+        """,
+    Outcome.INACCURATE: """
+        Beyond this time the motion cannot be computed to the accuracy asked for.
+
+        Ask for less accuracy or for a shorter time, or simulate with rtol in place of accuracy for
+        a motion of which only constraints, energy and means are right.
+        """,
 }
+"""What happened, then what to try next: two paragraphs."""

@@ -7,14 +7,11 @@ from typing import Any, cast
 import numpy as np
 from numba import from_dtype
 from numba.extending import intrinsic
-from numba.np import arrayobj
 
 from runtime.core.array_types import Integers
+from runtime.core.array_views import open_array, word
 from runtime.core.function_table import RECORD
 from runtime.core.jit import inlined
-from runtime.core.table_layout import word
-
-_arrays: Any = arrayobj
 
 _FLOATS = [
     "t",  # where the run stands
@@ -141,7 +138,7 @@ def _run_record(typing_context: Any, context: Any) -> Any:
     record = from_dtype(RUN)
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        table = _arrays.make_array(signature.args[0])(context, builder, arguments[0])
+        table = open_array(context, builder, signature, arguments)
         return builder.inttoptr(word(builder, table, RECORD), context.get_value_type(record))
 
     return record(context), codegen

@@ -6,6 +6,7 @@ allots a slot and answers with what compiled code takes out of it.
 """
 
 from collections.abc import Callable
+from functools import reduce
 from math import prod
 from typing import Any, NamedTuple, cast
 
@@ -13,14 +14,13 @@ import numpy as np
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
-from numba.np import arrayobj
 
 from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
+from runtime.core.array_views import borrowed_array, open_array, pointer, word
 from runtime.core.jit import at
 from runtime.core.kernel_abi import KERNELS
 
 _ALIGNED = 8  # layout: words of a cache line, in which an array of its own begins
-_arrays: Any = arrayobj
 _tools: Any = cgutils
 
 Length = int | tuple[int, int | None]
@@ -45,18 +45,15 @@ class TableLayout:
         self.size = len(KERNELS)
         self.arrays: dict[str, ArraySlot] = {}
 
-    def _next(self, name: str) -> int:
+    def number(self, name: str) -> int:
+        """Slot of a number, which compiled code reads as ``context[SLOT]``."""
         slot = self.slots[name] = self.size
         self.size += 1
         return slot
 
-    def number(self, name: str) -> int:
-        """Slot of a number, which compiled code reads as ``context[SLOT]``."""
-        return self._next(name)
-
     def function(self, name: str, signature: Any) -> Callable[[Integers], Callable[..., Any]]:
         """What takes the function `name` out of a table."""
-        return at(types.FunctionType(signature), self._next(name))
+        return at(types.FunctionType(signature), self.number(name))
 
     def floats(
         self, name: str, *lengths: Length, allotted: bool = True
@@ -94,7 +91,7 @@ class TableLayout:
         self, name: str, item: Any, lengths: tuple[Length, ...], flat: bool, allotted: bool
     ) -> Callable[[Integers], Any]:
         pairs = tuple(length if isinstance(length, tuple) else (1, length) for length in lengths)
-        array = ArraySlot(self._next(name), item, pairs, flat, allotted)
+        array = ArraySlot(self.number(name), item, pairs, flat, allotted)
         self.arrays[name] = array
         return _fetcher(array)
 
@@ -136,12 +133,6 @@ class _Allotted(dict[str, Any]):
         return words
 
 
-def word(builder: Any, table: Any, slot: int) -> Any:
-    """The word in a slot of a table, in generated code."""
-    place = _tools.intp_t(slot)
-    return builder.load(builder.gep(table.data, [place], inbounds=True))
-
-
 def _fetcher(array: ArraySlot) -> Callable[[Integers], Any]:
     """An intrinsic that makes an array, not owned, of what lies at an address in a table."""
 
@@ -150,32 +141,19 @@ def _fetcher(array: ArraySlot) -> Callable[[Integers], Any]:
         signature = result(context)
 
         def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            table = _arrays.make_array(signature.args[0])(context, builder, arguments[0])
-            target = _arrays.make_array(signature.return_type)(context, builder)
-            shape = [_emitted(builder, table, *length) for length in array.lengths]
+            table = open_array(context, builder, signature, arguments)
+            shape = [_length(builder, table, *length) for length in array.lengths]
             if array.flat:
-                product = shape[0]
-                for other in shape[1:]:
-                    product = builder.mul(product, other)
-                shape = [product]
-            step = _tools.intp_t(8)
-            strides = [step] if len(shape) == 1 else [builder.mul(step, shape[1]), step]
-            _arrays.populate_array(
-                target,
-                data=builder.inttoptr(word(builder, table, array.slot), target.data.type),
-                shape=shape,
-                strides=strides,
-                itemsize=step,
-                meminfo=None,
-            )
-            return target._getvalue()
+                shape = [reduce(builder.mul, shape)]
+            data = pointer(context, builder, table, array.slot, array.item)
+            return borrowed_array(context, builder, signature.return_type, data, shape)
 
         return signature, codegen
 
     return cast(Callable[[Integers], Any], intrinsic(fetch))
 
 
-def _emitted(builder: Any, table: Any, factor: int, count: int | None) -> Any:
+def _length(builder: Any, table: Any, factor: int, count: int | None) -> Any:
     if count is None:
         return _tools.intp_t(factor)
     value = word(builder, table, count)

@@ -11,13 +11,10 @@ from typing import Any, cast
 
 from numba import types
 from numba.extending import intrinsic
-from numba.np import arrayobj
 
 from runtime.core.array_types import Integers, Vector
+from runtime.core.array_views import borrowed_array, open_array, pointer, word
 from runtime.core.function_table import COORDINATES, SWITCHES, TABLE
-from runtime.core.table_layout import word
-
-_arrays: Any = arrayobj
 
 Y0 = 0  # state at the start of the step
 Y1 = 1  # state at its end
@@ -67,25 +64,16 @@ def _row(array: str, count: int, factor: int, part: int | None) -> Any:
         signature = types.Array(types.float64, 1, "C")(context, types.intp)
 
         def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            table = _arrays.make_array(signature.args[0])(context, builder, arguments[0])
-            target = _arrays.make_array(signature.return_type)(context, builder)
+            table = open_array(context, builder, signature, arguments)
             length = word(builder, table, count)
             row = builder.mul(length, context.get_constant(types.intp, factor))
             start = builder.mul(arguments[1], row)
             if part:
                 start = builder.add(start, length)
-            address = word(builder, table, TABLE.slots[array])
-            base = builder.inttoptr(address, target.data.type)
-            item = context.get_constant(types.intp, 8)
-            _arrays.populate_array(
-                target,
-                data=builder.gep(base, [start], inbounds=True),
-                shape=[row if part is None else length],
-                strides=[item],
-                itemsize=item,
-                meminfo=None,
-            )
-            return target._getvalue()
+            base = pointer(context, builder, table, TABLE.slots[array], types.float64)
+            data = builder.gep(base, [start], inbounds=True)
+            shape = [row if part is None else length]
+            return borrowed_array(context, builder, signature.return_type, data, shape)
 
         return signature, codegen
 

@@ -23,9 +23,8 @@ from runtime.mechanism.dense_equations import Equations
 from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
-from runtime.results.event_records import Event
+from runtime.results.event_records import Event, SingularPosition
 from runtime.results.result import Result
-from runtime.results.singular_positions import SingularPosition
 from runtime.validation.arguments import instants
 from runtime.validation.contacts import require_no_rigid, require_slip
 from runtime.validation.masses import require_masses

@@ -81,7 +81,7 @@ def finish_simulation(
     `run` is its run, if that exists already; a scene with works needs another one.
     """
     begin, mechanism = ready.begin, coordinates.mechanism
-    works = bool(mechanism.description.working)
+    works = bool(mechanism.description.work_rows)
     if works or run is None:
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
     result = _result(mechanism, run, ready.p, began, begin)

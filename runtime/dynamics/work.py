@@ -35,7 +35,7 @@ def integrate_works(result: Result, count: int, times: FloatArray | None) -> Non
     kept[:count:INTERVAL] = True if times is None else np.isin(ends, times)
     if result.failed:
         kept[-1:] = True
-    for name, column in result.description.working.items():
+    for name, column in result.description.work_rows.items():
         power = samples.power[1:count, column].reshape(-1, INTERVAL)[:, :-1]
         pieces = 0.5 * np.diff(ends) * (power @ WEIGHTS)
         work = np.full(len(samples.t), np.nan)

@@ -18,6 +18,7 @@ from runtime.hybrid.loop_branch_guard import DEAD_CENTRE_NOTE, find_dead_centre
 from runtime.hybrid.mode_search import MOST_COMBINED
 from runtime.integrate.initialization import start
 from runtime.integrate.loop import advance
+from runtime.integrate.method import LEADING
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.recording import Recording
 from runtime.integrate.run_state import RunState
@@ -215,7 +216,7 @@ class Run:
             statistics=Statistics(**counts, largest_dq=float(r["largest_dq"]), seconds=seconds),
             events=self.recording.events(),
             partitions=self.recording.partitions(),
-            methods=tuple((t, "dop853" if name == "auto" else name) for t, name in state.methods),
+            methods=tuple((t, LEADING if name == "auto" else name) for t, name in state.methods),
             crossings=tuple(self.crossings.passed),
             note=note,
         )

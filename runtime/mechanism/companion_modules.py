@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Kind = Literal["tangents", "reduced"]
 
 _BELONGS = re.compile(r'^MODULE_SHA256 = "([0-9a-f]{64})"$', re.MULTILINE)
-_HOLDS = {"tangents": "derivatives", "reduced": "reduced equations"}
+_CONTENTS = {"tangents": "derivatives", "reduced": "reduced equations"}
 
 
 class Origin(NamedTuple):
@@ -43,10 +43,7 @@ class Origin(NamedTuple):
 def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) -> ModuleType:
     """The module that belongs to a loaded machine; built if missing or stale.
 
-    Parameters
-    ----------
-    title, path
-        The machine's name and its generated file, for messages.
+    `title` and `path`, the machine's name and its generated file, are for messages.
 
     Raises
     ------
@@ -59,7 +56,7 @@ def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) ->
     """
     if origin is None:
         raise AnalysisError(
-            f"{title} was put together without its model, from {path}, so its {_HOLDS[kind]} "
+            f"{title} was put together without its model, from {path}, so its {_CONTENTS[kind]} "
             "cannot be built. Load it by runtime.load."
         )
     text = _text(origin, kind)
@@ -69,17 +66,16 @@ def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) ->
         return import_generated(place, hashlib.sha256(text.encode()).hexdigest())
     from codegen import build
 
-    options = {kind: True}
-    built = build(origin.model, origin.scene, origin.path.parent, compile=False, **options)  # type: ignore[arg-type]
-    (report,) = built.scenes
+    folder, wanted = origin.path.parent, {kind: True}
+    (report,) = build(origin.model, origin.scene, folder, compile=False, **wanted).scenes  # type: ignore[arg-type]
     companion = report.tangents if kind == "tangents" else report.reduced
-    name = origin.scene if isinstance(origin.scene, str) else origin.scene.name
     if report.digest != origin.digest or companion is None:
+        name = origin.scene if isinstance(origin.scene, str) else origin.scene.name
         raise SupersededError(
             f"{origin.path} is {origin.digest[:12]}... in this machine and {report.digest[:12]}... "
             f"now: the model, or the generator, has changed since the machine of scene '{name}' "
-            f"was loaded, and its {_HOLDS[kind]} would be those of another one. Load the machine "
-            "again."
+            f"was loaded, and its {_CONTENTS[kind]} would be those of another one. Load the "
+            "machine again."
         )
     return import_generated(companion.path, companion.digest)
 
@@ -100,8 +96,9 @@ def _text(origin: Origin, kind: Kind) -> str | None:
 
 
 def _command(origin: Origin, kind: Kind) -> str:
+    """How the user has the companion built anew."""
     if not isinstance(origin.model, Path) or not isinstance(origin.scene, str):
-        return f"delete the file, and ask for the {_HOLDS[kind]} again."
+        return f"delete the file, and ask for the {_CONTENTS[kind]} again."
     return (
         f"python -m codegen build {origin.model} --scene {origin.scene} "
         f"--out {origin.path.parent} --{kind}"

@@ -1,6 +1,6 @@
 """The tables of a generated module, typed: the only place that knows its layout."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from types import ModuleType
 from typing import NamedTuple, Protocol, SupportsIndex, TypeVar, overload
@@ -10,12 +10,10 @@ import numpy.typing as npt
 
 
 class Row(Protocol):
-    """A line of a table: it has a name."""
+    """A line of a table, which is found by its name."""
 
     @property
-    def name(self) -> str:
-        """The name by which the line is found."""
-        ...
+    def name(self) -> str: ...  # noqa: D102
 
 
 RowT = TypeVar("RowT", bound=Row)
@@ -202,10 +200,10 @@ class Description(NamedTuple):
     reactions: Table[ReactionRow]
     powers: Table[PowerSource]
     start: Table[StartValue]
-    jacobian_rows: npt.NDArray[np.intp]
-    jacobian_columns: npt.NDArray[np.intp]
-    mass_rows: npt.NDArray[np.intp]
-    mass_columns: npt.NDArray[np.intp]
+    jacobian_rows: npt.NDArray[np.int64]
+    jacobian_columns: npt.NDArray[np.int64]
+    mass_rows: npt.NDArray[np.int64]
+    mass_columns: npt.NDArray[np.int64]
     operations: tuple[tuple[str, int], ...]
     has_masses: bool
     analysis: str = "dynamics"
@@ -221,7 +219,7 @@ class Description(NamedTuple):
         """`model/scene`, as messages name it."""
         return f"{self.model}/{self.scene}"
 
-    def offer(self, output: str) -> str:
+    def suggest_output(self, output: str) -> str:
         """Sentence on an output that the scene does not ask for, and how to have it."""
         before = ("reactions", "energy", "powers") if self.outputs is None else self.outputs
         outputs = ", ".join(map(repr, (*before, output)))
@@ -230,7 +228,7 @@ class Description(NamedTuple):
             f"scene with outputs=[{outputs}], or load scene.with_(outputs=[{outputs}])."
         )
 
-    def unasked(self, output: str, *elements: str) -> bool:
+    def leaves_out(self, output: str, *elements: str) -> bool:
         """Whether a scene that names its outputs names neither `output` nor those of elements."""
         if self.outputs is None or f"{output}s" in self.outputs or output in self.outputs:
             return False
@@ -242,7 +240,7 @@ class Description(NamedTuple):
         return tuple(row.name for row in self.effects if row.kind == "tracked point")
 
     @property
-    def working(self) -> dict[str, int]:
+    def work_rows(self) -> dict[str, int]:
         """Effect or driver → the row of the power of which its work is the integral."""
         rows = enumerate(self.powers)
         return {row.name[len("work(") : -1]: k for k, row in rows if row.kind == "work"}
@@ -280,46 +278,33 @@ class Description(NamedTuple):
         return np.array([values.get(row.name, 0.0) for row in self.coordinates])
 
 
+_ROWS: dict[str, Callable[..., Row]] = {
+    "coordinates": Coordinate,
+    "constraints": Constraint,
+    "parameters": Parameter,
+    "effects": Effect,
+    "left_out": Effect,
+    "switches": Switch,
+    "rigid": RigidContact,
+    "reactions": ReactionRow,
+    "powers": PowerSource,
+    "start": StartValue,
+}
+"""Tables of a generated module, and the type of their rows."""
+_INDICES = ("jacobian_rows", "jacobian_columns", "mass_rows", "mass_columns")
+
+
 def describe(module: ModuleType) -> Description:
-    """Read the literals of a loaded generated module."""
-
-    def indices(name: str) -> npt.NDArray[np.intp]:
-        return np.array(getattr(module, name, ()), dtype=np.intp)
-
+    """Read the literals of a loaded generated module, each called as its field in capitals."""
+    fields = {name: name.upper() for name in Description._fields}
+    literals = {k: getattr(module, name) for k, name in fields.items() if hasattr(module, name)}
+    for name, row in _ROWS.items():
+        literals[name] = Table(row(*entry) for entry in literals.get(name, ()))
+    for name in _INDICES:
+        literals[name] = np.array(literals.get(name, ()), dtype=np.int64)
+    literals["stiction"] = tuple(switch for _, switch in literals.get("stiction", ()))
     return Description(
-        generator=module.GENERATOR,
-        model=module.MODEL,
-        scene=module.SCENE,
-        formulation=module.FORMULATION,
-        sources=tuple(module.SOURCES),
-        bodies=tuple(module.BODIES),
-        coordinates=Table(Coordinate(*row) for row in module.COORDINATES),
-        constraints=Table(Constraint(*row) for row in module.CONSTRAINTS),
-        parameters=Table(
-            Parameter(name, float(default), unit, sign)
-            for name, default, unit, sign in module.PARAMETERS
-        ),
-        constants=tuple(module.CONSTANTS),
-        effects=Table(Effect(*row) for row in module.EFFECTS),
-        left_out=Table(Effect(*row) for row in module.LEFT_OUT),
-        drivers=tuple(module.DRIVERS),
-        switches=Table(Switch(*row) for row in module.SWITCHES),
-        reactions=Table(ReactionRow(*row) for row in module.REACTIONS),
-        powers=Table(PowerSource(*row) for row in module.POWERS),
-        start=Table(StartValue(name, float(value), role) for name, value, role in module.START),
-        jacobian_rows=indices("JACOBIAN_ROWS"),
-        jacobian_columns=indices("JACOBIAN_COLUMNS"),
-        mass_rows=indices("MASS_ROWS"),
-        mass_columns=indices("MASS_COLUMNS"),
-        operations=tuple(module.OPERATIONS),
-        has_masses=hasattr(module, "mass"),
-        analysis=getattr(module, "ANALYSIS", "dynamics"),
-        unused=tuple(getattr(module, "UNUSED", ())),
-        outputs=getattr(module, "OUTPUTS", None),
-        recovered=getattr(module, "RECOVERED", None),
-        kernels=frozenset(vars(module)),
-        rigid=Table(RigidContact(*row) for row in getattr(module, "RIGID", ())),
-        stiction=tuple(switch for _, switch in getattr(module, "STICTION", ())),
+        **literals, has_masses=hasattr(module, "mass"), kernels=frozenset(vars(module))
     )
 
 

@@ -64,14 +64,11 @@ class Mechanism:
     def system(self) -> System:
         """The equations in all coordinates, as the integrator takes them."""
         description, kernels = self.description, self.kernels
-        jacobian = (
-            description.jacobian_rows.astype(np.int64),
-            description.jacobian_columns.astype(np.int64),
-        )
+        rows, columns = description.jacobian_rows, description.jacobian_columns
         n, m = len(description.coordinates), len(description.constraints)
         parameters = len(description.parameters)
         return replace(
-            common_system(description, kernels, jacobian, n, m),
+            common_system(description, kernels, rows, columns, n, m),
             reactions=kernels.reactions,
             switched_reactions=kernels.switched_reactions,
             reaction_rows=len(description.reactions),
@@ -82,13 +79,7 @@ class Mechanism:
 
     @cached_property
     def tangents(self) -> Tangents:
-        """Exact derivatives of the kernels; their file is built where it is missing.
-
-        Raises
-        ------
-        AnalysisError
-            If the scene has no masses, or the mechanism was not loaded from a model.
-        """
+        """Exact derivatives of the kernels; their file is built where it is missing."""
         if not self.description.has_masses:
             raise AnalysisError(
                 f"{self.title} is kinematic: no masses move in it, so there are no accelerations "
@@ -98,13 +89,7 @@ class Mechanism:
 
     @cached_property
     def reduced(self) -> Reduced:
-        """The equations in reduced coordinates; their file is built where it is missing.
-
-        Raises
-        ------
-        AnalysisError
-            If the mechanism was not loaded from a model.
-        """
+        """The equations in reduced coordinates; their file is built where it is missing."""
         module = load_companion(self.origin, "reduced", self.title, self.path)
         return gather_reduced(module, self.description)
 

@@ -53,17 +53,13 @@ class Reduced:
     @cached_property
     def system(self) -> System:
         """The reduced equations, as the integrator takes them."""
-        m = len(self.closures)
+        n, m = len(self.kept), len(self.closures)
         return replace(
-            common_system(self.description, self.kernels, self.jacobian, len(self.kept), m),
+            common_system(self.description, self.kernels, *self.jacobian, n, m),
             dead_centres=self.dead_centres,
             loop_rows=tuple(m + row for _, row in self.branches),
             **self.tangents._asdict(),
         )
-
-    @cached_property
-    def _expanding(self) -> IntArray:
-        return addresses([self.expand])
 
     def row(self, index: int) -> int:
         """The machine's constraint that `index` of an outcome or a crossing means."""
@@ -73,19 +69,13 @@ class Reduced:
     def parameters(self, p: FloatArray, t: float, q: FloatArray) -> FloatArray:
         """``p`` of these kernels, with the branches on which the machine stands at (t, q).
 
-        Parameters
-        ----------
-        p
-            That of the machine.
-        q : (n,)
-            All coordinates.
+        `p` is that of the machine, q has all coordinates, (n,).
         """
         declared, count = len(self.description.parameters), len(self.branches)
-        values = np.zeros(self.slots)
+        values, sides = np.zeros(self.slots), np.zeros(count)
         values[:declared] = p[:declared]
         values[declared : declared + count] = 1.0
         self.kernels.constants(values)
-        sides = np.zeros(count)
         self.sides(t, np.ascontiguousarray(q), values, sides)
         values[declared : declared + count] = np.where(sides < 0.0, -1.0, 1.0)
         self.kernels.constants(values)
@@ -94,18 +84,11 @@ class Reduced:
     def steepness(self, t: float, q: FloatArray, p: FloatArray, sizes: FloatArray) -> FloatArray:
         """Largest rate of each of `branches` by those of the kept coordinates, in their sizes.
 
-        It grows beyond all bounds at a dead centre.
-
-        Parameters
-        ----------
-        q, sizes : (f,)
-            Kept coordinates, and their typical sizes.
+        It grows without bound at a dead centre. q and `sizes` are of the kept coordinates, (f,).
         """
-        n = len(self.description.coordinates)
         columns = [column for column, _ in self.branches]
-        turns, place = np.zeros(len(self.angles)), np.zeros(n)
-        found, rest, rate = np.zeros(len(columns)), np.zeros(n), np.zeros(n)
-        unit = np.zeros(len(q))
+        turns, unit, found = np.zeros(len(self.angles)), np.zeros(len(q)), np.zeros(len(columns))
+        place, rest, rate = np.zeros((3, len(self.description.coordinates)))
         self.expand(t, q, unit, p, turns, place, rest)
         for j, size in enumerate(sizes):
             unit[j] = size
@@ -123,39 +106,19 @@ class Reduced:
         start: tuple[float, FloatArray],
         sizes: FloatArray,
     ) -> tuple[FloatArray, FloatArray]:
-        """All coordinates and velocities, (k, n) each, at instants in order.
+        """All coordinates and velocities, (k, n) each, at k instants in order.
 
-        Angles in closed form are followed from the start along straight lines from one instant to
-        the next.
-
-        Parameters
-        ----------
-        t, q, v : (k,), (k, f), (k, f)
-            Instants and states of the kept coordinates.
-        start
-            The instant and all coordinates, (n,), from which angles are followed.
-        sizes : (f,)
-            Typical sizes of the kept coordinates.
+        Angles in closed form are followed from the start, an instant and all coordinates (n,),
+        along straight lines from one instant to the next. q and v, (k, f), are of the kept
+        coordinates, as are their typical `sizes`, (f,).
         """
         from runtime.mechanism.angle_unwrapping import follow  # compiles where it is used
 
-        n, count = len(self.description.coordinates), len(t)
-        all_q, all_v = np.zeros((count, n)), np.zeros((count, n))
+        all_q, all_v = np.zeros((2, len(t), len(self.description.coordinates)))
         t_first, first = start
-        follow(
-            self._expanding,
-            self.angles,
-            t_first,
-            np.ascontiguousarray(first),
-            np.ascontiguousarray(first[self.kept]),
-            t,
-            np.ascontiguousarray(q),
-            np.ascontiguousarray(v),
-            p,
-            np.ascontiguousarray(sizes),
-            all_q,
-            all_v,
-        )
+        arrays = first, first[self.kept], t, q, v, p, sizes, all_q, all_v
+        table = addresses([self.expand])
+        follow(table, self.angles, t_first, *map(np.ascontiguousarray, arrays))
         return all_q, all_v
 
 

@@ -12,8 +12,6 @@ from runtime.mechanism.description import Description
 class Tangents(NamedTuple):
     """The compiled derivatives of a scene, along one direction (dq, dv) a call.
 
-    The fields are called as those of `runtime.integrate.problem.System`, which takes them.
-
     Attributes
     ----------
     accelerations_tangent
@@ -31,35 +29,25 @@ class Tangents(NamedTuple):
     correction_tangent: Kernel
 
 
-def common_system(
-    description: Description,
-    kernels: Kernels,
-    jacobian: tuple[Integers, Integers],
-    coordinates: int,
-    constraints: int,
-) -> System:
-    """The entries that all formulations have in common.
+def gather_tangents(module: ModuleType) -> Tangents:
+    """Take the derivatives out of a loaded module that has them."""
+    return Tangents(*(getattr(module, name) for name in Tangents._fields))
 
-    Parameters
-    ----------
-    jacobian
-        Rows and columns of the structural non-zeros of the Jacobian.
-    coordinates, constraints
-        How many there are.
+
+def common_system(
+    description: Description, kernels: Kernels, rows: Integers, columns: Integers, n: int, m: int
+) -> System:
+    """The entries common to all formulations, of n coordinates and m constraints.
+
+    `rows` and `columns` are those of the structural non-zeros of the Jacobian.
     """
-    rows, columns = jacobian
     return System(
         **vars(kernels),
         jacobian_rows=rows,
         jacobian_columns=columns,
-        coordinates=coordinates,
-        constraint_count=constraints,
+        coordinates=n,
+        constraint_count=m,
         switches=len(description.switches),
         rigid=tuple(contact.switch for contact in description.rigid),
         sticking=tuple(k for k, row in enumerate(description.switches) if row.kind == "friction"),
     )
-
-
-def gather_tangents(module: ModuleType) -> Tangents:
-    """Take the derivatives out of a loaded module that has them."""
-    return Tangents(*(getattr(module, name) for name in Tangents._fields))

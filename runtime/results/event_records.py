@@ -1,13 +1,19 @@
-"""Events of a result: changes of modes, impacts, singular configurations."""
+"""Events of a result: changes of modes, impacts, and singular configurations in full."""
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from runtime.core.modes import Direction
+from runtime.results.samples import plain
 
 FloatArray = npt.NDArray[np.float64]
+Kind = Literal["crossing", "lock-up", "start", "unclear"]
+
+_SMALL = 0.02  # layout: part of the largest share, below which a text leaves a share out
+_MOST = 8  # layout: shares that a text shows
 
 
 class Event(NamedTuple):
@@ -44,3 +50,73 @@ class Event(NamedTuple):
     def state(self) -> FloatArray:
         """q and v in one array, shape (2 n,)."""
         return np.concatenate([self.q, self.v])
+
+
+class SingularPosition(NamedTuple):
+    """A position in which constraints cease to be independent.
+
+    With u, uᵀ Φ_q = 0, and x, Φ_q x = 0, the velocities Φ_q q̇ = ν exist where uᵀ ν = 0: there
+    motions cross. Where uᵀ ν ≠ 0 the driver asks for what no motion gives: a lock-up (E. J. Haug,
+    Computer Aided Kinematics and Dynamics of Mechanical Systems I, 1989, section 3.7).
+
+    Attributes
+    ----------
+    kind
+        "crossing": motions cross, and the run went on along the one on which the velocity is
+        continuous; "lock-up": the drivers cannot go on; "start": a crossing in which it began;
+        "unclear": the run ended where two motions are too much alike, in a corner, or too near to
+        several of these to be distinguished from them.
+    time
+        In s.
+    drivers, joints
+        Those whose constraints are in what was lost, the largest share first.
+    lost
+        How many constraints ceased to be independent.
+    null_directions
+        Directions free with the drivers at rest, one a constraint lost: coordinates with their
+        shares, lengths in units of the machine's size, the largest share 1.
+    singular_value
+        The smallest of Φ_q, lengths in units of the machine's size, rows of unit length.
+    drift
+        |uᵀ ν| in units of the drivers' pace, the largest |ν|: rounding where motions cross.
+    q, v
+        State, shape (n,); velocities that no bound holds are not numbers.
+
+    A simulation keeps less of a crossing: the constraint with the largest share, one direction
+    besides the motion's, no state (None), and neither `singular_value` nor `drift` (not a number).
+    """
+
+    kind: Kind
+    time: float
+    drivers: tuple[str, ...]
+    joints: tuple[str, ...]
+    lost: int
+    null_directions: tuple[Mapping[str, float], ...]
+    singular_value: float
+    drift: float
+    q: FloatArray | None = None
+    v: FloatArray | None = None
+
+    @property
+    def title(self) -> str:
+        """`singular: drive, A, B`, as events name it."""
+        return f"singular: {', '.join((*self.drivers, *self.joints))}"
+
+    def facts(self) -> dict[str, Any]:
+        """All but the state as JSON; not a number becomes None."""
+        facts = self._asdict().items()
+        return {name: plain(value) for name, value in facts if name not in {"q", "v"}}
+
+    @property
+    def free(self) -> str:
+        """The null directions as text."""
+        return "; ".join(shares(direction) for direction in self.null_directions)
+
+
+def shares(direction: Mapping[str, float]) -> str:
+    """The larger shares of a direction as text, the largest first."""
+    largest = max(map(abs, direction.values()), default=0.0)
+    shown = sorted(direction.items(), key=lambda item: -abs(item[1]))
+    texts = [f"{name} {part:+.3g}" for name, part in shown if abs(part) > _SMALL * largest]
+    rest = len(texts) - _MOST
+    return ", ".join(texts[:_MOST]) + (f" and {rest} more" if rest > 0 else "")

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from codegen.errors import InputError
 from runtime.results.dataset import dataset
-from runtime.results.time_series import TimeSeries
+from runtime.results.result import Result
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -42,7 +42,7 @@ def check_place(path: Path) -> None:
         ) from error
 
 
-def save(result: TimeSeries, path: Path) -> Path:
+def save(result: Result, path: Path) -> Path:
     """Write `result` by the ending of `path`; a file of that name is replaced at the end."""
     check_place(path)
     handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
@@ -66,7 +66,7 @@ def save(result: TimeSeries, path: Path) -> Path:
     return path
 
 
-def columns(result: TimeSeries) -> dict[str, FloatArray]:
+def columns(result: Result) -> dict[str, FloatArray]:
     """The result as columns over time, named `series [unit]`."""
     description, samples = result.description, result.samples
     table = {"time [s]": samples.t}
@@ -91,7 +91,7 @@ def columns(result: TimeSeries) -> dict[str, FloatArray]:
     return table
 
 
-def _write_csv(result: TimeSeries, path: Path) -> None:
+def _write_csv(result: Result, path: Path) -> None:
     table = columns(result)
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
@@ -99,7 +99,7 @@ def _write_csv(result: TimeSeries, path: Path) -> None:
         writer.writerows(np.column_stack(list(table.values())).tolist())
 
 
-def _write_parquet(result: TimeSeries, path: Path) -> None:
+def _write_parquet(result: Result, path: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -107,20 +107,20 @@ def _write_parquet(result: TimeSeries, path: Path) -> None:
     pq.write_table(table, path)
 
 
-def _write_netcdf(result: TimeSeries, path: Path) -> None:
+def _write_netcdf(result: Result, path: Path) -> None:
     import netCDF4  # noqa: F401  (xarray's own message about a missing engine is obscure)
 
     dataset(result).to_netcdf(path, engine="netcdf4")
 
 
-def _write_page(result: TimeSeries, path: Path) -> None:
+def _write_page(result: Result, path: Path) -> None:
     """A page for people: `runtime.show.report`."""
     from runtime.show.report import page
 
     path.write_text(page(result), encoding="utf-8")
 
 
-_WRITERS: dict[str, Callable[[TimeSeries, Path], None]] = {
+_WRITERS: dict[str, Callable[[Result, Path], None]] = {
     ".nc": _write_netcdf,
     ".csv": _write_csv,
     ".parquet": _write_parquet,

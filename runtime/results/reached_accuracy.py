@@ -3,7 +3,7 @@
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from runtime.results.json_values import plain
+from runtime.results.samples import plain
 
 
 @dataclass(frozen=True)

@@ -1,15 +1,28 @@
 """The result of an analysis: series over time, how the run went, and how it ended."""
 
+import json
 import os
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+import numpy.typing as npt
+
+from codegen import __version__
+from runtime.core.outcomes import Outcome
+from runtime.mechanism.description import Description
+from runtime.results.event_records import Event, SingularPosition
+from runtime.results.reached_accuracy import ReachedAccuracy
+from runtime.results.samples import Partition, Samples
 from runtime.results.time_series import TimeSeries
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+FloatArray = npt.NDArray[np.float64]
 
 
 class Result(TimeSeries):
@@ -40,6 +53,42 @@ class Result(TimeSeries):
         Parameter values by name.
     """
 
+    def __init__(
+        self,
+        description: Description,
+        samples: Samples,
+        p: FloatArray,
+        *,
+        analysis: str,
+        outcome: Outcome,
+        message: str,
+        stats: Mapping[str, float],
+        events: Sequence[Event] = (),
+        partitions: Sequence[Partition] = (),
+        not_unique: Sequence[str] = (),
+        singular: Sequence[SingularPosition] = (),
+    ) -> None:
+        self.description, self.samples = description, samples
+        self.analysis, self.outcome, self.message = analysis, outcome, message
+        self.stats = dict(stats)
+        self.events, self.partitions = tuple(events), tuple(partitions)
+        self.not_unique, self.singular = tuple(not_unique), tuple(singular)
+        self.works: dict[str, FloatArray] = {}
+        self.accuracy: ReachedAccuracy | None = None
+        self.parameters = {
+            row.name: float(value) for row, value in zip(description.parameters, p, strict=False)
+        }
+
+    @property
+    def failed(self) -> bool:
+        """Whether the analysis ended before its end."""
+        return self.outcome is not Outcome.OK
+
+    @property
+    def t(self) -> FloatArray:
+        """Instants in s, shape (k,)."""
+        return self.samples.t
+
     @cached_property
     def data(self) -> "xr.Dataset":
         """All series as an `xarray.Dataset`, units in the attributes."""
@@ -54,10 +103,6 @@ class Result(TimeSeries):
         ----------
         path
             Ending in .nc (netCDF 4), .csv, .parquet or .html; a file of that name is replaced.
-
-        Returns
-        -------
-        Path
 
         Raises
         ------
@@ -77,10 +122,6 @@ class Result(TimeSeries):
         names
             As in `series`; without any, the coordinates that are angles.
 
-        Returns
-        -------
-        matplotlib.figure.Figure
-
         Raises
         ------
         InputError
@@ -89,6 +130,24 @@ class Result(TimeSeries):
         from runtime.show.plot import plot
 
         return plot(self, names)
+
+    def about(self) -> dict[str, str]:
+        """The run in texts, as files carry it: model, scene, outcome, parameters, versions."""
+        return {
+            "model": self.description.model,
+            "scene": self.description.scene,
+            "analysis": self.analysis,
+            "outcome": self.outcome.name,
+            "message": self.message,
+            "parameters": json.dumps(self.parameters),
+            "stats": json.dumps(self.stats),
+            "not_unique": ", ".join(self.not_unique),
+            "singular": json.dumps([row.facts() for row in self.singular]),
+            **({"accuracy": json.dumps(self.accuracy.facts())} if self.accuracy else {}),
+            "linkwright": __version__,
+            "generator": self.description.generator,
+            "numpy": np.__version__,
+        }
 
     def __repr__(self) -> str:
         """Title, span and outcome for a person."""

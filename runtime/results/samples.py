@@ -1,6 +1,8 @@
-"""The arrays of a result, one row an output instant, and its partitions of the coordinates."""
+"""The numbers of a result: arrays over time, partitions of the coordinates, and their JSON."""
 
-from typing import NamedTuple
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +28,7 @@ class Samples(NamedTuple):
     energy
         Kinetic and potential energy in J, (k, 2).
     residual
-        Largest |Phi| and |Phi_q v - nu|, (k, 2).
+        Largest |Φ| and |Φ_q v - ν|, (k, 2).
     modes
         Modes of the switching functions: 1, 0, or 2 where the function stays at zero, (k, s).
     share
@@ -59,3 +61,14 @@ class Partition(NamedTuple):
 
     time: float
     independent: tuple[str, ...]
+
+
+def plain(value: Any) -> Any:
+    """Mappings, sequences and numbers, also NumPy's, as JSON; None if a number is not finite."""
+    if isinstance(value, Mapping):
+        return {key: plain(entry) for key, entry in value.items()}
+    if isinstance(value, tuple | list):
+        return [plain(entry) for entry in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value

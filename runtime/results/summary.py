@@ -3,13 +3,13 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from runtime.results.json_values import plain
-from runtime.results.time_series import TimeSeries
+from runtime.results.samples import plain
+from runtime.results.result import Result
 
 _SHOWN = 12  # events, before it says how many more there are
 
 
-def summary(result: TimeSeries, saved: Path | None) -> dict[str, Any]:
+def summary(result: Result, saved: Path | None) -> dict[str, Any]:
     """The JSON object of a run."""
     description = result.description
     last = result.samples
@@ -41,7 +41,7 @@ def summary(result: TimeSeries, saved: Path | None) -> dict[str, Any]:
     return summary
 
 
-def last_values(result: TimeSeries) -> list[str]:
+def last_values(result: Result) -> list[str]:
     """The last state, a line a coordinate."""
     width = max((len(row.name) for row in result.description.coordinates), default=0)
     return [
@@ -50,12 +50,12 @@ def last_values(result: TimeSeries) -> list[str]:
     ]
 
 
-def accuracy(result: TimeSeries) -> list[str]:
+def accuracy(result: Result) -> list[str]:
     """The accuracy of a run with an accuracy target; else nothing."""
     return [] if result.accuracy is None else [f"  {x}" for x in result.accuracy.sentences()[1:]]
 
 
-def events(result: TimeSeries) -> list[str]:
+def events(result: Result) -> list[str]:
     """The events, a line each; of many, the first and the last ones."""
     happened = result.events
     width = max((len(event.what) for event in happened), default=0)

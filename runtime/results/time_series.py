@@ -1,19 +1,13 @@
 """Series of a result by name: coordinates, reactions, modes, powers, works, paths, energies."""
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable
 
 import numpy as np
 import numpy.typing as npt
 
-from codegen import __version__
 from codegen.errors import InputError
-from runtime.core.outcomes import Outcome
 from runtime.mechanism.description import Description, unknown
-from runtime.results.event_records import Event
-from runtime.results.reached_accuracy import ReachedAccuracy
-from runtime.results.samples import Partition, Samples
-from runtime.results.singular_positions import SingularPosition
+from runtime.results.samples import Samples
 
 FloatArray = npt.NDArray[np.float64]
 ENERGIES = ("kinetic", "potential", "total")
@@ -25,46 +19,10 @@ class TimeSeries:
     A name that the scene does not have is refused by an `InputError` with the nearest ones.
     """
 
-    def __init__(
-        self,
-        description: Description,
-        samples: Samples,
-        p: FloatArray,
-        *,
-        analysis: str,
-        outcome: Outcome,
-        message: str,
-        stats: Mapping[str, float],
-        events: Sequence[Event] = (),
-        partitions: Sequence[Partition] = (),
-        not_unique: Sequence[str] = (),
-        singular: Sequence[SingularPosition] = (),
-    ) -> None:
-        self.description = description
-        self.samples = samples
-        self.analysis = analysis
-        self.outcome = outcome
-        self.message = message
-        self.stats = dict(stats)
-        self.events = tuple(events)
-        self.partitions = tuple(partitions)
-        self.works: dict[str, FloatArray] = {}
-        self.not_unique = tuple(not_unique)
-        self.singular = tuple(singular)
-        self.accuracy: ReachedAccuracy | None = None
-        self.parameters = {
-            row.name: float(value) for row, value in zip(description.parameters, p, strict=False)
-        }
-
-    @property
-    def failed(self) -> bool:
-        """Whether the analysis ended before its end."""
-        return self.outcome is not Outcome.OK
-
-    @property
-    def t(self) -> FloatArray:
-        """Instants in s, shape (k,)."""
-        return self.samples.t
+    description: Description
+    samples: Samples
+    works: dict[str, FloatArray]
+    analysis: str
 
     def q(self, name: str) -> FloatArray:
         """A coordinate over time.
@@ -78,11 +36,6 @@ class TimeSeries:
         -------
         (k,) float64
             In the coordinate's unit, m or rad.
-
-        Raises
-        ------
-        InputError
-            If there is no such coordinate; it names the nearest.
         """
         return self._column(self.samples.q, name, velocity=False)
 
@@ -147,12 +100,10 @@ class TimeSeries:
                 f"{self.description.title}: joint {joint} has no reaction {component!r}; "
                 f"it has {', '.join(of_joint)}."
             )
-        elements = {*(row.element for row in self.description.constraints)}
-        elements |= {*self.description.effects.names}
-        if joint in elements and self.description.unasked("reaction", joint):
-            raise InputError(self.description.offer(f"reaction({joint})"))
-        names = list(dict.fromkeys(row.element for row in rows))
-        raise InputError(f"{self.description.title}: {unknown('reaction of', joint, names)}")
+        joints = {row.element for row in self.description.constraints}
+        if joint in joints | {*self.description.effects.names}:
+            self._require_output("reaction", joint)
+        raise self._unknown("reaction of", joint, dict.fromkeys(row.element for row in rows))
 
     def mode(self, condition: str) -> npt.NDArray[np.int64]:
         """Mode of a switching condition over time.
@@ -168,11 +119,6 @@ class TimeSeries:
         (k,) int64
             1 where the condition held, 0 where it did not, 2 where its function stayed at zero: the
             motion slid on the switching surface, friction stuck, or a rigid contact was closed.
-
-        Raises
-        ------
-        InputError
-            If there is no such condition.
         """
         return self.samples.modes[:, self._switch(condition)]
 
@@ -212,13 +158,12 @@ class TimeSeries:
         InputError
             If there is no such effect or driver, or the scene was declared without its power.
         """
-        description, rows = self.description, self.description.powers
-        sources = (*description.effects.names, *description.drivers)
-        if source in sources and description.unasked("power", source):
-            raise InputError(description.offer(f"power({source})"))
+        rows = self.description.powers
+        if source in self._sources:
+            self._require_output("power", source)
         names = [row.name for row in rows if row.kind != "work"]
         if source not in names:
-            raise InputError(f"{description.title}: {unknown('power of', source, names)}")
+            raise self._unknown("power of", source, names)
         return self.samples.power[:, rows.index(source)]
 
     def work(self, source: str) -> FloatArray:
@@ -246,17 +191,15 @@ class TimeSeries:
         if source in self.works:
             return self.works[source]
         description = self.description
-        if source in description.working:
+        if source in description.work_rows:
             raise InputError(
                 f"{description.title}: work({source}) is integrated along the steps of a "
                 f"simulation, and this is a result of {self.analysis}; ask for simulate, or for "
                 f"power({source})."
             )
-        sources = (*description.effects.names, *description.drivers)
-        if source in sources and source not in description.tracked:
-            raise InputError(description.offer(f"work({source})"))
-        names = description.working or sources
-        raise InputError(f"{description.title}: {unknown('work of', source, names)}")
+        if source in self._sources and source not in description.tracked:
+            raise InputError(description.suggest_output(f"work({source})"))
+        raise self._unknown("work of", source, description.work_rows or self._sources)
 
     def path(self, point: str) -> FloatArray:
         """Global coordinates of a tracked point over time.
@@ -282,8 +225,8 @@ class TimeSeries:
             return self.samples.reaction[:, rows]
         left_out = description.left_out
         if point in left_out.names and left_out[point].kind == "tracked point":
-            raise InputError(description.offer(f"path({point})"))
-        raise InputError(f"{description.title}: {unknown('path of', point, description.tracked)}")
+            raise InputError(description.suggest_output(f"path({point})"))
+        raise self._unknown("path of", point, description.tracked)
 
     def energy(self, part: str = "total") -> FloatArray:
         """Energy over time.
@@ -303,16 +246,14 @@ class TimeSeries:
         InputError
             If there is no such part, bodies have no mass, or the scene was declared without it.
         """
-        description = self.description
+        title = self.description.title
         if part not in ENERGIES:
             raise InputError(unknown("energy", part, ENERGIES))
-        if not description.has_masses:
-            raise InputError(f"{description.title} has bodies without mass, so there is no energy.")
-        if description.unasked("energy"):
-            raise InputError(description.offer("energy"))
-        kinetic, potential = self.samples.energy[:, 0], self.samples.energy[:, 1]
-        parts = {"kinetic": kinetic, "potential": potential, "total": kinetic + potential}
-        return parts[part]
+        if not self.description.has_masses:
+            raise InputError(f"{title} has bodies without mass, so there is no energy.")
+        self._require_output("energy")
+        energies = self.samples.energy
+        return energies.sum(axis=1) if part == "total" else energies[:, ENERGIES.index(part)]
 
     def series(self, name: str) -> tuple[FloatArray, str]:
         """A column by any of its names, and its unit.
@@ -327,11 +268,6 @@ class TimeSeries:
         -------
         values : (k,) float64
         unit : str
-
-        Raises
-        ------
-        InputError
-            If there is no such series; it names the nearest.
         """
         description = self.description
         for row in description.coordinates:
@@ -352,25 +288,7 @@ class TimeSeries:
             return self.power(name), "W"
         names = [text for row in description.coordinates for text in row[:2]]
         names += description.reactions.names
-        raise InputError(f"{description.title}: {unknown('series', name, names)}")
-
-    def about(self) -> dict[str, str]:
-        """The run in texts, as files carry it: model, scene, outcome, parameters, versions."""
-        return {
-            "model": self.description.model,
-            "scene": self.description.scene,
-            "analysis": self.analysis,
-            "outcome": self.outcome.name,
-            "message": self.message,
-            "parameters": json.dumps(self.parameters),
-            "stats": json.dumps(self.stats),
-            "not_unique": ", ".join(self.not_unique),
-            "singular": json.dumps([row.facts() for row in self.singular]),
-            **({"accuracy": json.dumps(self.accuracy.facts())} if self.accuracy else {}),
-            "linkwright": __version__,
-            "generator": self.description.generator,
-            "numpy": np.__version__,
-        }
+        raise self._unknown("series", name, names)
 
     def _switch(self, condition: str) -> int:
         switches = self.description.switches
@@ -380,7 +298,7 @@ class TimeSeries:
         of_effect = [k for k, row in enumerate(switches) if row.name == condition]
         if len(of_effect) == 1:
             return of_effect[0]
-        raise InputError(f"{self.description.title}: {unknown('condition', condition, full)}")
+        raise self._unknown("condition", condition, full)
 
     def _column(self, array: FloatArray, name: str, *, velocity: bool = True) -> FloatArray:
         table = self.description.coordinates
@@ -388,4 +306,18 @@ class TimeSeries:
             if name == row.name or (velocity and name == row.velocity):
                 return array[:, index]
         names = [*table.names, *(row.velocity for row in table if velocity)]
-        raise InputError(f"{self.description.title}: {unknown('coordinate', name, names)}")
+        raise self._unknown("coordinate", name, names)
+
+    @property
+    def _sources(self) -> tuple[str, ...]:
+        """Effects and drivers, which may have power and do work."""
+        return (*self.description.effects.names, *self.description.drivers)
+
+    def _require_output(self, output: str, *element: str) -> None:
+        """Refuse an output that the scene was declared without."""
+        if self.description.leaves_out(output, *element):
+            named = f"{output}({element[0]})" if element else output
+            raise InputError(self.description.suggest_output(named))
+
+    def _unknown(self, kind: str, name: str, names: Iterable[str]) -> InputError:
+        return InputError(f"{self.description.title}: {unknown(kind, name, names)}")

@@ -11,17 +11,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from runtime.results.time_series import TimeSeries
+    from runtime.results.result import Result
 
 
 def new_figure(purpose: str, width: float, height: float, **options: Any) -> "Figure":
-    """An empty figure for a "plot", "picture" or "report", sizes in inches.
-
-    Raises
-    ------
-    InputError
-        If matplotlib is not installed.
-    """
+    """An empty figure for a "plot", "picture" or "report", sizes in inches."""
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
@@ -53,7 +47,7 @@ def writing(path: Path) -> Iterator[None]:
         raise InputError(f"--out {path}: {error.strerror or error}.") from error
 
 
-def plot(result: "TimeSeries", names: Sequence[str] = ()) -> "Figure":
+def plot(result: "Result", names: Sequence[str] = ()) -> "Figure":
     """Draw series of a result, those of one unit in one panel.
 
     Parameters

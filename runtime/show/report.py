@@ -12,7 +12,7 @@ from runtime.show.plot import new_figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from runtime.results.time_series import TimeSeries
+    from runtime.results.result import Result
 
 MOST_LINES = 10
 STYLE = """
@@ -27,7 +27,7 @@ svg { width: 100%; height: auto; }
 """
 
 
-def page(result: "TimeSeries") -> str:
+def page(result: "Result") -> str:
     """The page as text."""
     description = result.description
     title, generator = escape(description.title), escape(description.generator.split()[-1])
@@ -71,7 +71,7 @@ def _table(rows: Iterator[tuple[str, object]]) -> str:
     return f"<table>{''.join(lines)}</table>" if lines else "<p>none</p>"
 
 
-def _machine(result: "TimeSeries") -> Iterator[tuple[str, object]]:
+def _machine(result: "Result") -> Iterator[tuple[str, object]]:
     description = result.description
     yield "bodies", ", ".join(description.bodies)
     yield "coordinates", len(description.coordinates)
@@ -81,13 +81,13 @@ def _machine(result: "TimeSeries") -> Iterator[tuple[str, object]]:
     yield "effects", ", ".join(description.effects.names) or "none"
 
 
-def _parameters(result: "TimeSeries") -> Iterator[tuple[str, object]]:
+def _parameters(result: "Result") -> Iterator[tuple[str, object]]:
     units = {row.name: row.unit for row in result.description.parameters}
     for name, value in result.parameters.items():
         yield f"{name}, {units[name]}" if units[name] else name, value
 
 
-def _checks(result: "TimeSeries") -> Iterator[tuple[str, object]]:
+def _checks(result: "Result") -> Iterator[tuple[str, object]]:
     residual = result.samples.residual
     if len(residual):
         yield "largest |Φ|, m or rad", float(np.nanmax(residual[:, 0]))
@@ -98,7 +98,7 @@ def _checks(result: "TimeSeries") -> Iterator[tuple[str, object]]:
         yield "energy at the end, J", float(energy[-1])
 
 
-def _accuracy(result: "TimeSeries") -> Iterator[str]:
+def _accuracy(result: "Result") -> Iterator[str]:
     """The accuracy target, the accuracy reached, and the runs."""
     accuracy = result.accuracy
     if accuracy is None:
@@ -112,13 +112,13 @@ def _accuracy(result: "TimeSeries") -> Iterator[str]:
     )
 
 
-def _last(result: "TimeSeries") -> Iterator[tuple[str, object]]:
+def _last(result: "Result") -> Iterator[tuple[str, object]]:
     if len(result.t):
         for row in result.description.coordinates:
             yield f"{row.name}, {row.unit}", float(result.q(row.name)[-1])
 
 
-def _figures(result: "TimeSeries") -> Iterator["Figure"]:
+def _figures(result: "Result") -> Iterator["Figure"]:
     """Coordinates and velocities by unit, then reactions by unit, a picture each."""
     description = result.description
     if len(result.t) < 2:
@@ -136,7 +136,7 @@ def _figures(result: "TimeSeries") -> Iterator["Figure"]:
             yield _figure(result, title, moving[first : first + MOST_LINES])
 
 
-def _figure(result: "TimeSeries", title: str, names: list[str]) -> "Figure":
+def _figure(result: "Result", title: str, names: list[str]) -> "Figure":
     figure = new_figure("report", 9, 3)
     axes = figure.subplots()
     for name in names:

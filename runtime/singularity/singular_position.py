@@ -84,19 +84,10 @@ class SingularPositions:
     def find(self, motion: Motion, s: float) -> Singularity | None:
         """The singular position that the motion passes, or barely misses, about the time s hence.
 
-        Parameters
-        ----------
-        motion
-            q(t) as a polynomial, in the machine's own units.
-        s
-            Time from the motion's own instant, s; negative where the position lies behind.
-
-        Returns
-        -------
-        Singularity or None
-            None where there is none near, or where the machine rests.
+        The motion is in the machine's own units, s negative where the position lies behind. None
+        where there is none near, or where the machine rests.
         """
-        speed = float(np.linalg.norm(motion.v / self.constraints.scale))
+        speed = self._speed(motion)
         if not 0.0 < speed < np.inf:
             return None
         search = Search(self.constraints, self.orders, motion, speed)
@@ -114,13 +105,10 @@ class SingularPositions:
 
     def find_again(self, motion: Motion, known: Singularity) -> Singularity | None:
         """A known singular position, with the instant at which a later motion passes it."""
-        speed = float(np.linalg.norm(motion.v / self.constraints.scale))
+        speed = self._speed(motion)
         if not 0.0 < speed < np.inf:
             return None
-        z = np.append(known.q / self.constraints.scale, known.t * speed)
-        series = motion.scaled(self.constraints.scale, speed)
-        s = nearest_time(series, known.t - motion.t, z)
-        miss = distance(series, s, z)
+        s, miss = self._nearest(motion, known, speed)
         if miss > _SAME * max(abs(s) * speed, 1e-3):
             return self.find(motion, s)
         growth = speed / known.speed
@@ -128,9 +116,17 @@ class SingularPositions:
 
     def passing_time(self, motion: Motion, known: Singularity) -> float:
         """The instant at which this motion is nearest to a known singular position, s."""
-        z = np.append(known.q / self.constraints.scale, known.t * known.speed)
-        series = motion.scaled(self.constraints.scale, known.speed)
-        return motion.t + nearest_time(series, known.t - motion.t, z)
+        return motion.t + self._nearest(motion, known, known.speed)[0]
+
+    def _speed(self, motion: Motion) -> float:
+        return float(np.linalg.norm(motion.v / self.constraints.scale))
+
+    def _nearest(self, motion: Motion, known: Singularity, speed: float) -> tuple[float, float]:
+        """Time from the motion's own instant to where it is nearest to a position, and how near."""
+        z = np.append(known.q / self.constraints.scale, known.t * speed)
+        series = motion.scaled(self.constraints.scale, speed)
+        s = nearest_time(series, known.t - motion.t, z)
+        return s, distance(series, s, z)
 
 
 def _characterise(search: Search, root: Root, s: float) -> Singularity | None:

@@ -27,16 +27,13 @@ class Source(NamedTuple):
     model: "Model"
     scene: "Scene"
 
-    def machine(self) -> "Machine":
-        """The machine of the named scene, as `load` finds it."""
-        if isinstance(self.given_scene, str | None) and not hasattr(self.given, "scenes"):
-            return load(self.given, self.scene.name, folder=self.folder)
-        return self.variant(self.scene)
-
-    def other(self, scene: "Scene") -> "Machine":
-        """The machine of another scene of the model, declared or not."""
-        name = scene.name if scene.root is None else scene
-        return self._replace(given_scene=name, scene=scene).machine()
+    def machine(self, scene: "Scene | None" = None) -> "Machine":
+        """The machine of the named scene, or of another of the model, as `load` finds it."""
+        named = self.given_scene if scene is None else scene.name if scene.root is None else scene
+        scene = scene or self.scene
+        if isinstance(named, str | None) and not hasattr(self.given, "scenes"):
+            return load(self.given, scene.name, folder=self.folder)
+        return self.variant(scene)
 
     def variant(self, scene: "Scene") -> "Machine":
         """The machine of an undeclared scene of the model, compiled in the cache."""

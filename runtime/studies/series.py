@@ -16,7 +16,7 @@ _LISTED = 24  # names of a kind that a message lists
 
 def series_names(description: Description) -> dict[str, list[str]]:
     """Kind → names of the series that a scene's results have."""
-    has_energy = description.has_masses and not description.unasked("energy")
+    has_energy = description.has_masses and not description.leaves_out("energy")
     found = {
         "coordinates": [row.name for row in description.coordinates],
         "velocities": [row.velocity for row in description.coordinates],

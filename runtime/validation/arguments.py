@@ -28,20 +28,15 @@ def number(value: object) -> float | None:
         return None
 
 
-def check(mechanism: Mechanism, **given: Any) -> None:
-    """Refuse arguments of the wrong kind, all at once; the names are those of the analyses.
-
-    Raises
-    ------
-    InputError
-        One sentence a problem.
-    """
-    problems = [text for name, value in given.items() if (text := _KINDS[name](mechanism, value))]
-    problems = [f"{mechanism.title}: {text}" for text in problems]
+def check(mechanism: Mechanism, **given: Any) -> dict[str, Any]:
+    """The arguments; an `InputError`, one sentence a problem, if some are of the wrong kind."""
+    found = (_KINDS[name](name, mechanism, value) for name, value in given.items())
+    problems = [f"{mechanism.title}: {text}" for text in found if text]
     if not problems and given.get("start") is not None:
         problems = _contradictions(given)
     if problems:
         raise InputError(problems)
+    return given
 
 
 def instants(t_eval: npt.ArrayLike) -> npt.NDArray[np.float64]:
@@ -81,92 +76,71 @@ def _contradictions(given: Mapping[str, Any]) -> list[str]:
     return problems
 
 
-def _instant(name: str) -> Callable[[Mechanism, Any], str]:
-    def kind(_: Mechanism, value: Any) -> str:
-        parsed = number(value)
-        if parsed is not None and math.isfinite(parsed):
-            return ""
-        return f"{name} is {shortened(value)}; it must be a finite number of seconds."
-
-    return kind
+def _instant(name: str, _: Mechanism, value: Any) -> str:
+    parsed = number(value)
+    if parsed is not None and math.isfinite(parsed):
+        return ""
+    return f"{name} is {shortened(value)}; it must be a finite number of seconds."
 
 
-def _length(name: str) -> Callable[[Mechanism, Any], str]:
-    def kind(_: Mechanism, value: Any) -> str:
-        if value is None or (number(value) or 0.0) > 0.0:
-            return ""
-        return f"{name} is {shortened(value)}; it must be a positive number of seconds."
-
-    return kind
+def _length(name: str, _: Mechanism, value: Any) -> str:
+    if value is None or (number(value) or 0.0) > 0.0:
+        return ""
+    return f"{name} is {shortened(value)}; it must be a positive number of seconds."
 
 
-def _tolerance(name: str) -> Callable[[Mechanism, Any], str]:
-    def kind(_: Mechanism, value: Any) -> str:
-        if value is None or (name == "atol" and isinstance(value, np.ndarray | list | tuple)):
-            entries = [] if value is None else list(value)
-        else:
-            entries = [value]
-        found = [number(entry) for entry in entries]
-        if all(entry is not None and 0.0 < entry < math.inf for entry in found):
-            return ""
-        return f"{name} is {shortened(value)}; it must be a positive finite number."
-
-    return kind
+def _tolerance(name: str, _: Mechanism, value: Any) -> str:
+    several = name == "atol" and isinstance(value, np.ndarray | list | tuple)
+    entries = map(number, value if several else [] if value is None else [value])
+    if all(entry is not None and 0.0 < entry < math.inf for entry in entries):
+        return ""
+    return f"{name} is {shortened(value)}; it must be a positive finite number."
 
 
-def _count(_: Mechanism, value: Any) -> str:
+def _count(name: str, _: Mechanism, value: Any) -> str:
     whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
     if whole and 0 <= value <= _MOST:
         return ""
-    return f"max_steps is {shortened(value)}; it must be a whole number, at most {_MOST:g}."
+    return f"{name} is {shortened(value)}; it must be a whole number, at most {_MOST:g}."
 
 
-def _values(name: str, example: str) -> Callable[[Mechanism, Any], str]:
-    def kind(_: Mechanism, value: Any) -> str:
-        if value is None:
-            return ""
-        if not isinstance(value, Mapping):
-            return (
-                f"{name} is {shortened(value)}; it must be a mapping from names to numbers, "
-                f"such as {name}={example}."
-            )
-        odd = [key for key in value if not isinstance(key, str)]
-        return f"{name} has the name {shortened(odd[0])}, which is no text." if odd else ""
-
-    return kind
+def _values(name: str, _: Mechanism, value: Any) -> str:
+    if value is None:
+        return ""
+    if not isinstance(value, Mapping):
+        return (
+            f"{name} is {shortened(value)}; it must be a mapping from names to numbers, "
+            f"such as {name}={_EXAMPLES[name]}."
+        )
+    odd = [key for key in value if not isinstance(key, str)]
+    return f"{name} has the name {shortened(odd[0])}, which is no text." if odd else ""
 
 
-def _start(mechanism: Mechanism, value: Any) -> str:
+def _start(name: str, mechanism: Mechanism, value: Any) -> str:
     if value is None:
         return ""
     if not isinstance(value, Assembly):
-        return f"start is {shortened(value)}; it must be what assemble() returns."
+        return f"{name} is {shortened(value)}; it must be what assemble() returns."
     names = value.coordinates.names
     if names and names != mechanism.description.coordinates.names:
         return (
-            f"start was assembled for another machine, with the coordinates "
+            f"{name} was assembled for another machine, with the coordinates "
             f"{', '.join(names[:6])}. Assemble this one."
         )
-    return _state("start.q")(mechanism, value.q) or _state("start.v")(mechanism, value.v)
+    return _state(f"{name}.q", mechanism, value.q) or _state(f"{name}.v", mechanism, value.v)
 
 
-def _state(name: str) -> Callable[[Mechanism, Any], str]:
-    def kind(mechanism: Mechanism, value: Any) -> str:
-        count = len(mechanism.description.coordinates)
-        fits = isinstance(value, np.ndarray) and value.dtype == np.float64
-        if fits and value.shape == (count,) and np.isfinite(value).all():
-            return ""
-        what = (
-            f"has shape {value.shape}"
-            if isinstance(value, np.ndarray)
-            else f"is {shortened(value)}"
-        )
-        return (
-            f"{name} {what}; it must be an array of {count} finite numbers of type float64, in "
-            f"the order of the coordinates."
-        )
-
-    return kind
+def _state(name: str, mechanism: Mechanism, value: Any) -> str:
+    count = len(mechanism.description.coordinates)
+    is_array = isinstance(value, np.ndarray)
+    fits = is_array and value.dtype == np.float64 and value.shape == (count,)
+    if fits and np.isfinite(value).all():
+        return ""
+    fault = f"has shape {value.shape}" if is_array else f"is {shortened(value)}"
+    return (
+        f"{name} {fault}; it must be an array of {count} finite numbers of type float64, in "
+        f"the order of the coordinates."
+    )
 
 
 def shortened(value: Any) -> str:
@@ -175,19 +149,14 @@ def shortened(value: Any) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-_KINDS: dict[str, Callable[[Mechanism, Any], str]] = {
-    "t": _instant("t"),
-    "t_end": _instant("t_end"),
-    "t_start": _instant("t_start"),
-    "rtol": _tolerance("rtol"),
-    "atol": _tolerance("atol"),
-    "accuracy": _tolerance("accuracy"),
-    "first_step": _length("first_step"),
-    "max_step": _length("max_step"),
+_EXAMPLES = {"parameters": '{"mass": 2.0}', "guess": '{"crank.phi": 0.5}'}
+_KINDS: dict[str, Callable[[str, Mechanism, Any], str]] = {
+    **dict.fromkeys(("t", "t_end", "t_start"), _instant),
+    **dict.fromkeys(("rtol", "atol", "accuracy"), _tolerance),
+    **dict.fromkeys(("first_step", "max_step"), _length),
+    **dict.fromkeys(("parameters", "guess"), _values),
+    **dict.fromkeys(("q", "v"), _state),
     "max_steps": _count,
-    "parameters": _values("parameters", '{"mass": 2.0}'),
-    "guess": _values("guess", '{"crank.phi": 0.5}'),
     "start": _start,
-    "q": _state("q"),
-    "v": _state("v"),
 }
+"""Argument of an analysis → the sentence on what is wrong with its value; empty if nothing is."""

@@ -12,17 +12,10 @@ _ROUNDING = 1e-12  # by which a ratio of coefficients may miss one
 
 
 def require_sound(mechanism: Mechanism, p: FloatArray) -> None:
-    """Refuse impossible coefficients of restitution, typical forces and static friction.
-
-    Raises
-    ------
-    ParameterError
-        One sentence for each contact and friction that the parameters `p` make impossible.
-    """
+    """Refuse parameters p with impossible restitution, typical forces and static friction."""
     description = mechanism.description
     problems = []
-    count = len(description.rigid)
-    e, force = np.zeros(count), np.ones(count)
+    e, force = np.zeros(len(description.rigid)), np.ones(len(description.rigid))
     mechanism.kernels.restitution(p, e)
     mechanism.kernels.contact_scale(p, force)
     for contact, returned, typical in zip(description.rigid, e, force, strict=True):
@@ -53,20 +46,7 @@ def require_sound(mechanism: Mechanism, p: FloatArray) -> None:
 def require_apart(
     mechanism: Mechanism, p: FloatArray, t: float, q: FloatArray, v: FloatArray, size: float
 ) -> None:
-    """Refuse a start in which bodies overlap at a rigid contact.
-
-    Parameters
-    ----------
-    q, v : (n,)
-        The assembled start.
-    size
-        Of the machine's lengths, m.
-
-    Raises
-    ------
-    InputError
-        One sentence for each contact whose gap is negative.
-    """
+    """Refuse an assembled start in which bodies overlap at a rigid contact; `size` is in m."""
     description = mechanism.description
     if not description.rigid:
         return
@@ -111,14 +91,14 @@ def require_no_sticking(mechanism: Mechanism, analysis: str) -> None:
 def require_slip(mechanism: Mechanism, p: FloatArray, samples: Samples) -> None:
     """Refuse instants at which friction sticks, so that its force is not determined."""
     description = mechanism.description
-    stuck = [k for k, row in enumerate(description.switches) if row.kind == "friction"]
-    if not stuck:
+    frictions = [k for k, row in enumerate(description.switches) if row.kind == "friction"]
+    if not frictions:
         return
-    g, rate = np.zeros(len(description.switches)), np.zeros(len(description.switches))
+    g, rate = np.zeros((2, len(description.switches)))
     for t, q, v, a in zip(samples.t, samples.q, samples.v, samples.a, strict=True):
         mechanism.kernels.switching(t, q, v, p, g)
         mechanism.kernels.switching_rates(t, q, v, a, p, rate)
-        for k in stuck:
+        for k in frictions:
             if g[k] == 0.0 and rate[k] == 0.0:
                 raise AnalysisError(
                     f"{description.title}: at t = {t:g} s nothing slips in the friction "

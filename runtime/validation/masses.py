@@ -1,5 +1,7 @@
 """Masses and inertias that parameter values make impossible, and the parameters behind them."""
 
+from itertools import product
+
 import numpy as np
 
 from codegen.errors import ParameterError
@@ -12,22 +14,19 @@ def require_masses(mechanism: Mechanism, p: FloatArray) -> None:
     """Refuse masses and inertias that are not positive finite numbers."""
     description = mechanism.description
     values = _masses(mechanism, p)
-    bodies = frozenset(description.bodies)
     impossible: dict[tuple[str, bool], int] = {}
     for index in np.flatnonzero(~((values > 0.0) & (values < np.inf))).tolist():
         row = description.coordinates[index]
-        body = row.name.rpartition(".")[0]
-        if body in bodies:  # a coordinate of no body has no mass to refuse
-            impossible.setdefault((body, row.unit != "m"), index)
+        impossible.setdefault((row.name.rpartition(".")[0], row.is_length), index)
     problems = []
-    for body in description.bodies if impossible else ():
-        for quantity, unit, angle in (("mass", "kg", False), ("inertia", "kg m^2", True)):
-            if (body, angle) in impossible:
-                index = impossible[body, angle]
-                problems.append(
-                    f"{description.title}: the {quantity} of {body} is {values[index]:g} {unit}; "
-                    f"it must be a positive finite number. {_behind(mechanism, p, index)}"
-                )
+    for body, is_length in product(description.bodies, (True, False)):
+        if (body, is_length) in impossible:  # a coordinate of no body has no mass to refuse
+            index = impossible[body, is_length]
+            quantity, unit = ("mass", "kg") if is_length else ("inertia", "kg m^2")
+            problems.append(
+                f"{description.title}: the {quantity} of {body} is {values[index]:g} {unit}; "
+                f"it must be a positive finite number. {_behind(mechanism, p, index)}"
+            )
     if problems:
         raise ParameterError(problems)
 

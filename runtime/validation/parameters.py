@@ -17,18 +17,7 @@ def parameter_values(
 ) -> npt.NDArray[np.float64]:
     """Parameters followed by the constants derived from them, shape (np,).
 
-    Parameters
-    ----------
-    overrides
-        New values by name, in the declared units; the others keep their defaults.
-
-    Raises
-    ------
-    InputError
-        If `overrides` is no mapping from names to numbers.
-    ParameterError
-        One sentence for each value that is unknown, not finite, or of the wrong sign, and for each
-        contact and friction whose coefficients make no sense.
+    See `Machine.parameter_values`, whose errors these are.
     """
     check(mechanism, parameters=overrides)
     description = mechanism.description

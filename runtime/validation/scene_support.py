@@ -7,13 +7,7 @@ from runtime.mechanism.mechanism import Mechanism
 
 
 def require_motion(mechanism: Mechanism, question: str) -> None:
-    """Refuse an analysis of motion for a scene that was declared for equilibrium.
-
-    Raises
-    ------
-    AnalysisError
-        If the kernels of motion are missing.
-    """
+    """Refuse an analysis of motion for a scene that was declared for equilibrium."""
     description = mechanism.description
     if description.analysis == "equilibrium":
         raise AnalysisError(
@@ -24,28 +18,16 @@ def require_motion(mechanism: Mechanism, question: str) -> None:
 
 
 def require_energy(mechanism: Mechanism) -> None:
-    """Refuse a search for equilibrium where the potential was left out.
-
-    Raises
-    ------
-    AnalysisError
-        If the scene has masses and no kernel of the potential.
-    """
+    """Refuse a search for equilibrium where the potential was left out."""
     description = mechanism.description
     if description.has_masses and "potential" not in description.kernels:
         raise AnalysisError(
-            f"equilibrium needs the potential energy: {description.offer('energy')}"
+            f"equilibrium needs the potential energy: {description.suggest_output('energy')}"
         )
 
 
 def refuse_structure(mechanism: Mechanism) -> None:
-    """Refuse to integrate where the joints determine all coordinates and no driver moves them.
-
-    Raises
-    ------
-    AnalysisError
-        If the scene has no driver.
-    """
+    """Refuse to integrate where the joints determine all coordinates and no driver moves them."""
     description = mechanism.description
     if not description.drivers:
         raise AnalysisError(
@@ -57,13 +39,7 @@ def refuse_structure(mechanism: Mechanism) -> None:
 
 
 def refuse_massless(mechanism: Mechanism) -> NoReturn:
-    """Refuse a simulation where no mass moves.
-
-    Raises
-    ------
-    AnalysisError
-        With what to ask for instead.
-    """
+    """Refuse a simulation where no mass moves."""
     description = mechanism.description
     if description.analysis == "kinematics":
         raise AnalysisError(

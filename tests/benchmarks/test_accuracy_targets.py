@@ -13,7 +13,7 @@ import pytest
 from benchmarks import accuracy_targets, accuracy_targets_report, single_runs
 from benchmarks.report import records
 from runtime import load
-from runtime.results.json_values import plain
+from runtime.results.samples import plain
 from runtime.studies.accuracy_target.run_difference import Quantities
 
 

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from codegen import Model, ModelError, element
+from codegen import Body, Model, ModelError, Point, element
 from codegen.declare.element import Constraint, Effect
 from codegen.elements import registry
 from codegen.elements.registry import kinds_of_elements
@@ -106,3 +106,26 @@ def test_a_class_that_is_no_element_is_refused(body: dict[str, Any], words: str)
     assert "element class Tape" in error.value.problems[0]
     assert words in str(error.value)
     assert "tape" not in kinds_of_elements()
+
+
+@pytest.mark.usefixtures("own_kinds")
+def test_a_class_that_derives_answers_its_name_and_its_equations() -> None:
+    def define(base: type, **words: Any) -> type:
+        text = {"kind": "tape", "__doc__": "A tape.", "__module__": __name__}
+        return element(type("Tape", (base,), text | words))
+
+    for base, lacks in ((Constraint, "statement"), (Effect, "potential, forces")):
+        with pytest.raises(ModelError, match=f"lacks {lacks};"):
+            define(base, __annotations__={"name": str})
+    with pytest.raises(ModelError, match="lacks name;"):
+        define(Effect, forces=lambda self, bodies: {})
+    model = Model("taped")
+    a, b = (model.body(name, 1.0, 1.0) for name in "ab")
+    fields = {"name": str, "i": Point, "j": Body, "more": tuple}
+    tape = define(Effect, __annotations__=fields, pulls=lambda self, bodies: ())(
+        "t", a.at(1, 2), b, (a,)
+    )
+    assert tape.bodies == (a, b, a)
+    assert tape.problems() == []
+    assert (tape.potential(()), tape.forces(())) == (None, {})
+    assert kinds_of_elements()["tape"].role == "force"

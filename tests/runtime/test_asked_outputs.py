@@ -89,7 +89,7 @@ def test_asking_changes_no_digit_of_the_motion(told: Result, folder: Path) -> No
     assert found.stats["steps"] == told.stats["steps"]
     assert (found.power("motor") == told.power("motor")).all()
     assert plain.effects.names == ("gravity", "damper", "motor", "spring", "wall")
-    assert not plain.description.working
+    assert not plain.description.work_rows
     assert "work(" not in plain.path.read_text()
 
 

@@ -1,21 +1,17 @@
 """Masses that parameter values make impossible: who is refused, and what the question costs."""
 
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
 
 from codegen.errors import ParameterError
+from runtime.mechanism.description import Coordinate
 from runtime.validation import masses
 
 
-class Row(NamedTuple):
-    name: str
-    unit: str
-
-
-class Counted(tuple[Row, ...]):
+class Counted(tuple[Coordinate, ...]):
     """Rows that count how many of them are looked at."""
 
     looked = 0
@@ -31,8 +27,10 @@ class Counted(tuple[Row, ...]):
 
 
 def machine_of(bodies: int) -> Any:
-    units = (("x", "m"), ("y", "m"), ("phi", "rad"))
-    rows = Counted(Row(f"b{k}.{c}", unit) for k in range(bodies) for c, unit in units)
+    kinds = (("x", "vx", "m"), ("y", "vy", "m"), ("phi", "omega", "rad"))
+    rows = Counted(
+        Coordinate(f"b{k}.{q}", f"b{k}.{v}", unit) for k in range(bodies) for q, v, unit in kinds
+    )
     told = SimpleNamespace(
         title="m/s", bodies=tuple(f"b{k}" for k in range(bodies)), coordinates=rows
     )

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from codegen import Model
 from codegen.declare.symbols import SPEED, kinds
 from codegen.derive.conditions import as_pieces, conditions
-from codegen.derive.power_continuation import continued
+from codegen.derive.power_continuation import continue_powers
 from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.machine import Machine
@@ -96,7 +96,7 @@ def test_only_what_ends_at_a_switch_is_continued() -> None:
     half = sympy.Rational(1, 2)
 
     def kept(expression: sympy.Expr) -> bool:
-        return continued(as_pieces(expression)) == as_pieces(expression)
+        return continue_powers(as_pieces(expression)) == as_pieces(expression)
 
     assert kept(sympy.sqrt(x - 1))
     assert kept(sympy.Piecewise((sympy.sqrt(x + 3), x > 1), (0, True)))
@@ -110,7 +110,7 @@ def test_only_what_ends_at_a_switch_is_continued() -> None:
         sympy.Piecewise(((x - 1) ** (radius / 3), x > 1), (0, True)),
         sympy.Abs(x - 1) ** (half / 2),
     ):
-        changed = continued(as_pieces(law))
+        changed = continue_powers(as_pieces(law))
         assert changed != as_pieces(law)
         values = {radius: 2.0, **dict.fromkeys(kinds(law, type(radius)), 2.0)}
         for place in (1.0 + 1e-9, 1.5, 7.0):
@@ -141,7 +141,7 @@ def test_no_value_changes_where_the_law_has_one() -> None:
         sympy.Piecewise((sympy.sqrt(stiffness**2 * mass**2 + 1) * v, v > 0), (0, True)),
     )
     for law in map(as_pieces, laws):
-        changed = continued(law)
+        changed = continue_powers(law)
         for place in (-2.0, -0.5, 0.5, 2.0):
             for slope in (-3.0, 3.0):
                 for side in (2.0, -1.5):
@@ -156,7 +156,7 @@ def test_what_has_no_value_in_its_piece_gets_none() -> None:
     root = sympy.sqrt(x - 1)
 
     def value(law: sympy.Expr) -> sympy.Expr:
-        return continued(as_pieces(law)).subs({x: 0.5, n: 1.5, k: -1.0})
+        return continue_powers(as_pieces(law)).subs({x: 0.5, n: 1.5, k: -1.0})
 
     for law in (
         sympy.Piecewise((x, x > 0), (0, True)) + root,
@@ -170,7 +170,7 @@ def test_what_has_no_value_in_its_piece_gets_none() -> None:
         assert abs(sympy.im(value(law))) > 0.1, law
     for law in (x**-n, x ** (-n - 1)):
         piece = sympy.Piecewise((law, x > 0), (0, True))
-        assert continued(piece) == piece
+        assert continue_powers(piece) == piece
 
 
 def test_what_ends_is_real_past_its_switch() -> None:
@@ -193,7 +193,7 @@ def test_what_ends_is_real_past_its_switch() -> None:
         pieces = as_pieces(law)
         values = [
             one.xreplace({c: c.subs(before) for c in conditions((one,))}).subs(past)
-            for one in (pieces, continued(pieces))
+            for one in (pieces, continue_powers(pieces))
         ]
         assert not values[0].is_real, law
         assert values[1].is_real, law

@@ -49,7 +49,7 @@ class AppliedTorque(Effect):
     value: sympy.Expr
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
-        """Q_φ, or what does the same work."""
+        """Q_φ, or the generalized forces that do the same work."""
         return self.body.torque(self.value)
 
     def problems(self) -> list[str]:

@@ -24,7 +24,7 @@ def gap_between(
     size = sympy.sqrt(ux**2 + uy**2)
     ux, uy = ux / size, uy / size
     (x, y), (c, s) = i.body.position, i.body.rotation
-    dx, dy = j.x - x, j.y - y  # from the centre: what point i adds along u is constant
+    dx, dy = j.x - x, j.y - y  # from the centre: the part of point i along u is constant
     gap: sympy.Expr = (ux * c - uy * s) * dx + (ux * s + uy * c) * dy
     return gap - (ux * i.sx + uy * i.sy + free_length)
 
@@ -106,7 +106,7 @@ class Contact(Effect):
 
     @property
     def _conservative(self) -> bool:
-        # The gap's own coordinates are what a potential is for; a time in it is not.
+        # A potential may depend on the coordinates of the gap, not on the time.
         return is_constant(self.stiffness) and not kinds(self.gap, Time)
 
     def _closed(self, value: sympy.Expr) -> sympy.Expr:

@@ -110,7 +110,9 @@ class SpringDamper(Effect):
             force += self.stiffness * (s - free)
         return () if force == 0 else ((s, force),)
 
-    def law_problems(self, keyword: str, *values: tuple[str, sympy.Expr, str]) -> list[str]:
+    def characteristic_problems(
+        self, keyword: str, *values: tuple[str, sympy.Expr, str]
+    ) -> list[str]:
         """A law that exerts nothing, and numbers that no spring has."""
         idle = self.stiffness == 0 and self.damping == 0 and self.actuator == 0
         advice = f"give it a stiffness, a damping, an actuator or a {keyword}."

@@ -52,7 +52,7 @@ class Spring(SpringDamper):
                 f"{label(self)}: both ends, ({i.sx}, {i.sy}) and ({j.sx}, {j.sy}), are on body "
                 f"'{i.body.name}' and {reason}; connect two bodies."
             )
-        return problems + self.law_problems(
+        return problems + self.characteristic_problems(
             "force",
             ("stiffness", self.stiffness, "N/m"),
             ("free length", self.free_length, "m"),

@@ -44,7 +44,7 @@ class TorsionSpring(SpringDamper):
             problems.append(
                 f"{label(self)} turns body '{self.i.name}' against itself; give two bodies."
             )
-        return problems + self.law_problems(
+        return problems + self.characteristic_problems(
             "torque",
             ("stiffness", self.stiffness, "N m/rad"),
             ("damping", self.damping, "N m s/rad"),

@@ -18,7 +18,7 @@ class Weld(Constraint):
     """r_i^P - r_j^P = 0 and φ_j - φ_i - α = 0: a revolute joint that cannot turn.
 
     The reaction is the force and the torque that body i exerts on body j at the point, in axes
-    fixed in body i: what the seam carries.
+    fixed in body i: the load of the seam.
     """
 
     kind = "weld"

@@ -14,7 +14,7 @@ from codegen.lower.differentiation.tangent import slopes_of
 from codegen.lower.factored_sums import PLAIN, Parts
 from codegen.lower.graph import Graph
 from codegen.lower.program import LOGICAL, Op
-from codegen.lower.substitution import reached
+from codegen.lower.substitution import dependencies
 
 Terms = Callable[[], Iterable[tuple[float, Parts]]]
 
@@ -27,16 +27,9 @@ class Jet(NamedTuple):
 
 
 class Direction:
-    """Derivatives along a straight line in the inputs.
+    """Derivatives of values of a graph along a straight line in the inputs, up to `order` 1 or 2.
 
-    Parameters
-    ----------
-    graph
-        Where the values are, and where the derivatives go.
-    rates
-        Input → its derivative along the line, constant on it; those of all others are zero.
-    order
-        Up to which derivative, 1 or 2.
+    `rates` maps inputs to their derivatives along the line, constant on it; others have none.
     """
 
     def __init__(self, graph: Graph, rates: Mapping[int, int], order: int = 2) -> None:
@@ -49,16 +42,16 @@ class Direction:
     def jet(self, number: int) -> Jet:
         """Both derivatives of a value."""
         if number not in self._known:
-            for k in sorted(reached(self.graph, [number], self._known)):
+            for k in sorted(dependencies(self.graph, [number], self._known)):
                 if k not in self._known:
                     with self.graph.serving(self.graph.values[k].serves):
-                        self._known[k] = self._differentiated(k)
+                        self._known[k] = self._differentiate(k)
         return self._known[number]
 
     def _plain(self, value: int) -> Parts:
         return Parts(self.graph, {PLAIN: value})
 
-    def _differentiated(self, number: int) -> Jet:
+    def _differentiate(self, number: int) -> Jet:
         graph, value = self.graph, self.graph.values[number]
         if not value.args or value.op in LOGICAL or graph.settled[number]:
             return self._nothing
@@ -79,9 +72,9 @@ class Direction:
             case Op.SQRT:
                 return self._root(number, parts[0])
             case Op.SIN | Op.COS:
-                return self._turned(value.op, value.args[0], parts[0])
+                return self._sine(value.op, value.args[0], parts[0])
             case Op.SELECT:
-                return self._chosen(value.args[0], parts[1], parts[2])
+                return self._choice(value.args[0], parts[1], parts[2])
         return self._function(number, parts)
 
     def _sum(self, *terms: tuple[float, Jet]) -> Jet:
@@ -142,7 +135,7 @@ class Direction:
 
         return self._jet(first, second)
 
-    def _turned(self, op: Op, angle: int, turning: Jet) -> Jet:
+    def _sine(self, op: Op, angle: int, turning: Jet) -> Jet:
         """The angle's rate stays outside, so that it is multiplied in once for both components."""
         graph = self.graph
         slope = graph.function(Op.COS if op is Op.SIN else Op.SIN, angle)
@@ -154,7 +147,7 @@ class Direction:
             lambda: ((1.0, bend.along(rate).along(rate)), (1.0, turning.second.times(slope))),
         )
 
-    def _chosen(self, condition: int, yes: Jet, no: Jet) -> Jet:
+    def _choice(self, condition: int, yes: Jet, no: Jet) -> Jet:
         def either(one: Parts, other: Parts) -> Parts:
             return self._plain(self.graph.select(condition, one.value(), other.value()))
 

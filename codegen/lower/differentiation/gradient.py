@@ -13,7 +13,7 @@ from codegen.lower.differentiation.tangent import slopes_of
 from codegen.lower.factored_sums import PLAIN, Parts
 from codegen.lower.graph import Graph
 from codegen.lower.program import Op
-from codegen.lower.substitution import reached
+from codegen.lower.substitution import dependencies
 
 PLANE = frozenset({Op.CONST, Op.INPUT, Op.ADD, Op.SUB, Op.NEG, Op.MUL, Op.SIN, Op.COS})
 """Operations of which vectors in a plane consist."""
@@ -23,15 +23,7 @@ BREAKING = frozenset({Op.DIV, Op.SQRT, Op.POW, Op.LOG, Op.TAN, Op.ASIN, Op.ACOS,
 
 
 class Slopes:
-    """Partial derivatives by walks back.
-
-    Parameters
-    ----------
-    graph
-        Where the values are, and where the derivatives go.
-    inputs
-        By which to differentiate.
-    """
+    """Partial derivatives of values of a graph by some of its inputs."""
 
     def __init__(self, graph: Graph, inputs: Iterable[int]) -> None:
         self.graph = graph
@@ -41,36 +33,25 @@ class Slopes:
         self._alone: dict[int, Direction] = {}
 
     def gradient(self, weights: Mapping[int, int]) -> dict[int, int]:
-        """Σ weight ∂value/∂input.
-
-        Parameters
-        ----------
-        weights
-            Value → what its derivatives are multiplied by.
-
-        Returns
-        -------
-        dict
-            Input → the sum, where it is not zero.
-        """
+        """Input → Σ weight ∂value/∂input, where it is not zero; `weights` maps value → weight."""
         graph = self.graph
         slopes = dict.fromkeys(sorted(self.inputs), Parts(graph, {}))
         queue: dict[int, Parts] = {}
         for number, weight in weights.items():
-            self._hand(queue, number, Parts.of(graph, weight))
-        order = sorted(reached(graph, weights), reverse=True)
+            self._accumulate(queue, number, Parts.of(graph, weight))
+        order = sorted(dependencies(graph, weights), reverse=True)
         for number in order:
             share = queue.pop(number, None)
             if not share:
                 continue
             with graph.serving(graph.values[number].serves):
-                if self._ends(number):
+                if self._has_cheap_slopes(number):
                     for mover in self._movers(number):
                         slopes[mover] = slopes[mover].plus(
                             self._leaf(share.single(), number, mover)
                         )
-                elif graph.values[number].op is Op.SELECT and self._breaks(number):
-                    for mover, slope in self._chosen(number).items():
+                elif graph.values[number].op is Op.SELECT and self._may_lack_slope(number):
+                    for mover, slope in self._choice_slopes(number).items():
                         slopes[mover] = slopes[mover].plus(share.times(slope))
                 else:
                     self._back(queue, number, share.single())
@@ -86,7 +67,7 @@ class Slopes:
             left -= bit
         return movers
 
-    def _ends(self, number: int) -> bool:
+    def _has_cheap_slopes(self, number: int) -> bool:
         """Whether the walk back ends here, for the slopes are there or as cheap.
 
         They are where one coordinate moves a value, and where two do and it is a sum of products
@@ -97,16 +78,16 @@ class Slopes:
         if movers & (movers - 1) == 0:
             return True
         two = movers.bit_count() == 2 and graph.values[number].op in (Op.ADD, Op.SUB)
-        return two and all(graph.values[k].op in PLANE for k in reached(graph, [number]))
+        return two and all(graph.values[k].op in PLANE for k in dependencies(graph, [number]))
 
-    def _breaks(self, number: int) -> bool:
+    def _may_lack_slope(self, number: int) -> bool:
         """Whether a side of a choice may have no slope where it does not hold."""
         graph = self.graph
         _, *sides = graph.values[number].args
-        inside = reached(graph, sides)
+        inside = dependencies(graph, sides)
         return any(graph.values[k].op in BREAKING and not graph.settled[k] for k in inside)
 
-    def _chosen(self, number: int) -> dict[int, int]:
+    def _choice_slopes(self, number: int) -> dict[int, int]:
         """Slopes of a choice, each of the side that holds.
 
         A weight of zero for the other side would not do: zero times nan, which is the slope of
@@ -120,7 +101,7 @@ class Slopes:
             for mover in sorted({*yes, *no})
         }
 
-    def _hand(self, queue: dict[int, Parts], number: int, share: Parts) -> None:
+    def _accumulate(self, queue: dict[int, Parts], number: int, share: Parts) -> None:
         if self.graph.movers[number] & self._all:
             before = queue.get(number)
             queue[number] = share if before is None else before.plus(share)
@@ -160,45 +141,42 @@ class Slopes:
         match value.op:
             case Op.ADD | Op.SUB if (rotated := rotation(graph, number)) is not None:
                 angle, slope, parts = rotated
-                self._hand(queue, angle, share.times(slope))
+                self._accumulate(queue, angle, share.times(slope))
                 for part, factor in parts:
-                    self._hand(queue, part, share.times(factor))
+                    self._accumulate(queue, part, share.times(factor))
             case Op.ADD | Op.SUB:
                 one, two = value.args
-                self._hand(queue, one, share)
-                self._hand(queue, two, share if value.op is Op.ADD else share.scaled(-1.0))
+                self._accumulate(queue, one, share)
+                self._accumulate(queue, two, share if value.op is Op.ADD else share.scaled(-1.0))
             case Op.NEG:
-                self._hand(queue, value.args[0], share.scaled(-1.0))
+                self._accumulate(queue, value.args[0], share.scaled(-1.0))
             case Op.MUL:
                 one, two = value.args
                 if one == two:
-                    self._hand(queue, one, share.scaled(2.0).times(one))
+                    self._accumulate(queue, one, share.scaled(2.0).times(one))
                     return
-                self._hand(queue, one, share.times(two))
-                self._hand(queue, two, share.times(one))
+                self._accumulate(queue, one, share.times(two))
+                self._accumulate(queue, two, share.times(one))
             case Op.DIV:
                 one, two = value.args
                 share = share.times(graph.div(graph.one, two))
-                self._hand(queue, one, share)
-                self._hand(queue, two, share.times(number).scaled(-1.0))
+                self._accumulate(queue, one, share)
+                self._accumulate(queue, two, share.times(number).scaled(-1.0))
             case Op.SQRT:
                 inverse = graph.div(graph.one, number)
-                self._hand(queue, value.args[0], share.times(inverse).scaled(0.5))
+                self._accumulate(queue, value.args[0], share.times(inverse).scaled(0.5))
             case Op.SELECT:
-                condition, yes, no = value.args
-                for side, kept in ((yes, (1, 0)), (no, (0, 1))):
-                    chosen = {
-                        factors: graph.select(
-                            condition,
-                            *(weight if keep else graph.zero for keep in kept),
-                        )
-                        for factors, weight in share.parts.items()
-                    }
-                    self._hand(queue, side, Parts(graph, chosen))
+                condition, *sides = value.args
+                for k, side in enumerate(sides):
+                    chosen = {}
+                    for factors, weight in share.parts.items():
+                        weights = (weight, graph.zero) if k == 0 else (graph.zero, weight)
+                        chosen[factors] = graph.select(condition, *weights)
+                    self._accumulate(queue, side, Parts(graph, chosen))
             case _:
                 for arg, slope in zip(value.args, slopes_of(graph, number), strict=True):
                     if graph.movers[arg] & self._all:
-                        self._hand(queue, arg, share.times(slope))
+                        self._accumulate(queue, arg, share.times(slope))
 
 
 def rotation(graph: Graph, number: int) -> tuple[int, int, tuple[tuple[int, int], ...]] | None:

@@ -14,40 +14,15 @@ of its next derivative, and its third, constant between two knots, has none.
 from collections.abc import Callable, Mapping, Sequence
 
 from codegen.lower.graph import Graph
-from codegen.lower.program import (
-    LOGICAL,
-    STATE,
-    Input,
-    Kernel,
-    Lookup,
-    Op,
-    Program,
-    Value,
-)
-from codegen.lower.substitution import reached
+from codegen.lower.program import LOGICAL, STATE, Input, Kernel, Lookup, Op, Program, Value
+from codegen.lower.substitution import dependencies
 
 TINY = 1e-300
 """safety: added under a root where the root divides: √(vᵀv) has the slope 0 at v = 0, not 0/0."""
 
-SPLINE_DEGREE = 3
-"""The derivative of a table from which on there is no further one."""
-
-Slopes = Callable[[Graph, int, Value], tuple[int, ...]]
-"""(graph, number of the value, value) → its derivative by each argument, as values."""
-
 
 def differentiate(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]) -> list[int]:
-    """Tangents of `outputs`, as values of `graph`.
-
-    Parameters
-    ----------
-    graph
-        Holds the outputs and receives their tangents.
-    outputs
-        Numbers of values.
-    seeds
-        Input → the value that is its tangent; the tangents of other inputs are zero.
-    """
+    """Tangents of `outputs`, by those of inputs in `seeds`; others have none."""
     known = tangents(graph, outputs, seeds)
     return [known.get(number, graph.zero) for number in outputs]
 
@@ -55,17 +30,12 @@ def differentiate(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]
 def tangents(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]) -> dict[int, int]:
     """Value → its tangent, of all values that the outputs depend on along the seeds."""
     known = dict(seeds)
-    for number in _reached(graph, outputs, seeds):
+    for number in sorted(dependencies(graph, outputs, seeds) - seeds.keys()):
         value = graph.values[number]
-        with graph.serving(value.serves):
-            known[number] = _tangent(graph, number, value, known)
+        if value.args and value.op not in LOGICAL:
+            with graph.serving(value.serves):
+                known[number] = _tangent(graph, number, value, known)
     return known
-
-
-def _reached(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]) -> list[int]:
-    """Values that the outputs depend on, in order, without seeds, leaves and conditions."""
-    needed = reached(graph, outputs, seeds) - seeds.keys()
-    return sorted(k for k in needed if graph.values[k].args and graph.values[k].op not in LOGICAL)
 
 
 def _tangent(graph: Graph, number: int, value: Value, known: Mapping[int, int]) -> int:
@@ -91,102 +61,60 @@ def _tangent(graph: Graph, number: int, value: Value, known: Mapping[int, int]) 
 def slopes_of(graph: Graph, number: int) -> tuple[int, ...]:
     """Derivatives of an operation by each of its arguments; zero by an exponent that is fixed."""
     value = graph.values[number]
-    if value.op is Op.POW and graph.settled[value.args[1]]:
-        return _power_slope(graph, value), graph.zero
-    return SLOPES[value.op](graph, number, value)
+    if isinstance(value.literal, Lookup):
+        table, order = value.literal
+        return (graph.lookup(table, order + 1, *value.args) if order < 3 else graph.zero,)
+    return SLOPES[value.op](graph, number, *value.args)
 
 
-def _product(graph: Graph, number: int, value: Value) -> tuple[int, ...]:
-    a, b = value.args
-    return b, a
+def _reciprocal_root(graph: Graph, a: int) -> int:
+    """1/√(1 - a²)."""
+    return graph.power(graph.sub(graph.one, graph.mul(a, a)), -0.5)
 
 
-def _tan(graph: Graph, number: int, value: Value) -> tuple[int, ...]:
-    return (graph.add(graph.one, graph.mul(number, number)),)
-
-
-def _tanh(graph: Graph, number: int, value: Value) -> tuple[int, ...]:
-    return (graph.sub(graph.one, graph.mul(number, number)),)
-
-
-def _asin(graph: Graph, number: int, value: Value) -> tuple[int, ...]:
-    (a,) = value.args
-    return (graph.power(graph.sub(graph.one, graph.mul(a, a)), -0.5),)
-
-
-def _acos(graph: Graph, number: int, value: Value) -> tuple[int, ...]:
-    return (graph.neg(*_asin(graph, number, value)),)
-
-
-def _atan(graph: Graph, number: int, value: Value) -> tuple[int, ...]:
-    (a,) = value.args
-    return (graph.div(graph.one, graph.add(graph.one, graph.mul(a, a))),)
-
-
-def _atan2(graph: Graph, number: int, value: Value) -> tuple[int, ...]:
-    y, x = value.args
-    square = graph.add(graph.mul(x, x), graph.mul(y, y))
-    inverse = graph.div(graph.one, square)
+def _atan2(graph: Graph, number: int, y: int, x: int) -> tuple[int, ...]:
+    inverse = graph.div(graph.one, graph.add(graph.mul(x, x), graph.mul(y, y)))
     return graph.mul(inverse, x), graph.neg(graph.mul(inverse, y))
 
 
-def _log(graph: Graph, number: int, value: Value) -> tuple[int, ...]:
-    return (graph.div(graph.one, value.args[0]),)
+def _sqrt(graph: Graph, number: int, a: int) -> tuple[int, ...]:
+    half = graph.mul(graph.constant(0.5), number)
+    return (graph.div(half, graph.add(a, graph.constant(TINY))),)
 
 
-def _sqrt(graph: Graph, number: int, value: Value) -> tuple[int, ...]:
-    guarded = graph.add(value.args[0], graph.constant(TINY))
-    return (graph.div(graph.mul(graph.constant(0.5), number), guarded),)
-
-
-def _power_slope(graph: Graph, value: Value) -> int:
-    """∂(aᵇ)/∂a = b aᵇ⁻¹, by products where b - 1 allows them; without a division by a = 0."""
-    a, b = value.args
+def _power(graph: Graph, number: int, a: int, b: int) -> tuple[int, ...]:
+    """b aᵇ⁻¹, by products where b - 1 allows them, without a division by a = 0; and aᵇ log a."""
     exponent = graph.number(b)
     if exponent is not None:
-        return graph.mul(b, graph.power(a, exponent - 1.0))
-    return graph.mul(b, graph.function(Op.POW, a, graph.sub(b, graph.one)))
+        lower = graph.power(a, exponent - 1.0)
+    else:
+        lower = graph.function(Op.POW, a, graph.sub(b, graph.one))
+    slope = graph.mul(b, lower)
+    if graph.settled[b]:
+        return slope, graph.zero
+    return slope, graph.mul(number, graph.function(Op.LOG, a))
 
 
-def _power(graph: Graph, number: int, value: Value) -> tuple[int, ...]:
-    growth = graph.mul(number, graph.function(Op.LOG, value.args[0]))
-    return _power_slope(graph, value), growth
-
-
-def _lookup(graph: Graph, number: int, value: Value) -> tuple[int, ...]:
-    look = value.literal
-    assert isinstance(look, Lookup)
-    if look.order >= SPLINE_DEGREE:
-        return (graph.zero,)
-    return (graph.lookup(look.table, look.order + 1, value.args[0]),)
-
-
-def _counterpart(op: Op, sign: int = 1) -> Slopes:
-    def slopes(graph: Graph, number: int, value: Value) -> tuple[int, ...]:
-        other = graph.function(op, *value.args)
-        return (other if sign > 0 else graph.neg(other),)
-
-    return slopes
-
-
-SLOPES: dict[Op, Slopes] = {
-    Op.MUL: _product,
-    Op.SIN: _counterpart(Op.COS),
-    Op.COS: _counterpart(Op.SIN, -1),
-    Op.TAN: _tan,
-    Op.ASIN: _asin,
-    Op.ACOS: _acos,
-    Op.ATAN: _atan,
+SLOPES: dict[Op, Callable[..., tuple[int, ...]]] = {
+    Op.MUL: lambda g, n, a, b: (b, a),
+    Op.SIN: lambda g, n, a: (g.function(Op.COS, a),),
+    Op.COS: lambda g, n, a: (g.neg(g.function(Op.SIN, a)),),
+    Op.TAN: lambda g, n, a: (g.add(g.one, g.mul(n, n)),),
+    Op.ASIN: lambda g, n, a: (_reciprocal_root(g, a),),
+    Op.ACOS: lambda g, n, a: (g.neg(_reciprocal_root(g, a)),),
+    Op.ATAN: lambda g, n, a: (g.div(g.one, g.add(g.one, g.mul(a, a))),),
     Op.ATAN2: _atan2,
-    Op.SINH: _counterpart(Op.COSH),
-    Op.COSH: _counterpart(Op.SINH),
-    Op.TANH: _tanh,
-    Op.EXP: lambda graph, number, value: (number,),
-    Op.LOG: _log,
+    Op.SINH: lambda g, n, a: (g.function(Op.COSH, a),),
+    Op.COSH: lambda g, n, a: (g.function(Op.SINH, a),),
+    Op.TANH: lambda g, n, a: (g.sub(g.one, g.mul(n, n)),),
+    Op.EXP: lambda g, n, a: (n,),
+    Op.LOG: lambda g, n, a: (g.div(g.one, a),),
     Op.SQRT: _sqrt,
     Op.POW: _power,
-    Op.TABLE: _lookup,
 }
+"""Derivatives of the operation n by its arguments a and b; those of a sum and a quotient are not
+asked for.
+"""
 
 
 def tangent_program(program: Program) -> Program:
@@ -196,19 +124,18 @@ def tangent_program(program: Program) -> Program:
     """
     graph = Graph.of(program.values)
     kernels = {kernel.name: kernel for kernel in program.kernels}
-    accelerations, correction = kernels["accelerations"], kernels["correction"]
     kernel_tangents = (
-        _along(
+        _tangent_kernel(
             graph,
-            accelerations,
+            kernels["accelerations"],
             "(∂a/∂q) dq + (∂a/∂v) dv of a = accelerations(t, q, v, p, modes).",
             (*STATE, "modes", "dq", "dv", "da"),
             {"q": "dq", "v": "dv"},
             {"a": "da"},
         ),
-        _along(
+        _tangent_kernel(
             graph,
-            correction,
+            kernels["correction"],
             "Derivatives of dq, dv of correction(t, q, v, p, w, dq, dv) along (dq_in, dv_in).",
             (*STATE, "w", "dq_in", "dv_in", "dq", "dv"),
             {"q": "dq_in", "v": "dv_in"},
@@ -218,7 +145,7 @@ def tangent_program(program: Program) -> Program:
     return Program(tuple(graph.values), kernel_tangents, program.constants, program.weak_pivot)
 
 
-def _along(
+def _tangent_kernel(
     graph: Graph,
     kernel: Kernel,
     summary: str,
@@ -230,12 +157,11 @@ def _along(
 
     A tangent has the name of its value with ``d_`` before it, and stands in the same step.
     """
-    inputs = {n: v.literal for n, v in enumerate(graph.values) if isinstance(v.literal, Input)}
-    seeds = {
-        number: graph.input(directions[slot.array], slot.slot, f"d_{slot.name}")
-        for number, slot in inputs.items()
-        if slot.array in directions
-    }
+    seeds = {}
+    for number, value in enumerate(tuple(graph.values)):
+        slot = value.literal
+        if isinstance(slot, Input) and slot.array in directions:
+            seeds[number] = graph.input(directions[slot.array], slot.slot, f"d_{slot.name}")
     outputs = [out for out in kernel.outputs if out.array in arrays]
     known = tangents(graph, [out.value for out in outputs], seeds)
     labels = (
@@ -243,14 +169,15 @@ def _along(
         for label in kernel.labels
         if label.value in known
     )
+    named = (
+        out._replace(array=arrays[out.array], value=known.get(out.value, graph.zero))
+        for out in outputs
+    )
     return Kernel(
         f"{kernel.name}_tangent",
         summary,
         arguments,
-        tuple(
-            out._replace(array=arrays[out.array], value=known.get(out.value, graph.zero))
-            for out in outputs
-        ),
+        tuple(named),
         labels=(*kernel.labels, *labels),
         steps=kernel.steps,
     )

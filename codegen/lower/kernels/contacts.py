@@ -2,64 +2,44 @@
 
 import sys
 
-from codegen.lower.kernels.selection import Selection
-from codegen.lower.program import Kernel, Op, Output, store
+from codegen.lower.program import STATE, Kernel, Op, Output, store, storing
 from codegen.lower.scene_graph import SceneGraph
+from codegen.lower.substitution import dependencies
 
 UNBOUNDED = sys.float_info.max
 """Stands for an infinite bound, which is no literal of a generated text."""
 
 
-def hold_kernels(scene: SceneGraph, selection: Selection) -> list[Kernel]:
+def hold_kernels(scene: SceneGraph, reported: tuple[int, ...]) -> list[Kernel]:
     """The kernels of sticking frictions and rigid contacts that a scene needs."""
     kernels = []
     if any(s.kind == "contact" or s.ratio is not None for s in scene.equations.switches):
         kernels.append(_holds(scene))
     if scene.equations.contacts:
         kernels += _contacts(scene)
-    reported = [k for k, (name, *_) in enumerate(scene.reactions) if selection.reaction(name)]
-    switched = switched_reactions(scene)
-    outputs = tuple(
-        Output("out", row, scene.reactions[k][3], reaction_note(scene, k))
-        for row, k in enumerate(reported)
-        if k in switched
-    )
-    if outputs:
-        kernels.append(
-            Kernel(
-                "switched_reactions",
-                "The rows of REACTIONS that a mode decides; `reactions` fills the others.",
-                ("t", "q", "v", "p", "modes", "lam", "out"),
-                outputs,
-            )
-        )
+    if outputs := reaction_outputs(scene, reported, switched=True):
+        summary = "The rows of REACTIONS that a mode decides; `reactions` fills the others."
+        arguments = (*STATE, "modes", "lam", "out")
+        kernels.append(Kernel("switched_reactions", summary, arguments, outputs))
     return kernels
 
 
-def switched_reactions(scene: SceneGraph) -> list[int]:
-    """Rows of REACTIONS whose values depend on a mode."""
+def reaction_outputs(
+    scene: SceneGraph, reported: tuple[int, ...], switched: bool
+) -> tuple[Output, ...]:
+    """The reported rows of REACTIONS whose values depend on a mode, or on none."""
     values = scene.graph.values
-    switched: dict[int, bool] = {}
-
-    def depends(number: int) -> bool:
-        stack = [number]
-        while stack:
-            top = stack[-1]
-            unknown = [a for a in values[top].args if a not in switched]
-            if top not in switched and unknown:
-                stack += unknown
-                continue
-            stack.pop()
-            switched[top] = values[top].op is Op.MODE or any(switched[a] for a in values[top].args)
-        return switched[number]
-
-    return [k for k, (*_, value) in enumerate(scene.reactions) if depends(value)]
-
-
-def reaction_note(scene: SceneGraph, k: int) -> str:
-    """The element, component and unit of a row of REACTIONS."""
-    element, part, unit, _ = scene.reactions[k]
-    return f"{element} {part}, {unit}" if unit else f"{element} {part}"
+    depends: dict[int, bool] = {}
+    for number in sorted(dependencies(scene.graph, [scene.reactions[k][3] for k in reported])):
+        operation = values[number]
+        depends[number] = operation.op is Op.MODE or any(depends[a] for a in operation.args)
+    outputs = []
+    for row, k in enumerate(reported):
+        element, part, unit, value = scene.reactions[k]
+        if depends[value] is switched:
+            note = f"{element} {part}, {unit}" if unit else f"{element} {part}"
+            outputs.append(Output("out", row, value, note))
+    return tuple(outputs)
 
 
 def _holds(scene: SceneGraph) -> Kernel:
@@ -93,23 +73,19 @@ def _contacts(scene: SceneGraph) -> list[Kernel]:
             restitution.append(scene.translate(contact.restitution))
             scales.append(scene.translate(contact.scale))
         names.append(contact.effect)
-    return [
-        Kernel(
+    rows = (
+        (
             "gap_accelerations",
             "d²g/dt² of the gaps of the rigid contacts, in the order of RIGID.",
-            ("t", "q", "v", "a", "p", "out"),
-            store("out", gaps, names),
+            "t q v a p out",
+            gaps,
         ),
-        Kernel(
-            "restitution",
-            "e of ġ⁺ = -e ġ⁻, of the rigid contacts.",
-            ("p", "out"),
-            store("out", restitution, names),
-        ),
-        Kernel(
+        ("restitution", "e of ġ⁺ = -e ġ⁻, of the rigid contacts.", "p out", restitution),
+        (
             "contact_scale",
             "F0, N: the reaction that a rigid contact exerts in mode 0, before it is scaled.",
-            ("p", "out"),
-            store("out", scales, names),
+            "p out",
+            scales,
         ),
-    ]
+    )
+    return [storing(*row, names) for row in rows]

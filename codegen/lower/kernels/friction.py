@@ -55,23 +55,23 @@ def with_friction(
     loads = [_loads(scene, friction, base[n:], changes) for friction in scene.frictions]
     sums = [graph.zero] * len(loads)
     if len(loads) > 1:
-        sums = [_unless_held(scene, friction, graph.zero) for friction in scene.frictions]
+        sums = [_one_if_stuck(scene, friction, graph.zero) for friction in scene.frictions]
     for _ in range(ALONE if len(loads) == 1 else SWEEPS):
         for i, contacts in enumerate(loads):
             rest, slope = _remainder(scene, contacts, sums, i)
             sums[i] = graph.sub(sums[i], graph.div(rest, slope))
             if len(loads) > 1:
-                sums[i] = _unless_held(scene, scene.frictions[i], sums[i])
+                sums[i] = _one_if_stuck(scene, scene.frictions[i], sums[i])
     checks: list[Check] = []
     for i, (friction, contacts) in enumerate(zip(scene.frictions, loads, strict=True)):
         row = min(row for load in friction.loads for entry in load for row in entry)
         rest, slope = _remainder(scene, contacts, sums, i)
         allowed = graph.mul(graph.constant(AGREED), graph.add(sums[i], graph.constant(TINY)))
-        checks.append(Check(_unless_held(scene, friction, slope), graph.one, row))
+        checks.append(Check(_one_if_stuck(scene, friction, slope), graph.one, row))
         root = graph.power(slope, 0.5)  # nan where the joint jams: no number there means anything
         total = graph.div(graph.mul(sums[i], graph.mul(root, root)), slope)
-        sums[i] = _unless_held(scene, friction, total)
-        left = _unless_held(scene, friction, graph.sub(allowed, scene.size([rest])))
+        sums[i] = _one_if_stuck(scene, friction, total)
+        left = _one_if_stuck(scene, friction, graph.sub(allowed, scene.size([rest])))
         checks.append(Check(left, graph.zero, row))
     result = list(base)
     for total, coefficient, unit in zip(sums, coefficients, units, strict=True):
@@ -80,8 +80,8 @@ def with_friction(
     return result, tuple(checks)
 
 
-def _unless_held(scene: SceneGraph, friction: Friction, value: int) -> int:
-    """`value`, and 1 while the friction sticks."""
+def _one_if_stuck(scene: SceneGraph, friction: Friction, value: int) -> int:
+    """`value`, but 1 while the friction sticks."""
     if friction.is_stuck is None:
         return value
     return scene.graph.select(friction.is_stuck, scene.graph.one, value)
@@ -90,11 +90,9 @@ def _unless_held(scene: SceneGraph, friction: Friction, value: int) -> int:
 def _loads(
     scene: SceneGraph, friction: Friction, base: list[int], changes: list[list[int]]
 ) -> Loads:
+    along = scene.along
     return [
-        [
-            (scene.along(entry, base), [scene.along(entry, change) for change in changes])
-            for entry in load
-        ]
+        [(along(entry, base), [along(entry, change) for change in changes]) for entry in load]
         for load in friction.loads
     ]
 

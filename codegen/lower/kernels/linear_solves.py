@@ -19,22 +19,15 @@ ratio has.
 
 
 def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Strategy]:
-    """The fused kernel, by the order of elimination that costs least.
-
-    Parameters
-    ----------
-    rows
-        The constraints whose multipliers the kernel returns.
-    """
+    """The fused kernel, by the order that costs least; it returns the multipliers of `rows`."""
     if scene.driven:
         return _kinematics(scene), "square"
-    strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
     if not scene.mass:
-        strategies = ("schur",)
+        return _kinematics(scene), "schur"
+    strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
     trials = []
     for strategy in strategies:
-        massive = bool(scene.mass)
-        kernel = _dynamics(scene, strategy, rows) if massive else _kinematics(scene)
+        kernel = _dynamics(scene, strategy, rows)
         program = with_constants(scene.graph, (kernel,), len(scene.equations.parameters))
         trials.append((cost(program, program.kernels[-1]), kernel, strategy))
     _, kernel, strategy = min(trials, key=lambda trial: trial[0])
@@ -56,10 +49,7 @@ def _spread(scene: SceneGraph) -> float:
 
 
 def _dynamics(
-    scene: SceneGraph,
-    strategy: Strategy,
-    rows: tuple[int, ...] | None = None,
-    refine: bool = False,
+    scene: SceneGraph, strategy: Strategy, rows: tuple[int, ...], refine: bool = False
 ) -> Kernel:
     n, graph = scene.n, scene.graph
     entries = {place: mass for place, mass in scene.mass.items() if mass != graph.zero}
@@ -98,8 +88,7 @@ def _dynamics(
         labels.solved([solution])
     outputs = store("a", solution[:n], [q.rate.name for q in scene.equations.coordinates])
     names = scene.row_names()
-    recovered_rows = range(scene.m) if rows is None else rows
-    outputs += tuple(Output("lam", row, solution[n + row], names[row]) for row in recovered_rows)
+    outputs += tuple(Output("lam", row, solution[n + row], names[row]) for row in rows)
     checks = tuple(check._replace(constraint=check.constraint - n) for check in system.checks)
     checks += rubbing
     return Kernel(
@@ -109,8 +98,7 @@ def _dynamics(
         outputs,
         checks,
         watched=True,
-        labels=tuple(labels.by_value.values()),
-        steps=tuple(labels.steps),
+        **labels.text,
     )
 
 
@@ -151,8 +139,7 @@ def _kinematics(scene: SceneGraph) -> Kernel:
         "q̈ of Φ_q q̈ = γ (of least norm while drivers are missing).",
         (*STATE, "modes", "a", "lam"),
         store("a", solution, names),
-        checks,
+        tuple(checks),
         watched=True,
-        labels=tuple(labels.by_value.values()),
-        steps=tuple(labels.steps),
+        **labels.text,
     )

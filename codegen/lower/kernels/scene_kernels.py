@@ -4,30 +4,21 @@ from dataclasses import dataclass, replace
 
 from codegen.derive.equations import Equations
 from codegen.lower.constant_hoisting import with_constants
-from codegen.lower.kernels.contacts import hold_kernels, reaction_note, switched_reactions
+from codegen.lower.kernels.contacts import hold_kernels, reaction_outputs
 from codegen.lower.kernels.corrections import correction
 from codegen.lower.kernels.linear_solves import accelerations
 from codegen.lower.kernels.selection import Selection, recovered
 from codegen.lower.linear.factorization import Strategy
 from codegen.lower.module_tables import Description, describe
-from codegen.lower.program import STATE, Folded, Kernel, Output, Program, store
+from codegen.lower.program import STATE, Folded, Kernel, Output, Program, storing
 from codegen.lower.scene_graph import SceneGraph
 
 
 @dataclass(frozen=True)
 class Lowered:
-    """A scene ready to be emitted.
+    """A scene ready to be emitted: its kernels, their tables, and the graph of their values.
 
-    Attributes
-    ----------
-    program
-        All kernels.
-    description
-        The tables that go with them.
-    strategy
-        The order of elimination that was cheapest; None where nothing is eliminated.
-    scene
-        The equations as values of the graph that the program was made from.
+    `strategy` is the order of elimination that was cheapest, None where nothing is eliminated.
     """
 
     program: Program
@@ -44,32 +35,24 @@ class Lowered:
 def lower(equations: Equations) -> Lowered:
     """Translate every equation into one graph, and arrange its values in kernels."""
     scene, selection = SceneGraph(equations), Selection(equations)
-    rows = recovered(scene, selection)
+    rows, names = recovered(scene, selection), scene.row_names()
+    coordinates = [q.name for q in equations.coordinates]
+    entries = [f"{names[i]}, {coordinates[k]}" for i, k in scene.jacobian]
     kernels = [
-        Kernel("constraints", "Φ(q, t).", ("t", "q", "p", "phi"), _named(scene, "phi", scene.phi)),
-        Kernel(
+        storing("constraints", "Φ(q, t).", "t q p phi", scene.phi, names),
+        storing(
             "jacobian",
             "Structural non-zeros of Φ_q, at JACOBIAN_ROWS, JACOBIAN_COLUMNS.",
-            ("t", "q", "p", "values"),
-            store("values", list(scene.jacobian.values()), _jacobian_notes(scene)),
+            "t q p values",
+            list(scene.jacobian.values()),
+            entries,
         ),
-        Kernel(
-            "velocity_rhs",
-            "ν = -Φ_t, so that Φ_q q̇ = ν.",
-            ("t", "q", "p", "nu"),
-            _named(scene, "nu", scene.nu),
-        ),
+        storing("velocity_rhs", "ν = -Φ_t, so that Φ_q q̇ = ν.", "t q p nu", scene.nu, names),
     ]
     resting = equations.scene.analysis == "equilibrium"
     if not resting:
-        kernels.append(
-            Kernel(
-                "acceleration_rhs",
-                "γ = -(Φ_q q̇)_q q̇ - 2 Φ_qt q̇ - Φ_tt, so that Φ_q q̈ = γ.",
-                (*STATE, "gamma"),
-                _named(scene, "gamma", scene.gamma),
-            )
-        )
+        summary = "γ = -(Φ_q q̇)_q q̇ - 2 Φ_qt q̇ - Φ_tt, so that Φ_q q̈ = γ."
+        kernels.append(storing("acceleration_rhs", summary, "t q v p gamma", scene.gamma, names))
     strategy: Strategy | None = None
     if rows or not resting:
         fused, strategy = accelerations(scene, rows)
@@ -77,19 +60,19 @@ def lower(equations: Equations) -> Lowered:
     if not resting:
         kernels.append(correction(scene))
     powers: list[tuple[str, str, int]] = []
+    reported = selection.reported(scene)
     if equations.mass:
-        powers = [row for row in _powers(scene) if selection.power(row[0])] + _works(
-            scene, selection
-        )
+        powers = [row for row in _powers(scene) if selection.power(row[0])]
+        powers += _works(scene, selection)
         kernels += _dynamic_kernels(scene, selection, powers)
-    elif _reported(scene, selection):
-        kernels.append(_reactions(scene, selection))
+    if reported or (equations.mass and selection.outputs is None):
+        kernels.append(_reactions(scene, reported))
     if equations.switches:
         kernels += _switching_kernels(scene, resting)
-        kernels += hold_kernels(scene, selection)
+        kernels += hold_kernels(scene, reported)
     _note_weights(scene)
     program = with_constants(scene.graph, tuple(kernels), len(equations.parameters))
-    description = describe(equations, scene, powers, _reported(scene, selection), rows)
+    description = describe(equations, scene, powers, reported, rows)
     return Lowered(program, description, strategy, scene)
 
 
@@ -109,101 +92,63 @@ def _note_weights(scene: SceneGraph) -> None:
             scene.graph.values[k] = replace(value, origin=origins[abs(number)])
 
 
-def _reported(scene: SceneGraph, selection: Selection) -> tuple[int, ...]:
-    """Numbers of the reactions that the scene reports, in order."""
-    return tuple(k for k, (name, *_) in enumerate(scene.reactions) if selection.reaction(name))
-
-
 def _dynamic_kernels(
     scene: SceneGraph, selection: Selection, powers: list[tuple[str, str, int]]
 ) -> list[Kernel]:
-    coordinates = [q.name for q in scene.equations.coordinates]
-    graph = scene.graph
-    resting = not selection.moves
+    names, resting = [q.name for q in scene.equations.coordinates], not selection.moves
+    entries = [names[i] if i == k else f"{names[i]}, {names[k]}" for i, k in scene.mass]
+    forces = "Generalized forces Q = ΣQ_e - ∂V/∂q"
+    forces += "" if scene.equations.inertia_force else " of the effects"
+    forces += ", without friction from reactions"
+    forces += ", and of inertia, Q_v." if scene.equations.inertia_force else "."
     kernels = [
-        Kernel(
+        storing(
             "mass",
             "Structural non-zeros of M, at MASS_ROWS, MASS_COLUMNS.",
-            ("q", "p", "values"),
-            store("values", list(scene.mass.values()), _mass_notes(scene)),
+            "q p values",
+            list(scene.mass.values()),
+            entries,
         ),
-        Kernel(
-            "applied_forces",
-            _meaning_of_forces(scene),
-            (*STATE, "modes", "Q"),
-            store("Q", scene.forces, coordinates),
-        ),
+        storing("applied_forces", forces, "t q v p modes Q", scene.forces, names),
     ]
     if resting or selection.energy():
+        energy = (Output("return", 0, scene.potential),)
         kernels += [
-            Kernel(
-                "potential",
-                "Potential energy V, J.",
-                ("t", "q", "p", "modes"),
-                (Output("return", 0, scene.potential),),
-            ),
-            Kernel(
-                "potential_gradient",
-                "∂V/∂q.",
-                ("t", "q", "p", "modes", "g"),
-                store("g", scene.gradient, coordinates),
-            ),
+            Kernel("potential", "Potential energy V, J.", ("t", "q", "p", "modes"), energy),
+            storing("potential_gradient", "∂V/∂q.", "t q p modes g", scene.gradient, names),
         ]
     if selection.energy() and not resting:
-        energies = [
-            graph.mul(mass, graph.mul(scene.v[i], scene.v[k]))
-            if i == k
-            else graph.mul(graph.constant(2.0), graph.mul(mass, graph.mul(scene.v[i], scene.v[k])))
-            for (i, k), mass in scene.mass.items()
-            if i <= k
-        ]
-        kinetic = graph.mul(graph.constant(0.5), graph.total(energies))
-        kernels.append(
-            Kernel(
-                "kinetic_energy",
-                "T = q̇ᵀ M q̇ / 2, J.",
-                ("q", "v", "p"),
-                (Output("return", 0, kinetic),),
-            )
-        )
+        energy = (Output("return", 0, _kinetic_energy(scene)),)
+        kernels.append(Kernel("kinetic_energy", "T = q̇ᵀ M q̇ / 2, J.", ("q", "v", "p"), energy))
     if powers or (selection.outputs is None and not resting):
         kernels.append(
-            Kernel(
+            storing(
                 "powers",
                 "Power in W: Q_eᵀ q̇ of each effect without a potential, λᵀ Φ_t of each driver.",
-                (*STATE, "modes", "lam", "out"),
-                store("out", [w for *_, w in powers], [source for source, *_ in powers]),
+                "t q v p modes lam out",
+                [w for *_, w in powers],
+                [source for source, *_ in powers],
             )
         )
-    if _reported(scene, selection) or selection.outputs is None:
-        kernels.append(_reactions(scene, selection))
     return kernels
 
 
-def _mass_notes(scene: SceneGraph) -> list[str]:
-    names = [q.name for q in scene.equations.coordinates]
-    return [names[i] if i == k else f"{names[i]}, {names[k]}" for i, k in scene.mass]
+def _kinetic_energy(scene: SceneGraph) -> int:
+    graph, v = scene.graph, scene.v
+    terms = []
+    for (i, k), mass in scene.mass.items():
+        if i <= k:
+            term = graph.mul(mass, graph.mul(v[i], v[k]))
+            terms.append(term if i == k else graph.mul(graph.constant(2.0), term))
+    return graph.mul(graph.constant(0.5), graph.total(terms))
 
 
-def _meaning_of_forces(scene: SceneGraph) -> str:
-    known = "without friction from reactions"
-    if scene.equations.inertia_force:
-        return f"Generalized forces Q = ΣQ_e - ∂V/∂q, {known}, and of inertia, Q_v."
-    return f"Generalized forces Q = ΣQ_e - ∂V/∂q of the effects, {known}."
-
-
-def _reactions(scene: SceneGraph, selection: Selection) -> Kernel:
-    switched = switched_reactions(scene)
-    outputs = tuple(
-        Output("out", row, scene.reactions[k][3], reaction_note(scene, k))
-        for row, k in enumerate(_reported(scene, selection))
-        if k not in switched
-    )
+def _reactions(scene: SceneGraph, reported: tuple[int, ...]) -> Kernel:
     return Kernel(
         "reactions",
         "Reactions: joint forces on the second body in the joint's axes, and forces of drivers.",
         (*STATE, "lam", "out"),
-        outputs,
+        reaction_outputs(scene, reported, switched=False),
     )
 
 
@@ -215,23 +160,12 @@ def _switching_kernels(scene: SceneGraph, resting: bool) -> list[Kernel]:
         with scene.graph.serving(switch.effect):
             g.append(scene.translate(switch.g))
             rates.append(scene.translate(switch.rate))
-    switching = Kernel(
-        "switching",
-        "Switching functions g: a condition holds where its g > 0.",
-        (*STATE, "g"),
-        store("g", g, notes),
-    )
-    if resting:
-        return [switching]
-    return [
-        switching,
-        Kernel(
-            "switching_rates",
-            "dg/dt along the motion.",
-            ("t", "q", "v", "a", "p", "rate"),
-            store("rate", rates, notes),
-        ),
-    ]
+    summary = "Switching functions g: a condition holds where its g > 0."
+    kernels = [storing("switching", summary, "t q v p g", g, notes)]
+    if not resting:
+        summary = "dg/dt along the motion."
+        kernels.append(storing("switching_rates", summary, "t q v a p rate", rates, notes))
+    return kernels
 
 
 def _powers(scene: SceneGraph) -> list[tuple[str, str, int]]:
@@ -256,12 +190,3 @@ def _works(scene: SceneGraph, selection: Selection) -> list[tuple[str, str, int]
     pairs = [*scene.working.items(), *whole]
     return [(f"work({name})", "work", value) for name, value in pairs if selection.work(name)
             and value != scene.graph.zero]  # fmt: skip
-
-
-def _named(scene: SceneGraph, array: str, values: list[int]) -> tuple[Output, ...]:
-    return store(array, values, scene.row_names())
-
-
-def _jacobian_notes(scene: SceneGraph) -> list[str]:
-    rows = scene.row_names()
-    return [f"{rows[i]}, {scene.equations.coordinates[k].name}" for i, k in scene.jacobian]

@@ -1,10 +1,9 @@
 """Selection of the kernels of a scene, and of their rows, by its outputs."""
 
 from codegen.derive.equations import Equations, tracked_points
-from codegen.lower.graph import Graph
 from codegen.lower.program import Input
 from codegen.lower.scene_graph import SceneGraph
-from codegen.lower.substitution import reached
+from codegen.lower.substitution import dependencies
 
 
 class Selection:
@@ -31,6 +30,10 @@ class Selection:
     def reaction(self, element: str) -> bool:
         """Whether the forces that an element transmits are."""
         return element in self._needed or (self._massive and self._one("reaction", element))
+
+    def reported(self, scene: SceneGraph) -> tuple[int, ...]:
+        """Numbers of the reactions that the scene reports, in order."""
+        return tuple(k for k, (name, *_) in enumerate(scene.reactions) if self.reaction(name))
 
     def power(self, source: str) -> bool:
         """Whether the power of an effect or driver is."""
@@ -59,14 +62,9 @@ def recovered(scene: SceneGraph, selection: Selection) -> tuple[int, ...]:
     values += [
         value for name, value in scene.powers if selection.power(name) or selection.work(name)
     ]
-    needed = _multipliers(scene.graph, values)
+    literals = (scene.graph.values[k].literal for k in dependencies(scene.graph, values))
+    needed = {x.slot for x in literals if isinstance(x, Input) and x.array == "lam"}
     for row, name in enumerate(scene.owners):
         if scene.nu[row] != scene.graph.zero and (selection.power(name) or selection.work(name)):
             needed.add(row)
     return tuple(row for row in rows if row in needed)
-
-
-def _multipliers(graph: Graph, values: list[int]) -> set[int]:
-    """Slots of `lam` that values depend on."""
-    literals = (graph.values[number].literal for number in reached(graph, values))
-    return {leaf.slot for leaf in literals if isinstance(leaf, Input) and leaf.array == "lam"}

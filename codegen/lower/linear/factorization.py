@@ -21,7 +21,7 @@ from typing import Literal
 from codegen.lower.graph import Graph
 from codegen.lower.linear.back_substitution import Loop, Pair, Single, Substitution
 from codegen.lower.linear.labels import Labels
-from codegen.lower.linear.pivots import LEAST_PIVOT
+from codegen.lower.linear.sparse_rows import LEAST_PIVOT
 from codegen.lower.program import Check
 
 DIVISION = 8
@@ -234,14 +234,13 @@ class Elimination:
 
         The determinant is minus the positive definite form a v² - 2 b u v + d u².
         """
-        graph = self.graph
+        graph, labels = self.graph, self.labels
         mul, sub = graph.mul, graph.sub
         a, b, d = self._at(i, i), self._at(i, j), self._at(j, j)
         u, v = self._at(i, c), self._at(j, c)
         minor_i, minor_j = sub(mul(d, u), mul(b, v)), sub(mul(a, v), mul(b, u))
         area = sub(mul(a, d), mul(b, b))
         form = graph.add(mul(u, minor_i), mul(v, minor_j))
-        labels = self.labels
         labels.step(f"Solve for {labels.titles(i, j)} and the multiplier of {labels.titles(c)}")
         if c in self.references:
             size = mul(area, self.references[c])

@@ -7,6 +7,7 @@ change nothing in the operations; the first role of a value counts.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from codegen.lower.program import Label
 
@@ -36,6 +37,11 @@ class Labels:
     by_value: dict[int, Label] = field(default_factory=dict)
     steps: list[str] = field(default_factory=list)
 
+    @property
+    def text(self) -> dict[str, Any]:
+        """The fields of a kernel that hold the names and the steps."""
+        return {"labels": tuple(self.by_value.values()), "steps": tuple(self.steps)}
+
     def step(self, title: str) -> None:
         """Begin a step with the comment `title`."""
         self.steps.append(title)
@@ -53,7 +59,7 @@ class Labels:
         """Name a pivot and its inverse."""
         if self.names:
             name = self.of("pivot", unknown)
-            self.by_value[value] = self.by_value.get(value, Label(value, name, len(self.steps) - 1))
+            self.add(value, name)
             self.by_value[value] = self.by_value[value]._replace(name=name)
             self.add(inverse, self.of("inverse", unknown))
 

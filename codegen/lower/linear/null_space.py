@@ -15,65 +15,42 @@ weights lie apart. With more than one degree of freedom in a loop that eliminati
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
-from itertools import combinations
+from dataclasses import dataclass
 
-from codegen.lower.graph import Graph
-from codegen.lower.linear.labels import Labels
-from codegen.lower.linear.pivots import explicit_coordinate
+from codegen.lower.linear.sparse_rows import Row, SparseRows
 from codegen.lower.program import Check
 
 TINY = 1e-100  # safety: added to weights before they are inverted; w = 0 holds a coordinate
 LARGEST = 2
 """Closures that are solved together."""
-SEARCHED = 30  # safety: rows among which pairs of closures are looked for
-
-Row = dict[int, int]
-"""Unknown → coefficient."""
 
 
 @dataclass
-class NullSpace:
+class NullSpace(SparseRows):
     """Φ_q d = r for several right sides, d least in the norm dᵀ W⁻¹ d.
 
     Attributes
     ----------
-    entries
-        (row, column) → value, structural non-zeros only.
-    right
-        Right sides, one list of rows each.
     weights
         One value a column.
-    labels, rows
-        Names for the text, of coordinates and of constraints.
-    checks
-        Pivots to watch; the constraint of a check is a row.
+    rows
+        Names of the constraints; those of the labels are the coordinates'.
     """
 
-    graph: Graph
-    entries: dict[tuple[int, int], int]
-    right: list[list[int]]
-    weights: list[int]
-    labels: Labels = field(default_factory=Labels)
+    weights: Sequence[int] = ()
     rows: Sequence[str] = ()
-    checks: list[Check] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
-        self.right = [list(column) for column in self.right]
-        self._rows: dict[int, Row] = {i: {} for i in range(len(self.right[0]))}
-        for (i, k), entry in sorted(self.entries.items()):
-            self._rows[i][k] = entry
-        self._original = {i: dict(row) for i, row in self._rows.items()}
+        super().__post_init__()
         self._unknowns = dict.fromkeys(range(len(self.weights)))
-        self._eliminated: list[tuple[int, Row, list[int]]] = []
         self._determined: set[int] = set()
 
     def solve(self) -> list[list[int]] | None:
         """The changes, one list a right side; None where this is not the way to find them."""
-        while pivot := explicit_coordinate(self.graph, self._rows):
+        while pivot := self._explicit_coordinate():
             self._give_coordinate(*pivot)
         while self._rows:
-            chosen = self._closures()
+            chosen = self._smallest_set(LARGEST, range(1, 2))
             if chosen is None:
                 return None
             self._give_closures(chosen)
@@ -87,62 +64,38 @@ class NullSpace:
         row = self._rows.pop(i)
         self._step(f"Eliminate {self.labels.titles(k)} with", i)
         inverse = graph.div(graph.one, row.pop(k))
-        slopes = {j: graph.neg(graph.mul(inverse, entry)) for j, entry in row.items()}
-        if not slopes:  # what a constraint determines may not be held
+        if not row:  # what a constraint determines may not be held
             self.checks.append(Check(self.weights[k], graph.zero, i))
             self._determined.add(k)
-        self._give(k, slopes, [graph.mul(inverse, column[i]) for column in self.right])
+        coefficients = {j: graph.mul(inverse, entry) for j, entry in row.items()}
+        self._give(k, coefficients, [graph.mul(inverse, column[i]) for column in self.right])
 
-    def _give(self, k: int, slopes: Row, base: list[int]) -> None:
-        """Put x_k = base + Σ slope x into the rows."""
-        graph = self.graph
+    def _give(self, k: int, coefficients: Row, base: list[int]) -> None:
+        """Put x_k = base - Σ coefficient x into the rows."""
         del self._unknowns[k]
-        self._eliminated.append((k, slopes, base))
         for names, start in zip(self.labels.solution, base, strict=False):
             if k < len(names):
                 self.labels.add(start, f"part_{names[k]}")
-        for i, row in self._rows.items():
-            if k not in row:
-                continue
-            factor = row.pop(k)
-            for j, slope in slopes.items():
-                entry = graph.add(row.pop(j, graph.zero), graph.mul(factor, slope))
-                if entry != graph.zero:
-                    row[j] = entry
-            for column, start in zip(self.right, base, strict=True):
-                column[i] = graph.sub(column[i], graph.mul(factor, start))
-            self.labels.sides(self.right, i)
-
-    def _closures(self) -> tuple[int, ...] | None:
-        """Fewest rows with one unknown more than they are."""
-        rows = tuple(self._rows)
-        for size in range(1, LARGEST + 1 if len(rows) <= SEARCHED else 2):
-            for chosen in combinations(rows, size):
-                if len(self._columns(chosen)) == size + 1:
-                    return chosen
-        return None
+        self._eliminate(k, coefficients, base)
 
     def _step(self, title: str, *rows: int) -> None:
         if self.rows:
             self.labels.step(f"{title} {', '.join(self.rows[i] for i in rows)}")
 
-    def _name(self, unknowns: Iterable[int], values: Iterable[int], stem: str) -> None:
+    def _name_all(self, unknowns: Iterable[int], values: Iterable[int], stem: str) -> None:
         """Name values of unknowns, as far as these are coordinates."""
         for k, value in zip(unknowns, values, strict=True):
             if k < len(self.labels.names):
                 self.labels.add(value, self.labels.of(stem, k))
 
-    def _columns(self, chosen: tuple[int, ...]) -> list[int]:
-        return sorted(set().union(*(self._rows[i] for i in chosen)))
-
     def _give_closures(self, chosen: tuple[int, ...]) -> None:
         """Replace the unknowns of rows by their least solution and one unknown along n."""
         graph = self.graph
         mul, total = graph.mul, graph.total
-        columns = self._columns(chosen)
+        columns = self._unknowns_of(chosen)
         self._step("Take the least solution and the null space of", *chosen)
-        matrix = [[self._rows[i].get(k, graph.zero) for k in columns] for i in chosen]
-        rights = [[column[i] for i in chosen] for column in self.right]
+        rows = [self._rows[i] for i in chosen]
+        matrix = self._take(chosen, columns)
         if len(chosen) == 1:
             ((u, v),) = matrix
             n, least = [v, graph.neg(u)], [[u, v]]
@@ -150,38 +103,36 @@ class NullSpace:
             n = self._cross(*matrix)
             least = [self._cross(matrix[1], n), self._cross(n, matrix[0])]
         square = total([mul(x, x) for x in n])
-        self._watch(chosen, columns, n)
+        self._watch(chosen, rows, columns, n)
         inverse = graph.div(graph.one, square)
-        self._name(columns, n, "n")
+        self._name_all(columns, n, "n")
         z = len(self.weights) + len(self._eliminated)
         self._unknowns[z] = None
-        factors = [[mul(inverse, r) for r in right] for right in rights]
-        for i in chosen:
-            del self._rows[i]
+        factors = [[mul(inverse, column[i]) for i in chosen] for column in self.right]
         for at, k in enumerate(columns):
             base = [total([mul(f, x[at]) for f, x in zip(r, least, strict=True)]) for r in factors]
-            self._give(k, {z: n[at]}, base)
+            self._give(k, {z: graph.neg(n[at])}, base)
 
     def _cross(self, a: list[int], b: list[int]) -> list[int]:
         mul, sub = self.graph.mul, self.graph.sub
         return [sub(mul(a[i], b[j]), mul(a[j], b[i])) for i, j in ((1, 2), (2, 0), (0, 1))]
 
-    def _watch(self, chosen: tuple[int, ...], columns: list[int], n: list[int]) -> None:
+    def _watch(
+        self, chosen: tuple[int, ...], rows: list[Row], columns: list[int], n: list[int]
+    ) -> None:
         """Hold det(C W Cᵀ) of the closures against the diagonal of Φ_q W Φ_qᵀ."""
         graph = self.graph
-        original = columns[-1] < len(self.weights)
-        weights = {k: self.weights[k] if original else graph.one for k in columns}
-        rows = {i: self._rows[i] for i in chosen}
-        if original:  # without what constraints determine
-            moving = {k: w for k, w in enumerate(self.weights) if k not in self._determined}
-            weights, rows = moving, {i: self._original[i] for i in chosen}
+        weights = dict.fromkeys(columns, graph.one)
+        if columns[-1] < len(self.weights):  # without what constraints determine
+            weights = {k: w for k, w in enumerate(self.weights) if k not in self._determined}
+            rows = [self._original[i] for i in chosen]
         pivot, reference = graph.zero, graph.one
         for k, minor in zip(columns, n, strict=True):
             term = graph.mul(minor, minor)
             for other in columns:
                 term = term if other == k else graph.mul(weights[other], term)
             pivot = graph.add(pivot, term)
-        for row in rows.values():
+        for row in rows:
             terms = [graph.mul(weights[k], graph.mul(x, x)) for k, x in row.items() if k in weights]
             reference = graph.mul(reference, graph.total(terms))
         self.checks.append(Check(pivot, reference, max(chosen)))
@@ -205,9 +156,9 @@ class NullSpace:
             for j, factor in row.items():
                 for z, slope in slopes[j].items():
                     product = mul(factor, slope)
-                    slopes[k][z] = graph.add(slopes[k].get(z, graph.zero), product)
+                    slopes[k][z] = graph.sub(slopes[k].get(z, graph.zero), product)
                 for column, shift in enumerate(base[j]):
-                    base[k][column] = graph.add(base[k][column], mul(factor, shift))
+                    base[k][column] = graph.sub(base[k][column], mul(factor, shift))
         coordinates = range(len(self.weights))
         for column, names in enumerate(labels.solution):
             for k in coordinates:
@@ -223,8 +174,8 @@ class NullSpace:
             pull = {k: mul(ease[k], slope) for k, slope in moved.items()}
             inverse = graph.div(graph.one, total([mul(pull[k], n) for k, n in moved.items()]))
             free = {k: mul(self.weights[k], ease[k]) for k in moved}  # 1, and 0 where k is held
-            self._name(moved, moved.values(), "n")
-            self._name(ease, ease.values(), "g")
+            self._name_all(moved, moved.values(), "n")
+            self._name_all(ease, ease.values(), "g")
             for d in changes:
                 step = mul(inverse, total([mul(pull[k], d[k]) for k in moved]))
                 for k, slope in moved.items():

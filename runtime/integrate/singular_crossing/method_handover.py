@@ -7,13 +7,12 @@ does not where its steps are so short that rounding rules.
 
 import numpy as np
 
-from runtime.integrate.method import EXPLICIT
+from runtime.integrate.method import EXPLICIT, LEADING
 from runtime.integrate.run_state import RunState
 from runtime.integrate.singular_crossing.crossing_step import CrossingSteps
 from runtime.integrate.step_control import first_step
 from runtime.singularity.singular_position import Singularity
 
-_LEADING = "dop853"  # across, for methods that do not reach
 _POOR = 10.0  # measured: error over tolerance from which on another method leads across
 _LEARNING = 0.2  # measured: of the way there; the first step of the method that takes over
 
@@ -33,14 +32,14 @@ class MethodHandover:
         """
         state, r = self.state, self.state.record
         name = state.methods[-1][1]
-        if name in {_LEADING, "auto"} or r["lent"]:
+        if name in {LEADING, "auto"} or r["lent"]:
             return False
         if name in EXPLICIT and steps.best(position, usual).total < _POOR:
             return False
         self.kept_length = float(r["h"])
         r["lent"], r["automatic"] = 1, 0
         r["lent_until"] = position.t + max(ahead, self.kept_length)
-        state.use_method(_LEADING)
+        state.use_method(LEADING)
         first = first_step(state.table, r["t"], r["h_max"], r["rtol"], r["order"])
         way = _LEARNING * ahead
         r["usual"] = r["h"] = min(first, way) if way > 0.0 else max(first, self.kept_length)

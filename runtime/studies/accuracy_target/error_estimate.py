@@ -20,15 +20,11 @@ def with_accuracy(
     """The result of the delivered run, up to the instant to which it meets the target.
 
     Its `ReachedAccuracy` has all runs, and the reasons for the choice of method and coordinates, in
-    clauses.
-
-    Raises
-    ------
-    AnalysisError
-        If not even the beginning meets the target.
+    clauses. Raises AnalysisError if not even the beginning meets the target.
     """
     difference, share = pair.difference, pair.share
-    trials, delivered = tuple(run.record for run in runs), pair.delivered.record
+    trials = tuple(run.record for run in runs)
+    delivered, other = (run.record for run in pair.by_merit)
     diverged = run_difference.DIVERGED
     of_all = share if difference.largest < diverged else 1.0
     count = difference.within(min(target / share, diverged))
@@ -46,7 +42,7 @@ def with_accuracy(
         runs=trials,
         horizon=None if whole else float(difference.t[count - 1] if count else result.t[0]),
         tenfold=run_difference.tenfold_time(difference),
-        means=_explanation(pair.other.record, delivered, difference, share, reasons),
+        means=_explanation(other, delivered, difference, share, reasons),
         seconds=sum(trial.seconds for trial in trials),
     )
     if whole:

@@ -11,6 +11,7 @@ from codegen.errors import InputError
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
+from runtime.integrate.method import LEADING
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
 
@@ -65,11 +66,11 @@ def revise(choice: Choice, ready: PreparedSimulation, run: Trajectory) -> Choice
             choice, method=method, formulation="cartesian", coordinates=coordinates, reasons=(why,)
         )
     if choice.method == "auto" and "method" in choice.free and len(run.methods) == 1:
-        return replace(choice, method="dop853")
+        return replace(choice, method=LEADING)
     return choice
 
 
 def _method(ready: PreparedSimulation, formulation: Formulation) -> str:
     """The method that detects stiffness, where its derivatives exist; else the explicit one."""
     stiff = ready.mechanism.has_companion("tangents") and not ready.begin.redundant
-    return "auto" if formulation == "reduced" or stiff else "dop853"
+    return "auto" if formulation == "reduced" or stiff else LEADING

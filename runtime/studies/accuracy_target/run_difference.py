@@ -218,11 +218,6 @@ class Pair:
         return max(share, _LEAST_SHARE) if largest >= DIVERGED else share
 
     @property
-    def delivered(self) -> Run:
-        """The run that is the result."""
-        return self.loose if self.tight_fails else self.tight
-
-    @property
-    def other(self) -> Run:
-        """The run that it was compared with."""
-        return self.tight if self.tight_fails else self.loose
+    def by_merit(self) -> tuple[Run, Run]:
+        """The run that is the result, and the one with which it was compared."""
+        return (self.loose, self.tight) if self.tight_fails else (self.tight, self.loose)

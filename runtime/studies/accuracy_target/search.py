@@ -26,7 +26,7 @@ import numpy.typing as npt
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import finish_simulation
-from runtime.integrate.method import IMPLICIT, METHODS
+from runtime.integrate.method import IMPLICIT, REGISTER
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.wiring import function_table
 from runtime.mechanism.mechanism import Mechanism, Values
@@ -55,7 +55,6 @@ _EXPECTED_POWER = 0.85  # measured: power of rtol with which errors are expected
 _MARGIN = 0.7  # safety: share of the target that a run is planned for
 _NEXT = 0.01  # measured: rtol of the next run over that of the last, if that shows nothing
 _MOST_RUNS = 8  # safety
-_ORDER, _ORDERS = 5, {"dop853": 8}  # powers of the step with which errors fall
 
 
 def simulate_to(
@@ -75,13 +74,6 @@ def simulate_to(
 
     Method and formulation are chosen unless given: reduced coordinates where they are built and
     stay valid, and the method that suits the first run. See `Machine.simulate`.
-
-    Raises
-    ------
-    AnalysisError
-        If not even the beginning can be computed so accurately.
-    InputError
-        If a quantity is no series, or has no value at any instant.
     """
     began = clock.perf_counter()
     ready = PreparedSimulation(
@@ -120,7 +112,7 @@ class _Search:
         pair = self._compare(choice, self._second(first), first)
         while not self._is_final(pair):
             pair = self._compare(choice, self._tighter(pair), pair.tight)
-        run = pair.delivered
+        run, _ = pair.by_merit
         result = finish_simulation(
             self.ready, choice.coordinates, run.options, began, silent, run.path
         )
@@ -167,7 +159,7 @@ class _Search:
             self.options, method=choice.method, rtol=rtol, h_max=self._longest_step(choice, rtol),
             correction=choice.coordinates.correction,
         )  # fmt: skip
-        if choice.method in METHODS:  # the run refuses an unknown name
+        if choice.method in REGISTER:  # the run refuses an unknown name
             function_table(choice.method)  # loaded, or compiled, before time is measured
         ready, chosen, names = self.ready, choice.coordinates, self.quantities.names
         path, seconds = processor_time(lambda: ready.run(chosen, options, self.progress))
@@ -192,5 +184,5 @@ class _Search:
         longest = self.options.h_max
         if longest is None or not self.runs:
             return longest
-        order = _ORDERS.get(choice.method, _ORDER)
+        order = REGISTER[choice.method].order
         return longest * float(min(rtol / self.runs[0].options.rtol, 1.0) ** (1.0 / order))

@@ -2,13 +2,15 @@
 
 import math
 from pathlib import Path
-
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
 from runtime.show.plot import check_parent, finish_axes, new_figure, writing
 from runtime.studies.effect_ranking.ranking import Matters, Row, Verdict
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 ENDINGS = (".png", ".svg", ".pdf")
 COLOURS = {
@@ -21,27 +23,21 @@ COLOURS = {
 
 
 def check_place(path: Path) -> None:
-    """Refuse a file that could not be written, before anything runs.
-
-    Raises
-    ------
-    InputError
-        For an ending that is not a picture's, or a folder that does not exist.
-    """
+    """Refuse an ending that is no picture's, or a place in no folder, before anything runs."""
     if path.suffix not in ENDINGS:
         raise InputError(f"--out {path}: a picture ends in {', '.join(ENDINGS)}.")
     check_parent(path)
 
 
 def save(ranking: Matters, path: Path) -> tuple[Path]:
-    """Draw to a file; returns the path. Raises InputError if it cannot be written."""
+    """Draw to a file; returns the path."""
     check_place(path)
     with writing(path):
         figure(ranking).savefig(path)
     return (path,)
 
 
-def figure(ranking: Matters) -> Figure:
+def figure(ranking: Matters) -> "Figure":
     """Changes of the quantity on a logarithmic scale, and shares of the run's time, as bars.
 
     A pale bar is the uncertainty, where the change is smaller.
@@ -68,7 +64,7 @@ def _length(row: Row) -> float:
     return row.doubt if row.verdict is Verdict.NONE_SEEN else abs(row.change)
 
 
-def _changes(axes: Axes, ranking: Matters) -> None:
+def _changes(axes: "Axes", ranking: Matters) -> None:
     lengths = [_length(row) / (ranking.size or 1.0) for row in ranking.rows]
     limits = [*(length for length in lengths if length > 0.0), *filter(None, [ranking.error])]
     lowest = min([*limits, 1.0])
@@ -96,7 +92,7 @@ def _changes(axes: Axes, ranking: Matters) -> None:
     axes.set_xlabel("relative change of the quantity without it", fontsize=9)
 
 
-def _times(axes: Axes, ranking: Matters) -> None:
+def _times(axes: "Axes", ranking: Matters) -> None:
     shares = [100.0 * (row.time_share or 0.0) for row in ranking.rows]
     span = max([*map(abs, shares), 1.0])
     for height, (row, share) in enumerate(zip(ranking.rows, shares, strict=True)):

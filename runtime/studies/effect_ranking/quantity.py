@@ -136,13 +136,7 @@ class Quantity(NamedTuple):
 
 
 def parse_quantity(text: str | Function) -> Quantity:
-    """The quantity that a text or a function means.
-
-    Raises
-    ------
-    InputError
-        If the text is none; the name of its series is checked against the first result.
-    """
+    """The quantity that a text or a function means; its series is looked up in the first result."""
     if callable(text):
         return Quantity(getattr(text, "__name__", "quantity"), partial(_call, text))
     given: object = text

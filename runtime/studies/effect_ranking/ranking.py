@@ -4,7 +4,7 @@ from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
 
-from runtime.results.json_values import plain
+from runtime.results.samples import plain
 
 
 class Verdict(StrEnum):

@@ -117,7 +117,7 @@ def propose_scene(
     _, doubt, relative = comparison.change(trial)
     proposal = Proposal(
         left_out=tuple(row.title for row, _ in left_out), put_back=tuple(put_back),
-        scene=scene.name, spelled=scene.spelled, value=trial.quantity.value, relative=relative,
+        scene=scene.name, spelled=scene.expression, value=trial.quantity.value, relative=relative,
         doubt=comparison.relative(doubt), costs=trial.costs, time_share=math.nan,
         tried=tuple(tried),
     )  # fmt: skip

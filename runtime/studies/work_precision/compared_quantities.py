@@ -30,10 +30,7 @@ def default_quantities(description: Description) -> tuple[str, ...]:
 def series_of(description: Description, quantities: Sequence[str]) -> tuple[str, ...]:
     """The series that the quantities are in a scene: of names with ``|`` the first that it has.
 
-    Raises
-    ------
-    InputError
-        With every quantity that it has not.
+    Raises InputError with every quantity that it has not.
     """
     known = series_names(description)
     existing = {name for listed in known.values() for name in listed}
@@ -71,13 +68,8 @@ def read_reference(
     """Read a file with a line of names, ``t`` among them, and a line of numbers per instant.
 
     Without `quantities` all columns are read. Instants up to `t_start`, where nothing is
-    integrated, and after `t_end` are left out.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, lacks a column, holds a text that is no number, or ends before
-        `t_end`.
+    integrated, and after `t_end` are left out. Raises InputError if the file cannot be read, lacks
+    a column, holds a text that is no number, or ends before `t_end`.
     """
     where = f"--reference {path}:"
     try:

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from runtime.integrate.method import IMPLICIT
-from runtime.results.json_values import plain
+from runtime.results.samples import plain
 from runtime.studies.error_norms import Errors, Scale
 
 FORMULATIONS = ("cartesian", "reduced")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from codegen import __version__
-from runtime.results.json_values import plain
+from runtime.results.samples import plain
 from runtime.studies.work_precision.diagram import Point, Setting, WorkPrecision
 from runtime.studies.work_precision.interpretation import effectivity, slope
 

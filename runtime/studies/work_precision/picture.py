@@ -2,26 +2,28 @@
 
 import math
 from collections.abc import Iterable
+from itertools import cycle
 from pathlib import Path
 from textwrap import fill
-
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
+from runtime.integrate.method import METHODS
 from runtime.show.plot import check_parent, finish_axes, new_figure, writing
 from runtime.studies.work_precision.diagram import Line, Point, WorkPrecision
 from runtime.studies.work_precision.interpretation import front, headline
 from runtime.studies.work_precision.json_records import write_records
 
-COLOURS = {
-    "dop853": "#1f6fb2",
-    "dopri5": "#2a9d8f",
-    "tsit5": "#8a9a2b",
-    "radau5": "#b23a48",
-    "bdf": "#e07b1a",
-    "auto": "#7b5ea7",
-}
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PALETTE = (
+    "#1f6fb2", "#2a9d8f", "#8a9a2b", "#b23a48", "#e07b1a", "#7b5ea7", "#5d4037", "#c2185b",
+    "#00838f", "#546e7a",
+)  # fmt: skip
+COLOURS = dict(zip(METHODS, cycle(PALETTE), strict=False))
+"""Colour of each method, in the order of the register."""
 LOOKS = {("cartesian", "step"): ("-", "o"), ("reduced", "step"): ("--", "s"),
          ("cartesian", "stage"): (":", "^"), ("cartesian", "projection"): ("-.", "v")}  # fmt: skip
 """Formulation, correction → style of the line, marker."""
@@ -31,26 +33,14 @@ _FAILED = -0.75  # place of runs that did not reach their end, on the axis of di
 
 
 def check_place(path: Path) -> None:
-    """Refuse a place that cannot become a folder, before the study runs.
-
-    Raises
-    ------
-    InputError
-        If it is a file, or its parent folder does not exist.
-    """
+    """Refuse a file, or a place in no folder, before the study runs."""
     if path.exists() and not path.is_dir():
         raise InputError(f"--out {path}: it is a file; name a folder.")
     check_parent(path)
 
 
 def save(study: WorkPrecision, folder: Path) -> tuple[Path, Path]:
-    """Write MODEL__SCENE.jsonl and .png into a folder, which is created; returns the paths.
-
-    Raises
-    ------
-    InputError
-        As `check_place`; if matplotlib is missing or a file cannot be written.
-    """
+    """Write MODEL__SCENE.jsonl and .png into a folder, which is created; returns the paths."""
     check_place(folder)
     picture = figure(study)
     with writing(folder):
@@ -61,7 +51,7 @@ def save(study: WorkPrecision, folder: Path) -> tuple[Path, Path]:
     return records, drawn
 
 
-def figure(study: WorkPrecision) -> Figure:
+def figure(study: WorkPrecision) -> "Figure":
     """Colour shows the method, line style the formulation, stars are modelling choices."""
     drawn = new_figure("picture", 10.5, 6.4, dpi=130)
     axes = drawn.subplots()
@@ -111,7 +101,7 @@ def _places(points: Iterable[Point]) -> tuple[list[float], list[float]]:
     return [x for x, _ in runs], [y for _, y in runs]
 
 
-def _ticks(axes: Axes) -> None:
+def _ticks(axes: "Axes") -> None:
     """Times as plain numbers: 1, 2 and 5 of each decade, 1 alone of many decades, more of one."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
@@ -123,7 +113,7 @@ def _ticks(axes: Axes) -> None:
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 
-def _line(axes: Axes, line: Line) -> None:
+def _line(axes: "Axes", line: Line) -> None:
     setting = line.setting
     colour = COLOURS.get(setting.method, DARK)
     style, marker = LOOKS.get((setting.formulation, setting.correction), ("-", "o"))
@@ -139,7 +129,7 @@ def _line(axes: Axes, line: Line) -> None:
         )  # fmt: skip
 
 
-def _choices(axes: Axes, study: WorkPrecision) -> None:
+def _choices(axes: "Axes", study: WorkPrecision) -> None:
     """A star per choice, with its name; names of close stars stand one above the other."""
     drawn = [
         (1e3 * choice.point.seconds, max(choice.point.digits, 0.0), choice.title)
@@ -162,7 +152,7 @@ def _choices(axes: Axes, study: WorkPrecision) -> None:
         axes.scatter([], [], s=90, marker="*", color=DARK, label="modelled differently")
 
 
-def _limits(axes: Axes, study: WorkPrecision) -> None:
+def _limits(axes: "Axes", study: WorkPrecision) -> None:
     runs = [point.digits for line in study.lines for point in line.done]
     highest = max([*runs, -math.log10(study.reference.floor), 3.0])
     failed = any(line.failed for line in study.lines)
@@ -171,7 +161,7 @@ def _limits(axes: Axes, study: WorkPrecision) -> None:
     axes.set_xticks(range(math.ceil(highest) + 1))
 
 
-def _failures(axes: Axes, study: WorkPrecision) -> None:
+def _failures(axes: "Axes", study: WorkPrecision) -> None:
     """A cross per failed run, at the left, as high as the time until it failed."""
     failed = [line for line in study.lines if line.failed]
     if not failed:
@@ -191,7 +181,7 @@ def _failures(axes: Axes, study: WorkPrecision) -> None:
     )  # fmt: skip
 
 
-def _floor(axes: Axes, study: WorkPrecision) -> None:
+def _floor(axes: "Axes", study: WorkPrecision) -> None:
     floor = -math.log10(study.reference.floor)
     right = axes.get_xlim()[1]
     axes.axvspan(floor, right, facecolor="#eceff1", edgecolor="#cfd4d9", hatch="///",

@@ -14,6 +14,7 @@ import numpy as np
 
 from codegen.errors import LinkwrightError
 from runtime.core.outcomes import Outcome
+from runtime.integrate.method import LEADING, MULTISTEP, REGISTER, SWITCHING
 from runtime.mechanism.dense_equations import Equations, magnitudes
 from runtime.results.result import Result
 from runtime.studies.error_norms import Errors, Scale, errors, scaled_errors, scales
@@ -28,8 +29,25 @@ _STEPS_FACTOR = 20  # safety: times the number of steps of a run that a referenc
 DOUBTFUL = 1e-6  # accuracy: scaled error above which a reference is no longer known
 _ROUNDING = 1e-15  # accuracy: least scaled error to which a reference is known
 _CONSERVED = 1e-9  # accuracy: relative change of the energy below which it is conserved
-_FIRST = (Setting("dop853", "reduced"), Setting("dop853"), Setting("radau5"), Setting("dopri5"))
-_OTHERS = (Setting("dopri5"), Setting("radau5"), Setting("bdf"))
+
+
+def _independent_methods() -> tuple[str, ...]:
+    """The first method of each family and order; a second one of both would err alike."""
+    kinds: dict[tuple[str, int], str] = {}
+    for name, method in REGISTER.items():
+        if method.family != SWITCHING:
+            kinds.setdefault((method.family, method.order), name)
+    return tuple(kinds.values())
+
+
+_OTHERS = tuple(Setting(name) for name in _independent_methods() if name != LEADING)
+# At the tightest tolerance a multistep method is the slowest. Implicit ones pass where it is stiff.
+_ONE_STEP = (setting for setting in _OTHERS if REGISTER[setting.method].family != MULTISTEP)
+_FIRST = (
+    Setting(LEADING, "reduced"),
+    Setting(LEADING),
+    *sorted(_ONE_STEP, key=lambda setting: not REGISTER[setting.method].implicit),
+)
 
 
 @dataclass(frozen=True)
@@ -67,12 +85,8 @@ def find_reference(
 
     Reduced equations are built for it only if a setting of the study takes them; derivatives, which
     implicit methods take, also where otherwise there would be no reference, or none that is
-    confirmed.
-
-    Raises
-    ------
-    LinkwrightError
-        If no run reaches the end, nothing confirms the one that does, or a quantity has no value.
+    confirmed. Raises LinkwrightError if no run reaches the end, nothing confirms the one that does,
+    or a quantity has no value.
     """
     runner = replace(runner, limit=LIMIT_FACTOR * runner.limit, steps=_STEPS_FACTOR * runner.steps)
     description, end = runner.machine.description, runner.instants[-1]

@@ -162,7 +162,7 @@ def _other_runner(
     source: scenes.Source, runner: Runner, guess: Mapping[str, float], scene: "Scene"
 ) -> Runner:
     """The runner of another model, with those parameters and start values that it has."""
-    machine = source.other(scene)
+    machine = source.machine(scene)
     values = scenes.known_values(machine, runner.parameters, guess)
     begin = machine.assemble(**values, t=runner.begin.t)
     return replace(runner, machine=machine, begin=begin, parameters=values["parameters"])

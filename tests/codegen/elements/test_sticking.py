@@ -114,7 +114,7 @@ def test_joint_that_is_held_exerts_the_force_that_it_is_given(root: Path) -> Non
     found = {}
     for force in (0.0, 1.0, -7.0, 40.0):
         for mode in (0, 1, 2):
-            a, lam = machine.solution(s, modes=[mode], held=[force])
+            a, lam = machine.solution(s, modes=[mode], stiction=[force])
             found[force, mode] = np.append(a, lam)
         told = reported(machine, s, lam, 2, force)
         assert told["rub.force"] == force

@@ -8,7 +8,7 @@ import pytest
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
 from codegen.lower.program import Kernel, Op, Program, store
-from codegen.lower.substitution import rebuilt, turned
+from codegen.lower.substitution import expand_sine, substitute
 from codegen.reduce.closed_form_loops import find_loops
 from codegen.reduce.explicit_coordinates import ExplicitCoordinates
 
@@ -37,10 +37,10 @@ def test_what_is_put_in_is_folded(graph: Graph) -> None:
     x, y = coordinates(graph, 2)
     product = graph.mul(graph.function(Op.SIN, x), y)
     total = graph.add(product, graph.mul(x, x))
-    assert rebuilt(graph, [product], {x: graph.zero}) == [graph.zero]
-    (left,) = rebuilt(graph, [total], {y: graph.zero})
+    assert substitute(graph, [product], {x: graph.zero}) == [graph.zero]
+    (left,) = substitute(graph, [total], {y: graph.zero})
     assert left == graph.mul(x, x)
-    assert rebuilt(graph, [total], {}) == [total]
+    assert substitute(graph, [total], {}) == [total]
 
 
 def test_what_is_put_in_agrees_with_numbers(graph: Graph) -> None:
@@ -50,7 +50,7 @@ def test_what_is_put_in_agrees_with_numbers(graph: Graph) -> None:
         graph.add(graph.one, graph.power(graph.function(Op.TANH, graph.sub(x, y)), 2)),
     )
     put = graph.add(graph.mul(z, z), graph.one)
-    (there,) = rebuilt(graph, [told], {x: put})
+    (there,) = substitute(graph, [told], {x: put})
     for seed in range(5):
         random = Random(seed)
         q = [random.uniform(0.5, 2.0) for _ in range(3)]
@@ -69,7 +69,7 @@ def test_angle_but_for_a_constant_is_turned(graph: Graph, op: Op, form: str) -> 
         "a-x": graph.sub(a, x),
         "x+a+b": graph.add(graph.add(x, a), b),
     }[form]
-    found = turned(graph, op, angle)
+    found = expand_sine(graph, op, angle)
     inputs = {"q": [0.7], "p": [0.4, -1.1]}
     plain = getattr(math, op.value)(value_of(graph, angle, **inputs))
     assert value_of(graph, found, **inputs) == pytest.approx(plain, rel=1e-15)

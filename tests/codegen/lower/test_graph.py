@@ -8,7 +8,7 @@ import pytest
 from codegen.lower.graph import Graph
 from codegen.lower.program import Op
 
-Build = Callable[[Graph, int, int], int]
+Build = Callable[..., int]
 
 
 def shown(graph: Graph, number: int) -> str:
@@ -87,6 +87,23 @@ def test_folding(build: Build, expected: str) -> None:
     graph = Graph()
     x, y = graph.input("q", 0, "x"), graph.input("q", 1, "y")
     assert shown(graph, build(graph, x, y)) == expected
+
+
+@pytest.mark.parametrize(
+    ("build", "expected"),
+    [
+        (lambda g, x, y, z: g.sub(x, g.add(g.add(x, y), z)), "neg(+(y z))"),
+        (lambda g, x, y, z: g.add(g.sub(y, x), g.sub(x, z)), "-(y z)"),
+        (lambda g, x, y, z: g.sub(g.neg(g.add(x, y)), g.sub(z, x)), "neg(+(y z))"),
+        (lambda g, x, y, z: g.add(g.sub(x, y), g.sub(y, x)), "0"),
+        (lambda g, x, y, z: g.add(g.add(x, y), g.add(x, z)), "+(+(x y) +(x z))"),
+    ],
+)
+def test_a_term_that_is_taken_back_is_left_out(build: Build, expected: str) -> None:
+    graph = Graph()
+    x, y, z = (graph.input("q", k, name) for k, name in enumerate("xyz"))
+    with graph.cancelling():
+        assert shown(graph, build(graph, x, y, z)) == expected
 
 
 def test_equal_values_are_one_value() -> None:

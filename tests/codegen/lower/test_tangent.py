@@ -55,8 +55,8 @@ EVERY: dict[str, Build] = {
     "exponential": lambda g, x, y: g.function(Op.POW, g.constant(2.5), y),
     "chosen": lambda g, x, y: g.select(g.mode(0), g.mul(x, y), g.function(Op.SIN, x)),
     "not chosen": lambda g, x, y: g.select(g.mode(1), g.mul(x, y), g.function(Op.SIN, x)),
-    "held": lambda g, x, y: g.select(g.held(2), g.mul(x, y), g.function(Op.SIN, x)),
-    "not held": lambda g, x, y: g.select(g.held(0), g.mul(x, y), g.function(Op.SIN, x)),
+    "held": lambda g, x, y: g.select(g.is_sliding(2), g.mul(x, y), g.function(Op.SIN, x)),
+    "not held": lambda g, x, y: g.select(g.is_sliding(0), g.mul(x, y), g.function(Op.SIN, x)),
     "combined": lambda g, x, y: g.select(
         g.logical(Op.AND, g.negation(g.mode(1)), g.logical(Op.OR, g.mode(0), g.mode(1))), x, y
     ),

@@ -167,3 +167,7 @@ def run_relay(system_and_p, q0, v0, t_end, t0=0.0, **options) -> Trajectory:
     tolerance = options.pop("tolerance", 1e-10)
     settings = {"rtol": tolerance, "atol_q": tolerance, "atol_v": tolerance, **options}
     return integrate(system, problem, Options(**settings))
+
+
+def relay_problem(p, q0, v0, t_end=10.0) -> Problem:
+    return Problem(0.0, t_end, np.array([q0]), np.array([v0]), p, np.ones(1))

@@ -89,3 +89,8 @@ def replay_plan(t, p, scale, rows, columns, values, flat, plan, lengths, pivots)
     entries_linear_in_time(t, scale, p, values)
     sparse = row_elimination.Sparse(rows, columns, values)
     return int(elimination_plan.replay_plan(sparse, scale, flat, plan, lengths, pivots))
+
+
+@compiled(i8(matrix, integers, f8))
+def factor_semidefinite(a, order, least):
+    return cholesky.factor_semidefinite(a, order, least)

@@ -21,7 +21,7 @@ def reported(
     names = {k.name for k in machine.program.kernels}
     found = {}
     for kernel in {"reactions", "switched_reactions"} & names:
-        slots = machine.slots(kernel, s, lam=lam, modes=[mode] * machine.s, held=[force])
+        slots = machine.slots(kernel, s, lam=lam, modes=[mode] * machine.s, stiction=[force])
         assert not set(slots) & set(found)
         found |= slots
     assert sorted(found) == list(range(len(told)))

@@ -1,0 +1,90 @@
+"""The texts of the modules that go with a scene's own: its derivatives, its reduced equations.
+
+Each carries the SHA-256 of the text of the scene's own module: with another one it is stale.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from codegen.emit.arguments import Arguments
+from codegen.emit.formula import formula
+from codegen.emit.module import Origin, assemble_module, operation_table
+from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.program import Program
+from codegen.reduce.reduced_kernels import Reduced
+
+
+def tangents_text(lowered: Lowered, program: Program, origin: Origin, module: str) -> str:
+    """The module of a scene's exact derivatives, whose kernels take the ``p`` of the scene's own.
+
+    Parameters
+    ----------
+    lowered, program
+        The scene, and the kernels that differentiate it.
+    module
+        SHA-256 of the text of the scene's own module.
+    """
+    about = (
+        "exact derivatives for implicit methods.",
+        "Each kernel differentiates one of the scene's own module along the direction that it is",
+        "given, operation by operation, with the modes and parameters held. Arguments in SI units.",
+    )
+    arguments = Arguments.of(lowered.description)
+    return _companion_text(lowered, program, origin, module, about, {}, arguments)
+
+
+def reduced_text(lowered: Lowered, reduced: Reduced, origin: Origin, module: str) -> str:
+    """The module of a scene's reduced equations; in its ``p`` the branches precede the constants.
+
+    Parameters
+    ----------
+    lowered, reduced
+        The scene, and its reduced equations.
+    module
+        SHA-256 of the text of the scene's own module.
+    """
+    description, program = lowered.description, reduced.program
+    coordinates = f"{len(reduced.kept)} of {len(description.coordinates)} coordinates"
+    about = (
+        "reduced coordinates.",
+        f"Left: {coordinates}, {len(reduced.closures)} of {len(description.constraints)} rows.",
+        "The kernels are called as those of the scene's own module, of the coordinates",
+        "that are left; expand gives all of them. SI units.",
+    )
+    tables = {
+        "FORMULATION": "reduced",
+        "KEPT": reduced.kept,
+        "CLOSURES": reduced.closures,
+        "ANGLES": reduced.angles,
+        "BRANCHES": reduced.branches,
+        "CONSTANTS": tuple(formula(program, number) for number in program.constants),
+        **reduced.jacobian.tables("JACOBIAN"),
+        **reduced.mass.tables("MASS"),
+    }
+    arguments = Arguments.of(description, reduced.kept, len(reduced.branches))
+    return _companion_text(lowered, program, origin, module, about, tables, arguments)
+
+
+def _companion_text(
+    lowered: Lowered,
+    program: Program,
+    origin: Origin,
+    module: str,
+    about: tuple[str, ...],
+    tables: Mapping[str, Any],
+    arguments: Arguments,
+) -> str:
+    description = lowered.description
+    first, *more = about
+    head: dict[str, Any] = {
+        "GENERATOR": origin.generator,
+        "MODEL": description.model,
+        "SCENE": description.scene,
+        "SOURCES": origin.sources,
+        "DECLARATION_SHA256": origin.declaration,
+        "MODULE_SHA256": module,
+        **tables,
+        "OPERATIONS": operation_table(program),
+    }
+    title = f'"""Machine {description.model}, scene {description.scene}: {first}'
+    return assemble_module(program, origin, [title, "", *more, '"""'], head, arguments)

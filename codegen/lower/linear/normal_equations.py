@@ -1,0 +1,110 @@
+"""The least change by the multipliers of the constraints: d = W Φ_qᵀ μ with Φ_q W Φ_qᵀ μ = r."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations_with_replacement
+
+from codegen.lower.graph import Graph
+from codegen.lower.linear.factorization import Elimination
+from codegen.lower.linear.labels import Labels
+from codegen.lower.linear.sparse_rows import Row, SparseRows
+from codegen.lower.program import Check
+
+
+@dataclass
+class NormalEquations(SparseRows):
+    """Φ_q d = r for several right sides, d least in the norm dᵀ W⁻¹ d.
+
+    Attributes
+    ----------
+    weights
+        One value a column.
+    rows, stems
+        Names of the constraints, and how those of the right sides begin.
+    """
+
+    weights: Sequence[int] = ()
+    rows: Sequence[str] = ()
+    stems: Sequence[str] = ()
+    text: Labels = field(default_factory=Labels, init=False)
+
+    def solve(self) -> list[list[int]]:
+        """The changes, one list a right side."""
+        graph = self.graph
+        while (alone := self._determined_coordinate()) is not None:
+            i, k, number = alone  # the weights do not matter there
+            self.checks.append(Check(self.weights[k], graph.zero, i))
+            del self._rows[i]
+            self._eliminate(k, {}, [graph.div(column[i], number) for column in self.right])
+        left = list(self._rows)
+        names = [self.rows[i] for i in left]
+        self.text = Labels(
+            names,
+            prefixed(self.stems, names),
+            prefixed([stem.replace("rhs", "mu") for stem in self.stems], names),
+            "S",
+        )
+        self.text.step("The matrix and the right sides")
+        sides = [[column[i] for i in left] for column in self.right]
+        weights = dict(enumerate(self.weights))
+        matrix = [self._rows[i] for i in left]
+        solved, checks = solve_by_multipliers(graph, matrix, weights, sides, self.text)
+        self.checks += [check._replace(constraint=left[check.constraint]) for check in checks]
+        changes = []
+        for column, sums in enumerate(solved):
+            sums |= {k: right[column] for k, _, right in self._eliminated}
+            changes.append([sums.get(k, graph.zero) for k in weights])
+        return changes
+
+    def _determined_coordinate(self) -> tuple[int, int, int] | None:
+        """Row, column and coefficient of a row with one unknown and a number in front of it."""
+        for i, row in self._rows.items():
+            if len(row) == 1:
+                ((k, coefficient),) = row.items()
+                if self.graph.number(coefficient) is not None:
+                    return i, k, coefficient
+        return None
+
+
+def prefixed(stems: Sequence[str], names: Sequence[str]) -> list[list[str]]:
+    """Each name with each stem before it."""
+    return [[f"{stem}_{name}" for name in names] for stem in stems]
+
+
+def solve_by_multipliers(
+    graph: Graph,
+    rows: Sequence[Row],
+    weights: Mapping[int, int],
+    right: list[list[int]],
+    labels: Labels,
+) -> tuple[list[Row], list[Check]]:
+    """x = W Aᵀ μ, A W Aᵀ μ = r, with positive pivots in any position that is not singular.
+
+    Returns
+    -------
+    tuple
+        Column → value, one a right side, and the pivots to watch, by the number of the row.
+    """
+    entries: dict[tuple[int, int], int] = {}
+    for a, b in combinations_with_replacement(range(len(rows)), 2):
+        other = rows[b]
+        terms = [
+            graph.mul(graph.mul(x, weights[k]), other[k]) for k, x in rows[a].items() if k in other
+        ]
+        if terms or a == b:
+            entries[a, b] = entries[b, a] = graph.total(terms)
+            labels.entry(entries[a, b], a, b)
+    references = {a: entries[a, a] for a in range(len(rows))}
+    for a in range(len(rows)):
+        labels.sides(right, a)
+    system = Elimination(graph, entries, right, references=references, labels=labels)
+    multipliers = system.solve("schur")
+    labels.step("W Φ_qᵀ μ")
+    solutions = []
+    for column in multipliers:
+        sums: Row = {}
+        for row, mu in zip(rows, column, strict=True):
+            for k, entry in row.items():
+                sums[k] = graph.add(sums.get(k, graph.zero), graph.mul(entry, mu))
+        solutions.append({k: graph.mul(weights[k], pull) for k, pull in sums.items()})
+    return solutions, system.checks

@@ -1,0 +1,120 @@
+"""Sparse rows of Φ_q x = r, from which unknowns are eliminated one after the other.
+
+An entry of Φ_q that is a number gives a coordinate by a constraint in every position: such pivots
+come first, whichever way the rows that are left are solved.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+
+from codegen.lower.graph import Graph
+from codegen.lower.linear.labels import Labels
+from codegen.lower.program import Check
+
+LEAST_PIVOT = 0.1
+"""accuracy: part of the largest number in its row of Φ_q that a pivot must have."""
+
+ROUNDING = 1e-12
+"""accuracy: a number below this part of the numbers it is a difference of is zero."""
+
+SEARCHED = 30
+"""safety: rows among which small sets are searched for."""
+
+Row = dict[int, int]
+"""Unknown → coefficient."""
+
+
+@dataclass
+class SparseRows:
+    """Rows of graph values, for several right sides.
+
+    Attributes
+    ----------
+    entries
+        (row, column) → value, structural non-zeros only.
+    right
+        Right sides, one list of rows each.
+    labels, columns
+        Names for the text; `columns` those of the unknowns where the entries are named.
+    checks
+        Pivots to watch; the constraint of a check is a row.
+    """
+
+    graph: Graph
+    entries: dict[tuple[int, int], int]
+    right: list[list[int]]
+    labels: Labels = field(default_factory=Labels)
+    columns: Sequence[str] = ()
+    checks: list[Check] = field(default_factory=list, init=False)
+
+    def __post_init__(self) -> None:
+        self.right = [list(column) for column in self.right]
+        self._rows: dict[int, Row] = {i: {} for i in range(len(self.right[0]))}
+        for (i, k), entry in sorted(self.entries.items()):
+            self._rows[i][k] = entry
+        self._original = {i: dict(row) for i, row in self._rows.items()}
+        self._eliminated: list[tuple[int, Row, list[int]]] = []
+
+    def _explicit_coordinate(self) -> tuple[int, int] | None:
+        """Row and column of the number whose elimination fills in least, if any is left."""
+        counts: dict[int, int] = {}
+        for row in self._rows.values():
+            for k in row:
+                counts[k] = counts.get(k, 0) + 1
+        candidates = []
+        for i, row in self._rows.items():
+            sizes = {k: abs(self.graph.number(entry) or 0.0) for k, entry in row.items()}
+            least = LEAST_PIVOT * max(sizes.values(), default=0.0)
+            candidates += [
+                ((len(row) - 1) * (counts[k] - 1), -len(row), i, k)
+                for k, size in sizes.items()
+                if size > 0.0 and size >= least
+            ]
+        return min(candidates)[2:] if candidates else None
+
+    def _eliminate(self, k: int, coefficients: Row, right: list[int]) -> None:
+        """Put x_k = right - Σ coefficient x into the rows."""
+        graph = self.graph
+        self._eliminated.append((k, coefficients, right))
+        for i, row in self._rows.items():
+            if k not in row:
+                continue
+            factor = row.pop(k)
+            for j, coefficient in coefficients.items():
+                before = row.pop(j, graph.zero)
+                changed = graph.sub(before, graph.mul(factor, coefficient))
+                number, was = graph.number(changed), graph.number(before)
+                if number is None or abs(number) > ROUNDING * abs(was or 0.0):
+                    row[j] = changed
+                    self._name(changed, "Phi", i, j)
+            for column, known in zip(self.right, right, strict=True):
+                column[i] = graph.sub(column[i], graph.mul(factor, known))
+            self.labels.sides(self.right, i)
+
+    def _less(self, value: int, row: Row, known: Row) -> int:
+        """value - Σ coefficient x."""
+        for j, coefficient in row.items():
+            value = self.graph.sub(value, self.graph.mul(coefficient, known[j]))
+        return value
+
+    def _smallest_set(self, largest: int, surplus: range) -> tuple[int, ...] | None:
+        """The fewest rows, `largest` at the most, with so many unknowns more than they are."""
+        rows = tuple(self._rows)
+        for size in range(1, largest + 1 if len(rows) <= SEARCHED else 2):
+            for chosen in combinations(rows, size):
+                if len(self._unknowns_of(chosen)) - size in surplus:
+                    return chosen
+        return None
+
+    def _unknowns_of(self, chosen: tuple[int, ...]) -> list[int]:
+        return sorted(set().union(*(self._rows[i] for i in chosen)))
+
+    def _take(self, chosen: tuple[int, ...], columns: list[int]) -> list[list[int]]:
+        """The dense matrix of rows, which leave the system."""
+        rows = [self._rows.pop(i) for i in chosen]
+        return [[row.get(k, self.graph.zero) for k in columns] for row in rows]
+
+    def _name(self, value: int, stem: str, row: int, column: int) -> None:
+        if self.columns:
+            self.labels.add(value, f"{self.labels.of(stem, row)}_{self.columns[column]}")

@@ -1,0 +1,140 @@
+"""Ways in from Python to parts of implicit steps, which compiled code alone calls; their arrays."""
+
+import numpy as np
+
+from runtime.core.array_types import f8, i8, integers, none, vector
+from runtime.core.jit import compiled
+from runtime.core.workspace import ATOL, PARTITION, SIZE
+from runtime.core.workspace import ROWS as WORKSPACE_ROWS
+from runtime.integrate.implicit import (
+    bdf,
+    newton_matrices,
+    radau5,
+    radau5_stages,
+    simplified_newton,
+    state_space_form,
+    stiffness_estimate,
+)
+from runtime.integrate.implicit import method_memory as mem
+from runtime.integrate.wiring import wire
+
+
+class Arrays:
+    """The table of a run, and views of its arrays."""
+
+    def __init__(self, system, p, method="radau5", rtol=1e-6):
+        self.wiring = wire(system, method, np.asarray(p, dtype=float), 1)
+        self.table, arrays, n = self.wiring.table, self.wiring.arrays, system.coordinates
+        self.n, self.numbers, self.notes = n, arrays["method_floats"], arrays["method_integers"]
+        end = mem.NUMBERS + 2 * n * mem.ROWS
+        self.rows = self.numbers[mem.NUMBERS : end].reshape(mem.ROWS, 2 * n)
+        self.matrices = self.numbers[end:]
+        self.workspace = arrays["workspace"].reshape(WORKSPACE_ROWS, 2 * n)
+        self.record = arrays["record"][0]
+        self.record["rtol"] = rtol
+        self.workspace[SIZE], self.workspace[ATOL] = 1.0, rtol
+
+    def set_independent(self, *places):
+        self.workspace[PARTITION, : self.n] = 1.0
+        self.workspace[PARTITION, list(places)] = 0.0
+
+    def set_derivatives(self, by_u, by_rate):
+        """Take all coordinates as unknowns, with these matrices."""
+        f = len(by_u)
+        self.notes[mem.FREEDOMS], self.notes[mem.COUNTS : mem.COUNTS + f] = f, np.arange(f)
+        self.matrices[: f * f] = np.ravel(by_u)
+        self.matrices[self.n**2 : self.n**2 + f * f] = np.ravel(by_rate)
+
+    def derivatives(self):
+        f = self.notes[mem.FREEDOMS]
+        parts = self.matrices[: f * f], self.matrices[self.n**2 : self.n**2 + f * f]
+        return [part.reshape(f, f) for part in parts]
+
+
+@compiled(none(integers))
+def number_all(context):
+    """Write its own number into each place of each row, matrix and pivot."""
+    count = 1.0
+    for index in range(mem.ROWS):
+        row = mem.row(context, index)
+        for i in range(row.size):
+            row[i] = count
+            count += 1.0
+    for index in range(4):
+        flat = mem.matrix(context, index)
+        for i in range(flat.size):
+            flat[i] = count
+            count += 1.0
+    unknowns = mem.unknowns(context)
+    real, pair = mem.pivots(context, mem.REAL), mem.pivots(context, mem.COMPLEX)
+    for i in range(unknowns.size):
+        unknowns[i] = 1
+        real[i] = 2
+    for i in range(pair.size):
+        pair[i] = 3
+
+
+@compiled(i8(integers))
+def list_unknowns(context):
+    return state_space_form.list_unknowns(context)
+
+
+@compiled(i8(integers, f8, i8, i8))
+def evaluate(context, t, state, derivative):
+    return state_space_form.evaluate(context, t, state, derivative)
+
+
+@compiled(i8(integers, f8, vector))
+def solve_real(context, c, x):
+    failed = newton_matrices.factor_real(context, c)
+    newton_matrices.solve_real(context, x)
+    return failed
+
+
+@compiled(i8(integers, f8, f8, vector))
+def solve_complex(context, c, d, x):
+    failed = newton_matrices.factor_complex(context, c, d)
+    newton_matrices.solve_complex(context, x)
+    return failed
+
+
+@compiled(f8(integers, f8))
+def filtered_error(context, c):
+    newton_matrices.factor_real(context, c)
+    return newton_matrices.filtered_error(context, 0.0, 0, c)
+
+
+@compiled(none(integers, f8, vector))
+def set_tolerance(context, share, ahead):
+    simplified_newton.set_tolerance(context, share, 1e-3, 0, 0.1, ahead)
+
+
+@compiled(f8(integers, f8))
+def estimate_spectrum(context, h):
+    stiffness_estimate.estimate_spectrum(context)
+    return stiffness_estimate.stiffness(context, h)
+
+
+@compiled(i8(integers, f8))
+def suits_explicit(context, h):
+    return stiffness_estimate.suits_explicit(context, h)
+
+
+@compiled(none(integers, f8))
+def predict_stages(context, h):
+    radau5_stages.predict_stages(context, h)
+
+
+@compiled(none(integers, vector, vector))
+def write_polynomial(context, f2, f3):
+    radau5_stages.write_polynomial(context, f2, f3)
+
+
+@compiled(i8(integers, f8, f8))
+def radau5_step(context, t, h):
+    return radau5.stages(context, t, h)
+
+
+@compiled(i8(integers, f8, f8))
+def bdf_step(context, t, h):
+    return bdf.stages(context, t, h)

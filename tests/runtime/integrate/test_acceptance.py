@@ -1,0 +1,59 @@
+"""Acceptance: the step's end becomes a start, modes change, and endless events end a run."""
+
+import numpy as np
+import pytest
+
+from runtime.core.outcomes import Outcome
+from runtime.core.workspace import Y0, Y1
+from runtime.hybrid.mode_consistency import CONSISTENT
+from runtime.integrate.step import Signal
+from tests.runtime.integrate.drivers import accept_step, end_at_event, judge_events, tried
+from tests.runtime.integrate.test_event_step import FALL, falling
+
+
+def accepted(h, **options):
+    run = falling(**options)
+    tried(run, h)
+    end_at_event(run.state.table)
+    assert accept_step(run.state.table) == Signal.PROCEED
+    return run
+
+
+def test_the_end_becomes_the_next_start():
+    run = accepted(0.2)
+    record, rows = run.state.record, run.state.rows
+    assert record["t"] == 0.2
+    assert (record["steps"], record["samples"], record["changed"]) == (1, 1, 0)
+    np.testing.assert_array_equal(rows[Y0], rows[Y1])
+    assert rows[Y0, 0, 0] == pytest.approx(1.0 - 0.5 * 9.81 * 0.04)
+    assert judge_events(run.state.table) == Signal.PROCEED
+
+
+def test_an_event_changes_the_mode_and_starts_the_method_anew():
+    run = accepted(0.5)
+    record = run.state.record
+    assert record["t"] == pytest.approx(FALL)
+    assert run.state.modes.tolist() == [0]
+    assert (record["changed"], record["events"]) == (1, 1)
+    record["remembered"] = 0.5
+    assert judge_events(run.state.table) == Signal.PROCEED
+    assert record["remembered"] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "outcome", "index"),
+    [
+        ({"blamed": 0}, Outcome.INCONSISTENT, 0),
+        ({"blamed": 0, "shrinking": 7, "event_span": np.inf}, Outcome.ZENO, 0),
+        ({"events": 11}, Outcome.ZENO, 3),
+        ({"shrinking": 29, "event_span": 1.0, "duration": 1e12}, Outcome.ZENO, 3),
+    ],
+)
+def test_events_without_end_or_modes_end_the_run(changes, outcome, index):
+    run = accepted(0.5, max_events=10)
+    run.recording.wiring.arrays["recent_events"][:] = FALL
+    given = {"blamed": CONSISTENT, "crossing": 3, "flight": np.inf, "event_span": 0.0, **changes}
+    for name, value in given.items():
+        run.state.record[name] = value
+    assert judge_events(run.state.table) == outcome
+    assert run.state.record["index"] == index
