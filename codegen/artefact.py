@@ -40,7 +40,7 @@ def signed(text: str) -> str:
 
 
 def check_signature(path: Path, text: str, rebuild: str) -> None:
-    """Raises GeneratedFileError if the header has no hash, or the text not the one that was signed."""
+    """Compare the header's hash with the text's; GeneratedFileError if it is missing or differs."""
     match = _SIGNATURE.search(text[:4000])
     if match is None:
         raise GeneratedFileError(
