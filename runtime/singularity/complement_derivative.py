@@ -125,14 +125,9 @@ def newton_step(slopes: Matrix, square: Matrix, missed: Vector, x: Vector) -> fl
 
 @allocating(i8(integers, vector, vector, matrix, matrix, matrix, vector))
 def find_branch(
-    context: Integers,
-    z: Vector,
-    rate: Vector,
-    left: Matrix,
-    null: Matrix,
-    passing: Matrix,
+    context: Integers, z: Vector, rate: Vector, left: Matrix, null: Matrix, passing: Matrix,
     x: Vector,
-) -> int:
+) -> int:  # fmt: skip
     """Direction of the branch nearest to a motion, in a singular position; returns the iterations.
 
     Branches have directions N x with uᵀ J'(N x) N x = 0 for all left vectors u. Newton's method
