@@ -45,28 +45,10 @@ def integrate(
 ) -> Trajectory:
     """Integrate an initial-value problem.
 
-    Parameters
-    ----------
-    system
-        Kernels and sizes of the machine.
-    problem
-        Start, end, state and parameters.
-    options
-        Method, tolerances, samples.
-    progress
-        Called now and then with the time reached and the number of steps taken. A
-        `KeyboardInterrupt`, here or, after 128 steps, from the keyboard, ends the run with
-        what was computed; one from the keyboard before that is raised.
-
-    Returns
-    -------
-    Trajectory
-        Samples, events, statistics, and how the run ended.
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong with the problem and its options.
+    `progress` is called now and then with the time reached and the number of steps taken. A
+    `KeyboardInterrupt`, here or, after 128 steps, from the keyboard, ends the run with what was
+    computed; one from the keyboard before that is raised. Raises InputError with everything that is
+    wrong with the problem and its options.
     """
     check(system, problem, options)
     return Run(system, problem, options).execute(progress)
@@ -75,18 +57,10 @@ def integrate(
 def initial_modes(
     system: System, t: float, q: Vector, v: Vector, p: Vector, rtol: float = 1e-8
 ) -> Integers:
-    """Modes at a state: which switching conditions hold, or hold at once when one is zero.
+    """Modes (s,) at a state on the constraints: which switching conditions hold, or hold at once.
 
-    Parameters
-    ----------
-    q, v : (n,)
-        State, on the constraints.
-
-    Returns
-    -------
-    (s,) int64
-        1 where the condition holds, 0 where it does not; 2 where its function stays at zero: the
-        motion slides on its surface, friction sticks, or a rigid contact is closed.
+    1 where the condition holds, 0 where it does not; 2 where its function stays at zero: the motion
+    slides on its surface, friction sticks, or a rigid contact is closed.
     """
     problem = Problem(t, t + 1.0, q, v, p, np.ones(system.coordinates))
     run = Run(system, problem, Options(rtol=rtol))
