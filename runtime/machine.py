@@ -117,10 +117,7 @@ class Machine(MechanismTables):
         return initial_modes(self.mechanism.system, t, q, v, self.parameter_values(parameters))
 
     def assemble(
-        self,
-        guess: Values | None = None,
-        parameters: Values | None = None,
-        t: float = 0.0,
+        self, guess: Values | None = None, parameters: Values | None = None, t: float = 0.0
     ) -> "Assembly":
         """Positions and velocities that satisfy the joints and the drivers at time t.
 

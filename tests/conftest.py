@@ -1,10 +1,12 @@
 """What every test stands on: no display, reproducible examples, the project's own files."""
 
+import contextlib
 import gc
 import os
 import shutil
 import subprocess
 import sys
+import tempfile
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -72,19 +74,24 @@ def pytest_collection_finish() -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def compilation_apart() -> Iterator[None]:
+def compilation_apart(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Generated files compile in a forked process; the tests load the machine code from the cache.
 
-    LLVM never frees what it compiled, 10 to 20 MB a machine, of which the tests load hundreds.
+    LLVM never frees what it compiled, 10 to 20 MB a machine, of which the tests load hundreds. The
+    same text in another folder, as tests with folders of their own build it, takes the machine code
+    of the first.
     """
     if sys.platform != "linux":  # elsewhere a fork of a process with threads is not safe
         yield
         return
     execute = artefact._execute
+    folder = tmp_path_factory.getbasetemp()
+    kept = (folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) / "machine_code"
 
     def compile_and_execute(name: str, path: Path) -> ModuleType:
-        if not _has_fresh_cache(path):
+        if not _has_fresh_cache(path) and not _copy_machine_code(kept / name, path):
             _in_fork(lambda: execute(name, path))
+            _keep_machine_code(path, kept / name)
         return execute(name, path)
 
     with pytest.MonkeyPatch.context() as patch:
@@ -96,6 +103,33 @@ def _has_fresh_cache(path: Path) -> bool:
     written = path.stat().st_mtime
     indices = (path.parent / "__pycache__").glob(f"{path.stem}.*.nbi")
     return any(index.stat().st_mtime >= written for index in indices)
+
+
+def _keep_machine_code(path: Path, kept: Path) -> None:
+    """Copy numba's cache of a file, and the file, whose time the cache names."""
+    if kept.exists():
+        return
+    partial = Path(tempfile.mkdtemp(dir=_make(kept.parent)))
+    for file in (path, *(path.parent / "__pycache__").glob(f"{path.stem}.*.nb[ic]")):
+        shutil.copy2(file, partial)
+    with contextlib.suppress(OSError):  # the other worker was first
+        partial.rename(kept)
+
+
+def _copy_machine_code(kept: Path, path: Path) -> bool:
+    if not kept.exists():
+        return False
+    cache = _make(path.parent / "__pycache__")
+    for file in kept.glob("*.nb[ic]"):
+        shutil.copy(file, cache)
+    time = (kept / path.name).stat().st_mtime_ns
+    os.utime(path, ns=(time, time))
+    return True
+
+
+def _make(folder: Path) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
 
 
 def _in_fork(work: Callable[[], object]) -> None:

@@ -14,11 +14,7 @@ import numpy as np
 from runtime.continuation import singularity_classification as classification
 from runtime.continuation.arclength import Curve, Point
 from runtime.continuation.bifurcation_branches import RankDeficiency, is_ambiguous
-from runtime.continuation.branch_interpolation import (
-    DISTANCE,
-    distance_between,
-    interpolate_branch,
-)
+from runtime.continuation.branch_interpolation import DISTANCE, distance_between, interpolate_branch
 from runtime.continuation.continuation_state import ContinuationState, DrivenMotion
 from runtime.continuation.predictor_corrector import ARRIVED, DONE, SUSPECT
 from runtime.core.outcomes import Outcome
@@ -248,12 +244,9 @@ class Continuation:
 
 
 def follow(
-    equations: Equations,
-    times: FloatArray,
-    start: Assembly,
-    preferred: FloatArray,
+    equations: Equations, times: FloatArray, start: Assembly, preferred: FloatArray,
     progress: Progress,
-) -> DrivenMotion:
+) -> DrivenMotion:  # fmt: skip
     """Continue from the assembled start through `times`.
 
     `preferred` are the start velocities that the user gave; they choose the branch at a singular

@@ -79,11 +79,7 @@ def kinematics(
 
 
 def inverse_dynamics(
-    mechanism: Mechanism,
-    t_eval: npt.ArrayLike,
-    *,
-    parameters: Values | None = None,
-    **options: Any,
+    mechanism: Mechanism, t_eval: npt.ArrayLike, *, parameters: Values | None = None, **options: Any
 ) -> Result:
     """Motion, reactions, drives and powers at the instants `t_eval`; options as `kinematics`."""
     description = mechanism.description

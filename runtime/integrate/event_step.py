@@ -112,10 +112,7 @@ def retake(context: Integers) -> int:
 
 @addressed(ft.PART)
 def end_at_event(context: Integers) -> int:
-    """Find the first event in the step, and end the step there.
-
-    `run.crossing` receives its switching function, or -1.
-    """
+    """End the step at the first event in it; `run.crossing` receives its function, or -1."""
     r = run_record(context)
     r.crossing = -1
     r.dense_ready = 0

@@ -155,13 +155,9 @@ def follow_plan(context: Integers) -> int:
 
 @compiled(i8(ADDRESSES, i8))
 def advance(context: Integers, budget: int) -> int:
-    """Take at most `budget` trial steps.
+    """Take at most `budget` trial steps; returns a negative `Signal`, or the code of the outcome.
 
-    Returns
-    -------
-    int
-        A negative `Signal`, or the code of the outcome. `run.index` names the switching function
-        or constraint where an outcome concerns one.
+    `run.index` names the switching function or constraint where an outcome concerns one.
     """
     for _ in range(budget):
         signal = plan_step(context)

@@ -30,57 +30,33 @@ class Problem:
 
 @dataclass(frozen=True)
 class Options:
-    """How to integrate.
+    """How to integrate."""
 
-    Attributes
-    ----------
-    method
-        One of `runtime.integrate.method.METHODS`: "dopri5", "tsit5" or "dop853", explicit; "radau5"
-        or "bdf", implicit, for stiff equations: these take the derivatives of the kernels; "auto",
-        which starts with "dop853" and changes to and fro.
-    rtol
-        Relative tolerance of a step.
-    atol_q, atol_v
-        Absolute tolerances, one number or one a coordinate; None: `rtol` times the typical size,
-        at most 1 m or 1 rad.
-    t_eval
-        Instants of the samples, ascending; None: the end of every step.
-    quadrature
-        Samples for integrals along the run: the start, then for each interval between steps' ends
-        and `t_eval` its Gauss nodes and its end; see `runtime.integrate.sampling`.
-    correction
-        Return onto the constraints: at the end of every "step", the dependent coordinates from the
-        independent ones, or at every "stage" too; by "projection", at the end of every step, of
-        all coordinates by the least in the metric of the masses; by "baumgarte", never, but
-        accelerations that pull back; by "hybrid", these, and projection where a constraint has
-        drifted by more than the tolerance (T. W. Park and E. J. Haug, Journal of Mechanisms,
-        Transmissions and Automation in Design 108, 1986).
-    time_scale
-        τ of Baumgarte's accelerations, s; None: a thousandth of the run.
-    first_step, h_max, h_min
-        Lengths in s; None: chosen.
-    fixed_step
-        Length of all steps, s; switches error control off.
-    max_steps
-        Trial steps permitted.
-    max_events
-        Changes of modes permitted; more are taken for chattering without end.
-    chunk
-        Trial steps between two looks at the clock; None: chosen for about 50 ms.
-    """
-
-    method: str = "dop853"
-    rtol: float = 1e-8
+    method: str = "dop853"  # one of `runtime.integrate.method.METHODS`
+    rtol: float = 1e-8  # relative tolerance of a step
+    # Absolute tolerances, one number or one a coordinate; None: `rtol` times the typical size, at
+    # most 1 m or 1 rad.
     atol_q: ArrayLike | None = None
     atol_v: ArrayLike | None = None
+    # instants of the samples, ascending; None: the end of every step
     t_eval: ArrayLike | None = None
+    # Samples for integrals along the run: the start, then for each interval between steps' ends and
+    # `t_eval` its Gauss nodes and its end; see `runtime.integrate.sampling`.
     quadrature: bool = False
+    # Return onto the constraints: at the end of every "step", the dependent coordinates from the
+    # independent ones, or at every "stage" too; by "projection", at the end of every step, of all
+    # coordinates by the least in the metric of the masses; by "baumgarte", never, but accelerations
+    # that pull back; by "hybrid", these, and projection where a constraint has drifted by more than
+    # the tolerance (T. W. Park and E. J. Haug, Journal of Mechanisms, Transmissions and Automation
+    # in Design 108, 1986).
     correction: Correction = "step"
+    # τ of Baumgarte's accelerations, s; None: a thousandth of the run
     time_scale: float | None = None
-    first_step: float | None = None
+    first_step: float | None = None  # s, as the next two; None: chosen
     h_max: float | None = None
     h_min: float | None = None
-    fixed_step: float | None = None
-    max_steps: int = 100_000_000
-    max_events: int = 1_000_000
+    fixed_step: float | None = None  # length of all steps, s; switches error control off
+    max_steps: int = 100_000_000  # trial steps
+    max_events: int = 1_000_000  # changes of modes; more are taken for chattering without end
+    # trial steps between two looks at the clock; None: chosen for about 50 ms
     chunk: int | None = None

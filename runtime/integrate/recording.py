@@ -34,18 +34,10 @@ class _Rows:
 
 
 class Recording:
-    """Samples, events and changes of the partition of one run.
+    """Samples, events and changes of the partition of one run, for which `wiring` receives room.
 
-    Parameters
-    ----------
-    wiring
-        The run's table, into which room for samples and events is put.
-    n, s
-        Coordinates and switching functions.
-    t_eval
-        Instants of the samples that are asked for; None: the end of every step.
-    interval
-        Samples for each interval between steps' ends and `t_eval`; None: no quadrature.
+    `t_eval` are the instants of the samples that are asked for, None: the end of every step;
+    `interval` the samples for each interval between steps' ends and `t_eval`, None: no quadrature.
     """
 
     def __init__(

@@ -32,38 +32,19 @@ _CORRECTING = {
 
 
 class RunState:
-    """All that a run needs to go on from where it stands.
-
-    Attributes
-    ----------
-    system, options
-        The equations, and how they are integrated.
-    wiring, table
-        Function table with its arrays, and the table alone, which compiled code takes.
-    record
-        Where the run stands, how it steps and what it has counted, see `core.run_record`.
-    rows : (ROWS, 2, n)
-        The workspace, see `core.workspace`.
-    switch_rows : (SWITCH_ROWS, s)
-        That of switching functions.
-    p, modes
-        Parameters with derived constants, and the modes in force.
-    method
-        The method that takes the next step.
-    methods
-        From when on each method was used, with its name.
-    """
+    """All that a run needs to go on from where it stands."""
 
     def __init__(self, system: System, problem: Problem, options: Options) -> None:
         self.system, self.options = system, options
-        self.p = np.ascontiguousarray(problem.p, dtype=np.float64)
+        self.p = np.ascontiguousarray(problem.p, dtype=np.float64)  # with derived constants
         self.wiring = wire(system, options.method, self.p, 4 * LOG_MARGIN)
         self.table, arrays = self.wiring
-        self.record: np.void = arrays["record"][0]
+        self.record: np.void = arrays["record"][0]  # see `core.run_record`
+        # (ROWS, 2, n) and (SWITCH_ROWS, s), see `core.workspace`
         self.rows: NDArray[np.float64] = arrays["workspace"].reshape(ws.ROWS, 2, system.coordinates)
         self.switch_rows: Matrix = arrays["switching_rows"].reshape(ws.SWITCH_ROWS, system.switches)
         self.modes: Integers = arrays["modes"]
-        self.methods = [(float(problem.t0), str(options.method))]
+        self.methods = [(float(problem.t0), str(options.method))]  # from when on, and its name
         self._fill_rows(problem)
         self._fill_record(problem)
         self._take(find_method(options.method))

@@ -85,10 +85,7 @@ def sample_nodes(context: Integers, t: float, t1: float, h: float) -> int:
 
 @addressed(ft.EMIT)
 def emit(context: Integers, t: float, t1: float, h: float, dense_ready: int) -> int:
-    """Write the samples after `t` up to `t1`.
-
-    Returns a negative number where a sample could not be corrected, else 0.
-    """
+    """Write the samples after `t` up to `t1`; negative where one could not be corrected, else 0."""
     r, t_eval = run_record(context), ft.sample_times_of(context)
     if r.every_step == STEP_ENDS:
         record(context, t1, Y1)

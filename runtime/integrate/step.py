@@ -28,10 +28,7 @@ class TrialStep(IntEnum):
 
 
 class Signal(IntEnum):
-    """How a run goes on, as the parts of a step and the loop answer.
-
-    Codes of outcomes, which are not negative, end it.
-    """
+    """How a run goes on, as the parts of a step answer; codes of outcomes, not negative, end it."""
 
     GOING = -1
     """The run is not over."""

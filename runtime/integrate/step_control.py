@@ -48,10 +48,7 @@ def propose(context: Integers, h: float) -> float:
 
 @compiled(ft.FIRST_STEP)
 def first_step(context: Integers, t: float, h_max: float, rtol: float, order: int) -> float:
-    """Length of a first step from the state Y0 with derivative K, at most `h_max`.
-
-    One evaluation of the right-hand side.
-    """
+    """Length of a first step from Y0 with derivative K, at most `h_max`; evaluates the rhs once."""
     y0, k0, z = row_of(context, ws.Y0), row_of(context, ws.K), row_of(context, ws.SAMPLE)
     d, atol, typical = row_of(context, ws.DELTA), row_of(context, ws.ATOL), row_of(context, ws.SIZE)
     length = 2 * context[ft.COORDINATES]

@@ -10,11 +10,7 @@ from runtime.core.outcomes import Outcome
 
 @dataclass(frozen=True)
 class Statistics:
-    """The cost of a run.
-
-    Newton iterations of implicit methods inside a step each take one call of `accelerations` a
-    stage.
-    """
+    """The cost of a run; a Newton iteration within a step calls `accelerations` once a stage."""
 
     steps: int  # accepted
     rejected: int

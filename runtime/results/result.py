@@ -66,7 +66,7 @@ class Result(TimeSeries):
         events: Sequence[Event] = (),
         partitions: Sequence[Partition] = (),
         not_unique: Sequence[str] = (),
-        singular: Sequence[SingularPosition] = (),
+        singular: Sequence[SingularPosition] = ()
     ) -> None:
         self.description, self.samples = description, samples
         self.analysis, self.outcome, self.message = analysis, outcome, message

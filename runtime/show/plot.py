@@ -48,13 +48,7 @@ def writing(path: Path) -> Iterator[None]:
 
 
 def plot(result: "Result", names: Sequence[str] = ()) -> "Figure":
-    """Draw series of a result, those of one unit in one panel.
-
-    Parameters
-    ----------
-    names
-        As in `Result.series`; without any, every angle.
-    """
+    """Draw series of a result (as in `Result.series`; or every angle), one panel for each unit."""
     coordinates = result.description.coordinates
     chosen = list(names) or [row.name for row in coordinates if row.is_angle]
     panels: dict[str, list[str]] = {}

@@ -125,34 +125,16 @@ def newton_step(slopes: Matrix, square: Matrix, missed: Vector, x: Vector) -> fl
 
 @allocating(i8(integers, vector, vector, matrix, matrix, matrix, vector))
 def find_branch(
-    context: Integers,
-    z: Vector,
-    rate: Vector,
-    left: Matrix,
-    null: Matrix,
-    passing: Matrix,
+    context: Integers, z: Vector, rate: Vector, left: Matrix, null: Matrix, passing: Matrix,
     x: Vector,
-) -> int:
-    """Direction of the branch nearest to a motion, in a singular position.
+) -> int:  # fmt: skip
+    """Direction of the branch nearest to a motion, in a singular position; returns the iterations.
 
     Branches have directions N x with uᵀ J'(N x) N x = 0 for all left vectors u. Newton's method
-    with steps of least norm starts from the direction of the motion.
-
-    Parameters
-    ----------
-    z, rate : (n + 1,)
-        The position, and dz/ds of the motion.
-    left, null : (rows, weak), (n + 1, free)
-        Orthonormal left vectors and null vectors N.
-    passing : (weak, free)
-        Out: the rate of the complement along the motion.
-    x : (free,)
-        Out: the branch's direction less that of the motion, in terms of null vectors.
-
-    Returns
-    -------
-    int
-        Iterations.
+    with steps of least norm starts from the direction of the motion. `z` is the position and `rate`
+    dz/ds of the motion, (n + 1,); `left` (rows, weak) are orthonormal left vectors, `null` (n + 1,
+    free) null vectors N. `passing` (weak, free) becomes the rate of the complement along the
+    motion; `x` (free,) the branch's direction less that of the motion, in terms of null vectors.
     """
     wide, free = null.shape
     weak = left.shape[1]

@@ -25,19 +25,10 @@ _FLAT = 1e-6  # accuracy: the largest entry of the complement at a singular posi
 
 @allocating(f8(integers, vector, matrix, matrix))
 def find_root(context: Integers, z: Vector, left: Matrix, null: Matrix) -> float:
-    """Bring z to a position in which as many rows are lost as `left` has columns.
+    """Bring z, (n + 1,), to a position in which as many rows are lost as `left` has columns.
 
-    Parameters
-    ----------
-    z : (n + 1,)
-        Where to begin; overwritten.
-    left, null : (rows, weak), (n + 1, free)
-        Out: orthonormal left vectors and null vectors there.
-
-    Returns
-    -------
-    float
-        The largest |uᵀ Φ|, or -1 where there is no such position.
+    Returns the largest |uᵀ Φ|, or -1 where there is no such position. `left` (rows, weak) and
+    `null` (n + 1, free) become the orthonormal left vectors and null vectors there.
     """
     (rows, weak), (wide, free) = left.shape, null.shape
     strong = rows - weak

@@ -63,25 +63,11 @@ def hermite(
 def interpolate(
     t: float, unit: float, nodes: Sequence[float], orders: Sequence[int], values: FloatArray
 ) -> Motion:
-    """The polynomial in time with these derivatives (Birkhoff's interpolation).
+    """The polynomial of degree k - 1 in time with these derivatives (Birkhoff's interpolation).
 
-    Parameters
-    ----------
-    t, unit
-        The instant from which nodes are counted, and the time by which they are measured, s.
-    nodes, orders : (k,)
-        Instants t + unit · node, and which derivative is given there; 0 is the position.
-    values : (k, n)
-        The derivatives by time.
-
-    Returns
-    -------
-    Motion
-        Of degree k - 1.
-
-    References
-    ----------
-    G. G. Lorentz, K. Jetter, S. D. Riemenschneider, Birkhoff Interpolation, 1983, chapter 1.
+    The derivative of order `orders` (k,), 0 being the position, is `values` (k, n) at the instants
+    t + unit · `nodes`, s. (G. G. Lorentz, K. Jetter, S. D. Riemenschneider, Birkhoff Interpolation,
+    1983, chapter 1.)
     """
     units = unit ** np.array(orders)[:, None]
     coefficients = _fit(tuple(nodes), tuple(orders)) @ (values * units)

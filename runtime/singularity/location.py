@@ -62,10 +62,7 @@ class Search:
         return self._order(self.at(s)[0]).weak
 
     def find(self, s: float, weak: int) -> tuple[Root, float] | None:
-        """The position close to that after the time s at which `weak` constraints are lost.
-
-        Returns it with the time at which the motion passes it; None where there is none.
-        """
+        """The position near the time s where `weak` constraints are lost, and when it is passed."""
         found = None
         for _ in range(_PASSES):
             z = self.at(s)[0]

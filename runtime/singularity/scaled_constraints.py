@@ -24,33 +24,17 @@ class Layout(NamedTuple):
 
 @dataclass
 class ScaledConstraints:
-    """The constraints of a machine with each coordinate in units of its `scale`.
-
-    Parameters
-    ----------
-    constraints, jacobian, velocity_rhs
-        Kernels.
-    rows, columns
-        (nnz,): where the values of `jacobian` belong.
-    p
-        Parameters.
-    scale
-        (n,): typical size of a change of each coordinate.
-    independent
-        Indices of constraints none of which follows from the others everywhere.
-    m
-        Number of constraints.
-    """
+    """The constraints of a machine with each coordinate in units of its `scale`."""
 
     constraints: Kernel
     jacobian: Kernel
     velocity_rhs: Kernel
-    rows: NDArray[np.int64]
+    rows: NDArray[np.int64]  # (nnz,), as `columns`: where the values of `jacobian` belong
     columns: NDArray[np.int64]
-    p: FloatArray
-    scale: FloatArray
-    independent: NDArray[np.int64]
-    m: int
+    p: FloatArray  # parameters
+    scale: FloatArray  # (n,), typical size of a change of each coordinate
+    independent: NDArray[np.int64]  # constraints none of which follows from the others everywhere
+    m: int  # number of constraints
 
     @cached_property
     def layout(self) -> Layout:

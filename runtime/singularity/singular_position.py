@@ -30,49 +30,22 @@ _CLEARLY = 1e-3
 
 
 class Singularity(NamedTuple):
-    """A singular position close to a motion; lengths are in units of `ScaledConstraints.scale`.
+    """A singular position close to a motion; lengths are in units of `ScaledConstraints.scale`."""
 
-    Attributes
-    ----------
-    t
-        When the motion passes it, s.
-    q
-        The position, shape (n,).
-    rows
-        The share of each constraint in the row combinations that are lost, shape (m,): the length
-        of its row in the orthonormal left vectors.
-    lost
-        Number k of these combinations.
-    direction
-        The null direction that is not the motion's, of unit length, shape (n,).
-    gap
-        The largest |uᵀ Φ|, in units of the rows' lengths.
-    rate
-        How fast the smallest singular value passes through zero, 1/s.
-    veer
-        The velocity along the nearest branch less that of the motion, shape (n,).
-    astray
-        Length of `veer` as a part of the speed.
-    speed
-        Length of the velocity, 1/s.
-    miss
-        Distance of the motion from the position.
-    due
-        The instant at which drivers reach the position; not a number where they leave freedom.
-    """
-
-    t: float
-    q: FloatArray
+    t: float  # when the motion passes it, s
+    q: FloatArray  # the position, (n,)
+    # share of each constraint in the row combinations that are lost, (m,): the length of its row in
+    # the orthonormal left vectors
     rows: FloatArray
-    lost: int
-    direction: FloatArray
-    gap: float
-    rate: float
-    veer: FloatArray
-    astray: float
-    speed: float
-    miss: float
-    due: float
+    lost: int  # number k of these combinations
+    direction: FloatArray  # the null direction that is not the motion's, of unit length, (n,)
+    gap: float  # the largest |uᵀ Φ|, in units of the rows' lengths
+    rate: float  # how fast the smallest singular value passes through zero, 1/s
+    veer: FloatArray  # velocity along the nearest branch less that of the motion, (n,)
+    astray: float  # length of `veer` as a part of the speed
+    speed: float  # length of the velocity, 1/s
+    miss: float  # distance of the motion from the position
+    due: float  # when drivers reach the position, s; not a number where they leave freedom
 
 
 class SingularPositions:

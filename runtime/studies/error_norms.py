@@ -52,21 +52,12 @@ def scales(
     names: Sequence[str], units: Sequence[str], description: Description, sizes: FloatArray,
     reference: FloatArray, whole: Sequence[float] | None = None,
 ) -> tuple[Scale, ...]:  # fmt: skip
-    """The scale of each quantity.
+    """The scale of each series (j,), by its values `reference` (k, j) and the typical `sizes` (n,).
 
     Positions have the machine's typical sizes: 1 rad, and a length. Velocities and all others have
     the largest magnitude in the reference; velocities at rest have the typical size per second,
-    components of a joint's force that of the whole force, energies that of all energies.
-
-    Parameters
-    ----------
-    names, units : (j,)
-        Series, as `Result.series` names them.
-    sizes : (n,)
-        Typical sizes of the coordinates: `runtime.mechanism.dense_equations`.
-    reference : (k, j)
-    whole : (j,)
-        Magnitude of the whole that each is a part of: `runtime.studies.series.group_magnitude`.
+    components of a joint's force that of the whole force, energies that of all energies: `whole`
+    (j,), by `runtime.studies.series.group_magnitude`.
     """
     largest = np.array([magnitude(column) for column in reference.T])
     if whole is not None:

@@ -102,10 +102,7 @@ def amplification(powers: Vector, h: float, k: float, c: float) -> float:
 def stable_length(memory: Vector, powers: Vector, h: float) -> float:
     """Length of the next step: `h`, or less where a vibration would grow, and has grown enough.
 
-    Parameters
-    ----------
-    powers
-        Coefficients of the method's stability function R, highest first.
+    `powers` are the coefficients of the method's stability function R, highest first.
     """
     qq, qv, vv = memory[_QQ], memory[_QV], memory[_VV]
     aq, av, aa = memory[_AQ], memory[_AV], memory[_AA]

@@ -47,18 +47,9 @@ def step_solver(
     """A function of (context, t, c) that solves a step, with fresh derivatives if need be.
 
     It returns the iterations that returns onto the constraints took, or `FAILED`. The matrices
-    belong to the number c.
-
-    Parameters
-    ----------
-    predict
-        Of (context, c): starts the iteration.
-    linearize
-        Of (context, t): takes the derivatives, or `FAILED`.
-    factor
-        Of (context, c): factors the matrices; not 0 where one is singular.
-    solve
-        Of (context, t, c): as `newton_iteration` makes it.
+    belong to the number c. Of (context, c), `predict` starts the iteration and `factor` factors the
+    matrices, not 0 where one is singular; of (context, t), `linearize` takes the derivatives, or
+    `FAILED`; `solve` is as `newton_iteration` makes it.
     """
 
     @closure
@@ -93,16 +84,10 @@ def newton_iteration(
     """A function of (context, t, c) that iterates until what is missing is below the tolerance.
 
     It returns the iterations that returns onto the constraints took, or `FAILED` where a state
-    cannot be completed or the iteration does not converge.
-
-    Parameters
-    ----------
-    evaluate
-        Of (context, t, c): completes the iterate and writes its accelerations, or `FAILED`.
-    improve
-        Of (context, c): changes it by a Newton step, whose size over the tolerance it returns.
-    most, slowest
-        Iterations, and ratio of two changes' sizes from which on it is given up.
+    cannot be completed or the iteration does not converge: after `most` iterations, or where the
+    ratio of two changes' sizes is `slowest`. Of (context, t, c), `evaluate` completes the iterate
+    and writes its accelerations, or `FAILED`; of (context, c), `improve` changes it by a Newton
+    step, whose size over the tolerance it returns.
     """
 
     @closure
@@ -159,19 +144,11 @@ def set_tolerance(
 
     Not less than rounding. States are carried on with what rounding cuts off them (row LOW), so
     that it is that of their change over the step. Only in coordinates that were dependent until
-    lately the past is as rough as their recovery left it. ENOUGH becomes how far Newton's method is
-    to be taken, over this tolerance.
-
-    Parameters
-    ----------
-    share, newton
-        What the error estimate is held to, and how far Newton's method is taken, over the tolerance
-        of the user.
-    remembered
-        Steps for which the method remembers the past.
-    c
-        Of the matrix I - c G_u̇ - c² G_u. Where it is stiff, the last digit of a position is a force
-        that the next velocity has to undo.
+    lately, for the steps `remembered` by the method, the past is as rough as their recovery left
+    it. ENOUGH becomes how far Newton's method is to be taken, over this tolerance. The error
+    estimate is held to `share`, Newton's method taken to `newton`, over the tolerance of the user.
+    Where the matrix I - c G_u̇ - c² G_u is stiff, the last digit of a position is a force that the
+    next velocity has to undo.
     """
     notes, unknown, by_u = (
         method_integers_of(context),

@@ -35,6 +35,10 @@ _ASTRAY = 1e-6  # accuracy: of a velocity; error of a start against the branch t
 _SLACK = 1e3  # measured: factor by which the estimate may be wrong where rounding rules
 _TRIES = 4  # safety: plans for one crossing
 
+# As integers: Python 3.11 takes a microsecond to look up a member of an enumeration.
+_FREE, _APPROACHING, _CROSSING, _LEAVING, _MISSING = map(int, Plan)
+_GOING, _SINGULAR = int(Signal.GOING), int(Outcome.SINGULAR)
+
 
 class Crossings:
     """Singular positions of one run: looked for when the loop asks, planned, and remembered.
@@ -59,6 +63,7 @@ class Crossings:
         )
         self.positions = SingularPositions(constraints)
         self.handover = MethodHandover(state)
+        self._steps = CrossingSteps(self.scale, float(self.record["rtol"]), state.method)
         if system.constraints is find_stand_in("constraints") or system.constraint_count == 0:
             self.record["quiet"] = np.inf  # nothing tells a position that is passed from one missed
         self.passed: list[Crossing] = []
@@ -72,19 +77,22 @@ class Crossings:
     @property
     def steps(self) -> CrossingSteps:
         """The steps across that the present method can take."""
-        return CrossingSteps(self.scale, float(self.record["rtol"]), self.state.method)
+        if self._steps.method is not self.state.method:
+            self._steps = self._steps._replace(method=self.state.method)
+        return self._steps
 
     # -- what the loop asks -------------------------------------------------------------------
 
     def decide(self) -> int:
         """Answer the loop: go on as planned, or the code of an outcome."""
         r = self.record
-        if r["plan"] == Plan.FREE and r["lent"] and r["t"] >= r["lent_until"]:
+        plan = int(r["plan"])
+        if plan == _FREE and r["lent"] and r["t"] >= r["lent_until"]:
             self.handover.end()
-            return Signal.GOING
-        if r["plan"] == Plan.APPROACHING:
+            return _GOING
+        if plan == _APPROACHING:
             return self._cross()
-        if r["plan"] == Plan.CROSSING:
+        if plan == _CROSSING:
             return self._judge_step_across()
         return self._plan_crossing(float(r["vanishing"]))
 
@@ -107,7 +115,7 @@ class Crossings:
             return False
         v += position.veer
         self.position = position
-        self.record["plan"] = Plan.CROSSING
+        self.record["plan"] = _CROSSING
         return self._extrapolate(self._motion(), position)
 
     def leave_start(self) -> int:
@@ -125,22 +133,22 @@ class Crossings:
         self.tries = 0
         usual = self._usual_length()
         if (position is None or not position.rate > 0.0) and r["weak"] >= WEAK_STATES:
-            return int(Outcome.SINGULAR)
+            return _SINGULAR
         r["weak"] = 0
         if position is None or not position.rate > 0.0:
             # The step that was tried may be taken; the look at the next one is another.
             r["quiet"] = motion.t + max(0.5 * abs(s), 0.5 * usual, 1.001 * r["tried"])
-            return Signal.GOING
+            return _GOING
         if position.gap > self.steps.rounding(motion.q):
             return self._follow_miss(position)
         ahead = position.t - motion.t
         if ahead < 0.0 and self.steps.noise(position) * usual < -(ahead**3):
             r["quiet"] = motion.t + usual  # it lies behind, and far enough
-            return Signal.GOING
+            return _GOING
         self.position = position
         if self.handover.begin(self.steps, position, ahead, usual):
-            return Signal.GOING
-        return Signal.GOING if self._approach(position, ahead) else self._cross()
+            return _GOING
+        return _GOING if self._approach(position, ahead) else self._cross()
 
     def _approach(self, position: Singularity, ahead: float) -> bool:
         """Whether to come nearer first, to where the best step across begins."""
@@ -148,7 +156,7 @@ class Crossings:
         best = self.steps.best(position, usual)
         if best.lead > ahead - 1e-3 * usual:
             return False
-        r["plan"], r["turn"], r["h"] = Plan.APPROACHING, position.t - best.lead, usual
+        r["plan"], r["turn"], r["h"] = _APPROACHING, position.t - best.lead, usual
         return True
 
     def _cross(self) -> int:
@@ -158,22 +166,22 @@ class Crossings:
         assert position is not None
         again = self.positions.find_again(motion, position)
         if again is None or again.gap > self.steps.rounding(motion.q):
-            r["plan"] = Plan.FREE
+            r["plan"] = _FREE
             if self.tries >= _TRIES:
-                return Signal.GOING
+                return _GOING
             return self._plan_crossing(position.t - motion.t)
         self.position = position = again
         step = self.steps.from_here(position, position.t - motion.t, usual)
         noisy = self.steps.noise(position) * step.h > abs(step.lead) ** 3
         close = abs(step.lead) < self.steps.reach(position)
         if noisy and close and not self._extrapolate(motion, position):
-            return int(Outcome.SINGULAR)
+            return _SINGULAR
         self.step, self.before = step, self._start_state()
-        r["plan"], r["length_across"] = Plan.CROSSING, step.h
+        r["plan"], r["length_across"] = _CROSSING, step.h
         r["permitted"] = 2.0 * step.method + _ALLOWANCE * (step.rounding + step.start)
         blind = np.sqrt(self.steps.noise(position))
         r["blind_from"], r["blind_to"] = position.t - blind, position.t + blind
-        return Signal.GOING
+        return _GOING
 
     def _judge_step_across(self) -> int:
         """The step across was accepted, or not."""
@@ -186,25 +194,25 @@ class Crossings:
             # A position in which a run starts, or that lies before its start, is not passed in it.
             if t > self.began + self.steps.rounding(position.q) / position.speed:
                 self.passed.append(Crossing(t, row, position.lost, position.direction, error))
-            r["plan"], r["quiet"] = Plan.LEAVING, r["t"] + r["length_across"]
+            r["plan"], r["quiet"] = _LEAVING, r["t"] + r["length_across"]
             r["lent_until"] = r["quiet"]
             r["permitted"] = 1.0
             self.tries = 0
             r["h"] = self._usual_length()
-            return Signal.GOING
+            return _GOING
         self.tries += 1
         error = float(r["error"])
         step = self.step
         rounded = r["reason"] == TrialStep.TOO_LARGE and step.rounding + step.start > step.method
         if rounded and error < _SLACK * r["permitted"]:
             r["permitted"] = 1.01 * error  # rounding again: another step would fare no better
-            return Signal.GOING
+            return _GOING
         if self.tries > _TRIES:
             r["index"] = int(position.rows.argmax())
             self.note = f"The step across errs by {error:.1e} times the tolerance; loosen rtol."
-            return int(Outcome.SINGULAR)
+            return _SINGULAR
         ahead = position.t - float(r["t"])
-        return Signal.GOING if self._approach(position, ahead) else self._cross()
+        return _GOING if self._approach(position, ahead) else self._cross()
 
     def _follow_miss(self, position: Singularity) -> int:
         """The machine misses the position by a gap: its motion bends away, within the width τ.
@@ -223,13 +231,13 @@ class Crossings:
                 f"cross by {position.gap:.1e}, too little to be followed in rounded numbers with "
                 "this rtol."
             )
-            return int(Outcome.SINGULAR)
-        r["plan"], r["turn"], r["length_across"] = Plan.MISSING, position.t, 0.5 * width
+            return _SINGULAR
+        r["plan"], r["turn"], r["length_across"] = _MISSING, position.t, 0.5 * width
         # From further away than the bend is wide, what is missed may turn out to be met.
         r["quiet"] = r["t"] + 0.5 * ahead
         if ahead < width:
             r["quiet"] = max(position.t + 3.0 * width, r["t"] - 0.5 * ahead)
-        return Signal.GOING
+        return _GOING
 
     def _extrapolate(self, motion: Motion, position: Singularity) -> bool:
         """Write the derivative at the step's start, by continuity; false where there is none."""

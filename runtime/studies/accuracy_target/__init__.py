@@ -22,10 +22,7 @@ def accuracy_or_tolerances(
 ) -> Callable[..., Result]:  # fmt: skip
     """The simulation with these settings, to be called with times and options.
 
-    Raises
-    ------
-    InputError
-        If both an accuracy and a tolerance are given, or the accuracy is out of range.
+    Raises InputError if both accuracy and a tolerance are given, or the accuracy is out of range.
     """
     settings: dict[str, Any] = {"rtol": rtol, "atol": atol}
     tolerances = {name: value for name, value in settings.items() if value is not None}

@@ -120,10 +120,7 @@ def difference(
 
 
 def is_resolved(found: Difference, values: FloatArray, target: float) -> bool:
-    """Whether no difference above the target is as large as the motion itself.
-
-    The motion is that of the second run, `values`, (k, c).
-    """
+    """Whether no difference above the target is as large as the second run's motion, (k, c)."""
     if not len(values):
         return True
     spans = np.ptp(np.nan_to_num(values), axis=0)

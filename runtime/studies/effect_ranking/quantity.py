@@ -126,12 +126,9 @@ class QuantityValue(NamedTuple):
 
 
 class Quantity(NamedTuple):
-    """A quantity of results: its text, or the name of the function; result → value.
+    """A quantity of results; `read` raises InputError where a result has none."""
 
-    `read` raises InputError where the result has no such quantity.
-    """
-
-    text: str
+    text: str  # or the name of the function
     read: Callable[[Result], QuantityValue]
 
 

@@ -17,10 +17,7 @@ OR = "|"
 
 
 def default_quantities(description: Description) -> tuple[str, ...]:
-    """The coordinates that the scene starts from, and their velocities.
-
-    Where it fixes none, all coordinates and velocities.
-    """
+    """The coordinates that the scene starts from and their velocities; all where it fixes none."""
     fixed = {row.name for row in description.start if row.role == "fixed"}
     rows = [row for row in description.coordinates if fixed & {row.name, row.velocity}]
     rows = rows or list(description.coordinates)

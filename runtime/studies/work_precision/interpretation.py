@@ -60,7 +60,7 @@ def best_at(study: WorkPrecision, error: float) -> Best | None:
 
 
 def front(lines: Sequence[Line]) -> list[tuple[Setting, Point]]:
-    """The Pareto front: runs than which none is both faster and more accurate, fastest first.
+    """The Pareto front, fastest first: runs than which none is both faster and more accurate.
 
     Of the runs that are more accurate than the reference it has the fastest only.
     """
