@@ -36,11 +36,8 @@ class EffectEquations:
     terms: EffectTerms
 
 
-MassEntry = tuple[int, int, sympy.Expr]
-"""(row, column, entry) of M."""
-
-OWN = "body"
-"""Kind of the constraints that a body brings itself."""
+MassEntry = tuple[int, int, sympy.Expr]  # (row, column, entry) of M
+OWN = "body"  # kind of the constraints that a body brings itself
 
 
 @dataclass(frozen=True)

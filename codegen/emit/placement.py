@@ -11,11 +11,8 @@ from itertools import takewhile
 from codegen.emit.solution_steps import BESIDE_ELEMENTS, names_of_solution, order_by_steps
 from codegen.lower.program import LEAVES, LOGICAL, Input, Kernel, Op, Program
 
-Path = tuple[tuple[int, bool], ...]
-"""The choices, outermost first, inside which something stands."""
-
-WIDTH = 80
-"""Characters of an expression, from which on its longest operand has a line of its own."""
+Path = tuple[tuple[int, bool], ...]  # the choices, outermost first, inside which something stands
+WIDTH = 80  # characters of an expression, from which on its longest operand has a line of its own
 
 
 @dataclass(frozen=True)

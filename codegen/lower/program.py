@@ -169,8 +169,7 @@ class Program:
         return frozenset(self.constants if kernel.name != "constants" else ())
 
 
-STATE = ("t", "q", "v", "p")
-"""The arguments that most kernels begin with."""
+STATE = ("t", "q", "v", "p")  # the arguments that most kernels begin with
 
 
 def store(array: str, values: Sequence[int], notes: Sequence[str]) -> tuple[Output, ...]:

@@ -9,8 +9,7 @@ from fractions import Fraction
 from itertools import zip_longest
 from typing import NamedTuple
 
-Weights = tuple[Fraction, ...]
-"""Factors of k_1, k_2, ...; zeros behind the last may be missing."""
+Weights = tuple[Fraction, ...]  # factors of k_1, k_2, ...; zeros behind the last may be missing
 
 
 class Stage(NamedTuple):

@@ -24,8 +24,7 @@ from codegen.lower.linear.labels import Labels
 from codegen.lower.linear.sparse_rows import LEAST_PIVOT
 from codegen.lower.program import Check
 
-DIVISION = 8
-"""measured: operations that one division is worth in the choice of an order."""
+DIVISION = 8  # measured: operations that one division is worth in the choice of an order
 
 Strategy = Literal["substitute", "mixed", "schur", "square"]
 """Pairs while there are any; whatever is cheapest now; accelerations, then multipliers; what
