@@ -57,10 +57,8 @@ class Equations:
     constraints: tuple[ConstraintEquations, ...]
     effects: tuple[EffectEquations, ...]
     switches: tuple[sf.Switch, ...]
-    # values, by mode, of the symbols in which frictions and contacts are written
-    sides: tuple[sf.SideValue, ...]
-    # (effect, switch) of the frictions in joints whose stiction force a run determines
-    stiction: tuple[tuple[str, int], ...]
+    sides: tuple[sf.SideValue, ...]  # values, by mode, of the symbols of frictions and contacts
+    stiction: tuple[tuple[str, int], ...]  # (effect, switch): a run determines the stiction force
     contacts: tuple[sf.RigidContact, ...]
     left_out: tuple[tuple[str, str], ...]
     unused: tuple[str, ...] = ()  # names of the other parameters

@@ -22,8 +22,7 @@ class Placement:
     # values needed, in order, those of a solution step by step; constants of `p` are leaves
     numbers: tuple[int, ...]
     home: dict[int, Path]  # value → the branch that it stands in
-    # values written inside their only user; a choice inside another is a branch of it
-    inlined: frozenset[int]
+    inlined: frozenset[int]  # values inside their only user; a choice inside another is its branch
     pairs: dict[int, int]  # sine of an angle → its cosine, and the other way round, in one branch
     names: dict[int, str]  # of the values of a solution
     steps: dict[int, int]  # the steps that compute them

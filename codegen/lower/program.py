@@ -89,10 +89,8 @@ class Value:
     args: tuple[int, ...] = ()  # numbers of the values that it takes
     # the float of a constant, the slot of an input, the number of a mode, a table's derivative
     literal: float | int | Input | Lookup | None = None
-    # name of the element for which the value was first needed; a comment in the text
-    serves: str = ""
-    # of a constant that was computed from others: from which; for the text alone
-    origin: Folded | None = None
+    serves: str = ""  # element for which the value was first needed; a comment in the text
+    origin: Folded | None = None  # of a constant computed from others: which; for the text alone
 
 
 class Output(NamedTuple):
