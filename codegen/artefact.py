@@ -40,13 +40,7 @@ def signed(text: str) -> str:
 
 
 def check_signature(path: Path, text: str, rebuild: str) -> None:
-    """Compare the hash in the header with that of the text.
-
-    Raises
-    ------
-    GeneratedFileError
-        If there is none, or the text is not the one that was signed.
-    """
+    """Compare the header's hash with the text's; GeneratedFileError if it is missing or differs."""
     match = _SIGNATURE.search(text[:4000])
     if match is None:
         raise GeneratedFileError(
@@ -66,20 +60,11 @@ def import_generated(path: Path, digest: str | None = None) -> ModuleType:
     """Import a generated file, compiling what numba's cache does not hold.
 
     The module's name follows from the file's content: numba's cache asks for it by name, in the
-    process that compiled and in those that load, and a rebuilt module is never mistaken for the
-    one that it replaces.
+    process that compiled and in those that load, and a rebuilt module is never mistaken for the one
+    that it replaces.
 
-    Parameters
-    ----------
-    digest
-        SHA-256 of the text that is wanted.
-
-    Raises
-    ------
-    GeneratedFileError
-        If the file cannot be read or does not compile.
-    SupersededError
-        If the file does not hold the text that is wanted.
+    Raises GeneratedFileError if the file cannot be read or does not compile, SupersededError if its
+    text does not have the SHA-256 `digest`.
     """
     with alone(path):
         try:

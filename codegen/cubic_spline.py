@@ -21,24 +21,14 @@ Row = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class Table:
-    """A function given by points: twice continuously differentiable, a cubic between two knots.
+    """A function given by points: twice continuously differentiable, a cubic between two knots."""
 
-    Attributes
-    ----------
-    name
-        An identifier.
-    knots
-        The abscissae, ascending; the last one of a periodic table is the first, a period later.
-    rows
-        One (c0, c1, c2, c3) an interval: c0 + c1 s + c2 s² + c3 s³ with s from the left knot.
-    periodic
-        Whether it repeats. One that does not is undefined (nan) beyond its ends.
-    """
-
-    name: str
+    name: str  # an identifier
+    # abscissae, ascending; the last one of a periodic table is the first, a period later
     knots: tuple[float, ...]
+    # (c0, c1, c2, c3) of each interval: c0 + c1 s + c2 s² + c3 s³ with s from the left knot
     rows: tuple[Row, ...]
-    periodic: bool
+    periodic: bool  # one that does not repeat is undefined (nan) beyond its ends
 
     @cached_property
     def digest(self) -> str:
@@ -66,10 +56,7 @@ class Table:
 def fit(name: str, x: Sequence[float], y: Sequence[float], periodic: bool) -> Table:
     """The interpolating cubic spline: periodic, or with the not-a-knot condition at both ends.
 
-    Parameters
-    ----------
-    x, y
-        At least four points; x strictly ascending, and of a periodic one the last y the first.
+    At least four points; x strictly ascending, and of a periodic one the last y the first.
     """
     h = [b - a for a, b in pairwise(x)]
     rise = [(b - a) / step for (a, b), step in zip(pairwise(y), h, strict=True)]

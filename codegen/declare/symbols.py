@@ -12,21 +12,11 @@ SignRule = Literal["", "positive", "nonnegative"]
 
 
 class CoordinateKind(NamedTuple):
-    """The kind of quantity that a coordinate measures.
+    """The kind of quantity that a coordinate measures."""
 
-    Attributes
-    ----------
-    rate
-        Letter of its velocity.
-    unit
-        ``"m"``, ``"rad"``, or ``"1"`` for numbers such as Euler parameters.
-    neutral
-        Its value in the pose in which the body's frame is the global one.
-    """
-
-    rate: str
-    unit: str
-    neutral: float = 0.0
+    rate: str  # letter of its velocity
+    unit: str  # "m", "rad", or "1" for numbers such as Euler parameters
+    neutral: float = 0.0  # value in the pose in which the body's frame is the global one
 
     @property
     def rate_unit(self) -> str:
@@ -52,10 +42,7 @@ KINDS = {
 def declare_letter(letter: str, kind: CoordinateKind) -> None:
     """Let bodies have coordinates of another letter.
 
-    Raises
-    ------
-    ValueError
-        If the letter, or that of its velocity, means something else already.
+    Raises ValueError if the letter, or that of its velocity, means something else already.
     """
     rates = {known.rate: place for place, known in KINDS.items()}
     if KINDS.get(letter, kind) != kind or rates.get(kind.rate, letter) != letter:

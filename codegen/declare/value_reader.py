@@ -32,16 +32,10 @@ def dotted(symbol: sympy.Symbol) -> str:
 
 
 class Reader:
-    """Reads values, and notes a sentence about each that cannot be read.
-
-    Attributes
-    ----------
-    problems
-        The sentences, in order.
-    """
+    """Reads values, and notes a sentence about each that cannot be read."""
 
     def __init__(self) -> None:
-        self.problems: list[str] = []
+        self.problems: list[str] = []  # the sentences, in order
 
     def note(self, problem: str) -> None:
         """Add a problem."""

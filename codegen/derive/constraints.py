@@ -21,23 +21,13 @@ class ConstraintTerms:
 
     The kernels take the derivatives of Φ from its values (`codegen.lower.differentiation`); those
     here are for reading, and are taken when somebody asks.
-
-    Attributes
-    ----------
-    coordinates
-        The columns of the Jacobian.
-    phi
-        Φ, one a row.
-    reactions
-        (component, unit, expression in `multipliers`).
-    multipliers
-        The symbols λ of the rows.
     """
 
-    coordinates: tuple[Coordinate, ...]
-    phi: tuple[sympy.Expr, ...]
+    coordinates: tuple[Coordinate, ...]  # the columns of the Jacobian
+    phi: tuple[sympy.Expr, ...]  # Φ, one a row
+    # (component, unit, expression in `multipliers`)
     reactions: tuple[tuple[str, str, sympy.Expr], ...]
-    multipliers: tuple[Multiplier, ...]
+    multipliers: tuple[Multiplier, ...]  # λ of the rows
 
     @cached_property
     def jacobian(self) -> tuple[tuple[sympy.Expr, ...], ...]:

@@ -20,67 +20,35 @@ from codegen.elements.forces.scalar_force import rate
 
 @dataclass(frozen=True)
 class FrictionTerms:
-    """A force -grip · N along a slip s, N from the reaction of a joint.
+    """A force -grip · N along a slip s, N from the reaction of a joint."""
 
-    Attributes
-    ----------
-    joint
-        Name of the joint that rubs.
-    slip
-        ṡ.
-    grip
-        strength · tanh(ṡ / creep), or strength · σ of a friction that sticks.
-    direction
-        (coordinate, ∂s/∂q): the generalized forces of a unit force along s.
-    contacts
-        Loads as in `FrictionLaw`.
-    unit
-        Of the force.
-    sticks
-        Whether the force is that of a mode, and not of the slip.
-    limit
-        strength · μ_s/μ, what N is multiplied by at rest; None where it does not stick.
-    """
-
-    joint: str
-    slip: sympy.Expr
-    grip: sympy.Expr
+    joint: str  # name of the joint that rubs
+    slip: sympy.Expr  # ṡ
+    grip: sympy.Expr  # strength · tanh(ṡ / creep), or strength · σ of a friction that sticks
+    # (coordinate, ∂s/∂q): generalized forces of a unit force along s
     direction: tuple[tuple[Coordinate, sympy.Expr], ...]
-    contacts: tuple[el.Pressing, ...]
-    unit: str
-    sticks: bool = False
+    contacts: tuple[el.Pressing, ...]  # loads as in `FrictionLaw`
+    unit: str  # of the force
+    sticks: bool = False  # whether the force is that of a mode, and not of the slip
+    # strength · μ_s/μ, by which N is multiplied at rest; None where it does not stick
     limit: sympy.Expr | None = None
 
 
 @dataclass(frozen=True)
 class EffectTerms:
-    """The terms of one effect.
+    """The terms of one effect."""
 
-    Attributes
-    ----------
-    potential
-        V, J; None without one.
-    loads
-        (coordinate, Q) of forces stated as generalized forces.
-    pulls
-        (s, f) of the forces that tend to make a scalar s(q, t) smaller, Q = -f s_q, with `SPEED`
-        in f for ṡ.
-    friction
-        The force that follows from a joint's reaction, if this is one.
-    hold
-        How the effect keeps its switching function at zero, if it does.
-    reported
-        (component, unit, value) of the forces that it reports.
-    weights
-        (body, mass, acceleration) of the products that stand in V as one number.
-    """
-
-    potential: sympy.Expr | None
+    potential: sympy.Expr | None  # V, J; None without one
+    # (coordinate, Q) of forces stated as generalized forces
     loads: tuple[tuple[Coordinate, sympy.Expr], ...]
+    # (s, f) of the forces that tend to make a scalar s(q, t) smaller, Q = -f s_q, with `SPEED` in f
+    # for ṡ
     pulls: tuple[tuple[sympy.Expr, sympy.Expr], ...] = ()
-    friction: FrictionTerms | None = None
-    hold: el.Sticking | el.Rigid | None = None
+    friction: FrictionTerms | None = None  # the force that follows from a joint's reaction
+    hold: el.Sticking | el.Rigid | None = None  # how it keeps its switching function at zero
+    # (component, unit, value) of the forces that it reports
     reported: tuple[tuple[str, str, sympy.Expr], ...] = ()
+    # (body, mass, acceleration) of the products that stand in V as one number
     weights: tuple[tuple[str, sympy.Expr, sympy.Expr], ...] = ()
 
     @cached_property

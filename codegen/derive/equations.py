@@ -45,38 +45,28 @@ OWN = "body"
 
 @dataclass(frozen=True)
 class Equations:
-    """The equations of a scene; nothing downstream reads the declaration.
-
-    Attributes
-    ----------
-    mass
-        (row, column, entry) of M, sorted: the whole diagonal, zero for the coordinates that
-        elements bring, and what else is not zero. Empty in kinematic scenes.
-    inertia_force
-        (column, Q_v) of the forces quadratic in velocities, where M depends on q.
-    sides
-        The values, by mode, of the symbols in which frictions and contacts are written.
-    stiction
-        (effect, switch) of the frictions in joints whose stiction force a run determines.
-    parameters, unused
-        Those that something which takes part depends on, and names of the others.
-    """
+    """The equations of a scene; nothing downstream reads the declaration."""
 
     model: str
     scene: Scene
     bodies: tuple[str, ...]
     coordinates: tuple[Coordinate, ...]
-    parameters: tuple[ParameterDeclaration, ...]
+    parameters: tuple[ParameterDeclaration, ...]  # those that something which takes part depends on
+    # (row, column, entry) of M, sorted: the whole diagonal, zero for the coordinates that elements
+    # bring, and what else is not zero. Empty in kinematic scenes.
     mass: tuple[MassEntry, ...]
+    # (column, Q_v), quadratic in velocities, where M depends on q
     inertia_force: tuple[tuple[int, sympy.Expr], ...]
     constraints: tuple[ConstraintEquations, ...]
     effects: tuple[EffectEquations, ...]
     switches: tuple[sf.Switch, ...]
+    # values, by mode, of the symbols in which frictions and contacts are written
     sides: tuple[sf.SideValue, ...]
+    # (effect, switch) of the frictions in joints whose stiction force a run determines
     stiction: tuple[tuple[str, int], ...]
     contacts: tuple[sf.RigidContact, ...]
     left_out: tuple[tuple[str, str], ...]
-    unused: tuple[str, ...] = ()
+    unused: tuple[str, ...] = ()  # names of the other parameters
 
 
 def tracked_points(equations: Equations) -> tuple[str, ...]:

@@ -18,27 +18,16 @@ Named = tuple[str, EffectTerms]
 
 @dataclass(frozen=True)
 class Switch:
-    """A switching function g of an effect and its rate dg/dt along the motion.
+    """A switching function g of an effect and its rate dg/dt along the motion."""
 
-    Attributes
-    ----------
-    effect
-        The first effect that switches there.
-    text
-        The condition that holds where g > 0.
-    kind
-        A ``"friction"`` holds g = 0 by forces between those of both modes, a ``"contact"`` by a
-        reaction; all else is a ``"condition"``.
-    ratio
-        Of a friction: μ_s/μ, where it is not 1.
-    """
-
-    effect: str
-    text: str
+    effect: str  # the first effect that switches there
+    text: str  # the condition that holds where g > 0
     g: sympy.Expr
     rate: sympy.Expr
+    # A "friction" holds g = 0 by forces between those of both modes, a "contact" by a reaction; all
+    # else is a "condition".
     kind: Literal["condition", "friction", "contact"] = "condition"
-    ratio: sympy.Expr | None = None
+    ratio: sympy.Expr | None = None  # of a friction: μ_s/μ, where it is not 1
 
 
 @dataclass(frozen=True)
@@ -53,24 +42,14 @@ class SideValue:
 
 @dataclass(frozen=True)
 class RigidContact:
-    """A rigid contact in a scene, by its name and the number of its switch.
-
-    Attributes
-    ----------
-    moving
-        Whether the gap depends on the time, so that the contact does work.
-    acceleration
-        d²g/dt² along the motion.
-    restitution, scale
-        e, and the reaction F0 of mode 0, N.
-    """
+    """A rigid contact in a scene, by its name and the number of its switch."""
 
     effect: str
     switch: int
-    moving: bool
-    acceleration: sympy.Expr
-    restitution: sympy.Expr
-    scale: sympy.Expr
+    moving: bool  # whether the gap depends on the time, so that the contact does work
+    acceleration: sympy.Expr  # d²g/dt² along the motion
+    restitution: sympy.Expr  # e
+    scale: sympy.Expr  # F0, N: the reaction of mode 0
 
 
 @cache

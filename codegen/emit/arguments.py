@@ -16,21 +16,12 @@ AS_COORDINATES = ("q", "dq", "dq_in", "all_q", *RATES)
 
 @dataclass(frozen=True)
 class Arguments:
-    """Shapes and units of arguments.
+    """Shapes and units of arguments."""
 
-    Attributes
-    ----------
-    declared
-        Number of declared parameters, behind which the constants stand in ``p``.
-    sizes
-        Argument → length; those of outputs follow from a kernel itself where they are missing.
-    units
-        Of the coordinates.
-    """
-
-    declared: int
+    declared: int  # declared parameters, behind which the constants stand in `p`
+    # argument → length; those of outputs follow from a kernel itself where they are missing
     sizes: Mapping[str, int] = field(default_factory=dict)
-    units: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()  # of the coordinates
 
     @classmethod
     def of(

@@ -17,12 +17,7 @@ from codegen.reduce.reduced_kernels import Reduced
 def tangents_text(lowered: Lowered, program: Program, origin: Origin, module: str) -> str:
     """The module of a scene's exact derivatives, whose kernels take the ``p`` of the scene's own.
 
-    Parameters
-    ----------
-    lowered, program
-        The scene, and the kernels that differentiate it.
-    module
-        SHA-256 of the text of the scene's own module.
+    `program` holds the kernels; `module` is the SHA-256 of the text of the scene's own module.
     """
     about = (
         "exact derivatives for implicit methods.",
@@ -36,12 +31,7 @@ def tangents_text(lowered: Lowered, program: Program, origin: Origin, module: st
 def reduced_text(lowered: Lowered, reduced: Reduced, origin: Origin, module: str) -> str:
     """The module of a scene's reduced equations; in its ``p`` the branches precede the constants.
 
-    Parameters
-    ----------
-    lowered, reduced
-        The scene, and its reduced equations.
-    module
-        SHA-256 of the text of the scene's own module.
+    `module` is the SHA-256 of the text of the scene's own module.
     """
     description, program = lowered.description, reduced.program
     coordinates = f"{len(reduced.kept)} of {len(description.coordinates)} coordinates"

@@ -19,27 +19,14 @@ from codegen.lower.program import Program
 
 @dataclass(frozen=True)
 class Origin:
-    """Where a module comes from.
+    """Where a module comes from."""
 
-    Attributes
-    ----------
-    generator
-        Name and version of the generator.
-    sources
-        (path, SHA-256) of the model file and of the local files that it imports.
-    declaration
-        SHA-256 of what was declared.
-    command
-        The command that builds the module again.
-    engine
-        Name and version of the library that derived the equations.
-    """
-
-    generator: str
+    generator: str  # name and version
+    # (path, SHA-256) of the model file and of the local files that it imports
     sources: tuple[tuple[str, str], ...]
-    declaration: str
-    command: str
-    engine: str = ""
+    declaration: str  # SHA-256 of the declaration
+    command: str  # builds the module again
+    engine: str = ""  # name and version of the library that derived the equations
 
 
 def module_text(lowered: Lowered, origin: Origin) -> str:

@@ -20,28 +20,16 @@ WIDTH = 80
 
 @dataclass(frozen=True)
 class Placement:
-    """The plan of one kernel.
+    """The plan of one kernel."""
 
-    Attributes
-    ----------
-    numbers
-        Values needed, in order, those of a solution step by step; constants of ``p`` are leaves.
-    home
-        Value → the branch that it stands in.
-    inlined
-        Values written inside their only user; a choice inside another is a branch of it.
-    pairs
-        Sine of an angle → its cosine, and the other way round, where both stand in one branch.
-    names, steps
-        Of the values of a solution: the names that they have, and the steps that compute them.
-    """
-
+    # values needed, in order, those of a solution step by step; constants of `p` are leaves
     numbers: tuple[int, ...]
-    home: dict[int, Path]
+    home: dict[int, Path]  # value → the branch that it stands in
+    # values written inside their only user; a choice inside another is a branch of it
     inlined: frozenset[int]
-    pairs: dict[int, int]
-    names: dict[int, str]
-    steps: dict[int, int]
+    pairs: dict[int, int]  # sine of an angle → its cosine, and the other way round, in one branch
+    names: dict[int, str]  # of the values of a solution
+    steps: dict[int, int]  # the steps that compute them
 
 
 def place(program: Program, kernel: Kernel) -> Placement:

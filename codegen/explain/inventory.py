@@ -14,21 +14,13 @@ from codegen.model.outputs import ALL, GROUPS, TRACKED
 
 @dataclass(frozen=True)
 class Entry:
-    """An element, or a fidelity that something has.
-
-    Attributes
-    ----------
-    role
-        ``"joint"``, ``"driver"``, ``"effect"`` or ``"fidelity"``.
-    acts, why
-        Whether it takes part in the scene, and what decides this.
-    """
+    """An element, or a fidelity that something has."""
 
     name: str
     kind: str
-    role: str
-    acts: bool
-    why: str
+    role: str  # "joint", "driver", "effect" or "fidelity"
+    acts: bool  # whether it takes part in the scene
+    why: str  # what decides this
 
 
 def inventory(model: Model, scene: Scene) -> tuple[Entry, ...]:

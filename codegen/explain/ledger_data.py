@@ -7,36 +7,21 @@ from codegen.explain.inventory import OutputEntry
 
 @dataclass(frozen=True)
 class Part:
-    """An element of the declaration, a fidelity of one, or work that all elements share.
-
-    Attributes
-    ----------
-    role
-        ``"joint"``, ``"driver"``, ``"effect"``, ``"fidelity"`` or ``"shared"``.
-    acts, why
-        Whether it is in, and the reason.
-    operations
-        Kernel → its incremental cost (`codegen.explain.operation_costs`).
-    own
-        Of an effect: kernel → its marginal cost.
-    nanoseconds
-        Measured time that it adds to an evaluation of `accelerations`; None without a measurement.
-    events
-        The conditions whose switching functions it brings.
-    run_events, run_retakes, run_seconds
-        Of a run: its events, its share of the steps repeated for events (in proportion to the
-        events), and the seconds that `accelerations` spent on it. None without a run.
-    """
+    """An element of the declaration, a fidelity of one, or work that all elements share."""
 
     name: str
     kind: str
-    role: str
-    acts: bool
-    why: str
+    role: str  # "joint", "driver", "effect", "fidelity" or "shared"
+    acts: bool  # whether it is in
+    why: str  # the reason
+    # kernel → incremental cost (`operation_costs`)
     operations: dict[str, int] = field(default_factory=dict)
-    own: dict[str, int] = field(default_factory=dict)
+    own: dict[str, int] = field(default_factory=dict)  # of an effect: kernel → marginal cost
+    # Measured time that it adds to an evaluation of `accelerations`; None without a measurement.
     nanoseconds: float | None = None
-    events: tuple[str, ...] = ()
+    events: tuple[str, ...] = ()  # the conditions whose switching functions it brings
+    # Of a run, None without one: its events, its share of the steps repeated for events (in
+    # proportion to the events), and the seconds that `accelerations` spent on it.
     run_events: int | None = None
     run_retakes: float | None = None
     run_seconds: float | None = None
@@ -54,52 +39,31 @@ class Part:
 
 @dataclass(frozen=True)
 class RunCosts:
-    """Costs of a run with the scene's defaults.
-
-    Attributes
-    ----------
-    evaluations, steps, rejected, retakes
-        Evaluations of `accelerations`; steps accepted, rejected for their error, and repeated for
-        the location of events.
-    seconds
-        Wall time of the integration.
-    """
+    """Costs of a run with the scene's defaults."""
 
     t_end: float
-    evaluations: int
-    steps: int
-    rejected: int
-    retakes: int
+    evaluations: int  # of `accelerations`
+    steps: int  # accepted
+    rejected: int  # for their error
+    retakes: int  # steps repeated for the location of events
     events: int
-    seconds: float
+    seconds: float  # wall time of the integration
 
 
 @dataclass(frozen=True)
 class Ledger:
-    """The cost of a scene by part and kernel; each operation belongs to one part.
-
-    Attributes
-    ----------
-    kernels
-        Those with operations.
-    totals
-        Kernel → operations, the sum over the parts.
-    left_out
-        (name, kind) of the elements that do not take part.
-    outputs
-        The outputs that the scene reports or could report, with the reason.
-    nanoseconds
-        Time of an evaluation of `accelerations`, measured separately; those of the parts add up to
-        it but for the noise of the measurement.
-    """
+    """The cost of a scene by part and kernel; each operation belongs to one part."""
 
     model: str
     scene: str
-    kernels: tuple[str, ...]
+    kernels: tuple[str, ...]  # those with operations
     parts: tuple[Part, ...]
-    totals: dict[str, int]
-    left_out: tuple[tuple[str, str], ...]
+    totals: dict[str, int]  # kernel → operations, the sum over the parts
+    left_out: tuple[tuple[str, str], ...]  # (name, kind) of the elements that do not take part
+    # those that the scene reports or could report, with the reason
     outputs: tuple[OutputEntry, ...]
+    # Time of an evaluation of `accelerations`, measured separately; those of the parts add up to it
+    # but for the noise of the measurement.
     nanoseconds: float | None = None
     run: RunCosts | None = None
 

@@ -25,18 +25,12 @@ ORIGIN = Origin("linkwright", (), "0" * 64, "python -m codegen explain")
 
 
 class Measured(NamedTuple):
-    """Times of one scene, ns.
+    """Times of one scene, ns."""
 
-    Attributes
-    ----------
-    parts
-        Part → time by which an evaluation takes longer with it than with those before it. They add
-        up to the time of the last stage, which is the scene's kernel.
-    whole
-        Time of the scene's kernel, compiled and timed once more: what the parts should add up to.
-    """
-
+    # Part → time by which an evaluation takes longer with it than with those before it. They add up
+    # to the time of the last stage, which is the scene's kernel.
     parts: dict[str, float]
+    # Time of the scene's kernel, compiled and timed once more: what the parts should add up to.
     whole: float
 
 
@@ -48,12 +42,8 @@ def with_times(
 ) -> tuple[list[Part], float | None, RunCosts | None]:
     """The parts with their nanoseconds, those of the whole kernel, and the costs of a run.
 
-    Parameters
-    ----------
-    programs
-        As `operation_costs.cumulative_programs` returns them.
-    runs
-        The model's file and the run's length in s, if a run is requested.
+    `programs` as from `operation_costs.cumulative_programs`; `runs` is the model's file and the
+    run's length in s, if a run is requested.
     """
     whole = programs[-1]
     equations = whole.scene.equations

@@ -35,11 +35,8 @@ ENDINGS = (".png", ".svg", ".html")
 def write(ledgers: Sequence[Ledger], path: Path) -> Path:
     """Draw ledgers one below the other; returns the path.
 
-    Raises
-    ------
-    InputError
-        If the ending is none of .png, .svg and .html, matplotlib is missing, or the file cannot be
-        written.
+    Raises InputError if the ending is none of .png, .svg and .html, matplotlib is missing, or the
+    file cannot be written.
     """
     if path.suffix not in ENDINGS:
         raise InputError(f"--out {path}: a ledger is saved as {', '.join(ENDINGS)}.")

@@ -28,10 +28,7 @@ class Run(NamedTuple):
 def simulate(model: Path, scene: str, t_end: float) -> Run:
     """Simulate a declared scene of a model file, `MEASURED` times.
 
-    Raises
-    ------
-    InputError
-        If the run does not reach its end, with the runtime's message.
+    Raises InputError, with the runtime's message, if the run does not reach its end.
     """
     from runtime import load
 

@@ -7,23 +7,14 @@ from codegen.explain.ledger_data import Ledger, Part
 
 @dataclass(frozen=True)
 class Row:
-    """A part in both scenes.
-
-    Attributes
-    ----------
-    acts
-        Whether it is in; None where the scene's ledger does not know it.
-    accelerations, operations
-        Operations of the kernel `accelerations`, and of all kernels.
-    nanoseconds
-        Of an evaluation of `accelerations`, where it was measured.
-    """
+    """A part in both scenes."""
 
     name: str
+    # whether it is in; None where the scene's ledger does not know it
     acts: tuple[bool | None, bool | None]
-    accelerations: tuple[int, int]
-    operations: tuple[int, int]
-    nanoseconds: tuple[float | None, float | None]
+    accelerations: tuple[int, int]  # operations of the kernel `accelerations`
+    operations: tuple[int, int]  # of all kernels
+    nanoseconds: tuple[float | None, float | None]  # of an evaluation of `accelerations`
 
 
 @dataclass(frozen=True)

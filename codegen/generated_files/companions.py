@@ -25,34 +25,17 @@ Emit = Callable[[Lowered, Origin, str], tuple[Program, str]]
 
 @dataclass(frozen=True)
 class Companion:
-    """A kind of companion module.
+    """A kind of companion module."""
 
-    Attributes
-    ----------
-    name, stage
-        The word in the file's name and in ``build(..., NAME=True)``, and the name of its stage.
-    title
-        Its content, for people.
-    missing
-        Why a scene can have none: the rest of a sentence that begins with its name; else empty.
-    emit
-        Its kernels and its text.
-    """
-
-    name: str
+    name: str  # the word in the file's name and in `build(..., NAME=True)`
     stage: str
-    title: str
+    title: str  # its content, for people
+    # Why a scene can have none: the rest of a sentence that begins with its name; else empty.
     missing: Callable[[Equations], str]
-    emit: Emit
+    emit: Emit  # its kernels and its text
 
     def is_due(self, equations: Equations, path: Path, requested: bool) -> bool:
-        """Whether a scene gets one: requested now, or existing from before.
-
-        Parameters
-        ----------
-        path
-            The scene's own generated file.
-        """
+        """Whether the scene of the file `path` gets one: requested now, or existing from before."""
         due = requested or companion_path(path, self.name).is_file()
         return due and not self.missing(equations)
 
@@ -67,15 +50,8 @@ class Companion:
     def refuse(self, model: str, scenes: Sequence[Equations], named: bool) -> None:
         """Refuse a request for scenes that can have none.
 
-        Parameters
-        ----------
-        named
-            Whether the user named these scenes, instead of taking all there are.
-
-        Raises
-        ------
-        SceneError
-            If a scene that was named can have none, or no scene can.
+        Raises SceneError if a scene that was named can have none, or no scene can; `named`: the
+        user named these scenes, instead of taking all there are.
         """
         missing: Mapping[str, str] = {e.scene.name: self.missing(e) for e in scenes}
         if all(missing.values()) or (named and any(missing.values())):

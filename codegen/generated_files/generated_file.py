@@ -18,19 +18,11 @@ Progress = Callable[[str], None]
 
 @dataclass
 class Clock:
-    """Times the stages of one scene, and announces them.
+    """Times the stages of one scene, and announces them."""
 
-    Attributes
-    ----------
-    seconds
-        Stage → wall time.
-    title
-        Model and scene, for the announcements.
-    """
-
-    seconds: dict[str, float]
+    seconds: dict[str, float]  # stage → wall time
     progress: Progress
-    title: str
+    title: str  # model and scene, for the announcements
 
     @contextmanager
     def __call__(self, stage: str) -> Iterator[None]:
@@ -45,24 +37,16 @@ class Clock:
 
 @dataclass
 class File:
-    """A generated file.
-
-    Attributes
-    ----------
-    changed
-        Whether its text is new on the disk, or differs from the disk in a check.
-    operations
-        Kernel → arithmetic operations, of a companion.
-    companions
-        Kind → companion module.
-    """
+    """A generated file."""
 
     path: Path
     text: str
     clock: Clock
+    # whether its text is new on the disk, or differs from the disk in a check
     changed: bool = False
+    # of a companion: kernel → arithmetic operations
     operations: dict[str, int] = field(default_factory=dict)
-    companions: "dict[str, File]" = field(default_factory=dict)
+    companions: "dict[str, File]" = field(default_factory=dict)  # kind → companion module
 
     @property
     def digest(self) -> str:
@@ -88,11 +72,7 @@ def write_folder(
     """Write texts by name into a folder, those that are not there; unless `check`, write nothing.
 
     Files that match the pattern `others` and have no text count as stale, and are left alone.
-
-    Raises
-    ------
-    GeneratedFileError
-        If the folder cannot be created or written.
+    Raises GeneratedFileError if the folder cannot be created or written.
     """
     files = {folder / name: text for name, text in texts.items()}
     stale = [path for path, text in files.items() if not is_current(path, text)]
@@ -105,12 +85,8 @@ def write_folder(
 def write_if_changed(path: Path, text: str) -> bool:
     """Write `text` to `path`, whole or not at all; False if the file holds it already.
 
-    Two builds of the same model write the same bytes, so the later rename changes nothing.
-
-    Raises
-    ------
-    GeneratedFileError
-        If the folder cannot be created or written.
+    Two builds of the same model write the same bytes, so the later rename changes nothing. Raises
+    GeneratedFileError if the folder cannot be created or written.
     """
     try:
         if is_current(path, text):

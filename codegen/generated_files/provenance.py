@@ -42,12 +42,8 @@ def origin(
 ) -> Origin:
     """Provenance, with paths relative to the folder that holds the folder of generated files.
 
-    Parameters
-    ----------
-    generator
-        Name and version of the compiler.
-    more
-        Further options of the command that builds the file.
+    `generator` is the name and version of the compiler, `more` further options of the command that
+    builds the file.
     """
     base = path.resolve().parent.parent
     named = [(_relative(source, base), digest) for source, digest in file.sources]

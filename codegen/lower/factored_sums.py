@@ -19,16 +19,11 @@ PLAIN: Factors = (1.0, ())
 
 
 class Parts:
-    """Σ number · rates · value.
-
-    Attributes
-    ----------
-    parts
-        Factors → the value that they multiply, its sign included; no value is zero.
-    """
+    """Σ number · rates · value."""
 
     def __init__(self, graph: Graph, parts: Mapping[Factors, int]) -> None:
         self.graph = graph
+        # factors → the value that they multiply, its sign included; no value is zero
         self.parts = {factors: value for factors, value in parts.items() if value != graph.zero}
 
     @classmethod

@@ -35,14 +35,10 @@ def evaluate(
 ) -> dict[str, dict[int, Any]]:
     """Outputs of the kernel `name`: array → slot → number.
 
-    Parameters
-    ----------
-    arguments
-        ``t`` a number, the other inputs sequences. ``p`` may hold the declared parameters only:
-        what follows from them is computed here. ``stiction``, the forces of frictions that stick,
-        is needed by modes of 2 alone.
-    functions
-        Where sin, cos … come from: `cmath`, `math` or an mpmath context.
+    Of the arguments ``t`` is a number, the other inputs are sequences. ``p`` may hold the declared
+    parameters only: what follows from them is computed here. ``stiction``, the forces of frictions
+    that stick, is needed by modes of 2 alone. `functions` brings sin, cos …: `cmath`, `math` or an
+    mpmath context.
     """
     (kernel,) = (k for k in program.kernels if k.name == name)
     known: dict[int, Any] = {}

@@ -26,67 +26,38 @@ class Pattern:
 
 @dataclass(frozen=True)
 class Description:
-    """The tables of one scene.
-
-    Attributes
-    ----------
-    coordinates
-        (name, name of the velocity, unit).
-    constraints
-        (element, kind, row), one an equation.
-    parameters, folded
-        (name, default, unit, sign rule) of those that a run may change, and of those that a frozen
-        scene holds as numbers.
-    effects, left_out
-        (name, kind) of the effects that act, and of declared elements that do not.
-    unused
-        Parameters on which nothing that takes part depends.
-    outputs
-        The outputs in addition to the motion; None means all.
-    recovered
-        Constraints whose multipliers `accelerations` answers.
-    drivers
-        The elements among the constraints that are drivers.
-    switches
-        (effect, condition), and ``"friction"`` or ``"contact"`` where it is one.
-    rigid
-        (effect, number of its switch) of each rigid contact.
-    stiction
-        (effect, number of its switch) of each friction whose stiction force a run determines; these
-        forces stand in ``p`` behind the parameters.
-    reactions
-        (element, component, unit) of each entry of the kernel `reactions`.
-    powers
-        (source, ``"effect"`` or ``"driver"``) of each entry of the kernel `powers`.
-    start
-        (coordinate or velocity, value, role): ``"fixed"``, ``"guess"``, or before these
-        ``"neutral"``, where the neutral pose is not at zero.
-    jacobian, mass
-        Patterns of Φ_q and M.
-    """
+    """The tables of one scene."""
 
     model: str
     scene: str
     analysis: str
     bodies: tuple[str, ...]
-    coordinates: tuple[tuple[str, str, str], ...]
-    constraints: tuple[tuple[str, str, str], ...]
+    coordinates: tuple[tuple[str, str, str], ...]  # (name, name of the velocity, unit)
+    constraints: tuple[tuple[str, str, str], ...]  # (element, kind, row), one an equation
+    # (name, default, unit, sign rule) of those that a run may change, and, folded, of those that a
+    # frozen scene holds as numbers
     parameters: tuple[tuple[str, float, str, str], ...]
     folded: tuple[tuple[str, float, str, str], ...]
-    effects: tuple[tuple[str, str], ...]
-    left_out: tuple[tuple[str, str], ...]
-    unused: tuple[str, ...]
-    outputs: tuple[str, ...] | None
-    recovered: tuple[int, ...]
-    drivers: tuple[str, ...]
-    switches: tuple[tuple[str, ...], ...]
-    rigid: tuple[tuple[str, int], ...]
+    effects: tuple[tuple[str, str], ...]  # (name, kind)
+    left_out: tuple[tuple[str, str], ...]  # (name, kind) of declared elements that do not act
+    unused: tuple[str, ...]  # parameters on which nothing that takes part depends
+    outputs: tuple[str, ...] | None  # in addition to the motion; None means all
+    recovered: tuple[int, ...]  # constraints whose multipliers `accelerations` answers
+    drivers: tuple[str, ...]  # the drivers among the constraints
+    switches: tuple[tuple[str, ...], ...]  # (effect, condition[, "friction" or "contact"])
+    rigid: tuple[tuple[str, int], ...]  # (effect, number of its switch) of each rigid contact
+    # (effect, number of its switch) of each friction whose stiction force a run determines; these
+    # forces stand in `p` behind the parameters
     stiction: tuple[tuple[str, int], ...]
+    # (element, component, unit) of each entry of the kernel
     reactions: tuple[tuple[str, str, str], ...]
+    # (source, "effect" or "driver") of each entry of the kernel
     powers: tuple[tuple[str, str], ...]
+    # (coordinate or velocity, value, role): "fixed", "guess", or before these "neutral", where the
+    # neutral pose is not at zero
     start: tuple[tuple[str, float, str], ...]
-    jacobian: Pattern
-    mass: Pattern
+    jacobian: Pattern  # pattern of Φ_q
+    mass: Pattern  # pattern of M
 
 
 def describe(

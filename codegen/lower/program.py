@@ -83,26 +83,15 @@ class Folded(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Value:
-    """One operation.
-
-    Attributes
-    ----------
-    op
-        The operation.
-    args
-        Numbers of the values that it takes.
-    literal
-        The float of a constant, the slot of an input, the number of a mode, a table's derivative.
-    serves
-        Name of the element for which the value was first needed; a comment in the text.
-    origin
-        Of a constant that was computed from others: from which; for the text alone.
-    """
+    """One operation."""
 
     op: Op
-    args: tuple[int, ...] = ()
+    args: tuple[int, ...] = ()  # numbers of the values that it takes
+    # the float of a constant, the slot of an input, the number of a mode, a table's derivative
     literal: float | int | Input | Lookup | None = None
+    # name of the element for which the value was first needed; a comment in the text
     serves: str = ""
+    # of a constant that was computed from others: from which; for the text alone
     origin: Folded | None = None
 
 
@@ -134,30 +123,16 @@ class Label(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Kernel:
-    """One function of the generated module.
-
-    Attributes
-    ----------
-    name, summary
-        What it is called and what it answers.
-    arguments
-        Names in order; ``t`` is a float, ``modes`` integers, the rest float arrays.
-    outputs
-        What is stored; an output to the array ``"return"`` is returned.
-    checks
-        Pivots to watch; a kernel with `watched` returns 0 or 1 + the first weak constraint.
-    labels, steps
-        For the text alone: names of values, and what each step of a solution does.
-    """
+    """One function of the generated module."""
 
     name: str
-    summary: str
-    arguments: tuple[str, ...]
-    outputs: tuple[Output, ...]
-    checks: tuple[Check, ...] = ()
-    watched: bool = False
-    labels: tuple[Label, ...] = ()
-    steps: tuple[str, ...] = ()
+    summary: str  # what it answers
+    arguments: tuple[str, ...]  # in order; `t` is a float, `modes` integers, the rest float arrays
+    outputs: tuple[Output, ...]  # an output to the array "return" is returned
+    checks: tuple[Check, ...] = ()  # pivots to watch
+    watched: bool = False  # whether it returns 0 or 1 + the first weak constraint
+    labels: tuple[Label, ...] = ()  # names of values, for the text alone
+    steps: tuple[str, ...] = ()  # what each step of a solution does
 
     @property
     def roots(self) -> list[int]:
@@ -168,25 +143,14 @@ class Kernel:
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """All kernels of a scene over one numbering of values.
+    """All kernels of a scene over one numbering of values."""
 
-    Attributes
-    ----------
-    values
-        In order: a value's arguments have smaller numbers.
-    kernels
-        In the order of the text.
-    constants
-        Values that stand in ``p`` behind the declared parameters, in the order of their slots:
-        stiction forces, which a run sets, then what depends on parameters alone.
-    weak_pivot
-        The tolerance of the checks.
-    """
-
-    values: tuple[Value, ...]
-    kernels: tuple[Kernel, ...]
+    values: tuple[Value, ...]  # in order: a value's arguments have smaller numbers
+    kernels: tuple[Kernel, ...]  # in the order of the text
+    # Values that stand in `p` behind the declared parameters, in the order of their slots: stiction
+    # forces, which a run sets, then what depends on parameters alone.
     constants: tuple[int, ...]
-    weak_pivot: float
+    weak_pivot: float  # the tolerance of the checks
 
     def reachable(self, kernel: Kernel) -> tuple[int, ...]:
         """Numbers of the values that `kernel` computes, in order; constants of p are leaves."""

@@ -14,61 +14,25 @@ from codegen.lower.sympy_translation import Translator
 
 
 class Friction(NamedTuple):
-    """A force -coefficient · (sum of the sizes of `loads`) along `direction`.
-
-    Attributes
-    ----------
-    direction
-        Column → generalized force of a unit force.
-    loads
-        One a contact: a vector, each entry a sum over row → factor of the multiplier.
-    is_stuck, stiction
-        Whether it sticks, and the force along `direction` that it then exerts; None where a run
-        does not determine this force.
-    """
+    """A force -coefficient · (sum of the sizes of `loads`) along `direction`."""
 
     coefficient: int
-    direction: dict[int, int]
+    direction: dict[int, int]  # column → generalized force of a unit force
+    # one a contact: a vector, each entry a sum over row → factor of the multiplier
     loads: tuple[tuple[dict[int, int], ...], ...]
-    is_stuck: int | None = None
+    is_stuck: int | None = None  # whether it sticks
+    # The force along `direction` that it then exerts; None where a run does not determine it.
     stiction: int | None = None
 
 
 class SceneGraph:
-    """The equations of a scene as values of one graph.
-
-    Attributes
-    ----------
-    phi, nu, gamma
-        One value a constraint.
-    jacobian
-        (row, column) → value, structural non-zeros in order.
-    massless
-        (row, column) of the constraints that determine a coordinate without mass.
-    reactions
-        (element, component, unit, value).
-    driven
-        Whether a kinematic scene has as many constraints as coordinates.
-    mass
-        (row, column) → entry of M, the whole diagonal and what else is not zero; empty in kinematic
-        scenes.
-    potential, gradient, forces
-        V, ∂V/∂q, and Q with the forces of the potential and Q_v.
-    slopes, moving, motion
-        Derivatives by q and t, along q̇ with t held, and along q̇ and t.
-    powers
-        (effect, power) of the effects without a potential.
-    working
-        Effect → power of all its forces, those of a potential included, where its work is an
-        output.
-    frictions
-        The forces that follow from reactions.
-    """
+    """The equations of a scene as values of one graph."""
 
     def __init__(self, equations: Equations) -> None:
         self.equations = equations
         self.n = len(equations.coordinates)
         self.m = sum(len(c.terms.phi) for c in equations.constraints)
+        # whether a kinematic scene has as many constraints as coordinates
         self.driven = self.m == self.n > 0 and equations.scene.analysis == "kinematics"
         self.graph = graph = Graph()
         self.columns = {q: k for k, q in enumerate(equations.coordinates)}
@@ -80,20 +44,22 @@ class SceneGraph:
         modes = {switch.g: k for k, switch in switches if switch.kind != "contact"}
         self.translate = Translator(graph, self._environment(), modes)
         self.translate.environment |= self._sides()
-        self.phi: list[int] = []
+        self.phi: list[int] = []  # Φ, as ν and γ one value a constraint
         self.nu: list[int] = []
         self.gamma: list[int] = []
+        # (row, column) → value, structural non-zeros in order
         self.jacobian: dict[tuple[int, int], int] = {}
+        # (row, column) of the constraints that determine a coordinate without mass
         self.massless: list[tuple[int, int]] = []
-        self.reactions: list[tuple[str, str, str, int]] = []
+        self.reactions: list[tuple[str, str, str, int]] = []  # (element, component, unit, value)
         laws = (e.terms.friction for e in equations.effects)
         self._rubbing = {law.joint for law in laws if law}
         self._pressing: dict[tuple[str, str], dict[int, int]] = {}
         self.time = graph.input("t", 0, "t")
-        self.slopes = Slopes(graph, (*self.q, self.time))
+        self.slopes = Slopes(graph, (*self.q, self.time))  # by q and t
         velocities = dict(zip(self.q, self.v, strict=True))
-        self.moving = Direction(graph, velocities, order=1)
-        self.motion = Direction(graph, {**velocities, self.time: graph.one})
+        self.moving = Direction(graph, velocities, order=1)  # along q̇ with t held
+        self.motion = Direction(graph, {**velocities, self.time: graph.one})  # along q̇ and t
         self._constraints()
         self._effects()
 
@@ -185,12 +151,16 @@ class SceneGraph:
 
     def _effects(self) -> None:
         graph, equations = self.graph, self.equations
-        self.potential = graph.zero
-        self.gradient = [graph.zero] * self.n
+        self.potential = graph.zero  # V
+        self.gradient = [graph.zero] * self.n  # ∂V/∂q
+        # Q with the forces of the potential and Q_v
         self.forces = [graph.zero] * self.n
+        # (effect, power) of the effects without a potential
         self.powers: list[tuple[str, int]] = []
+        # effect → power of all its forces, those of a potential included, where its work is an
+        # output
         self.working: dict[str, int] = {}
-        self.frictions: list[Friction] = []
+        self.frictions: list[Friction] = []  # the forces that follow from reactions
         outputs = {*(equations.scene.outputs or ())}
         workless = {contact.effect for contact in equations.contacts if not contact.moving}
         for effect in equations.effects:
@@ -212,6 +182,8 @@ class SceneGraph:
                 if terms.friction:
                     self._friction(effect.name, terms.friction)
         with graph.serving("masses"):
+            # (row, column) → entry of M, the whole diagonal and what else is not zero; empty in
+            # kinematic scenes
             self.mass = {(i, k): self.translate(m) for i, k, m in equations.mass}
             for k, force in equations.inertia_force:
                 self.forces[k] = graph.add(self.forces[k], self.translate(force))

@@ -12,21 +12,14 @@ from codegen.lower.program import COMMUTATIVE, Folded, Input, Lookup, Op, Value
 
 
 class Numbering:
-    """A growing list of values in which equal values are one value.
-
-    Attributes
-    ----------
-    values
-        In order of their numbers.
-    settled
-        For each value, whether numbers and parameters alone determine it.
-    movers
-        For each value, the inputs but parameters that it depends on: a set of bits, see `place_of`.
-    """
+    """A growing list of values in which equal values are one value."""
 
     def __init__(self) -> None:
-        self.values: list[Value] = []
+        self.values: list[Value] = []  # in order of their numbers
+        # for each value, whether numbers and parameters alone determine it
         self.settled: list[bool] = []
+        # for each value, the inputs but parameters that it depends on: a set of bits, see
+        # `place_of`
         self.movers: list[int] = []
         self._places: dict[int, int] = {}
         self._numbers: dict[tuple[Op, tuple[int, ...], object], int] = {}
@@ -86,10 +79,7 @@ class Numbering:
     def constant(self, number: float, sign: str = "", *numbers: float) -> int:
         """A number, or the result of the operation `sign` on `numbers`.
 
-        Raises
-        ------
-        ModelError
-            If it is not finite: the model multiplies or adds beyond all bounds.
+        Raises ModelError if it is not finite: the model multiplies or adds beyond all bounds.
         """
         if not math.isfinite(number):
             where = f" of '{self._serves}'" if self._serves else ""

@@ -32,29 +32,16 @@ AGREED = 1e-9
 
 
 class Angle(NamedTuple):
-    """An angle in closed form.
+    """An angle in closed form."""
 
-    Attributes
-    ----------
-    column, row
-        Of the coordinate, and of the constraint in whose name a dead centre is reported.
-    s, c
-        Its sine and cosine.
-    discriminant
-        ρ², which vanishes at a dead centre.
-    slope
-        σ ρ, whose sign in a position is the branch; None where the other equations decide.
-    branch
-        The input σ.
-    """
-
-    column: int
-    row: int
-    s: int
-    c: int
-    discriminant: int | None = None
+    column: int  # of the coordinate
+    row: int  # of the constraint in whose name a dead centre is reported
+    s: int  # sine
+    c: int  # cosine
+    discriminant: int | None = None  # ρ², which vanishes at a dead centre
+    # σ ρ, whose sign in a position is the branch; None where the other equations decide
     slope: int | None = None
-    branch: int | None = None
+    branch: int | None = None  # the input σ
 
 
 class Loop(NamedTuple):
@@ -74,16 +61,8 @@ def find_loops(
 ) -> list[Loop]:
     """The loops with a solution in closed form, in an order in which each needs only those before.
 
-    Parameters
-    ----------
-    q
-        The inputs that are the coordinates, by column.
-    phi
-        Row → value in the coordinates that are left.
-    angles
-        Columns that may be solved for.
-    first_branch
-        Slot of ``p`` for the first branch.
+    `q`: the inputs that are the coordinates, by column; `phi`: row → value in the coordinates that
+    are left; `angles`: columns that may be solved for; `first_branch`: slot of ``p``.
     """
     search = _LoopSearch(graph, q, first_branch)
     phi, angles, loops = dict(phi), list(angles), []

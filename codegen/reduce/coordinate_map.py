@@ -19,19 +19,7 @@ EVENT_KERNELS = ("switching", "switching_rates", "gap_accelerations", "holds", "
 
 
 class CoordinateMap:
-    """The coordinates of a scene as functions of those that are kept.
-
-    Attributes
-    ----------
-    kept, closures
-        Columns of the coordinates that are left, and rows of the constraints between them.
-    loops
-        The loops solved in closed form.
-    substitutes
-        Value of the scene → its substitute in the coordinates that are kept.
-    slopes, bias
-        Column → its row of T, by the columns that are kept, and its γ.
-    """
+    """The coordinates of a scene as functions of those that are kept."""
 
     def __init__(self, lowered: Lowered) -> None:
         self.lowered, self.scene, self.description = lowered, lowered.scene, lowered.description
@@ -53,15 +41,19 @@ class CoordinateMap:
             frozenset(massless),
         )
         self.formulas = self.explicit.formulas()
-        self.loops = self._loops()
+        self.loops = self._loops()  # solved in closed form
         closed = {k for loop in self.loops for k in loop.columns}
         solved = {i for loop in self.loops for i in loop.rows}
+        # columns of the coordinates that are left
         self.kept = tuple(k for k in self.explicit.coordinates if k not in closed)
+        # rows of the constraints between them
         self.closures = tuple(i for i in self.explicit.rows if i not in solved)
         self.slots = {k: slot for slot, k in enumerate(self.kept)}
+        # value of the scene → its substitute in the coordinates that are kept
         self.substitutes: dict[int, int] = {}
+        # column → its row of T, by the columns that are kept
         self.slopes: dict[int, dict[int, int]] = {}
-        self.bias: dict[int, int] = {}
+        self.bias: dict[int, int] = {}  # column → its γ
         self._substitute()
         self._differentiate()
 

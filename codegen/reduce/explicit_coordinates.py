@@ -49,28 +49,16 @@ class Substitution(NamedTuple):
 
 @dataclass
 class ExplicitCoordinates:
-    """The constraints of a scene, its explicit coordinates substituted.
-
-    Parameters
-    ----------
-    q
-        The inputs that are the coordinates.
-    phi, entries, nu, gamma
-        Φ, the structural non-zeros of Φ_q by (row, column), ν and γ.
-    preferred
-        Columns that are kept where there is a choice.
-    kept
-        Columns that are kept in any case.
-    """
+    """The constraints of a scene, its explicit coordinates substituted."""
 
     graph: Graph
-    q: Sequence[int]
-    phi: Sequence[int]
-    entries: dict[tuple[int, int], int]
-    nu: Sequence[int]
-    gamma: Sequence[int]
-    preferred: frozenset[int]
-    kept: frozenset[int]
+    q: Sequence[int]  # the inputs that are the coordinates
+    phi: Sequence[int]  # Φ
+    entries: dict[tuple[int, int], int]  # structural non-zeros of Φ_q by (row, column)
+    nu: Sequence[int]  # ν
+    gamma: Sequence[int]  # γ
+    preferred: frozenset[int]  # columns that are kept where there is a choice
+    kept: frozenset[int]  # columns that are kept in any case
     rows: dict[int, Row] = field(default_factory=dict, init=False)
     substitutions: list[Substitution] = field(default_factory=list, init=False)
 

@@ -20,25 +20,17 @@ Entries = dict[tuple[int, int], int]
 
 
 class ProjectedEquations:
-    """M_r, Q_r and the constraints that are left.
-
-    Attributes
-    ----------
-    phi, nu, gamma, jacobian
-        Φ_r, ν_r, γ_r, and the structural non-zeros of Φ_r by (row, slot).
-    mass, force
-        Structural non-zeros of M_r by (slot, slot), and Q_r.
-    """
+    """M_r, Q_r and the constraints that are left."""
 
     def __init__(self, mapping: CoordinateMap) -> None:
         self.mapping, self.graph = mapping, mapping.graph
-        self.phi = mapping.substituted(mapping.scene.phi[i] for i in mapping.closures)
-        self.nu: list[int] = []
-        self.gamma: list[int] = []
-        self.jacobian: Entries = {}
+        self.phi = mapping.substituted(mapping.scene.phi[i] for i in mapping.closures)  # Φ_r
+        self.nu: list[int] = []  # ν_r
+        self.gamma: list[int] = []  # γ_r
+        self.jacobian: Entries = {}  # structural non-zeros of Φ_r by (row, slot)
         self._constrain()
-        self.mass: Entries = {}
-        self.force = [self.graph.zero] * len(mapping.kept)
+        self.mass: Entries = {}  # structural non-zeros of M_r by (slot, slot)
+        self.force = [self.graph.zero] * len(mapping.kept)  # Q_r
         self._project()
 
     def accelerations(self) -> Kernel:

@@ -25,31 +25,16 @@ TURN = 2.0 * math.pi
 
 @dataclass(frozen=True)
 class Reduced:
-    """The reduced equations of a scene.
+    """The reduced equations of a scene."""
 
-    Attributes
-    ----------
-    program
-        Its kernels, with their derivatives.
-    kept
-        Columns of the coordinates that are integrated.
-    closures
-        Rows of the constraints that hold between them.
-    angles
-        Columns of the angles in closed form.
-    branches
-        Those among them whose branch a run has to know, each with the row of its loop.
-    jacobian, mass
-        Patterns of Φ_r and M_r.
-    """
-
-    program: Program
-    kept: tuple[int, ...]
-    closures: tuple[int, ...]
-    angles: tuple[int, ...]
+    program: Program  # its kernels, with their derivatives
+    kept: tuple[int, ...]  # columns of the coordinates that are integrated
+    closures: tuple[int, ...]  # rows of the constraints that hold between them
+    angles: tuple[int, ...]  # columns of the angles in closed form
+    # those among them whose branch a run has to know, each with the row of its loop
     branches: tuple[tuple[int, int], ...]
-    jacobian: Pattern
-    mass: Pattern
+    jacobian: Pattern  # pattern of Φ_r
+    mass: Pattern  # pattern of M_r
 
 
 def reduce(lowered: Lowered) -> Reduced:

@@ -20,10 +20,7 @@ WIDE = 56
 class Abbreviations:
     """The letters of the book, and a_1, a_2 … for other sums that occur more than once.
 
-    Parameters
-    ----------
-    expressions
-        All that a page shows, in the order in which it does.
+    `expressions` are all that a page shows, in the order in which it does.
     """
 
     def __init__(self, expressions: Iterable[sympy.Expr]) -> None:

@@ -122,31 +122,19 @@ class Pair(Model):
 
 @dataclass(frozen=True)
 class Example:
-    """An element in a model.
-
-    Attributes
-    ----------
-    model, element
-        The model, and the one element that is looked at.
-    methods
-        Names of the methods of `Model` that declare the kind; none for an element of one's own.
-    source
-        The lines that declare it; empty where they are in a file of their own.
-    """
+    """An element in a model."""
 
     model: Model
-    element: Constraint | Effect
+    element: Constraint | Effect  # the one element that is looked at
+    # names of the methods of `Model` that declare the kind; none for an element of one's own
     methods: tuple[str, ...] = ()
-    source: str = ""
+    source: str = ""  # the lines that declare it; empty where they are in a file of their own
 
 
 def example_of(kind: str, model: Model | None = None) -> Example:
     """The example of a kind: the library's, or the first element of it in `model`.
 
-    Raises
-    ------
-    ModelError
-        If there is no such kind, or no example of it.
+    Raises ModelError if there is no such kind, or no example of it.
     """
     registered = kinds_of_elements()
     if kind not in registered:

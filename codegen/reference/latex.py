@@ -105,13 +105,7 @@ def width(text: str) -> int:
 
 
 def aligned(equations: list[tuple[str, sympy.Expr]]) -> str:
-    r"""``$$ … $$`` with an equation a line, and sums that are too long on several.
-
-    Parameters
-    ----------
-    equations
-        (left side in LaTeX, right side).
-    """
+    """``$$ … $$`` with an equation (left side in LaTeX, right side) a line, long sums on more."""
     lines: list[str] = []
     for left, right in equations:
         first, *more = _broken(right, WIDTH - width(left))

@@ -38,17 +38,9 @@ Operations of the example's kernels for the element, where equal ones count once
 def page(kind: str, model: Model | None = None) -> str:
     """The reference page of a kind, Markdown with LaTeX between dollars.
 
-    Parameters
-    ----------
-    kind
-        As in `kinds_of_elements`.
-    model
-        Where to find an element of the kind; the library's kinds have examples.
-
-    Raises
-    ------
-    ModelError
-        If there is no such kind, no example of it, or the example is not sound.
+    A kind is one of `kinds_of_elements`; the library's have examples, others need a `model` with an
+    element of it. Raises ModelError if there is no such kind, no example of it, or the example is
+    not sound.
     """
     example = example_of(kind, model)
     registered = kinds_of_elements()[kind]

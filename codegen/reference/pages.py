@@ -26,13 +26,7 @@ def slug(kind: str) -> str:
 
 
 def find_kind(name: str) -> str:
-    """The kind that a command line means: by its name or its file's.
-
-    Raises
-    ------
-    ModelError
-        If there is none.
-    """
+    """The kind that a command line means by its name or its file's; ModelError if there is none."""
     known = kinds_of_elements()
     for kind in known:
         if name in (kind, slug(kind)):
@@ -56,17 +50,8 @@ def write(
 ) -> Written:
     """Write the pages of all kinds and their index, or the page of one kind; as `write_folder`.
 
-    Parameters
-    ----------
-    model
-        A model with elements of one's own.
-    only
-        One kind, without the index.
-
-    Raises
-    ------
-    InputError
-        If a kind has no sound example, or the folder cannot be written.
+    `model` has elements of one's own, `only` is one kind, without the index. Raises InputError if a
+    kind has no sound example, or the folder cannot be written.
     """
     kinds = chosen_kinds(model, only)
     texts = {f"{slug(name)}.md": page(name, model) for name in kinds}

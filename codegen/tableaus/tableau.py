@@ -22,53 +22,29 @@ class Stage(NamedTuple):
 
 @dataclass(frozen=True)
 class Tableau:
-    """A method, as the generator of its code takes it.
+    """A method, as the generator of its code takes it."""
 
-    Attributes
-    ----------
-    about
-        Docstring of the generated module: authors, sources, properties.
-    order, error_order
-        p of the solution and of the lower solution that the error estimate compares it with: the
-        length of a step is chosen by the power 1 / (error_order + 1) of the error.
-    stages
-        Stages 2 to s.
-    b
-        Weights of the solution at the end of the step.
-    error
-        Weights of the error estimate, k_{s+1} included.
-    lower
-        Weights of a solution of still lower order, for an estimate that joins two; or none.
-    further
-        Stages s + 2 and on, of the dense output.
-    dense_order
-        Order of the dense output.
-    dense
-        Weights of its rows F4, F5, ... in the form F0 + x (F1 + (1 - x) (F2 + x (F3 + ...))); the
-        first four rows are those of the cubic Hermite polynomial.
-    beta, safety
-        Step control: its proportional part, and the share of what the error permits.
-    shrink, grow
-        Least and largest ratio of two steps' lengths.
-    stability_edge
-        Relative tolerance above which the error alone does not keep a vibration from growing:
-        steps are then kept within the region of stability. None where they always are.
-    """
-
-    about: str
-    order: int
+    about: str  # docstring of the generated module: authors, sources, properties
+    order: int  # p
+    # Order of the lower solution that the error estimate compares with: the length of a step is
+    # chosen by the power 1 / (error_order + 1) of the error.
     error_order: int
-    stages: tuple[Stage, ...]
-    b: Weights
-    error: Weights
+    stages: tuple[Stage, ...]  # stages 2 to s
+    b: Weights  # weights of the solution at the end of the step
+    error: Weights  # weights of the error estimate, k_{s+1} included
     dense_order: int
+    # Weights of the rows F4, F5, ... of the dense output F0 + x (F1 + (1 - x) (F2 + x (F3 + ...)));
+    # the first four rows are those of the cubic Hermite polynomial.
     dense: tuple[Weights, ...]
-    beta: float
-    safety: float
-    shrink: float
-    grow: float
+    beta: float  # step control: its proportional part
+    safety: float  # step control: the share of what the error permits
+    shrink: float  # least ratio of two steps' lengths
+    grow: float  # largest ratio of two steps' lengths
+    # weights of a solution of still lower order, for an estimate that joins two
     lower: Weights = ()
-    further: tuple[Stage, ...] = ()
+    further: tuple[Stage, ...] = ()  # stages s + 2 and on, of the dense output
+    # Relative tolerance above which the error alone does not keep a vibration from growing: steps
+    # are then kept within the region of stability. None where they always are.
     stability_edge: float | None = None
 
     @property

@@ -71,13 +71,9 @@ def start_values(mechanism: Mechanism, guess: Values | None) -> Start:
 
 
 def assemble(
-    mechanism: Mechanism,
-    guess: Values | None = None,
-    parameters: Values | None = None,
-    t: float = 0.0,
-    *,
-    release: bool = False,
-) -> Assembly:
+    mechanism: Mechanism, guess: Values | None = None, parameters: Values | None = None,
+    t: float = 0.0, *, release: bool = False,
+) -> Assembly:  # fmt: skip
     """Assemble at time t, from the start values of the scene and of `guess`.
 
     With `release`, fixed positions are guesses and start velocities zero, as a search for
@@ -224,12 +220,9 @@ def _misses(task: Task, values: FloatArray, least: float, per: str = "") -> str:
 
 
 def _redundancy(
-    description: Description,
-    dependencies: list[Dependency],
-    independent: int,
-    kind: str,
+    description: Description, dependencies: list[Dependency], independent: int, kind: str,
     phi: FloatArray | None = None,
-) -> RedundancyError:
+) -> RedundancyError:  # fmt: skip
     """The error that names dependent constraints and what to remove."""
     table, problems = description.constraints, []
     for row, sources in dependencies:
@@ -253,13 +246,9 @@ def _redundancy(
 
 
 def _report(
-    task: Task,
-    start: Start,
-    closing: Closing,
-    v: FloatArray,
-    velocity_gaps: FloatArray,
+    task: Task, start: Start, closing: Closing, v: FloatArray, velocity_gaps: FloatArray,
     findings: Findings,
-) -> Assembly:
+) -> Assembly:  # fmt: skip
     description = task.equations.description
     coordinates, table = description.coordinates, description.constraints
     moved = []

@@ -32,16 +32,13 @@ class Closing(NamedTuple):
 
 
 class Task(NamedTuple):
-    """A closure problem: active rows, free coordinates, and the weights of their changes.
-
-    `row_units` are for messages.
-    """
+    """A closure problem: active rows, free coordinates, and the weights of their changes."""
 
     equations: Equations
     t: float
     scale: FloatArray
     row_scale: FloatArray
-    row_units: list[str]
+    row_units: list[str]  # for messages
     rows: npt.NDArray[np.bool_]
     free: npt.NDArray[np.bool_]
     weight: FloatArray

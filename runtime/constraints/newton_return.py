@@ -29,13 +29,9 @@ def return_to_constraints(context: Integers, t: float, index: int, weighing: int
     """Bring the state in row `index` of the workspace onto the constraints at time `t`.
 
     Row `weighing` holds the weights: `PARTITION` holds the independent coordinates, `PROJECTION`
-    moves all of them, least in the metric of the masses.
-
-    Returns
-    -------
-    int
-        Calls of `correction`; `FAILED` where the iteration does not converge. `run.weak_return`
-        names a constraint with a weak pivot.
+    moves all of them, least in the metric of the masses. Returns the calls of `correction`;
+    `FAILED` where the iteration does not converge. `run.weak_return` names a constraint with a weak
+    pivot.
     """
     correction, p, r = correction_of(context), ft.parameters_of(context), run_record(context)
     q, v = ws.positions(context, index), ws.velocities(context, index)

@@ -37,23 +37,11 @@ def factor_over_largest(dense: Matrix, row_order: Integers, column_order: Intege
 def order_by_pivots(
     dense: Matrix, scale: Vector, row_order: Integers, column_order: Integers
 ) -> int:
-    """Order rows and columns of a Jacobian by full pivoting, and count the pivots.
+    """Order rows and columns of a Jacobian by full pivoting; returns the rank.
 
-    Parameters
-    ----------
-    dense : (m, n) float64
-        The Jacobian; overwritten.
-    scale : (n,) float64
-        Typical size of a change of each coordinate, 1 / sqrt(M_kk).
-    row_order : (m,) int64
-        Out: constraints, those with a pivot first.
-    column_order : (n,) int64
-        Out: coordinates, the dependent ones first.
-
-    Returns
-    -------
-    int
-        The rank.
+    `dense`, (m, n), is overwritten; `scale`, (n,), is the typical size of a change of each
+    coordinate, 1 / sqrt(M_kk). `row_order`, (m,), receives the constraints, those with a pivot
+    first, `column_order`, (n,), the coordinates, the dependent ones first.
     """
     for i in range(dense.shape[0]):
         for j in range(dense.shape[1]):

@@ -116,12 +116,9 @@ class Curve:
         return self.point(z, start.tangent)
 
     def trace(
-        self,
-        begin: Point,
-        ahead: float,
-        until: Callable[[Point], bool],
+        self, begin: Point, ahead: float, until: Callable[[Point], bool],
         avoid: FloatArray | None = None,
-    ) -> Trace:
+    ) -> Trace:  # fmt: skip
         """Follow the curve from `begin` until it folds back in time, or `until` says to stop.
 
         `ahead` is 1 where time is to grow, else -1. `avoid`: a place that the curve misses; steps

@@ -24,14 +24,11 @@ _ITERATIONS = 60  # safety: Newton iterations from each start of that search
 
 
 class Branch(NamedTuple):
-    """One motion: velocity, acceleration without its part in N, distance from the preferred one.
+    """One motion: velocity, acceleration without its part in N, distance from the preferred one."""
 
-    `v` and `a` have shape (n,); `far` is in scaled coordinates, 1/s.
-    """
-
-    v: FloatArray
+    v: FloatArray  # (n,), as a
     a: FloatArray
-    far: float
+    far: float  # in scaled coordinates, 1/s
 
 
 class RankDeficiency:

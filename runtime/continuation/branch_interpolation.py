@@ -47,13 +47,9 @@ def distance_between(choices: list[Branch], scale: FloatArray) -> float:
 
 
 def interpolate_branch(
-    equations: Equations,
-    t: float,
-    q: FloatArray,
-    choices: list[Branch],
-    scale: FloatArray,
+    equations: Equations, t: float, q: FloatArray, choices: list[Branch], scale: FloatArray,
     rate: float,
-) -> Zone | None:
+) -> Zone | None:  # fmt: skip
     """The first branch about (t, q); None where it does not go on smoothly on both sides.
 
     `rate` tells how fast its singular value moves, 1/s.

@@ -33,29 +33,16 @@ class DrivenMotion(NamedTuple):
 
 
 class ContinuationState:
-    """State, record and samples of one continuation through `times` from an assembled start.
-
-    Attributes
-    ----------
-    q, v, a
-        The present state; `weak` is 1 + the constraint with a weak pivot at the start, or 0.
-    q_out, v_out
-        Samples, shape (instants, n).
-    record
-        See `runtime.continuation.pivot_monitor`.
-    scale
-        Typical size of a change of each coordinate, (n,).
-    span
-        From the start to the last instant, s.
-    """
+    """State, record and samples of one continuation through `times` from an assembled start."""
 
     def __init__(self, equations: Equations, times: FloatArray, start: Assembly) -> None:
         description, n, m = equations.description, equations.n, equations.m
         rows, columns = description.jacobian_rows, description.jacobian_columns
         self.equations, self.times = equations, times
-        self.scale = equations.scale(equations.size(start.t, start.q))
+        self.scale = equations.scale(equations.size(start.t, start.q))  # of changes, (n,)
         self.q, self.v = start.q.copy(), start.v.copy()
         self.modes = np.zeros(len(description.switches), dtype=np.int64)
+        # weak: 1 + the constraint with a weak pivot at the start, or 0
         self.a, lam, self.weak = equations.motion(start.t, self.q, self.v, self.modes)
         self.q_out, self.v_out = np.zeros((2, len(times), n))
         self.began, self.span = start.t, max(abs(float(times[-1]) - start.t), 1e-300)

@@ -244,12 +244,9 @@ class Continuation:
 
 
 def follow(
-    equations: Equations,
-    times: FloatArray,
-    start: Assembly,
-    preferred: FloatArray,
+    equations: Equations, times: FloatArray, start: Assembly, preferred: FloatArray,
     progress: Progress,
-) -> DrivenMotion:
+) -> DrivenMotion:  # fmt: skip
     """Continue from the assembled start through `times`.
 
     `preferred` are the start velocities that the user gave; they choose the branch at a singular

@@ -28,10 +28,7 @@ def interpolate(context: Integers, dense_rows: int, x: float, index: int) -> Non
 
 @inner
 def hermite_rows(context: Integers, h: float, last: int) -> None:
-    """Fill the first four coefficient rows from the states and derivatives at both ends.
-
-    `last` is the row of the derivative at the end of the step.
-    """
+    """Fill the first four coefficient rows; the derivative at the end of the step is row `last`."""
     length = 2 * context[COORDINATES]
     y0 = row_of(context, Y0)
     y1 = row_of(context, Y1)

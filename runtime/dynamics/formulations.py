@@ -63,10 +63,7 @@ class CartesianCoordinates:
 class ReducedCoordinates:
     """Coordinates that no constraint gives explicitly; see `Coordinates`.
 
-    Raises
-    ------
-    InputError
-        With all reasons why this machine has no reduced coordinates.
+    Raises InputError with all reasons why this machine has none.
     """
 
     def __init__(self, ready: PreparedSimulation, correction: Correction) -> None:
@@ -140,13 +137,7 @@ class ReducedCoordinates:
 def formulate(
     ready: PreparedSimulation, formulation: Formulation, method: str, correction: Correction
 ) -> Coordinates:
-    """The coordinates of a formulation.
-
-    Raises
-    ------
-    InputError
-        If there is no such formulation, or it is not for this machine.
-    """
+    """The coordinates of a formulation; InputError if it does not exist or suit this machine."""
     if formulation not in FORMULATIONS:
         raise InputError(f"formulation = {formulation!r} must be one of {', '.join(FORMULATIONS)}.")
     if formulation == "reduced":

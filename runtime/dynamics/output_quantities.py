@@ -70,21 +70,12 @@ def _find_modes(kernels: Any, s: Any, p: Any, g: Any, rate: Any) -> None:
 
 
 def evaluate(
-    mechanism: Mechanism,
-    p: FloatArray,
-    t: FloatArray,
-    q: FloatArray,
-    v: FloatArray,
+    mechanism: Mechanism, p: FloatArray, t: FloatArray, q: FloatArray, v: FloatArray,
     modes: IntArray | None = None,
-) -> Samples:
-    """Accelerations, reactions, powers, energies and residuals at the instants `t`.
+) -> Samples:  # fmt: skip
+    """Accelerations, reactions, powers, energies and residuals at the instants `t`, (k,).
 
-    Parameters
-    ----------
-    q, v
-        Shape (instants, n).
-    modes
-        Shape (instants, s); determined from the states by default.
+    States are (k, n), modes (k, s); these are determined from the states by default.
     """
     description, kernels = mechanism.description, mechanism.kernel_table
     count, n, m = len(t), len(description.coordinates), len(description.constraints)

@@ -22,35 +22,17 @@ if TYPE_CHECKING:
 class PreparedSimulation:
     """The start of a simulation: state, parameters and typical sizes, the same for all its runs.
 
-    Attributes
-    ----------
-    p
-        Parameters and derived constants, (np,).
-    begin
-        The assembled start.
-    sizes
-        Typical sizes of the coordinates, m or rad, (n,).
-
-    Raises
-    ------
-    AnalysisError
-        If nothing is left to integrate, or no mass moves.
+    Raises AnalysisError if nothing is left to integrate, or no mass moves.
     """
 
     def __init__(
-        self,
-        mechanism: Mechanism,
-        t_end: float,
-        *,
-        t_start: float,
-        parameters: Values | None,
-        guess: Values | None,
-        start: Assembly | None,
-    ) -> None:
+        self, mechanism: Mechanism, t_end: float, *, t_start: float, parameters: Values | None,
+        guess: Values | None, start: Assembly | None,
+    ) -> None:  # fmt: skip
         if not mechanism.description.has_masses:
             refuse_massless(mechanism)
         self.mechanism, self.t_end = mechanism, float(t_end)
-        self.p = p = parameter_values(mechanism, parameters)
+        self.p = p = parameter_values(mechanism, parameters)  # with derived constants, (np,)
         require_masses(mechanism, p)
         begin = start if start is not None else assemble(mechanism, guess, parameters, t_start)
         equations = Equations(mechanism, p)

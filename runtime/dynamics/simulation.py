@@ -69,13 +69,9 @@ def simulate(
 
 
 def finish_simulation(
-    ready: PreparedSimulation,
-    coordinates: Coordinates,
-    options: Options,
-    began: float,
-    progress: Progress,
-    run: Trajectory | None = None,
-) -> Result:
+    ready: PreparedSimulation, coordinates: Coordinates, options: Options, began: float,
+    progress: Progress, run: Trajectory | None = None,
+) -> Result:  # fmt: skip
     """The result of a simulation that `began` at an instant of `time.perf_counter`, s.
 
     `run` is its run, if that exists already; a scene with works needs another one.

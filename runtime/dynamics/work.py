@@ -19,15 +19,9 @@ FloatArray = npt.NDArray[np.float64]
 def integrate_works(result: Result, count: int, times: FloatArray | None) -> None:
     """Add the works that its scene asks for to a result, and drop the samples at nodes.
 
-    Parameters
-    ----------
-    result
-        A run with the start as its first sample, then for each interval its nodes and its end, and
-        possibly the state in which it stopped.
-    count
-        Number of samples of the run, without that state.
-    times
-        Output instants in s; None: the end of every step.
+    The result's run has the start as its first sample, then for each interval its nodes and its
+    end: `count` samples; possibly then the state in which it stopped. `times` are the output
+    instants in s; None: the end of every step.
     """
     samples = result.samples
     ends = samples.t[:count:INTERVAL]

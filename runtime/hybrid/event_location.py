@@ -63,10 +63,7 @@ def mark_suspects(context: Integers, h: float) -> int:
 
 @addressed(ft.SAMPLE_FUNCTION)
 def sample_function(context: Integers, x: float, k: int) -> float:
-    """Function `k` on the dense output at fraction `x` of the step, by the sign of its mode.
-
-    Row TRIAL receives all functions.
-    """
+    """Function `k` at fraction `x` of the step, by the sign of its mode; all go into row TRIAL."""
     r = run_record(context)
     interpolate(context, r.dense_rows, x, ws.SAMPLE)
     evaluate_switching(context, r.t + x * r.length, ws.SAMPLE, ws.TRIAL)

@@ -27,18 +27,9 @@ def largest_column(dense: Matrix, row: int, first: int) -> int:
 def factor_fully(dense: Matrix, row_order: Integers, column_order: Integers, least: float) -> int:
     """Eliminate with full pivoting until no pivot is larger than `least`; count the pivots.
 
-    Parameters
-    ----------
-    dense : (m, n) float64
-        Overwritten: rows and columns in the order of pivots; U on the diagonal and right of it, L
-        below; behind the pivots the part that is left.
-    row_order, column_order : (m,), (n,) int64
-        Out: rows and columns in the order of pivots, then the others.
-
-    Returns
-    -------
-    int
-        Number of pivots.
+    `dense`, (m, n), is overwritten: rows and columns in the order of pivots; U on the diagonal and
+    right of it, L below; behind the pivots the part that is left. `row_order`, (m,), and
+    `column_order`, (n,), receive rows and columns in the order of pivots, then the others.
     """
     m, n = dense.shape
     for j in range(n):

@@ -17,19 +17,9 @@ _ROUNDING = 1e-14  # safety: of vectors with a component 1, below which it is 0,
 def eliminate_leading(a: Matrix, r: int, right: Vector, least: float) -> bool:
     """Eliminate the leading block of order r from A and from the right side.
 
-    Parameters
-    ----------
-    a : (m, n)
-        Overwritten by the factors and the Schur complement.
-    right : (m,)
-        Overwritten: L⁻¹ times the right side; behind r, the part that is left.
-    least
-        A pivot no larger than this ends the elimination.
-
-    Returns
-    -------
-    bool
-        False where a pivot is too small.
+    `a`, (m, n), is overwritten by the factors and the Schur complement, `right`, (m,), by L⁻¹ times
+    the right side; behind r, the part that is left. False where a pivot is no larger than `least`,
+    which ends the elimination.
     """
     m, n = a.shape
     for s in range(r):

@@ -44,19 +44,10 @@ def back_substitute(a: Vector, f: int, b: Vector) -> None:
 
 @inner
 def factor(a: Vector, f: int, pivots: Integers) -> int:
-    """Overwrite the matrix with its factors L (unit diagonal) and U, rows exchanged.
+    """Overwrite the matrix, flat, with its factors L (unit diagonal) and U, rows exchanged.
 
-    Parameters
-    ----------
-    a : (f f,) float64
-        The matrix, row after row.
-    pivots : (f,) int64
-        Out: the row exchanged with each row.
-
-    Returns
-    -------
-    int
-        0, or 1 where a pivot is zero or not a number.
+    `pivots`, (f,), receives the row exchanged with each row. Returns 0, or 1 where a pivot is zero
+    or not a number.
     """
     for k in range(f):
         at = pivot_row(a, f, k)

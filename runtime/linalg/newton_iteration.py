@@ -21,17 +21,9 @@ def solve_by_newton(
 ) -> tuple[FloatArray, float]:
     """Bring the residual to rounding by steps of least norm, or go on for as long as they help.
 
-    Parameters
-    ----------
-    residual, jacobian
-        The scaled equations, shape (m,), and their derivatives by x, shape (m, n).
-    x
-        Where to begin, shape (n,).
-
-    Returns
-    -------
-    x, largest
-        The best point, and the largest residual there; the caller decides what counts as solved.
+    `residual`, (m,), are the scaled equations, `jacobian` their derivatives by x, (m, n). Returns
+    the best point from `x`, (n,), on and the largest residual there; the caller decides what counts
+    as solved.
     """
     best = float(np.abs(residual(x)).max(initial=0.0))
     for _ in range(_ITERATIONS):

@@ -41,24 +41,12 @@ def solve_factored(
 
 @allocating(i8(SPARSE, vector, matrix, matrix))
 def solve_least_norm(jacobian: Sparse, w: Vector, right: Matrix, d: Matrix) -> int:
-    """Solve Φ_q d = right for the d that are least in dᵀ W⁻¹ d, W = diag(w).
+    """Solve Φ_q d = right for the d that are least in dᵀ W⁻¹ d, W = diag(w); the rank of Φ_q W.
 
     d = W Φ_qᵀ μ with Φ_q W Φ_qᵀ μ = right. Rounding of that matrix is the square of a distance of
-    rows, so that in terms of distances the tolerance of its pivots is the root of `NO_PIVOT`.
-
-    Parameters
-    ----------
-    w : (n,)
-        Weights; 0 holds a coordinate.
-    right : (k, m)
-        Right sides; overwritten.
-    d : (k, n)
-        Out.
-
-    Returns
-    -------
-    int
-        Rank of Φ_q W.
+    rows, so that in terms of distances the tolerance of its pivots is the root of `NO_PIVOT`. A
+    weight 0 in `w`, (n,), holds a coordinate; `right`, (k, m), is overwritten, and `d`, (k, n),
+    receives the solutions.
     """
     rows, columns, values = jacobian.rows, jacobian.columns, jacobian.values
     (count, m), n = right.shape, w.size
@@ -132,21 +120,9 @@ def minimise_norm(free: Matrix, lam: Vector) -> None:
 def solve_motion(
     jacobian: Sparse, mass: Sparse, force: Vector, gamma: Vector, a: Vector, lam: Vector
 ) -> int:
-    """Solve M a + Φ_qᵀ λ = Q, Φ_q a = γ; λ has the least norm.
+    """Solve M a + Φ_qᵀ λ = Q, Φ_q a = γ, for `a`, (n,), and `lam`, (m,), of the least norm.
 
-    Parameters
-    ----------
-    jacobian, mass
-        Φ_q and M.
-    force, gamma : (n,), (m,)
-        Q and γ.
-    a, lam : (n,), (m,)
-        Out.
-
-    Returns
-    -------
-    int
-        How many constraints follow from others, or more where accelerations are not determined.
+    Returns how many constraints follow from others, or more where accelerations are not determined.
     """
     n, m = force.size, gamma.size
     size = n + m

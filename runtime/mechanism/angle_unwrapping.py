@@ -37,13 +37,7 @@ def follow(
     all_q: FloatArray,
     all_v: FloatArray,
 ) -> None:
-    """Fill `all_q` and `all_v`; `here` is where the walk stands, and moves.
-
-    Parameters
-    ----------
-    table
-        The address of `expand`.
-    """
+    """Fill `all_q` and `all_v` by the `expand` in `table`; `here`, where the walk stands, moves."""
     expand = _expand(table)
     count, n = angles.size, here.size
     turns, none = np.zeros(count), np.zeros(count)

@@ -24,35 +24,20 @@ _CONTENTS = {"tangents": "derivatives", "reduced": "reduced equations"}
 
 
 class Origin(NamedTuple):
-    """The source of a loaded machine.
+    """The source of a loaded machine."""
 
-    Attributes
-    ----------
-    model, scene
-        The model file, or the `Model` of the running program, and the scene.
-    path, digest
-        The scene's generated file, and the SHA-256 of its text.
-    """
-
-    model: "Path | Model"
+    model: "Path | Model"  # the model file, or the `Model` of the running program
     scene: "str | Scene"
-    path: Path
-    digest: str
+    path: Path  # the scene's generated file
+    digest: str  # SHA-256 of its text
 
 
 def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) -> ModuleType:
     """The module that belongs to a loaded machine; built if missing or stale.
 
-    `title` and `path`, the machine's name and its generated file, are for messages.
-
-    Raises
-    ------
-    AnalysisError
-        If the machine was not loaded from a model.
-    GeneratedFileError
-        If the file was edited by hand, or cannot be written.
-    SupersededError
-        If the model has changed since the machine was loaded.
+    `title` and `path`, the machine's name and its generated file, are for messages. Raises
+    AnalysisError if the machine was not loaded from a model, GeneratedFileError if the file was
+    edited by hand, or cannot be written, SupersededError if the model has changed since.
     """
     if origin is None:
         raise AnalysisError(

@@ -111,14 +111,11 @@ class Effect(NamedTuple):
 
 
 class Switch(NamedTuple):
-    """A condition on which an effect depends; it holds where its function is positive.
-
-    `kind` is "condition"; "friction" where the function is a slip that may stay zero; "contact"
-    where it is the gap of a rigid contact.
-    """
+    """A condition on which an effect depends; it holds where its function is positive."""
 
     name: str
     condition: str
+    # "friction": a slip that may stay zero; "contact": the gap of a rigid contact
     kind: str = "condition"
 
     @property
@@ -148,40 +145,22 @@ class ReactionRow(NamedTuple):
 
 
 class PowerSource(NamedTuple):
-    """An effect or a driver whose power on the machine is reported.
-
-    Of kind ``"work"`` it is called ``work(NAME)``, and its power is there to be integrated.
-    """
+    """An effect or a driver whose power on the machine is reported."""
 
     name: str
-    kind: str
+    kind: str  # of "work" it is called ``work(NAME)``, its power there to be integrated
 
 
 class StartValue(NamedTuple):
-    """A start value of a coordinate or velocity; its role is "fixed" or "guess".
-
-    "neutral" is the value of a coordinate in the neutral pose, where that is not zero.
-    """
+    """A start value of a coordinate or velocity."""
 
     name: str
     value: float
-    role: str
+    role: str  # "fixed", "guess", or "neutral": that of the neutral pose, if not zero
 
 
 class Description(NamedTuple):
-    """The literals of a generated module.
-
-    Attributes
-    ----------
-    unused
-        Parameters on which nothing that takes part in the scene depends.
-    outputs
-        Outputs that the scene names in addition to the motion; None: all.
-    recovered
-        Constraints whose multipliers are answered; None: all.
-    kernels
-        What the module defines, its kernels among it.
-    """
+    """The literals of a generated module."""
 
     generator: str
     model: str
@@ -207,10 +186,11 @@ class Description(NamedTuple):
     operations: tuple[tuple[str, int], ...]
     has_masses: bool
     analysis: str = "dynamics"
-    unused: tuple[str, ...] = ()
-    outputs: tuple[str, ...] | None = None
+    unused: tuple[str, ...] = ()  # parameters on which nothing depends that takes part
+    outputs: tuple[str, ...] | None = None  # named in addition to the motion; None: all
+    # constraints whose multipliers are answered; None: all
     recovered: tuple[int, ...] | None = None
-    kernels: frozenset[str] = frozenset()
+    kernels: frozenset[str] = frozenset()  # what the module defines, its kernels among it
     rigid: Table[RigidContact] = Table()
     stiction: tuple[int, ...] = ()
 

@@ -21,26 +21,13 @@ Values = Mapping[str, float]
 
 @dataclass(frozen=True, eq=False)
 class Mechanism:
-    """A mechanism in one scene.
+    """A mechanism in one scene."""
 
-    Attributes
-    ----------
-    description
-        The tables of the generated module.
-    kernels
-        Its compiled functions, callable from any numba code.
-    path
-        The generated module's file.
-    origin
-        Model and scene from which it was built; companion modules are built from these.
-    sufficient
-        Indices of constraints that imply the others; None: all constraints are independent.
-    """
-
-    description: Description
-    kernels: Kernels
-    path: Path
-    origin: Origin | None = None
+    description: Description  # the tables of the generated module
+    kernels: Kernels  # its compiled functions, callable from any numba code
+    path: Path  # the generated module's file
+    origin: Origin | None = None  # from which companion modules are built
+    # constraints that imply the others; None: all are independent
     sufficient: tuple[int, ...] | None = None
 
     @property

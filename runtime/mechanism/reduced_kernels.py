@@ -20,35 +20,23 @@ IntArray = npt.NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Reduced:
-    """The compiled equations and their tables.
-
-    Attributes
-    ----------
-    kept, closures
-        Columns of the coordinates that are integrated, rows of the constraints between them.
-    angles, branches
-        Columns of the angles in closed form; (column, row of the loop) of those with a branch.
-    expand
-        (t, q, v, p, turns, all_q, all_v): all coordinates, with so many whole turns of `angles`.
-    sides
-        (t, all_q, p, out): a number for each of `branches`, whose sign is that of the branch.
-    slots
-        Length of ``p``: parameters, branches, constants.
-    """
+    """The compiled equations and their tables."""
 
     description: Description
     kernels: kernels.Kernels
     tangents: Tangents
+    # (t, q, v, p, turns, all_q, all_v): all coordinates, with so many whole turns of `angles`
     expand: Kernel
+    # (t, all_q, p, out): a number for each of `branches`, whose sign is that of the branch
     sides: Kernel
     dead_centres: Kernel
-    kept: IntArray
-    closures: tuple[int, ...]
-    angles: IntArray
-    branches: tuple[tuple[int, int], ...]
+    kept: IntArray  # columns of the coordinates that are integrated
+    closures: tuple[int, ...]  # rows of the constraints between them
+    angles: IntArray  # columns of the angles in closed form
+    branches: tuple[tuple[int, int], ...]  # (column, row of the loop) of those angles with a branch
     jacobian: tuple[IntArray, IntArray]
     mass: tuple[IntArray, IntArray]
-    slots: int
+    slots: int  # length of ``p``: parameters, branches, constants
 
     @cached_property
     def system(self) -> System:
@@ -98,14 +86,9 @@ class Reduced:
         return found
 
     def expanded(
-        self,
-        t: FloatArray,
-        q: FloatArray,
-        v: FloatArray,
-        p: FloatArray,
-        start: tuple[float, FloatArray],
-        sizes: FloatArray,
-    ) -> tuple[FloatArray, FloatArray]:
+        self, t: FloatArray, q: FloatArray, v: FloatArray, p: FloatArray, start: tuple[float,
+        FloatArray], sizes: FloatArray,
+    ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
         """All coordinates and velocities, (k, n) each, at k instants in order.
 
         Angles in closed form are followed from the start, an instant and all coordinates (n,),

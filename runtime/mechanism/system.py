@@ -10,22 +10,16 @@ from runtime.mechanism.description import Description
 
 
 class Tangents(NamedTuple):
-    """The compiled derivatives of a scene, along one direction (dq, dv) a call.
+    """The compiled derivatives of a scene, along one direction (dq, dv) a call."""
 
-    Attributes
-    ----------
-    accelerations_tangent
-        (t, q, v, p, modes, dq, dv, da): da = (∂a/∂q) dq + (∂a/∂v) dv of what `accelerations`
-        returns, the modes fixed. All of q, v, dq, dv, da have shape (n,), SI units.
-    correction_tangent
-        (t, q, v, p, w, dq_in, dv_in, dq, dv): the same for both answers of `correction`. At a
-        state on the constraints, with w = 0 on the independent coordinates: e_k plus dq along
-        (e_k, 0) is the column H e_k of δq = H δq_independent, in which the dependent rows are
-        -Φ_u⁻¹ Φ_v (R. A. Wehage and E. J. Haug, Journal of Mechanical Design 104, 1982, 247-255);
-        dv along (H e_k, 0) is what that does to the dependent velocities.
-    """
-
+    # (t, q, v, p, modes, dq, dv, da): da = (∂a/∂q) dq + (∂a/∂v) dv of what `accelerations` returns,
+    # the modes fixed. All of q, v, dq, dv, da have shape (n,), SI units.
     accelerations_tangent: Kernel
+    # (t, q, v, p, w, dq_in, dv_in, dq, dv): the same for both answers of `correction`. At a state
+    # on the constraints, with w = 0 on the independent coordinates: e_k plus dq along (e_k, 0) is
+    # the column H e_k of δq = H δq_independent, in which the dependent rows are -Φ_u⁻¹ Φ_v (R. A.
+    # Wehage and E. J. Haug, Journal of Mechanical Design 104, 1982, 247-255); dv along (H e_k, 0)
+    # is what that does to the dependent velocities.
     correction_tangent: Kernel
 
 

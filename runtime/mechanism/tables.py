@@ -11,13 +11,7 @@ _SHOWN = 8  # layout: parameters that the text names
 
 
 class MechanismTables:
-    """Tables of a mechanism in one scene.
-
-    Attributes
-    ----------
-    mechanism
-        The data behind them, which the functions of the analyses take.
-    """
+    """Tables of a mechanism in one scene; `mechanism` is the data that the analyses take."""
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism

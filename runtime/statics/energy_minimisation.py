@@ -22,16 +22,13 @@ _TINY = 1e-300  # safety: keeps quotients from 0 / 0
 
 
 class RestPosition(NamedTuple):
-    """A position, its partition, and the reduced force and stiffness there.
-
-    `effort` is the size of the forces along each independent coordinate, (f,), in J.
-    """
+    """A position, its partition, and the reduced force and stiffness there."""
 
     q: FloatArray
     part: Partition
     gradient: FloatArray
     stiffness: Stiffness
-    effort: FloatArray
+    effort: FloatArray  # size of the forces along each independent coordinate, (f,), in J
     iterations: int
 
     @property

@@ -64,14 +64,9 @@ class Equilibrium(Result):
 
 
 def equilibrium(
-    mechanism: Mechanism,
-    method: str = "energy",
-    *,
-    guess: Values | None = None,
-    parameters: Values | None = None,
-    t: float = 0.0,
-    progress: Progress = silent,
-) -> Equilibrium:
+    mechanism: Mechanism, method: str = "energy", *, guess: Values | None = None,
+    parameters: Values | None = None, t: float = 0.0, progress: Progress = silent,
+) -> Equilibrium:  # fmt: skip
     """Find a rest position near the start; see `Machine.equilibrium`."""
     began = clock.perf_counter()
     description = mechanism.description

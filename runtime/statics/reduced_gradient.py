@@ -34,12 +34,10 @@ class Partition(NamedTuple):
 
 
 class Stiffness(NamedTuple):
-    """Derivative of the gradient, (f, f), in J.
+    """Derivative of the gradient."""
 
-    `edges` are conditions that change within rounding of the position, in some direction.
-    """
-
-    matrix: FloatArray
+    matrix: FloatArray  # (f, f), in J
+    # conditions that change within rounding of the position, in some direction
     edges: tuple[int, ...]
 
 

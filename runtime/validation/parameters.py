@@ -15,10 +15,7 @@ from runtime.validation.contacts import require_sound
 def parameter_values(
     mechanism: Mechanism, overrides: Values | None = None
 ) -> npt.NDArray[np.float64]:
-    """Parameters followed by the constants derived from them, shape (np,).
-
-    See `Machine.parameter_values`, whose errors these are.
-    """
+    """Parameters and the constants derived from them, (np,); see `Machine.parameter_values`."""
     check(mechanism, parameters=overrides)
     description = mechanism.description
     table = description.parameters

@@ -28,26 +28,16 @@ Solution = tuple[list[list[int]], list[Check], Labels]
 
 @dataclass(frozen=True)
 class Task:
-    """Φ_q d = r for several r, d least in the norm dᵀ W⁻¹ d.
-
-    Attributes
-    ----------
-    jacobian, right, weights
-        Φ_q by (row, column), one list of rows a right side, one weight a column.
-    names, rows
-        Of the coordinates and of the constraints.
-    stems, unknowns
-        How names of each right side begin, and names of its solution's entries.
-    """
+    """Φ_q d = r for several r, d least in the norm dᵀ W⁻¹ d."""
 
     graph: Graph
-    jacobian: Entries
-    right: list[list[int]]
-    weights: list[int]
-    names: list[str]
-    rows: list[str]
-    stems: list[str]
-    unknowns: list[list[str]]
+    jacobian: Entries  # Φ_q by (row, column)
+    right: list[list[int]]  # one list of rows a right side
+    weights: list[int]  # one a column
+    names: list[str]  # of the coordinates
+    rows: list[str]  # names of the constraints
+    stems: list[str]  # how names of each right side begin
+    unknowns: list[list[str]]  # names of each solution's entries
 
 
 def correction(scene: SceneGraph) -> Kernel:

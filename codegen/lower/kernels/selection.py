@@ -7,16 +7,11 @@ from codegen.lower.substitution import dependencies
 
 
 class Selection:
-    """The outputs that a scene names; all of them where it names none.
-
-    Attributes
-    ----------
-    moves
-        Whether the scene asks how the machine moves under forces, and not only where it rests.
-    """
+    """The outputs that a scene names; all of them where it names none."""
 
     def __init__(self, equations: Equations) -> None:
         self.outputs = equations.scene.outputs
+        # whether the scene asks how the machine moves under forces, and not only where it rests
         self.moves = equations.scene.analysis == "dynamics"
         # A run holds a friction in a joint that sticks against its limit in each position.
         self._needed = {e.name for e in equations.effects if _limited(e.terms.friction)}

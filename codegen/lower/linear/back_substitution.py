@@ -58,21 +58,13 @@ class Loop:
 
 @dataclass(frozen=True)
 class Substitution:
-    """A symmetric system before elimination, and the pivots that solve it.
-
-    Attributes
-    ----------
-    entries, right
-        (i, j) → value, both triangles; the right sides, one list a column.
-    steps, loop
-        The pivots in order, and the loop that closed the system, if any.
-    """
+    """A symmetric system before elimination, and the pivots that solve it."""
 
     graph: Graph
-    entries: dict[tuple[int, int], int]
-    right: list[list[int]]
-    steps: list[Single | Pair]
-    loop: Loop | None
+    entries: dict[tuple[int, int], int]  # (i, j) → value, both triangles
+    right: list[list[int]]  # one list a column
+    steps: list[Single | Pair]  # the pivots in order
+    loop: Loop | None  # the loop that closed the system
 
     def back(self, column: int, x: dict[int, int]) -> list[int]:
         """All unknowns of a right side, from those of the loop in `x`."""

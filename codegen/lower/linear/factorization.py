@@ -34,33 +34,20 @@ constraints alone determine, `codegen.lower.linear.square_systems`."""
 
 @dataclass
 class Elimination:
-    """A symmetric sparse system of graph values, reduced pivot by pivot.
-
-    Attributes
-    ----------
-    entries
-        (i, j) → value, both triangles, structural non-zeros only.
-    right
-        Right sides, one list a column.
-    duals
-        The unknowns that are multipliers.
-    references
-        Unknown → the size that its pivot is held against; the others are not watched.
-    located
-        Pairs to eliminate first, in this order: a coordinate without mass, the constraint that
-        determines it, and whether to watch that it does. Along a curve without cusps it does
-        always; where two directions have to differ, the entry is held against those of the row as
-        it was stated, which are angles like it.
-    labels
-        Names for the text, of entries, pivots, right sides and unknowns.
-    """
+    """A symmetric sparse system of graph values, reduced pivot by pivot."""
 
     graph: Graph
-    entries: dict[tuple[int, int], int]
-    right: list[list[int]]
-    duals: frozenset[int] = frozenset()
+    entries: dict[tuple[int, int], int]  # (i, j) → value, both triangles, structural non-zeros only
+    right: list[list[int]]  # right sides, one list a column
+    duals: frozenset[int] = frozenset()  # the unknowns that are multipliers
+    # Unknown → the size that its pivot is held against; the others are not watched.
     references: dict[int, int] = field(default_factory=dict)
+    # Pairs to eliminate first, in this order: a coordinate without mass, the constraint that
+    # determines it, and whether to watch that it does. Along a curve without cusps it does always;
+    # where two directions have to differ, the entry is held against those of the row as it was
+    # stated, which are angles like it.
     located: list[tuple[int, int, bool]] = field(default_factory=list)
+    # names of entries, pivots, right sides and unknowns
     labels: Labels = field(default_factory=Labels)
     checks: list[Check] = field(default_factory=list, init=False)
     substitution: Substitution = field(init=False)

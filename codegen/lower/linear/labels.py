@@ -14,28 +14,15 @@ from codegen.lower.program import Label
 
 @dataclass
 class Labels:
-    """Collects the names of one solution, step by step.
+    """Collects the names of one solution, step by step."""
 
-    Attributes
-    ----------
-    names
-        Names of the unknowns; empty where nothing is to be named.
-    right, solution
-        Names of the right sides and of the unknowns' values, one list a column.
-    matrix
-        Stem of an entry between two unknowns that are no multipliers.
-    found
-        Value → its name and the step that computes it.
-    steps
-        The title of each step, for a comment.
-    """
-
-    names: Sequence[str] = ()
-    right: Sequence[Sequence[str]] = ()
-    solution: Sequence[Sequence[str]] = ()
-    matrix: str = "M"
+    names: Sequence[str] = ()  # of the unknowns; empty where nothing is to be named
+    right: Sequence[Sequence[str]] = ()  # of the right sides, one list a column
+    solution: Sequence[Sequence[str]] = ()  # of the unknowns' values, one list a column
+    matrix: str = "M"  # stem of an entry between two unknowns that are no multipliers
+    # value → its name and the step that computes it
     by_value: dict[int, Label] = field(default_factory=dict)
-    steps: list[str] = field(default_factory=list)
+    steps: list[str] = field(default_factory=list)  # the title of each step, for a comment
 
     @property
     def text(self) -> dict[str, Any]:

@@ -13,19 +13,11 @@ from codegen.lower.program import Check
 
 @dataclass
 class NormalEquations(SparseRows):
-    """Φ_q d = r for several right sides, d least in the norm dᵀ W⁻¹ d.
+    """Φ_q d = r for several right sides, d least in the norm dᵀ W⁻¹ d."""
 
-    Attributes
-    ----------
-    weights
-        One value a column.
-    rows, stems
-        Names of the constraints, and how those of the right sides begin.
-    """
-
-    weights: Sequence[int] = ()
-    rows: Sequence[str] = ()
-    stems: Sequence[str] = ()
+    weights: Sequence[int] = ()  # one value a column
+    rows: Sequence[str] = ()  # names of the constraints
+    stems: Sequence[str] = ()  # how names of the right sides begin
     text: Labels = field(default_factory=Labels, init=False)
 
     def solve(self) -> list[list[int]]:
@@ -80,10 +72,7 @@ def solve_by_multipliers(
 ) -> tuple[list[Row], list[Check]]:
     """x = W Aᵀ μ, A W Aᵀ μ = r, with positive pivots in any position that is not singular.
 
-    Returns
-    -------
-    tuple
-        Column → value, one a right side, and the pivots to watch, by the number of the row.
+    Returns column → value, one a right side, and the pivots to watch, by the number of the row.
     """
     entries: dict[tuple[int, int], int] = {}
     for a, b in combinations_with_replacement(range(len(rows)), 2):

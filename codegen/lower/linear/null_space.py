@@ -27,18 +27,10 @@ LARGEST = 2
 
 @dataclass
 class NullSpace(SparseRows):
-    """Φ_q d = r for several right sides, d least in the norm dᵀ W⁻¹ d.
+    """Φ_q d = r for several right sides, d least in the norm dᵀ W⁻¹ d."""
 
-    Attributes
-    ----------
-    weights
-        One value a column.
-    rows
-        Names of the constraints; those of the labels are the coordinates'.
-    """
-
-    weights: Sequence[int] = ()
-    rows: Sequence[str] = ()
+    weights: Sequence[int] = ()  # one value a column
+    rows: Sequence[str] = ()  # names of the constraints; those of the labels are the coordinates'
 
     def __post_init__(self) -> None:
         super().__post_init__()

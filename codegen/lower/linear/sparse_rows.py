@@ -27,25 +27,14 @@ Row = dict[int, int]
 
 @dataclass
 class SparseRows:
-    """Rows of graph values, for several right sides.
-
-    Attributes
-    ----------
-    entries
-        (row, column) → value, structural non-zeros only.
-    right
-        Right sides, one list of rows each.
-    labels, columns
-        Names for the text; `columns` those of the unknowns where the entries are named.
-    checks
-        Pivots to watch; the constraint of a check is a row.
-    """
+    """Rows of graph values, for several right sides."""
 
     graph: Graph
-    entries: dict[tuple[int, int], int]
-    right: list[list[int]]
+    entries: dict[tuple[int, int], int]  # (row, column) → value, structural non-zeros only
+    right: list[list[int]]  # right sides, one list of rows each
     labels: Labels = field(default_factory=Labels)
-    columns: Sequence[str] = ()
+    columns: Sequence[str] = ()  # names of the unknowns where the entries are named
+    # pivots to watch; the constraint of a check is a row
     checks: list[Check] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
