@@ -16,8 +16,7 @@ from runtime.core.kernel_abi import jacobian_of
 from runtime.linalg.rank_policy import REDUNDANT
 from runtime.linalg.row_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot
 
-# measured: of the smallest pivot: scaled motion after which pivots are compared again
-MARGIN = 0.5
+MARGIN = 0.5  # measured: of the smallest pivot: scaled motion after which pivots are compared again
 _POOR = 0.5  # measured: of the smallest pivots at both ends; a smaller one in between is suspicious
 _GOOD = 0.05  # measured: smallest pivot of a state to which the continuation may return
 

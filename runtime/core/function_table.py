@@ -7,11 +7,9 @@ part that needs something rare thus costs the others nothing.
 from runtime.core.array_types import f8, i8, integers, none, vector
 from runtime.core.table_layout import TableLayout
 
-TABLE = TableLayout()
-"""The declaration that all below derives from."""
+TABLE = TableLayout()  # the declaration that all below derives from
 
-RECENT = 8
-"""Instants of the last events that are kept."""
+RECENT = 8  # instants of the last events that are kept
 
 # Numbers.
 COORDINATES = TABLE.number("coordinates")  # n

@@ -25,8 +25,7 @@ def _signature(arguments: str, returns: Any) -> Any:
     return returns(*(kinds.get(name, vector) for name in arguments.split()))
 
 
-SIGNATURES: dict[str, Any] = {}
-"""Kernel → the signature that it is compiled for."""
+SIGNATURES: dict[str, Any] = {}  # Kernel → the signature that it is compiled for
 
 _STAND_INS: dict[str, Kernel] = {}
 

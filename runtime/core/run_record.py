@@ -117,16 +117,11 @@ class ConstraintReturn(IntEnum):
 class Plan(IntEnum):
     """What a run does next about a singular position: the number `plan` of its record."""
 
-    FREE = 0
-    """Nothing is planned."""
-    APPROACHING = 1
-    """It goes to the instant at which the step across begins."""
-    CROSSING = 2
-    """The next step is the one across."""
-    LEAVING = 3
-    """It gets away from the position."""
-    MISSING = 4
-    """It follows the bend in which the motion misses the position."""
+    FREE = 0  # nothing is planned
+    APPROACHING = 1  # it goes to the instant at which the step across begins
+    CROSSING = 2  # the next step is the one across
+    LEAVING = 3  # it gets away from the position
+    MISSING = 4  # it follows the bend in which the motion misses the position
 
 
 RUN = np.dtype(

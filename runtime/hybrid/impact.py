@@ -25,8 +25,7 @@ _SWEEPS = 200  # safety: sweeps over all contacts with rebound, and as many agai
 # accuracy: of the fastest approach; change by a sweep at which impulses have converged
 _AGREED = 1e-14
 _ROUNDING = 1e-15  # accuracy: of the largest velocity; the same
-# accuracy: of the fastest approach; larger changes mean no convergence
-_HOPELESS = 1e-6
+_HOPELESS = 1e-6  # accuracy: of the fastest approach; larger changes mean no convergence
 # accuracy: of the tolerance of a position; flights that rise no higher have ended
 _LOW_FLIGHT = 0.01
 # accuracy: of the largest gap; heights at which rounding would move the next impact

@@ -29,8 +29,7 @@ _LEAST = 1e-14  # accuracy: of the largest ρ² so far; rounding
 _NEAR = 1e-2
 _AT_ONCE = 1e-3  # measured: of a usual step; a run ends at a dead centre this near
 _SHORT_OF = 0.9  # measured: of the time to a dead centre; longest next step
-# accuracy: of the last step from further away; shorter ones follow rounding
-_SHORT = 1e-4
+_SHORT = 1e-4  # accuracy: of the last step from further away; shorter ones follow rounding
 
 DEAD_CENTRE_NOTE = (
     "At t = {:.9g} s its loop is at a dead centre, where both ways to close it meet, and reduced "

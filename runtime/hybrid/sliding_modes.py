@@ -27,8 +27,7 @@ from runtime.linalg.lu import solve_equilibrated
 from runtime.linalg.rank_policy import SAME_HOLD
 from runtime.linalg.vectors import axpy
 
-CANCELLED = 64.0 * EPS
-"""accuracy: of the largest of some terms; a sum below it is their rounding."""
+CANCELLED = 64.0 * EPS  # accuracy: of the largest of some terms; a sum below it is their rounding
 
 _UNITS = 3  # safety: changes of a unit of the stiction force
 

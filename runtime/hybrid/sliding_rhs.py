@@ -22,8 +22,7 @@ from runtime.hybrid.sliding_modes import (
 from runtime.hybrid.stiction_force import write_forces
 from runtime.linalg.vectors import axpy, copy_vector, largest_ratio
 
-STEP, TIME_SCALE = 0, 1
-"""Places in SETTINGS: the length of the step, s; τ of Baumgarte's method, s."""
+STEP, TIME_SCALE = 0, 1  # places in SETTINGS: the length of the step, s; τ of Baumgarte's method, s
 
 
 @inner

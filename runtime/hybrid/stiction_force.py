@@ -16,8 +16,7 @@ from runtime.core.jit import inner
 from runtime.core.modes import SLIDING
 from runtime.linalg.vectors import copy_vector, is_finite
 
-PRESCRIBED = SLIDING
-"""The mode in which kernels take the stiction force from p."""
+PRESCRIBED = SLIDING  # the mode in which kernels take the stiction force from p
 
 # accuracy: units in a force above which their rounding would show; another unit is taken
 _COARSE = 8.0

@@ -24,24 +24,13 @@ if TYPE_CHECKING:
 
 
 class Registration(NamedTuple):
-    """What is known of a method without its code.
+    """What is known of a method without its code."""
 
-    Attributes
-    ----------
-    module
-        Module that sets `METHOD`.
-    family
-        Methods of one family and one order err alike: they do not confirm each other's results.
-    order
-        Power of the step's length with which the errors of a run fall.
-    implicit
-        Whether it needs derivatives of the kernels, at times or throughout.
-    """
-
-    module: str
+    module: str  # that sets `METHOD`
+    # methods of one family and one order err alike: they do not confirm each other's results
     family: str
-    order: int
-    implicit: bool = False
+    order: int  # power of the step's length with which the errors of a run fall
+    implicit: bool = False  # whether it needs derivatives of the kernels, at times or throughout
 
 
 GENERATED = "generated.methods"

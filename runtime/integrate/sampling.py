@@ -10,12 +10,10 @@ from runtime.core.jit import addressed, inner
 from runtime.core.run_record import run_record
 from runtime.core.workspace import PROJECTION, SAMPLE, Y1, row_of
 
-STEP_ENDS, QUADRATURE = 1, 2
-"""Kinds of sampling besides given instants, 0."""
+STEP_ENDS, QUADRATURE = 1, 2  # kinds of sampling besides given instants, 0
 _POINTS, WEIGHTS = np.polynomial.legendre.leggauss(5)
 NODES: tuple[float, ...] = tuple(float(x) for x in _POINTS)
-INTERVAL = len(NODES) + 1
-"""Samples of an interval in a quadrature: its Gauss nodes and its end."""
+INTERVAL = len(NODES) + 1  # samples of an interval in a quadrature: its Gauss nodes and its end
 
 
 @inner

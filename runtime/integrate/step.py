@@ -23,23 +23,17 @@ class TrialStep(IntEnum):
     DONE = 0
     NEWTON_FAILED = 1
     NOT_FINITE = 2
-    TOO_LARGE = 3
-    """The error is over the tolerance."""
+    TOO_LARGE = 3  # the error is over the tolerance
 
 
 class Signal(IntEnum):
     """How a run goes on, as the parts of a step answer; codes of outcomes, not negative, end it."""
 
-    GOING = -1
-    """The run is not over."""
-    LOOK = -2
-    """A singular configuration has to be looked at, see `singular_crossing`."""
-    CHANGE = -3
-    """Another method is due."""
-    PROCEED = -4
-    """The step goes on with its next part."""
-    RETRY = -5
-    """The step is not taken; the next one is shorter."""
+    GOING = -1  # the run is not over
+    LOOK = -2  # a singular configuration has to be looked at, see `singular_crossing`
+    CHANGE = -3  # another method is due
+    PROCEED = -4  # the step goes on with its next part
+    RETRY = -5  # the step is not taken; the next one is shorter
 
 
 SAME = 0  # code: no result of a return: no coordinates are better

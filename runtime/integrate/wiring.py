@@ -83,10 +83,7 @@ def _kernels(system: System) -> Integers:
 
 
 def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
-    """Lay out the table of a run of `system` with the method `name`.
-
-    `p` are parameters and derived constants, `log_rows` the room for changes of the partition.
-    """
+    """Lay out the table of a run, with room for `log_rows` changes of the partition."""
     n, m, s = system.coordinates, system.constraint_count, system.switches
     nonzeros, loops = len(system.jacobian_rows), len(system.loop_rows)
     table = np.zeros(ft.TABLE.size, np.int64)

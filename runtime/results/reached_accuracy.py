@@ -8,50 +8,27 @@ from runtime.results.samples import plain
 
 @dataclass(frozen=True)
 class Estimate:
-    """The global error of one quantity.
+    """The global error of one quantity."""
 
-    Attributes
-    ----------
-    name
-        Of the series.
-    scale
-        s in the error |y - r| / (s + |r|), in its unit.
-    error
-        The largest at the output instants, as estimated.
-    time
-        Instant of the largest error, s.
-    """
-
-    name: str
-    scale: float
-    error: float
-    time: float
+    name: str  # of the series
+    scale: float  # s in the error |y - r| / (s + |r|), in its unit
+    error: float  # the largest at the output instants, as estimated
+    time: float  # instant of the largest error, s
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One of the runs.
-
-    Attributes
-    ----------
-    seconds
-        Processor time of the integration.
-    evaluations, steps, events
-        Calls of `accelerations`, accepted steps, changes of modes.
-    outcome
-        Name of its `Outcome`.
-    difference
-        Largest scaled difference from the run with which it was compared; None for the first.
-    """
+    """One of the runs."""
 
     method: str
     formulation: str
     rtol: float
-    seconds: float
-    evaluations: int
-    steps: int
-    events: int
-    outcome: str
+    seconds: float  # processor time of the integration
+    evaluations: int  # calls of `accelerations`
+    steps: int  # accepted ones
+    events: int  # changes of modes
+    outcome: str  # name of its `Outcome`
+    # largest scaled one from the run with which it was compared; None for the first
     difference: float | None
 
 

@@ -23,15 +23,12 @@ _PASSES = 3  # safety: searches, each from the position of the last one
 
 
 class Root(NamedTuple):
-    """A singular position z = (q / scale, t speed), its left and null vectors, and its gap.
+    """A singular position, its left and null vectors, which are orthonormal, and its gap."""
 
-    `left`, (m', weak), and `null`, (n + 1, free), are orthonormal; `gap` is the largest |uᵀ Φ|.
-    """
-
-    z: FloatArray
-    left: FloatArray
-    null: FloatArray
-    gap: float
+    z: FloatArray  # (q / scale, t speed)
+    left: FloatArray  # (m', weak)
+    null: FloatArray  # (n + 1, free)
+    gap: float  # the largest |uᵀ Φ|
 
     @property
     def freedom(self) -> int:

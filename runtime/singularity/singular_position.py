@@ -25,8 +25,7 @@ FloatArray = NDArray[np.float64]
 # measured: of the way there; a motion that comes as near to a known position passes it
 _SAME = 0.05
 _ROUNDED = 1e-13  # accuracy: gap of unit rows that is rounding
-# measured: part of a gap; a smaller one belongs to another position
-_CLEARLY = 1e-3
+_CLEARLY = 1e-3  # measured: part of a gap; a smaller one belongs to another position
 
 
 class Singularity(NamedTuple):

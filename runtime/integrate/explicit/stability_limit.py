@@ -25,8 +25,7 @@ from runtime.integrate.step_control import propose
 # Places in METHOD_FLOATS: sums of products of differences over the last steps; and the logarithm
 # of the vibration's growth since steps were last short enough.
 _QQ, _QV, _VV, _AQ, _AV, _AA, _GROWN = 0, 1, 2, 3, 4, 5, 6
-FLOATS = 7
-"""Numbers in METHOD_FLOATS."""
+FLOATS = 7  # numbers in METHOD_FLOATS
 
 _KEPT = 0.8  # measured: share of the sums that lasts from one step to the next
 _SEEN = 1e-12  # accuracy: |δq| in sizes; a smaller vibration may grow

@@ -41,10 +41,7 @@ _FAILURES = 3  # measured: rejections in a row after which higher differences sa
 
 
 def newton_form(powers: Sequence[Fraction]) -> list[Fraction]:
-    """Coefficients in F0 + x (F1 + (1 - x) (F2 + x (F3 + ...))) of a polynomial.
-
-    `powers` are its coefficients of the powers of x, constant first.
-    """
+    """Coefficients of 1, x, x² ... as those of F0 + x (F1 + (1 - x) (F2 + x (F3 + ...)))."""
     rest = list(powers)
     coefficients: list[Fraction] = []
     while rest:

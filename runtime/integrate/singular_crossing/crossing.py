@@ -41,10 +41,7 @@ _GOING, _SINGULAR = int(Signal.GOING), int(Outcome.SINGULAR)
 
 
 class Crossings:
-    """Singular positions of one run: looked for when the loop asks, planned, and remembered.
-
-    `passed` are those that were crossed, `note` says why one was not.
-    """
+    """Singular positions of one run: looked for when the loop asks, planned, and remembered."""
 
     def __init__(self, state: RunState, problem: Problem) -> None:
         self.state, self.record, system = state, state.record, state.system
@@ -66,8 +63,8 @@ class Crossings:
         self._steps = CrossingSteps(self.scale, float(self.record["rtol"]), state.method)
         if system.constraints is find_stand_in("constraints") or system.constraint_count == 0:
             self.record["quiet"] = np.inf  # nothing tells a position that is passed from one missed
-        self.passed: list[Crossing] = []
-        self.note = ""
+        self.passed: list[Crossing] = []  # those that were crossed
+        self.note = ""  # says why one was not
         self.position: Singularity | None = None
         self.step = CrossingStep(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self.tries = 0

@@ -28,18 +28,14 @@ _TAYLOR = 5e-3  # accuracy: eps ** (1/7) of the time scale, where rounding balan
 
 
 class CrossingStep(NamedTuple):
-    """A step across: its length, its beginning before the singular instant, s, and errors.
+    """A step across a singular configuration, and its errors."""
 
-    `method` and `rounding` are expected errors over the tolerance; `start` is the part of the
-    latter that is due to the derivative at the beginning; `total` is what to choose by.
-    """
-
-    h: float
-    lead: float
-    method: float
-    rounding: float
-    start: float
-    total: float
+    h: float  # length, s
+    lead: float  # of its beginning before the singular instant, s
+    method: float  # expected error over the tolerance
+    rounding: float  # the same
+    start: float  # part of the latter that is due to the derivative at the beginning
+    total: float  # the error to choose by
 
 
 # Numbers of a singular position, as compiled formulas take them.

@@ -41,8 +41,7 @@ from runtime.studies.series import require_numbers
 from runtime.studies.timing import processor_time
 from runtime.validation.arguments import instants
 
-POINTS = 501
-"""Output instants if the user gives none."""
+POINTS = 501  # output instants if the user gives none
 
 _FIRST, _SLOPE = 1e-5, 0.9  # measured: rtol of the first run for a target of 1e-3; its power law
 _LOOSEST, _TIGHTEST = 1e-3, 1e-14  # safety: rtol of any run

@@ -24,17 +24,15 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Costs:
-    """The cost of a run.
-
-    The work is that of all evaluations and returns onto the constraints in the run; that of all
-    kernels, once, where none are counted. Unlike times it is reproducible.
-    """
+    """The cost of a run."""
 
     accelerations: int  # arithmetic operations of the kernel `accelerations`
     operations: int  # of all kernels
     evaluations: int  # of the run, as are steps and events; 0 where its analysis counts none
     steps: int
     events: int
+    # of all evaluations and returns onto the constraints in the run; that of all kernels, once,
+    # where none are counted; unlike times it is reproducible
     work: int
     seconds: float  # processor time with assembly and outputs, the least of rounds in turns
 

@@ -12,8 +12,7 @@ from codegen.errors import InputError
 from runtime.mechanism.description import Description
 from runtime.studies.series import FloatArray, series_names, unknown_series
 
-OR = "|"
-"""Between the names of a quantity of which a scene has one or another: ``a.x|b.x``."""
+OR = "|"  # between the names of a quantity of which a scene has one or another: ``a.x|b.x``
 
 
 def default_quantities(description: Description) -> tuple[str, ...]:

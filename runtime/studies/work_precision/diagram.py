@@ -48,13 +48,11 @@ def all_settings(methods: Sequence[str], formulations: Sequence[str]) -> tuple[S
 
 @dataclass(frozen=True)
 class Point:
-    """One run.
-
-    The outcome is "OK"; the name of a `runtime.Outcome`; "TIMEOUT" where the limit of time ended
-    it; "NOT_TRIED" where looser tolerances had met the limit twice.
-    """
+    """One run."""
 
     rtol: float
+    # "OK"; the name of a `runtime.Outcome`; "TIMEOUT" where the limit of time ended it; "NOT_TRIED"
+    # where looser tolerances had met the limit twice
     outcome: str
     message: str = ""  # how it ended, in a sentence
     errors: Errors | None = None  # against the reference; None of a run that did not reach its end

@@ -13,8 +13,7 @@ from runtime.studies.work_precision.diagram import Choice, Line, Point, Setting,
 
 TARGETS = (1e-3, 1e-6, 1e-9)
 """Scaled errors at which times are given; the IFToMM benchmarks call the first precise."""
-NOISY = 1.3
-"""Spread from which on a time is doubtful."""
+NOISY = 1.3  # spread from which on a time is doubtful
 LONG = 160
 """Characters of a reason on a screen; a longer one is cut at a word there, not in the records."""
 

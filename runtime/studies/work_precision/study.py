@@ -31,8 +31,7 @@ if TYPE_CHECKING:
     from codegen import Model, Scene
 
 
-RTOLS = tuple(10.0 ** -(2.0 + 0.5 * m) for m in range(17))
-"""1e-2 to 1e-10, two a decade."""
+RTOLS = tuple(10.0 ** -(2.0 + 0.5 * m) for m in range(17))  # 1e-2 to 1e-10, two a decade
 FURTHER = tuple(10.0 ** -(10.5 + 0.5 * m) for m in range(4))
 """To 1e-12, for settings that do not reach nine digits with the others."""
 QUICK = (1e-3, 1e-5, 1e-7, 1e-9)
