@@ -61,10 +61,8 @@ def import_generated(path: Path, digest: str | None = None) -> ModuleType:
 
     The module's name follows from the file's content: numba's cache asks for it by name, in the
     process that compiled and in those that load, and a rebuilt module is never mistaken for the one
-    that it replaces.
-
-    Raises GeneratedFileError if the file cannot be read or does not compile, SupersededError if its
-    text does not have the SHA-256 `digest`.
+    that it replaces. Raises GeneratedFileError if the file cannot be read or does not compile,
+    SupersededError if its text does not have the SHA-256 `digest`.
     """
     with alone(path):
         try:

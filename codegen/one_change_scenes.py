@@ -14,15 +14,11 @@ from codegen.model_file import read_model
 
 @dataclass(frozen=True)
 class Variant:
-    """One change of a scene: of an effect, coupler, body or group of alternatives of that kind.
-
-    `word` is its new fidelity: ``"none"`` for an effect that is left out, ``"link"`` for a body
-    that a massless joint replaces.
-    """
+    """One change of a scene: of an effect, coupler, body or group of alternatives of that kind."""
 
     name: str
     kind: str
-    word: str
+    word: str  # new fidelity: "none" leaves an effect out, "link" puts a massless joint for a body
     by_leaving_out: bool
 
     def of(self, scene: Scene) -> Scene:

@@ -25,8 +25,7 @@ class ConstraintTerms:
 
     coordinates: tuple[Coordinate, ...]  # the columns of the Jacobian
     phi: tuple[sympy.Expr, ...]  # Φ, one a row
-    # (component, unit, expression in `multipliers`)
-    reactions: tuple[tuple[str, str, sympy.Expr], ...]
+    reactions: tuple[tuple[str, str, sympy.Expr], ...]  # (component, unit, value in `multipliers`)
     multipliers: tuple[Multiplier, ...]  # λ of the rows
 
     @cached_property

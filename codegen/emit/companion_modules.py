@@ -15,10 +15,7 @@ from codegen.reduce.reduced_kernels import Reduced
 
 
 def tangents_text(lowered: Lowered, program: Program, origin: Origin, module: str) -> str:
-    """The module of a scene's exact derivatives, whose kernels take the ``p`` of the scene's own.
-
-    `program` holds the kernels; `module` is the SHA-256 of the text of the scene's own module.
-    """
+    """The module of a scene's exact derivatives, whose kernels take the scene's own ``p``."""
     about = (
         "exact derivatives for implicit methods.",
         "Each kernel differentiates one of the scene's own module along the direction that it is",
@@ -29,10 +26,7 @@ def tangents_text(lowered: Lowered, program: Program, origin: Origin, module: st
 
 
 def reduced_text(lowered: Lowered, reduced: Reduced, origin: Origin, module: str) -> str:
-    """The module of a scene's reduced equations; in its ``p`` the branches precede the constants.
-
-    `module` is the SHA-256 of the text of the scene's own module.
-    """
+    """The module of a scene's reduced equations; in its ``p`` branches precede the constants."""
     description, program = lowered.description, reduced.program
     coordinates = f"{len(reduced.kept)} of {len(description.coordinates)} coordinates"
     about = (

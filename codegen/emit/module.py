@@ -22,8 +22,7 @@ class Origin:
     """Where a module comes from."""
 
     generator: str  # name and version
-    # (path, SHA-256) of the model file and of the local files that it imports
-    sources: tuple[tuple[str, str], ...]
+    sources: tuple[tuple[str, str], ...]  # (path, SHA-256) of the model file and its local imports
     declaration: str  # SHA-256 of the declaration
     command: str  # builds the module again
     engine: str = ""  # name and version of the library that derived the equations

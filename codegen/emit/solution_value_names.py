@@ -10,8 +10,7 @@ BESIDE_ELEMENTS = frozenset({"factorization", "correction", "reduction", "masses
 """What a value serves if not an element; the others are called after their element."""
 
 
-LONGEST = 36
-"""Characters of a name; values with longer ones are numbered."""
+LONGEST = 36  # characters of a name; values with longer ones are numbered
 
 
 def names_of_solution(program: Program, kernel: Kernel, numbers: tuple[int, ...]) -> dict[int, str]:

@@ -26,10 +26,7 @@ class Run(NamedTuple):
 
 
 def simulate(model: Path, scene: str, t_end: float) -> Run:
-    """Simulate a declared scene of a model file, `MEASURED` times.
-
-    Raises InputError, with the runtime's message, if the run does not reach its end.
-    """
+    """Simulate a declared scene `MEASURED` times; InputError if it does not reach its end."""
     from runtime import load
 
     machine = load(model, scene)

@@ -42,10 +42,8 @@ class File:
     path: Path
     text: str
     clock: Clock
-    # whether its text is new on the disk, or differs from the disk in a check
-    changed: bool = False
-    # of a companion: kernel → arithmetic operations
-    operations: dict[str, int] = field(default_factory=dict)
+    changed: bool = False  # whether its text is new on the disk, or in a check differs from it
+    operations: dict[str, int] = field(default_factory=dict)  # of a companion: kernel → operations
     companions: "dict[str, File]" = field(default_factory=dict)  # kind → companion module
 
     @property

@@ -16,8 +16,7 @@ from codegen.elements.forces.scalar_force import rate
 from codegen.model.base import Declarations, Ends
 
 Optional: TypeAlias = "sympy.Expr | None"
-Law = Callable[[Optional, Optional], Effect]
-"""(creep speed, static coefficient) → friction."""
+Law = Callable[[Optional, Optional], Effect]  # (creep speed, static coefficient) → friction
 FrictionLaw = Literal["sticking", "regularised"]
 
 

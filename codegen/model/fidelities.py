@@ -9,8 +9,7 @@ from codegen.declare.scene import Scene
 from codegen.declare.value_reader import Reader, name_of
 from codegen.model.coupler_rods import FORMS, Couplers
 
-NONE = "none"
-"""The fidelity of an effect that a scene does without."""
+NONE = "none"  # the fidelity of an effect that a scene does without
 
 
 class Fidelities(Couplers):

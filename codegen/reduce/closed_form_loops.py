@@ -39,8 +39,7 @@ class Angle(NamedTuple):
     s: int  # sine
     c: int  # cosine
     discriminant: int | None = None  # ρ², which vanishes at a dead centre
-    # σ ρ, whose sign in a position is the branch; None where the other equations decide
-    slope: int | None = None
+    slope: int | None = None  # σ ρ, whose sign is the branch; None where other equations decide
     branch: int | None = None  # the input σ
 
 

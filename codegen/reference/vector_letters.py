@@ -14,8 +14,7 @@ from codegen.declare.element import I, J
 from codegen.declare.symbols import Parameter, given
 from codegen.reference.latex import FRAMED
 
-Sum = dict[sympy.Expr, sympy.Expr]
-"""Terms without their numbers → the numbers."""
+Sum = dict[sympy.Expr, sympy.Expr]  # terms without their numbers → the numbers
 
 
 def _rotated() -> Iterator[tuple[sympy.Symbol, sympy.Expr]]:

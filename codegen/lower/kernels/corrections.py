@@ -19,8 +19,7 @@ from codegen.lower.operation_count import cost
 from codegen.lower.program import STATE, Check, Kernel, store
 from codegen.lower.scene_graph import SceneGraph
 
-Entries = dict[tuple[int, int], int]
-"""(row, column) → value, structural non-zeros of Φ_q."""
+Entries = dict[tuple[int, int], int]  # (row, column) → value, structural non-zeros of Φ_q
 
 Solution = tuple[list[list[int]], list[Check], Labels]
 """The unknowns, one list a right side, the pivots to watch, and names for the text."""

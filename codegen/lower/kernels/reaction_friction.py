@@ -21,14 +21,12 @@ the steps did not suffice; it is reported with the joint's name.
 from codegen.lower.program import Check
 from codegen.lower.scene_graph import Friction, SceneGraph
 
-ALONE, SWEEPS = 6, 12
-"""Steps for a single friction; sweeps over several."""
+ALONE, SWEEPS = 6, 12  # steps for a single friction; sweeps over several
 
 AGREED = 1e-7
 """accuracy: remainder of the equation of the loads, in parts of the loads, that is accepted."""
 
-TINY = 1e-300
-"""safety: added to squares under a root, so that a load of zero has the size zero."""
+TINY = 1e-300  # safety: added to squares under a root, so that a load of zero has the size zero
 
 Loads = list[list[tuple[int, list[int]]]]
 """A contact → its entries → (value without friction, change for a unit of each friction)."""

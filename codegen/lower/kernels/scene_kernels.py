@@ -16,14 +16,11 @@ from codegen.lower.scene_graph import SceneGraph
 
 @dataclass(frozen=True)
 class Lowered:
-    """A scene ready to be emitted: its kernels, their tables, and the graph of their values.
-
-    `strategy` is the order of elimination that was cheapest, None where nothing is eliminated.
-    """
+    """A scene ready to be emitted: its kernels, their tables, and the graph of their values."""
 
     program: Program
     description: Description
-    strategy: Strategy | None
+    strategy: Strategy | None  # the cheapest order of elimination; None: nothing is eliminated
     scene: SceneGraph
 
     @property

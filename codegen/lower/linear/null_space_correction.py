@@ -21,8 +21,7 @@ from codegen.lower.linear.sparse_rows import Row, SparseRows
 from codegen.lower.program import Check
 
 TINY = 1e-100  # safety: added to weights before they are inverted; w = 0 holds a coordinate
-LARGEST = 2
-"""Closures that are solved together."""
+LARGEST = 2  # closures that are solved together
 
 
 @dataclass
