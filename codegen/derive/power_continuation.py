@@ -20,7 +20,7 @@ from sympy.core.relational import Relational
 from sympy.logic.boolalg import Boolean
 
 from codegen.declare.symbols import Coordinate, Speed, Time, Velocity, kinds
-from codegen.derive.conditions import switching_function
+from codegen.derive.piecewise_conditions import switching_function
 
 _EPSILON_SQUARED = sympy.Float(1e-200)
 _MOVING = (Coordinate, Velocity, Time, Speed)

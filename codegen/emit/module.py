@@ -4,17 +4,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
-from codegen.artefact import MARK, UNSIGNED, signed
-from codegen.emit.arguments import Arguments
-from codegen.emit.formula import folded_numbers, formula
+from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.kernel import KernelText
 from codegen.emit.line_wrapping import assignment, quantity
-from codegen.emit.sincos import sin_cos_lines
+from codegen.emit.readable_formula import folded_numbers, formula
+from codegen.emit.sincos_function import sin_cos_lines
 from codegen.emit.table_lookup import lookups, spline_lines
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Pattern
 from codegen.lower.operation_count import operations
 from codegen.lower.program import Program
+from codegen.module_signature import MARK, UNSIGNED, signed
 
 
 @dataclass(frozen=True)

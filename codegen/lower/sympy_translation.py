@@ -13,7 +13,7 @@ import sympy
 from sympy.core.relational import Relational
 
 from codegen.declare.table_function import Interpolant
-from codegen.derive.conditions import switching_function
+from codegen.derive.piecewise_conditions import switching_function
 from codegen.errors import ModelError
 from codegen.lower.graph import Graph
 from codegen.lower.program import ELEMENTARY, Input, Op
