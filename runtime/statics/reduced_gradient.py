@@ -20,6 +20,8 @@ BALANCED = 1e-10  # accuracy: part of the forces; a gradient below it counts as 
 _DIFFERENCES = (3e-5, 3e-7, 3e-9)
 # accuracy: error of a gradient, in parts of stiffness times coordinate: 64 roundings
 _ROUNDING = 1.5e-14
+# accuracy: scaled residual of a redundant constraint, which rounding of the others may leave
+_REDUNDANT_GAP = 1e-7
 _REACH = 30.0  # safety: scaled change of a dependent coordinate that is no correction any more
 
 
@@ -64,14 +66,19 @@ class StaticEquations:
         )
 
     def close(self, q: FloatArray, part: Partition) -> FloatArray | None:
-        """Newton's method for the dependent coordinates; None where it does not converge."""
+        """Newton's method for the dependent coordinates; None where the machine does not close.
+
+        Redundant constraints must hold in the end: beyond a position in which branches of the
+        motion cross, those in use may have led to a branch that the others exclude.
+        """
         if len(part.dependent) == 0:
             return q
         dependent, equations = part.dependent, self.equations
         scale = self.scale[dependent]
         chosen = np.ix_(part.rows, dependent)
-        sizes = np.abs((equations.jacobian(self.t, q) * self.scale)[part.rows]).max(axis=1)
-        sizes = np.where(sizes > 0.0, sizes, 1.0)
+        all_sizes = np.abs(equations.jacobian(self.t, q) * self.scale).max(axis=1)
+        all_sizes = np.where(all_sizes > 0.0, all_sizes, 1.0)
+        sizes = all_sizes[part.rows]
 
         def position(x: FloatArray) -> FloatArray:
             moved = q.copy()
@@ -87,7 +94,11 @@ class StaticEquations:
             return matrix / sizes[:, None]
 
         x, gap = solve_by_newton(gaps, slopes, np.zeros(len(dependent)))
-        return position(x) if gap <= CLOSED and float(np.abs(x).max()) < _REACH else None
+        if not (gap <= CLOSED and float(np.abs(x).max()) < _REACH):
+            return None
+        closed = position(x)
+        left = np.abs(equations.constraints(self.t, closed) / all_sizes).max(initial=0.0)
+        return closed if left <= _REDUNDANT_GAP else None
 
     def motions(self, q: FloatArray, part: Partition) -> FloatArray:
         """dq for a unit (scaled) change of each independent coordinate, shape (n, f)."""

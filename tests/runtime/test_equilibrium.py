@@ -26,6 +26,17 @@ def test_slider_crank_hangs_down(free: Machine, method: str) -> None:
 
 
 @METHODS
+def test_redundant_cranks_hang_alike(library: Callable[..., Machine], method: str) -> None:
+    # From 60 degrees through the position in which the cranks lie flat, and each might turn over.
+    rest = library("hard/parallel_linkage", "fall").equilibrium(method)
+    for k in range(4):
+        assert rest[f"crank_{k}.phi"] == pytest.approx(-0.5 * np.pi, abs=1e-7)
+    assert rest.samples.residual.max() < 1e-9
+    weight, inertia = 9.81 * (5.0 + 4 * 0.5), 5.0 + 4 * (1 / 12 + 1 / 4)
+    assert rest.frequencies == pytest.approx([np.sqrt(weight / inertia) / (2.0 * np.pi)], rel=1e-6)
+
+
+@METHODS
 def test_pendulum_from_afar_and_its_frequency(pendulum: Machine, method: str) -> None:
     rest = pendulum.equilibrium(method, guess={"bar.phi": 1.2})
     assert np.sin(rest["bar.phi"]) == pytest.approx(-1.0, abs=1e-14)
