@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.linalg.newton_iteration import solve_by_newton
+from runtime.linalg.least_norm_newton import solve_by_newton
 from runtime.mechanism.dense_equations import Equations, FloatArray
 
 CLOSED = 1e-10  # accuracy: largest scaled gap of joints that are closed

@@ -101,7 +101,7 @@ class Result(TimeSeries):
             If the ending is another one, the folder does not exist or cannot be written, or a
             library for the format is not installed.
         """
-        from runtime.results.files import save
+        from runtime.results.save import save
 
         return save(self, Path(path))
 
