@@ -12,6 +12,7 @@ from models.hard.suite.case import ROOT, table
 from models.hard.suite.linkages import crank_angle, crank_growth, equal_rods_angle
 from runtime import Machine, Outcome, Result, load
 from runtime.integrate.method import EXPLICIT
+from tests.runtime.integrate.systems import ACCURATE
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +77,7 @@ def test_the_closed_form_is_the_reference() -> None:
 
 
 @pytest.mark.parametrize("loops", [1, 2])
-@pytest.mark.parametrize("method", EXPLICIT)
+@pytest.mark.parametrize("method", ACCURATE)
 @pytest.mark.parametrize(("rtol", "near", "kept"), [(1e-3, 8.0, 0.1), (1e-6, 1e-2, 1e-4)])
 def test_loose_tolerances_stay_on_the_branch(
     machines: dict[int, Machine], loops: int, method: str, rtol: float, near: float, kept: float
@@ -90,7 +91,7 @@ def test_loose_tolerances_stay_on_the_branch(
 
 
 @pytest.mark.parametrize("loops", [1, 2])
-@pytest.mark.parametrize("method", EXPLICIT)
+@pytest.mark.parametrize("method", ACCURATE)
 def test_twenty_crossings_to_the_bar(machines: dict[int, Machine], loops: int, method: str) -> None:
     rows = table("n_four_bar_2.csv")
     run = machines[loops].simulate(20.0, rows[:, 0], method=method, rtol=1e-10, progress=False)
