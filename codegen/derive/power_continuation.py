@@ -25,8 +25,7 @@ from codegen.derive.piecewise_conditions import switching_function
 _EPSILON_SQUARED = sympy.Float(1e-200)
 _MOVING = (Coordinate, Velocity, Time, Speed)
 
-Facts = tuple[sympy.Expr, ...]
-"""Expressions that are not negative where the value of another is used."""
+Facts = tuple[sympy.Expr, ...]  # not negative where the value of another expression is used
 
 
 def continue_powers(expression: sympy.Expr) -> sympy.Expr:

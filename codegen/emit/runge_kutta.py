@@ -10,8 +10,7 @@ from codegen.emit.line_wrapping import items, wrap_pieces
 from codegen.tableaus.tableau import Stage, Tableau, Weights
 
 COMMAND = "python -m codegen methods"
-HERMITE = 4
-"""Rows of the dense output that follow from states and derivatives at both ends of the step."""
+HERMITE = 4  # rows of the dense output that follow from states and derivatives at both ends
 
 # The functions of a method: the types that the runtime compiles them for, and their arguments.
 FUNCTIONS = {

@@ -20,8 +20,7 @@ from codegen.lower.program import ELEMENTARY, Input, Op
 
 FUNCTIONS = {getattr(sympy, name): Op(name) for name in ELEMENTARY if name not in ("sqrt", "pow")}
 
-RANKS = {"p": 1, "t": 2, "q": 3, "v": 4, "a": 5, "lam": 6}
-"""How often the entries of an argument change."""
+RANKS = {"p": 1, "t": 2, "q": 3, "v": 4, "a": 5, "lam": 6}  # how often an argument changes
 
 
 class Translator:

@@ -55,10 +55,7 @@ class Task(NamedTuple):
 
 
 def close(task: Task, start: FloatArray) -> Closing:
-    """Close the joints from `start`, with retries from nearby starts.
-
-    The retries move only coordinates of little weight, those without a given start value.
-    """
+    """Close the joints from `start`; retries move only coordinates without a given start value."""
     best = _attempt(task, start)
     unknown = task.free & (task.weight < 1.0)
     if best.closed or not unknown.any():

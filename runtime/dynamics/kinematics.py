@@ -34,15 +34,10 @@ _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCK
 
 
 def kinematics(
-    mechanism: Mechanism,
-    t_eval: npt.ArrayLike,
-    *,
-    parameters: Values | None = None,
-    guess: Values | None = None,
-    t_start: float = 0.0,
-    progress: Progress = silent,
+    mechanism: Mechanism, t_eval: npt.ArrayLike, *, parameters: Values | None = None,
+    guess: Values | None = None, t_start: float = 0.0, progress: Progress = silent,
     analysis: str = "kinematics",
-) -> Result:
+) -> Result:  # fmt: skip
     """Kinematics of `Machine.kinematics`; `analysis` names the analysis in messages."""
     began = clock.perf_counter()
     require_no_rigid(mechanism, analysis)
