@@ -262,7 +262,7 @@ def methods(
     ] = False,
 ) -> None:
     """Write the explicit integration methods of the runtime from their tableaus."""
-    from codegen.generated_files.methods import write_methods
+    from codegen.generated_files.runge_kutta_modules import write_methods
 
     written, stale = write_methods(out, check=check)
     if check:

@@ -9,7 +9,7 @@ from numba import from_dtype
 from numba.extending import intrinsic
 
 from runtime.core.array_types import Integers
-from runtime.core.array_views import open_array, word
+from runtime.core.borrowed_arrays import open_array, word
 from runtime.core.function_table import RECORD
 from runtime.core.jit import inlined
 

@@ -13,7 +13,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from runtime.core.array_types import Integers, Vector
-from runtime.core.array_views import borrowed_array, open_array, pointer, word
+from runtime.core.borrowed_arrays import borrowed_array, open_array, pointer, word
 from runtime.core.function_table import COORDINATES, SWITCHES, TABLE
 
 Y0 = 0  # state at the start of the step

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from runtime.assembly.least_norm_kernels import redundancy_note
+from runtime.assembly.redundant_constraint_kernels import redundancy_note
 from runtime.continuation.singularity_classification import describe_crossings
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.integration_coordinates import Coordinates, formulate
@@ -16,7 +16,7 @@ from runtime.dynamics.work import integrate_works
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism_data import Mechanism, Values
+from runtime.mechanism.loaded_mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.event_records import Event

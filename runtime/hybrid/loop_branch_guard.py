@@ -15,7 +15,7 @@ from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Matrix, Vector
-from runtime.core.array_views import view
+from runtime.core.borrowed_arrays import view
 from runtime.core.jit import addressed
 from runtime.core.outcomes import Outcome
 from runtime.core.run_record import run_record

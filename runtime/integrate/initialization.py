@@ -15,7 +15,7 @@ from runtime.core.run_record import Plan, run_record
 from runtime.core.workspace_rows import Y0, K, row_of, switch_row
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.hybrid.mode_transition import LOOK_AHEAD
-from runtime.hybrid.sliding_and_stabilized_rhs import STEP
+from runtime.hybrid.sliding_and_baumgarte_rhs import STEP
 from runtime.hybrid.stiction_force import find_jamming_friction, suspend_friction
 from runtime.hybrid.switching_functions import evaluate_switching_and_rates
 from runtime.integrate.sampling import record

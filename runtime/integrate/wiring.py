@@ -21,7 +21,7 @@ from runtime.hybrid import (
     mode_reactions,
     mode_selection,
     mode_transition,
-    sliding_and_stabilized_rhs,
+    sliding_and_baumgarte_rhs,
     switching_functions,
 )
 from runtime.integrate import sampling, step, step_control
@@ -57,8 +57,8 @@ def _loop() -> Integers:
             step_control.first_step,
             sampling.emit,
             event_step_limit.screen_step,
-            sliding_and_stabilized_rhs.evaluate_modified_accelerations,
-            sliding_and_stabilized_rhs.evaluate_modified_rhs,
+            sliding_and_baumgarte_rhs.evaluate_modified_accelerations,
+            sliding_and_baumgarte_rhs.evaluate_modified_rhs,
             impact.apply_impact,
             impact.return_to_surfaces,
             mode_transition.change_modes,

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from codegen import __version__
 from runtime.core.outcomes import Outcome
-from runtime.mechanism.description import Description
+from runtime.mechanism.module_tables import Description
 from runtime.results.event_records import Event, SingularPosition
 from runtime.results.reached_accuracy import ReachedAccuracy
 from runtime.results.samples import Partition, Samples

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from codegen import ModelError
 from codegen.cli import app
 from codegen.declare.element import Constraint
-from codegen.derive.constraint_derivatives import constraint_terms
+from codegen.derive.constraint_terms import constraint_terms
 from codegen.elements.registry import kinds_of_elements
 from codegen.reference.abbreviations import Abbreviations
 from codegen.reference.examples import Pair, example_of

@@ -27,12 +27,12 @@ def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Str
     strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
     trials = []
     for strategy in strategies:
-        kernel = _dynamics(scene, strategy, rows)
+        kernel = dynamics_kernel(scene, strategy, rows)
         program = with_constants(scene.graph, (kernel,), len(scene.equations.parameters))
         trials.append((cost(program, program.kernels[-1]), kernel, strategy))
     _, kernel, strategy = min(trials, key=lambda trial: trial[0])
     if _spread(scene) >= FAR:
-        kernel = _dynamics(scene, strategy, rows, refine=True)
+        kernel = dynamics_kernel(scene, strategy, rows, refine=True)
     return kernel, strategy
 
 
@@ -48,7 +48,7 @@ def _spread(scene: SceneGraph) -> float:
     return max((max(group) / min(group) for group in sizes.values()), default=1.0)
 
 
-def _dynamics(
+def dynamics_kernel(
     scene: SceneGraph, strategy: Strategy, rows: tuple[int, ...], refine: bool = False
 ) -> Kernel:
     n, graph = scene.n, scene.graph

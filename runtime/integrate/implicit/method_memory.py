@@ -1,7 +1,7 @@
 """Layout of METHOD_FLOATS and METHOD_INTEGERS, in which an implicit method keeps its state."""
 
 from runtime.core.array_types import Integers, Vector
-from runtime.core.array_views import view
+from runtime.core.borrowed_arrays import view
 from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
 from runtime.core.jit import fetched
 

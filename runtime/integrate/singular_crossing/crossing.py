@@ -28,7 +28,7 @@ from runtime.integrate.step import Signal, TrialStep
 from runtime.integrate.trajectory import Crossing
 from runtime.singularity.motion_polynomial import Motion, hermite, taylor
 from runtime.singularity.scaled_constraints import ScaledConstraints
-from runtime.singularity.singular_position_search import Singularity, SingularPositions
+from runtime.singularity.singular_position_near_motion import Singularity, SingularPositions
 
 _ALLOWANCE = 100.0  # measured: ratio of rounding in an error to its expectation that is let pass
 _ASTRAY = 1e-6  # accuracy: of a velocity; error of a start against the branch that it follows

@@ -19,7 +19,7 @@ from runtime.results.result import Result
 from runtime.studies.effect_ranking.quantity import Quantity, QuantityValue
 from runtime.studies.effect_ranking.ranking import Costs
 from runtime.studies.scenes import known_values
-from runtime.studies.series import FloatArray
+from runtime.studies.series_by_name import FloatArray
 from runtime.studies.timing import Stopwatch, processor_time
 
 ANALYSES = ("simulate", "kinematics", "inverse", "equilibrium")
