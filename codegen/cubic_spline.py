@@ -13,8 +13,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
-MARGIN = 1e-9
-"""accuracy: rounding of a law's argument beyond its ends, in parts of the law's length."""
+MARGIN = 1e-9  # accuracy: rounding of a law's argument beyond its ends, in parts of its length
 
 Row = tuple[float, float, float, float]
 

@@ -9,8 +9,8 @@ from sympy.core.relational import Relational
 from codegen.declare import element as el
 from codegen.declare.body import Body
 from codegen.declare.symbols import SPEED, Coordinate, kinds, side, t
-from codegen.derive.conditions import as_pieces
 from codegen.derive.derivative import derivative
+from codegen.derive.piecewise_conditions import as_pieces
 from codegen.derive.power_continuation import continue_powers
 from codegen.elements.forces.scalar_force import rate
 

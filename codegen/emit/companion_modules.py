@@ -6,9 +6,9 @@ Each carries the SHA-256 of the text of the scene's own module: with another one
 from collections.abc import Mapping
 from typing import Any
 
-from codegen.emit.arguments import Arguments
-from codegen.emit.formula import formula
+from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.module import Origin, assemble_module, operation_table
+from codegen.emit.readable_formula import formula
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.program import Program
 from codegen.reduce.reduced_kernels import Reduced

@@ -8,7 +8,7 @@ from collections import defaultdict
 from dataclasses import dataclass
 from itertools import takewhile
 
-from codegen.emit.solution_steps import BESIDE_ELEMENTS, names_of_solution, order_by_steps
+from codegen.emit.solution_value_names import BESIDE_ELEMENTS, names_of_solution, order_by_steps
 from codegen.lower.program import LEAVES, LOGICAL, Input, Kernel, Op, Program
 
 Path = tuple[tuple[int, bool], ...]  # the choices, outermost first, inside which something stands

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from codegen.explain.inventory import OutputEntry
+from codegen.explain.participation import OutputEntry
 
 
 @dataclass(frozen=True)

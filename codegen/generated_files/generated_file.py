@@ -10,8 +10,8 @@ from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
-from codegen.artefact import alone
 from codegen.errors import GeneratedFileError
+from codegen.module_signature import alone
 
 Progress = Callable[[str], None]
 

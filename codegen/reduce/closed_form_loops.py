@@ -26,9 +26,7 @@ from codegen.lower.program import Kernel, Op, Program, store
 from codegen.lower.substitution import dependencies, substitute
 
 POINTS = 4  # measured: random points at which an identity is tested
-
-AGREED = 1e-9
-"""accuracy: difference of two numbers, in parts of their sizes, below which they are equal."""
+AGREED = 1e-9  # accuracy: numbers with a smaller difference, in parts of their sizes, are equal
 
 
 class Angle(NamedTuple):

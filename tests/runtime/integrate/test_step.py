@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.core.workspace import PREDICTED, Y0, Y1, K
+from runtime.core.workspace_rows import PREDICTED, Y0, Y1, K
 from runtime.integrate.step import TrialStep
 from tests.runtime.integrate.drivers import swinging, tried
 from tests.runtime.integrate.systems import PENDULUM

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.linalg.rank_revealing import (
+from runtime.linalg.least_norm_solve import (
     minimise_norm,
     solve_factored,
     solve_least_norm,

@@ -8,12 +8,12 @@ corrections of `correction` in the metric of the masses on theirs, so no kernel 
 
 from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
 from runtime.core.jit import addressed, inner
 from runtime.core.rhs import write_derivative
-from runtime.hybrid.sliding_modes import (
+from runtime.hybrid.sliding_shares import (
     CANCELLED,
     combine_accelerations,
     evaluate_units,

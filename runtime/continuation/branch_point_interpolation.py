@@ -12,7 +12,7 @@ import numpy as np
 from runtime.continuation.bifurcation_branches import Branch
 from runtime.continuation.predictor_corrector import return_to_motion
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.singularity.local_motion import Motion, interpolate
+from runtime.singularity.motion_polynomial import Motion, interpolate
 
 # measured: of the time scale; states at this and twice this distance are interpolated
 DISTANCE = 2e-2

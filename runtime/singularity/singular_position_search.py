@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.linalg.rank_policy import LOST
-from runtime.singularity.local_motion import Motion, distance, nearest_time
 from runtime.singularity.location import Root, Search
+from runtime.singularity.motion_polynomial import Motion, distance, nearest_time
 from runtime.singularity.pivot_orders import PivotOrders
 from runtime.singularity.scaled_constraints import ScaledConstraints
 

@@ -6,8 +6,7 @@ from codegen.lower.program import STATE, Kernel, Op, Output, store, storing
 from codegen.lower.scene_graph import SceneGraph
 from codegen.lower.substitution import dependencies
 
-UNBOUNDED = sys.float_info.max
-"""Stands for an infinite bound, which is no literal of a generated text."""
+UNBOUNDED = sys.float_info.max  # an infinite bound, which is no literal of a generated text
 
 
 def hold_kernels(scene: SceneGraph, reported: tuple[int, ...]) -> list[Kernel]:

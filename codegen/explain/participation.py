@@ -7,7 +7,7 @@ from codegen.declare.element import Constraint, Effect, friction_law
 from codegen.declare.scene import Scene
 from codegen.derive.equations import active_joints
 from codegen.model import Model
-from codegen.model.couplers import FORMS
+from codegen.model.coupler_rods import FORMS
 from codegen.model.fidelities import NONE
 from codegen.model.outputs import ALL, GROUPS, TRACKED
 

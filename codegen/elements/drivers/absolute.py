@@ -5,7 +5,7 @@ import sympy
 from codegen.declare.body import Point
 from codegen.declare.element import ConjugateReaction, Constraint, J, Statement, label
 from codegen.declare.symbols import Letter
-from codegen.elements.drivers.coordinate import law_problems
+from codegen.elements.drivers.user_expression import law_problems
 from codegen.elements.registry import element
 
 DRIVEN = {"x": J.point[0], "y": J.point[1], "phi": J.phi}

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from runtime.singularity.search_table import (
+from runtime.singularity.search_function_table import (
     set_units,
     unit_jacobian_entries,
 )

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from runtime.core.kernel_abi import Kernels
 from runtime.mechanism import description as tables
-from runtime.mechanism.mechanism import Mechanism
+from runtime.mechanism.mechanism_data import Mechanism
 
 _SHOWN = 8  # layout: parameters that the text names
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.singularity.singular_position import SingularPositions
+from runtime.singularity.singular_position_search import SingularPositions
 from tests.runtime.singularity.crossing import branch_slopes, closed, mechanism
 from tests.runtime.singularity.test_location import on_branch
 

@@ -22,10 +22,7 @@ from codegen.lower.program import Check
 from codegen.lower.scene_graph import Friction, SceneGraph
 
 ALONE, SWEEPS = 6, 12  # steps for a single friction; sweeps over several
-
-AGREED = 1e-7
-"""accuracy: remainder of the equation of the loads, in parts of the loads, that is accepted."""
-
+AGREED = 1e-7  # accuracy: accepted remainder of the equation of the loads, in parts of the loads
 TINY = 1e-300  # safety: added to squares under a root, so that a load of zero has the size zero
 
 Loads = list[list[tuple[int, list[int]]]]

@@ -21,7 +21,7 @@ from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import inner
 from runtime.core.modes import FREE, SLIDING
 from runtime.core.rounding import EPS
-from runtime.hybrid.degenerate_sliding import solve_least
+from runtime.hybrid.redundant_sliding import solve_least
 from runtime.hybrid.stiction_force import choose_units, enlarge_unit, set_unit
 from runtime.linalg.lu import solve_equilibrated
 from runtime.linalg.rank_policy import SAME_HOLD

@@ -9,8 +9,8 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.symbols import SignRule
 from codegen.elements.forces.contact import Contact, gap_between
-from codegen.elements.forces.dry_friction import DryFriction
-from codegen.elements.forces.friction import JointFriction
+from codegen.elements.forces.given_load_friction import DryFriction
+from codegen.elements.forces.joint_friction import JointFriction
 from codegen.elements.forces.rigid_contact import RigidContact
 from codegen.elements.forces.scalar_force import rate
 from codegen.model.base import Declarations, Ends

@@ -83,15 +83,10 @@ def _row(array: str, count: int, factor: int, part: int | None) -> Any:
 _Row = Callable[[Integers, int], Vector]
 
 row_of: _Row = cast(Any, _row("workspace", COORDINATES, 2, None))  # row of the workspace, (2 n,)
-
 first_half: _Row = cast(Any, _row("workspace", COORDINATES, 2, 0))  # first half of such a row, (n,)
-
 second_half: _Row = cast(Any, _row("workspace", COORDINATES, 2, 1))  # its second half, (n,)
-
 positions, velocities = first_half, second_half  # q and v of a row that holds a state
-
 position_rates, velocity_rates = first_half, second_half  # of a row that holds a derivative
-
 switch_row: _Row = cast(
     Any, _row("switching_rows", SWITCHES, 1, None)
 )  # of the switching one, (s,)

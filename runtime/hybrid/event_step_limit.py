@@ -10,7 +10,7 @@ near, the step is too long.
 import numpy as np
 
 from runtime.core import function_table as ft
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.run_record import run_record

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import polynomial
 
-from runtime.singularity.local_motion import (
+from runtime.singularity.motion_polynomial import (
     Motion,
     distance,
     evaluate,

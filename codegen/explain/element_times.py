@@ -8,18 +8,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from codegen.artefact import import_generated
 from codegen.derive.equations import Equations
-from codegen.emit.arguments import Arguments
+from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.module import Origin, assemble_module
 from codegen.errors import InputError
 from codegen.explain.kernel_timer import ROUNDS, States, Timed, times
 from codegen.explain.ledger_data import Part, RunCosts
+from codegen.explain.measured_run import Run, simulate
 from codegen.explain.operation_costs import Stage, timing_stages
-from codegen.explain.run_cost import Run, simulate
 from codegen.explain.sample_states import about_the_start, at, parameters
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.program import Program
+from codegen.module_signature import import_generated
 
 ORIGIN = Origin("linkwright", (), "0" * 64, "python -m codegen explain")
 
