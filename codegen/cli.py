@@ -84,7 +84,7 @@ def build(
         bool,
         typer.Option(
             "--tangents",
-            help="Also the exact derivatives that implicit methods (bdf, radau) need, in files of "
+            help="Also the exact derivatives that radau5, bdf and auto need, in files of "
             "their own; without this option only existing ones are updated.",
         ),
     ] = False,
