@@ -12,11 +12,11 @@ import numpy.typing as npt
 from benchmarks import kernel_timing
 from benchmarks.operation_counts import cost, operations
 from codegen import Model
-from codegen.artefact import import_generated
 from codegen.driver import GENERATOR, Clock, origin, read_model, translate, valid_scenes
 from codegen.emit.module import module_text
 from codegen.generated_files.generated_file import write_if_changed
 from codegen.lower import operation_count as ledger
+from codegen.module_signature import import_generated
 
 Array = npt.NDArray[np.float64]
 Modes = npt.NDArray[np.int64]

@@ -13,8 +13,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
-MARGIN = 1e-9
-"""accuracy: rounding of a law's argument beyond its ends, in parts of the law's length."""
+MARGIN = 1e-9  # accuracy: rounding of a law's argument beyond its ends, in parts of its length
 
 Row = tuple[float, float, float, float]
 
@@ -24,10 +23,8 @@ class Table:
     """A function given by points: twice continuously differentiable, a cubic between two knots."""
 
     name: str  # an identifier
-    # abscissae, ascending; the last one of a periodic table is the first, a period later
-    knots: tuple[float, ...]
-    # (c0, c1, c2, c3) of each interval: c0 + c1 s + c2 s² + c3 s³ with s from the left knot
-    rows: tuple[Row, ...]
+    knots: tuple[float, ...]  # ascending; the last of a periodic table is the first, a period later
+    rows: tuple[Row, ...]  # (c0, c1, c2, c3): c0 + c1 s + c2 s² + c3 s³ with s from the left knot
     periodic: bool  # one that does not repeat is undefined (nan) beyond its ends
 
     @cached_property

@@ -156,10 +156,7 @@ def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowe
 
 
 def valid_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None) -> list[Scene]:
-    """The scenes to build, after a check of the model and of each scene.
-
-    A model without scenes gets one, ``default``, with all effects and drivers.
-    """
+    """The checked scenes to build: ``default`` with all effects and drivers if none is declared."""
     problems = check_model(model)
     if problems:
         raise ModelError(problems)

@@ -13,7 +13,10 @@ class LinkwrightError(Exception):
 class InputError(LinkwrightError):
     """The user's input is wrong; the command line answers it with exit status 2.
 
-    `problems`: one sentence a problem: the fault, its place, the numbers that show it, the remedy.
+    Parameters
+    ----------
+    problems
+        One sentence a problem: the fault, its place, the numbers that show it, the remedy.
     """
 
     def __init__(self, problems: str | Iterable[str]) -> None:

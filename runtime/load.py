@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from codegen import __version__
-from codegen.artefact import check_signature, import_generated
 from codegen.errors import ModelFileError, SupersededError
+from codegen.module_signature import check_signature, import_generated
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
@@ -62,7 +62,7 @@ def load(
     from runtime.machine import Machine
     from runtime.mechanism.companion_modules import Origin
     from runtime.mechanism.description import describe
-    from runtime.mechanism.mechanism import Mechanism
+    from runtime.mechanism.mechanism_data import Mechanism
 
     description = describe(module)
     declared = None if scene is None or isinstance(scene, str) else scene

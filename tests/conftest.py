@@ -18,7 +18,7 @@ import pytest
 from hypothesis import settings
 from numba.core.compiler_lock import global_compiler_lock
 
-from codegen import artefact
+from codegen import module_signature
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 
@@ -84,7 +84,7 @@ def compilation_apart(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None
     if sys.platform != "linux":  # elsewhere a fork of a process with threads is not safe
         yield
         return
-    execute = artefact._execute
+    execute = module_signature._execute
     folder = tmp_path_factory.getbasetemp()
     kept = (folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) / "machine_code"
 
@@ -95,7 +95,7 @@ def compilation_apart(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None
         return execute(name, path)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(artefact, "_execute", compile_and_execute)
+        patch.setattr(module_signature, "_execute", compile_and_execute)
         yield
 
 

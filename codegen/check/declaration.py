@@ -9,9 +9,9 @@ from collections.abc import Iterable, Iterator
 
 import sympy
 
-from codegen.check.contacts import contact_problems
 from codegen.check.expressions import all_problems, constraint_problems
 from codegen.check.outputs import output_problems
+from codegen.check.rigid_contact_and_stiction import contact_problems
 from codegen.declare import element as elements
 from codegen.declare.body import Body
 from codegen.declare.element import (

@@ -10,7 +10,7 @@ from sympy.functions.elementary.piecewise import ExprCondPair
 from codegen.declare.element import Constraint, label
 from codegen.declare.symbols import Coordinate, Given, Time, Velocity, kinds
 from codegen.declare.table_function import Interpolant
-from codegen.derive.conditions import KINKED
+from codegen.derive.piecewise_conditions import KINKED
 from codegen.lower.sympy_translation import FUNCTIONS
 
 KNOWN = ", ".join(sorted(f.__name__ for f in (*FUNCTIONS, *KINKED)))

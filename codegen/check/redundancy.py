@@ -25,12 +25,10 @@ PROBES = 3
 class Findings(NamedTuple):
     """Findings about the constraints of a scene."""
 
-    problems: tuple[str, ...]
-    """Drivers that have nothing left to drive."""
+    problems: tuple[str, ...]  # drivers that have nothing left to drive
     notes: tuple[str, ...]
     """Joints that repeat each other: a run bears with them while their parameters agree."""
-    independent: int
-    """Number of constraints that do not follow from others."""
+    independent: int  # number of constraints that do not follow from others
 
 
 def examine(equations: Equations, lowered: Lowered) -> Findings:

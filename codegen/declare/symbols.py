@@ -143,11 +143,8 @@ class ParameterDeclaration:
 
 t = Time("t", real=True)
 
-SPEED = Speed("s_rate", real=True)
-"""ṡ, in which a force along a scalar s is written: f = k s + c ṡ."""
-
-alpha = Given("alpha", real=True)
-"""The parameter in which the profile of a cam is written, rad."""
+SPEED = Speed("s_rate", real=True)  # ṡ, in which a force along a scalar s is written: f = k s + c ṡ
+alpha = Given("alpha", real=True)  # the parameter in which the profile of a cam is written, rad
 
 
 def coordinate(owner: str, letter: str) -> Coordinate:

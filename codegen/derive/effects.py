@@ -1,7 +1,4 @@
-"""Effects → potential energy and forces.
-
-An expression that another scene of the process has brought is not worked on again.
-"""
+"""Effects → potential energy and forces; an expression of another scene is not worked on again."""
 
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -12,8 +9,8 @@ from sympy.core.relational import Relational
 from codegen.declare import element as el
 from codegen.declare.body import Body
 from codegen.declare.symbols import SPEED, Coordinate, kinds, side, t
-from codegen.derive.conditions import as_pieces
 from codegen.derive.derivative import derivative
+from codegen.derive.piecewise_conditions import as_pieces
 from codegen.derive.power_continuation import continue_powers
 from codegen.elements.forces.scalar_force import rate
 
@@ -25,13 +22,11 @@ class FrictionTerms:
     joint: str  # name of the joint that rubs
     slip: sympy.Expr  # ṡ
     grip: sympy.Expr  # strength · tanh(ṡ / creep), or strength · σ of a friction that sticks
-    # (coordinate, ∂s/∂q): generalized forces of a unit force along s
-    direction: tuple[tuple[Coordinate, sympy.Expr], ...]
+    direction: tuple[tuple[Coordinate, sympy.Expr], ...]  # (coordinate, ∂s/∂q), Q of a unit force
     contacts: tuple[el.Pressing, ...]  # loads as in `FrictionLaw`
     unit: str  # of the force
     sticks: bool = False  # whether the force is that of a mode, and not of the slip
-    # strength · μ_s/μ, by which N is multiplied at rest; None where it does not stick
-    limit: sympy.Expr | None = None
+    limit: sympy.Expr | None = None  # strength · μ_s/μ, factor of N at rest; None: does not stick
 
 
 @dataclass(frozen=True)
@@ -39,15 +34,13 @@ class EffectTerms:
     """The terms of one effect."""
 
     potential: sympy.Expr | None  # V, J; None without one
-    # (coordinate, Q) of forces stated as generalized forces
-    loads: tuple[tuple[Coordinate, sympy.Expr], ...]
+    loads: tuple[tuple[Coordinate, sympy.Expr], ...]  # (coordinate, Q) of generalized forces
     # (s, f) of the forces that tend to make a scalar s(q, t) smaller, Q = -f s_q, with `SPEED` in f
     # for ṡ
     pulls: tuple[tuple[sympy.Expr, sympy.Expr], ...] = ()
     friction: FrictionTerms | None = None  # the force that follows from a joint's reaction
     hold: el.Sticking | el.Rigid | None = None  # how it keeps its switching function at zero
-    # (component, unit, value) of the forces that it reports
-    reported: tuple[tuple[str, str, sympy.Expr], ...] = ()
+    reported: tuple[tuple[str, str, sympy.Expr], ...] = ()  # (component, unit, value) of its forces
     # (body, mass, acceleration) of the products that stand in V as one number
     weights: tuple[tuple[str, sympy.Expr, sympy.Expr], ...] = ()
 

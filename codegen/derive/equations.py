@@ -8,7 +8,7 @@ from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Element, Statement
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration
-from codegen.derive import constraints as cs
+from codegen.derive import constraint_derivatives as cs
 from codegen.derive import switching_functions as sf
 from codegen.derive.effects import EffectTerms, derived_effects, effect_terms
 from codegen.derive.inertia import inertia
@@ -36,11 +36,8 @@ class EffectEquations:
     terms: EffectTerms
 
 
-MassEntry = tuple[int, int, sympy.Expr]
-"""(row, column, entry) of M."""
-
-OWN = "body"
-"""Kind of the constraints that a body brings itself."""
+MassEntry = tuple[int, int, sympy.Expr]  # (row, column, entry) of M
+OWN = "body"  # kind of the constraints that a body brings itself
 
 
 @dataclass(frozen=True)
@@ -60,10 +57,8 @@ class Equations:
     constraints: tuple[ConstraintEquations, ...]
     effects: tuple[EffectEquations, ...]
     switches: tuple[sf.Switch, ...]
-    # values, by mode, of the symbols in which frictions and contacts are written
-    sides: tuple[sf.SideValue, ...]
-    # (effect, switch) of the frictions in joints whose stiction force a run determines
-    stiction: tuple[tuple[str, int], ...]
+    sides: tuple[sf.SideValue, ...]  # values, by mode, of the symbols of frictions and contacts
+    stiction: tuple[tuple[str, int], ...]  # (effect, switch): a run determines the stiction force
     contacts: tuple[sf.RigidContact, ...]
     left_out: tuple[tuple[str, str], ...]
     unused: tuple[str, ...] = ()  # names of the other parameters

@@ -20,13 +20,12 @@ from sympy.core.relational import Relational
 from sympy.logic.boolalg import Boolean
 
 from codegen.declare.symbols import Coordinate, Speed, Time, Velocity, kinds
-from codegen.derive.conditions import switching_function
+from codegen.derive.piecewise_conditions import switching_function
 
 _EPSILON_SQUARED = sympy.Float(1e-200)
 _MOVING = (Coordinate, Velocity, Time, Speed)
 
-Facts = tuple[sympy.Expr, ...]
-"""Expressions that are not negative where the value of another is used."""
+Facts = tuple[sympy.Expr, ...]  # not negative where the value of another expression is used
 
 
 def continue_powers(expression: sympy.Expr) -> sympy.Expr:

@@ -9,9 +9,9 @@ import sympy
 
 from codegen.declare.element import Rigid, Sticking
 from codegen.declare.symbols import Acceleration, Coordinate, Side, Velocity, kinds, side, t
-from codegen.derive.conditions import conditions, switching_function
 from codegen.derive.derivative import derivative
 from codegen.derive.effects import EffectTerms
+from codegen.derive.piecewise_conditions import conditions, switching_function
 
 Named = tuple[str, EffectTerms]
 

@@ -6,19 +6,16 @@ Each carries the SHA-256 of the text of the scene's own module: with another one
 from collections.abc import Mapping
 from typing import Any
 
-from codegen.emit.arguments import Arguments
-from codegen.emit.formula import formula
+from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.module import Origin, assemble_module, operation_table
+from codegen.emit.readable_formula import formula
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.program import Program
 from codegen.reduce.reduced_kernels import Reduced
 
 
 def tangents_text(lowered: Lowered, program: Program, origin: Origin, module: str) -> str:
-    """The module of a scene's exact derivatives, whose kernels take the ``p`` of the scene's own.
-
-    `program` holds the kernels; `module` is the SHA-256 of the text of the scene's own module.
-    """
+    """The module of a scene's exact derivatives, whose kernels take the scene's own ``p``."""
     about = (
         "exact derivatives for implicit methods.",
         "Each kernel differentiates one of the scene's own module along the direction that it is",
@@ -29,10 +26,7 @@ def tangents_text(lowered: Lowered, program: Program, origin: Origin, module: st
 
 
 def reduced_text(lowered: Lowered, reduced: Reduced, origin: Origin, module: str) -> str:
-    """The module of a scene's reduced equations; in its ``p`` the branches precede the constants.
-
-    `module` is the SHA-256 of the text of the scene's own module.
-    """
+    """The module of a scene's reduced equations; in its ``p`` branches precede the constants."""
     description, program = lowered.description, reduced.program
     coordinates = f"{len(reduced.kept)} of {len(description.coordinates)} coordinates"
     about = (

@@ -3,8 +3,7 @@
 import builtins
 from collections.abc import Iterator
 
-from codegen.emit.arguments import Arguments
-from codegen.emit.formula import formula
+from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.line_wrapping import (
     PAGE,
     assigned_text,
@@ -15,7 +14,8 @@ from codegen.emit.line_wrapping import (
     wrap_statement,
 )
 from codegen.emit.placement import Path, Placement, place
-from codegen.emit.sincos import NAME as SIN_COS
+from codegen.emit.readable_formula import formula
+from codegen.emit.sincos_function import NAME as SIN_COS
 from codegen.emit.table_lookup import lookups
 from codegen.lower.operation_count import operations
 from codegen.lower.program import LEAVES, Input, Kernel, Lookup, Op, Program

@@ -6,8 +6,7 @@ from typing import Any
 
 from codegen.lower.program import Output
 
-PAGE = 100
-"""Characters in a line."""
+PAGE = 100  # characters in a line
 
 
 def quantity(count: int, noun: str) -> str:

@@ -4,17 +4,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
-from codegen.artefact import MARK, UNSIGNED, signed
-from codegen.emit.arguments import Arguments
-from codegen.emit.formula import folded_numbers, formula
+from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.kernel import KernelText
 from codegen.emit.line_wrapping import assignment, quantity
-from codegen.emit.sincos import sin_cos_lines
+from codegen.emit.readable_formula import folded_numbers, formula
+from codegen.emit.sincos_function import sin_cos_lines
 from codegen.emit.table_lookup import lookups, spline_lines
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Pattern
 from codegen.lower.operation_count import operations
 from codegen.lower.program import Program
+from codegen.module_signature import MARK, UNSIGNED, signed
 
 
 @dataclass(frozen=True)
@@ -22,8 +22,7 @@ class Origin:
     """Where a module comes from."""
 
     generator: str  # name and version
-    # (path, SHA-256) of the model file and of the local files that it imports
-    sources: tuple[tuple[str, str], ...]
+    sources: tuple[tuple[str, str], ...]  # (path, SHA-256) of the model file and its local imports
     declaration: str  # SHA-256 of the declaration
     command: str  # builds the module again
     engine: str = ""  # name and version of the library that derived the equations
@@ -76,8 +75,7 @@ def operation_table(program: Program) -> tuple[tuple[str, int], ...]:
     return tuple((kernel.name, operations(program, kernel)) for kernel in program.kernels)
 
 
-OPTIONAL = ("folded", "unused", "rigid", "stiction")
-"""Tables that a module leaves out where they are empty."""
+OPTIONAL = ("folded", "unused", "rigid", "stiction")  # tables that a module leaves out where empty
 
 NAMES = (
     "Names: M_i_k, Phi_c_k, S_c_d are entries of the reduced matrix, Q_i and gamma_c right sides,",

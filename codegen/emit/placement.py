@@ -8,14 +8,11 @@ from collections import defaultdict
 from dataclasses import dataclass
 from itertools import takewhile
 
-from codegen.emit.solution_steps import BESIDE_ELEMENTS, names_of_solution, order_by_steps
+from codegen.emit.solution_value_names import BESIDE_ELEMENTS, names_of_solution, order_by_steps
 from codegen.lower.program import LEAVES, LOGICAL, Input, Kernel, Op, Program
 
-Path = tuple[tuple[int, bool], ...]
-"""The choices, outermost first, inside which something stands."""
-
-WIDTH = 80
-"""Characters of an expression, from which on its longest operand has a line of its own."""
+Path = tuple[tuple[int, bool], ...]  # the choices, outermost first, inside which something stands
+WIDTH = 80  # characters of an expression, from which on its longest operand has a line of its own
 
 
 @dataclass(frozen=True)
@@ -25,8 +22,7 @@ class Placement:
     # values needed, in order, those of a solution step by step; constants of `p` are leaves
     numbers: tuple[int, ...]
     home: dict[int, Path]  # value → the branch that it stands in
-    # values written inside their only user; a choice inside another is a branch of it
-    inlined: frozenset[int]
+    inlined: frozenset[int]  # values inside their only user; a choice inside another is its branch
     pairs: dict[int, int]  # sine of an angle → its cosine, and the other way round, in one branch
     names: dict[int, str]  # of the values of a solution
     steps: dict[int, int]  # the steps that compute them

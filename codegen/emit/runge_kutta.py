@@ -10,8 +10,7 @@ from codegen.emit.line_wrapping import items, wrap_pieces
 from codegen.tableaus.tableau import Stage, Tableau, Weights
 
 COMMAND = "python -m codegen methods"
-HERMITE = 4
-"""Rows of the dense output that follow from states and derivatives at both ends of the step."""
+HERMITE = 4  # rows of the dense output that follow from states and derivatives at both ends
 
 # The functions of a method: the types that the runtime compiles them for, and their arguments.
 FUNCTIONS = {
@@ -27,7 +26,7 @@ IMPORTS = """
 import numpy as np
 
 from runtime.core import function_table as ft
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed

@@ -23,8 +23,7 @@ MODES, MODE_ROWS = types.int64[::1], types.int64[:, ::1]
 SIGNATURE = types.int64(F8, VECTOR, VECTOR, VECTOR, MODES, VECTOR, VECTOR)
 OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy"}
 
-TURN = 5e-4
-"""measured: s that the slowest kernel has in a round."""
+TURN = 5e-4  # measured: s that the slowest kernel has in a round
 ROUNDS = 500  # measured: rounds of turns, of which the least time of a kernel is kept
 
 

@@ -8,8 +8,8 @@ from codegen.derive.equations import derive
 from codegen.driver import valid_scenes
 from codegen.errors import InputError
 from codegen.explain import operation_costs as costs
-from codegen.explain.inventory import inventory, output_inventory
 from codegen.explain.ledger_data import Ledger, Part
+from codegen.explain.participation import inventory, output_inventory
 from codegen.model import Model
 from codegen.model_file import read_model
 
@@ -81,7 +81,7 @@ def _ledger(
     ]
     whole, run = None, None
     if measure or runs is not None:
-        from codegen.explain.part_times import with_times  # numba only where something is timed
+        from codegen.explain.element_times import with_times  # numba only where something is timed
 
         parts, whole, run = with_times(programs, parts, runs, progress)
     return Ledger(

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from codegen.explain.inventory import OutputEntry
+from codegen.explain.participation import OutputEntry
 
 
 @dataclass(frozen=True)
@@ -14,8 +14,7 @@ class Part:
     role: str  # "joint", "driver", "effect", "fidelity" or "shared"
     acts: bool  # whether it is in
     why: str  # the reason
-    # kernel → incremental cost (`operation_costs`)
-    operations: dict[str, int] = field(default_factory=dict)
+    operations: dict[str, int] = field(default_factory=dict)  # kernel → incremental cost
     own: dict[str, int] = field(default_factory=dict)  # of an effect: kernel → marginal cost
     # Measured time that it adds to an evaluation of `accelerations`; None without a measurement.
     nanoseconds: float | None = None
@@ -60,8 +59,7 @@ class Ledger:
     parts: tuple[Part, ...]
     totals: dict[str, int]  # kernel → operations, the sum over the parts
     left_out: tuple[tuple[str, str], ...]  # (name, kind) of the elements that do not take part
-    # those that the scene reports or could report, with the reason
-    outputs: tuple[OutputEntry, ...]
+    outputs: tuple[OutputEntry, ...]  # those that the scene reports or could report, and why
     # Time of an evaluation of `accelerations`, measured separately; those of the parts add up to it
     # but for the noise of the measurement.
     nanoseconds: float | None = None

@@ -23,8 +23,7 @@ from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.lower.operation_count import by_element, operations
 from codegen.lower.program import Kernel, Output, Program
 
-Counts = dict[str, dict[str, int]]
-"""Part → kernel → operations."""
+Counts = dict[str, dict[str, int]]  # part → kernel → operations
 
 SOLUTION = "factorization"
 """The part of `accelerations` that solves the equations: the operations that serve no element."""

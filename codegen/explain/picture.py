@@ -13,8 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MOST = 11
-"""Parts with a colour of their own; smaller ones are drawn together."""
+MOST = 11  # parts with a colour of their own; smaller ones are drawn together
 COLOURS = (
     *("#1f6fb2", "#d9822b", "#2f8f5b", "#b23a48", "#7356a8", "#8a6a4f", "#d472a8", "#a3a832"),
     *("#2aa5b5", "#e0b13c", "#5b7fd1"),
@@ -69,8 +68,7 @@ def figure(ledgers: Sequence[Ledger]) -> "Figure":
     return picture
 
 
-Rows = dict[str, dict[str, float]]
-"""Bar → part → its length."""
+Rows = dict[str, dict[str, float]]  # bar → part → its length
 
 
 def _panels(ledger: Ledger) -> Iterator[tuple[Ledger, str, Rows, str]]:

@@ -10,8 +10,7 @@ from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.scene_kernels import Lowered
 
 COUNT = 64  # measured: states at which kernels are timed
-SPREAD = 1e-3
-"""measured: m or rad, and m/s or rad/s, by which states about a start differ."""
+SPREAD = 1e-3  # measured: m or rad, and m/s or rad/s, by which states about a start differ
 NEWTON = 30  # safety: iterations that bring a sampled state onto the constraints
 _CONVERGED = 1e-12  # accuracy: largest change, m or rad, of the last of these iterations
 

@@ -10,8 +10,7 @@ class Row:
     """A part in both scenes."""
 
     name: str
-    # whether it is in; None where the scene's ledger does not know it
-    acts: tuple[bool | None, bool | None]
+    acts: tuple[bool | None, bool | None]  # whether it is in; None: unknown to the scene's ledger
     accelerations: tuple[int, int]  # operations of the kernel `accelerations`
     operations: tuple[int, int]  # of all kernels
     nanoseconds: tuple[float | None, float | None]  # of an evaluation of `accelerations`

@@ -14,8 +14,7 @@ from codegen.explain.scene_comparison import Comparison
 
 NARROW, WIDE, UNKNOWN = 80, 140, 120
 """Columns that a table has at least and at most, and where nothing says how wide the screen is."""
-PAPER = 1000
-"""Columns of a table that is as wide as its content, whatever the terminal."""
+PAPER = 1000  # columns of a table that is as wide as its content, whatever the terminal
 
 
 def show(

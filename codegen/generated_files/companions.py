@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from codegen.artefact import companion_path
 from codegen.derive.equations import Equations
 from codegen.emit.companion_modules import reduced_text, tangents_text
 from codegen.emit.module import Origin
@@ -17,6 +16,7 @@ from codegen.lower.differentiation.tangent import tangent_program
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.operation_count import operations
 from codegen.lower.program import Program
+from codegen.module_signature import companion_path
 from codegen.reduce.reduced_kernels import reduce
 
 Emit = Callable[[Lowered, Origin, str], tuple[Program, str]]

@@ -10,8 +10,8 @@ from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
-from codegen.artefact import alone
 from codegen.errors import GeneratedFileError
+from codegen.module_signature import alone
 
 Progress = Callable[[str], None]
 
@@ -42,10 +42,8 @@ class File:
     path: Path
     text: str
     clock: Clock
-    # whether its text is new on the disk, or differs from the disk in a check
-    changed: bool = False
-    # of a companion: kernel → arithmetic operations
-    operations: dict[str, int] = field(default_factory=dict)
+    changed: bool = False  # whether its text is new on the disk, or in a check differs from it
+    operations: dict[str, int] = field(default_factory=dict)  # of a companion: kernel → operations
     companions: "dict[str, File]" = field(default_factory=dict)  # kind → companion module
 
     @property

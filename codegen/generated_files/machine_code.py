@@ -8,8 +8,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from time import perf_counter
 
-from codegen.artefact import import_generated
 from codegen.errors import GeneratedFileError
+from codegen.module_signature import import_generated
 
 
 def compile_modules(paths: Sequence[Path]) -> list[float]:
@@ -38,7 +38,7 @@ def _has_cache(path: Path) -> bool:
 def _compile_apart(path: Path) -> float:
     started = perf_counter()
     code = (
-        "import sys, pathlib; from codegen.artefact import import_generated; "
+        "import sys, pathlib; from codegen.module_signature import import_generated; "
         "import_generated(pathlib.Path(sys.argv[1]))"
     )
     folder = Path(__file__).resolve().parents[2]

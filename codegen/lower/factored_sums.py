@@ -12,8 +12,7 @@ from collections.abc import Mapping
 from codegen.lower.graph import Graph
 from codegen.lower.program import Op
 
-Factors = tuple[float, tuple[int, ...]]
-"""A positive number, and rates in the order of their values' numbers."""
+Factors = tuple[float, tuple[int, ...]]  # a positive number, and rates in order of their numbers
 
 PLAIN: Factors = (1.0, ())
 

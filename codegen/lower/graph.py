@@ -10,8 +10,7 @@ from codegen.lower.value_numbering import Numbering
 
 ODD = frozenset({Op.SIN, Op.TAN, Op.ASIN, Op.ATAN, Op.SINH, Op.TANH})
 EVEN = frozenset({Op.COS, Op.COSH})
-SUMS = {Op.ADD: 1, Op.SUB: -1, Op.NEG: -1}
-"""Operations of which sums consist → the sign of the last argument."""
+SUMS = {Op.ADD: 1, Op.SUB: -1, Op.NEG: -1}  # operations of sums → the sign of the last argument
 
 
 class Graph(Numbering):

@@ -49,10 +49,8 @@ class Description:
     # (effect, number of its switch) of each friction whose stiction force a run determines; these
     # forces stand in `p` behind the parameters
     stiction: tuple[tuple[str, int], ...]
-    # (element, component, unit) of each entry of the kernel
-    reactions: tuple[tuple[str, str, str], ...]
-    # (source, "effect" or "driver") of each entry of the kernel
-    powers: tuple[tuple[str, str], ...]
+    reactions: tuple[tuple[str, str, str], ...]  # (element, component, unit) of each entry
+    powers: tuple[tuple[str, str], ...]  # (source, "effect" or "driver") of each entry
     # (coordinate or velocity, value, role): "fixed", "guess", or before these "neutral", where the
     # neutral pose is not at zero
     start: tuple[tuple[str, float, str], ...]

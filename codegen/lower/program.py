@@ -89,10 +89,8 @@ class Value:
     args: tuple[int, ...] = ()  # numbers of the values that it takes
     # the float of a constant, the slot of an input, the number of a mode, a table's derivative
     literal: float | int | Input | Lookup | None = None
-    # name of the element for which the value was first needed; a comment in the text
-    serves: str = ""
-    # of a constant that was computed from others: from which; for the text alone
-    origin: Folded | None = None
+    serves: str = ""  # element for which the value was first needed; a comment in the text
+    origin: Folded | None = None  # of a constant computed from others: which; for the text alone
 
 
 class Output(NamedTuple):
@@ -169,8 +167,7 @@ class Program:
         return frozenset(self.constants if kernel.name != "constants" else ())
 
 
-STATE = ("t", "q", "v", "p")
-"""The arguments that most kernels begin with."""
+STATE = ("t", "q", "v", "p")  # the arguments that most kernels begin with
 
 
 def store(array: str, values: Sequence[int], notes: Sequence[str]) -> tuple[Output, ...]:

@@ -21,8 +21,7 @@ class Friction(NamedTuple):
     # one a contact: a vector, each entry a sum over row → factor of the multiplier
     loads: tuple[tuple[dict[int, int], ...], ...]
     is_stuck: int | None = None  # whether it sticks
-    # The force along `direction` that it then exerts; None where a run does not determine it.
-    stiction: int | None = None
+    stiction: int | None = None  # its force along `direction`; None: no run determines it
 
 
 class SceneGraph:
@@ -47,8 +46,7 @@ class SceneGraph:
         self.phi: list[int] = []  # Φ, as ν and γ one value a constraint
         self.nu: list[int] = []
         self.gamma: list[int] = []
-        # (row, column) → value, structural non-zeros in order
-        self.jacobian: dict[tuple[int, int], int] = {}
+        self.jacobian: dict[tuple[int, int], int] = {}  # (row, column) → value, non-zeros in order
         # (row, column) of the constraints that determine a coordinate without mass
         self.massless: list[tuple[int, int]] = []
         self.reactions: list[tuple[str, str, str, int]] = []  # (element, component, unit, value)
@@ -153,10 +151,8 @@ class SceneGraph:
         graph, equations = self.graph, self.equations
         self.potential = graph.zero  # V
         self.gradient = [graph.zero] * self.n  # ∂V/∂q
-        # Q with the forces of the potential and Q_v
-        self.forces = [graph.zero] * self.n
-        # (effect, power) of the effects without a potential
-        self.powers: list[tuple[str, int]] = []
+        self.forces = [graph.zero] * self.n  # Q with the forces of the potential and Q_v
+        self.powers: list[tuple[str, int]] = []  # (effect, power) of effects without a potential
         # effect → power of all its forces, those of a potential included, where its work is an
         # output
         self.working: dict[str, int] = {}

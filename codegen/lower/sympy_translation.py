@@ -13,15 +13,14 @@ import sympy
 from sympy.core.relational import Relational
 
 from codegen.declare.table_function import Interpolant
-from codegen.derive.conditions import switching_function
+from codegen.derive.piecewise_conditions import switching_function
 from codegen.errors import ModelError
 from codegen.lower.graph import Graph
 from codegen.lower.program import ELEMENTARY, Input, Op
 
 FUNCTIONS = {getattr(sympy, name): Op(name) for name in ELEMENTARY if name not in ("sqrt", "pow")}
 
-RANKS = {"p": 1, "t": 2, "q": 3, "v": 4, "a": 5, "lam": 6}
-"""How often the entries of an argument change."""
+RANKS = {"p": 1, "t": 2, "q": 3, "v": 4, "a": 5, "lam": 6}  # how often an argument changes
 
 
 class Translator:

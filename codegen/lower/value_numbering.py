@@ -16,10 +16,8 @@ class Numbering:
 
     def __init__(self) -> None:
         self.values: list[Value] = []  # in order of their numbers
-        # for each value, whether numbers and parameters alone determine it
-        self.settled: list[bool] = []
-        # for each value, the inputs but parameters that it depends on: a set of bits, see
-        # `place_of`
+        self.settled: list[bool] = []  # whether numbers and parameters alone determine a value
+        # for each value, the inputs but parameters that it depends on, as bits of `place_of`
         self.movers: list[int] = []
         self._places: dict[int, int] = {}
         self._numbers: dict[tuple[Op, tuple[int, ...], object], int] = {}

@@ -9,7 +9,7 @@ import sympy
 
 from codegen.cubic_spline import fit
 from codegen.declare.body import Body, Curve, Point
-from codegen.declare.cam_profile import pace, profile_problems
+from codegen.declare.cam_profile_checks import pace, profile_problems
 from codegen.declare.symbols import alpha
 from codegen.declare.table_function import FEWEST, TableFunction
 from codegen.elements.joints.cam_flat_follower import CamFlatFollower

@@ -9,11 +9,11 @@ from typing import Any
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint
 from codegen.declare.symbols import KINDS, LETTERS, Coordinate, Letter
-from codegen.elements.drivers.coordinate import Motion
+from codegen.elements.drivers.absolute import PointDriver
 from codegen.elements.drivers.distance import DistanceDriver
-from codegen.elements.drivers.point import PointDriver
 from codegen.elements.drivers.relative import RelativeDriver
 from codegen.elements.drivers.translation import TranslationDriver
+from codegen.elements.drivers.user_expression import Motion
 from codegen.model.base import Declarations
 
 

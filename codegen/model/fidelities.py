@@ -7,10 +7,9 @@ from codegen.declare.element import Effect
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
 from codegen.declare.value_reader import Reader, name_of
-from codegen.model.couplers import FORMS, Couplers
+from codegen.model.coupler_rods import FORMS, Couplers
 
-NONE = "none"
-"""The fidelity of an effect that a scene does without."""
+NONE = "none"  # the fidelity of an effect that a scene does without
 
 
 class Fidelities(Couplers):

@@ -17,8 +17,7 @@ from codegen.elements.forces.torsion_spring import TorsionSpring
 from codegen.elements.forces.user_expression import GeneralizedForce, Potential
 from codegen.model.base import Declarations
 
-Characteristic = Callable[[sympy.Expr, sympy.Expr], Any]
-"""(length, rate) or (angle, rate) → force or torque."""
+Characteristic = Callable[[sympy.Expr, sympy.Expr], Any]  # (ℓ, ℓ̇) or (θ, θ̇) → force or torque
 
 
 class Forces(Declarations):

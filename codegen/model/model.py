@@ -10,7 +10,7 @@ from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
 from codegen.elements.registry import role
 from codegen.model.cams import Cams
-from codegen.model.contacts import Contacts
+from codegen.model.contacts_and_friction import Contacts
 from codegen.model.drivers import Drivers
 from codegen.model.forces import Forces
 from codegen.model.parameters_and_tables import Values

@@ -11,8 +11,7 @@ from codegen.declare.names import nearest
 from codegen.declare.value_reader import Reader
 from codegen.model.base import Declarations
 
-ALL = ("reactions", "energy", "powers")
-"""Outputs of a scene that names none."""
+ALL = ("reactions", "energy", "powers")  # outputs of a scene that names none
 GROUPS = (*ALL, "paths", "works")
 ONE = re.compile(r"(reaction|power|path|work)\((\w+)\)\Z")
 TRACKED = "tracked point"

@@ -10,8 +10,7 @@ from codegen.declare.scene import Request, Scene
 from codegen.declare.value_reader import Reader, name_of
 from codegen.model.scenes import Scenes
 
-WIDEST = 100
-"""Letters of a name; a longer one is cut and distinguished by a hash, as it names a file."""
+WIDEST = 100  # letters of a name, which names a file; a longer one is cut and told apart by a hash
 
 CHANGES = ("couplers", "start", "guess", "parameters", "frozen", "analysis", "outputs")
 

@@ -10,7 +10,7 @@ from codegen.declare.element import Located, own_coordinates
 from codegen.declare.names import name_problem, nearest
 from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values, dotted
-from codegen.model.couplers import Form
+from codegen.model.coupler_rods import Form
 from codegen.model.fidelities import NONE, Fidelities
 from codegen.model.outputs import Outputs
 

@@ -26,9 +26,7 @@ from codegen.lower.program import Kernel, Op, Program, store
 from codegen.lower.substitution import dependencies, substitute
 
 POINTS = 4  # measured: random points at which an identity is tested
-
-AGREED = 1e-9
-"""accuracy: difference of two numbers, in parts of their sizes, below which they are equal."""
+AGREED = 1e-9  # accuracy: numbers with a smaller difference, in parts of their sizes, are equal
 
 
 class Angle(NamedTuple):
@@ -39,8 +37,7 @@ class Angle(NamedTuple):
     s: int  # sine
     c: int  # cosine
     discriminant: int | None = None  # ρ², which vanishes at a dead centre
-    # σ ρ, whose sign in a position is the branch; None where the other equations decide
-    slope: int | None = None
+    slope: int | None = None  # σ ρ, whose sign is the branch; None where other equations decide
     branch: int | None = None  # the input σ
 
 

@@ -49,10 +49,8 @@ class CoordinateMap:
         # rows of the constraints between them
         self.closures = tuple(i for i in self.explicit.rows if i not in solved)
         self.slots = {k: slot for slot, k in enumerate(self.kept)}
-        # value of the scene → its substitute in the coordinates that are kept
-        self.substitutes: dict[int, int] = {}
-        # column → its row of T, by the columns that are kept
-        self.slopes: dict[int, dict[int, int]] = {}
+        self.substitutes: dict[int, int] = {}  # value → its substitute in the kept coordinates
+        self.slopes: dict[int, dict[int, int]] = {}  # column → its row of T, by kept columns
         self.bias: dict[int, int] = {}  # column → its γ
         self._substitute()
         self._differentiate()

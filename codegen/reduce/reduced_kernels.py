@@ -31,8 +31,7 @@ class Reduced:
     kept: tuple[int, ...]  # columns of the coordinates that are integrated
     closures: tuple[int, ...]  # rows of the constraints that hold between them
     angles: tuple[int, ...]  # columns of the angles in closed form
-    # those among them whose branch a run has to know, each with the row of its loop
-    branches: tuple[tuple[int, int], ...]
+    branches: tuple[tuple[int, int], ...]  # (angle, row of its loop) whose branch a run has to know
     jacobian: Pattern  # pattern of Φ_r
     mass: Pattern  # pattern of M_r
 

@@ -8,13 +8,10 @@ import sympy
 
 from codegen.declare.symbols import given
 from codegen.reference.latex import latex, width
-from codegen.reference.letters import lettered, scaled, used
+from codegen.reference.vector_letters import lettered, scaled, used
 
-LONG = 9
-"""Characters from which a repeated sum gets a name."""
-
-WIDE = 56
-"""Characters from which a sum inside a product is: lines are broken between terms alone."""
+LONG = 9  # characters from which a repeated sum gets a name
+WIDE = 56  # characters from which a sum inside a product is: lines are broken between terms alone
 
 
 class Abbreviations:

@@ -7,12 +7,12 @@ import sympy
 
 from codegen.declare.element import Constraint, Effect, J, JointReaction, Statement
 from codegen.declare.symbols import KINDS, Coordinate, Given, given, kinds
-from codegen.derive.constraints import ConstraintTerms, constraint_terms
+from codegen.derive.constraint_derivatives import ConstraintTerms, constraint_terms
 from codegen.derive.effects import FrictionTerms
 from codegen.derive.equations import Equations
 from codegen.reference.abbreviations import Abbreviations
 from codegen.reference.latex import FRAMED, aligned, latex
-from codegen.reference.letters import lettered
+from codegen.reference.vector_letters import lettered
 
 NUMBERS = ("No", "One", "Two", "Three", "Four", "Five", "Six")
 

@@ -126,16 +126,12 @@ class Example:
 
     model: Model
     element: Constraint | Effect  # the one element that is looked at
-    # names of the methods of `Model` that declare the kind; none for an element of one's own
-    methods: tuple[str, ...] = ()
+    methods: tuple[str, ...] = ()  # methods of `Model` that declare the kind; none for one's own
     source: str = ""  # the lines that declare it; empty where they are in a file of their own
 
 
 def example_of(kind: str, model: Model | None = None) -> Example:
-    """The example of a kind: the library's, or the first element of it in `model`.
-
-    Raises ModelError if there is no such kind, or no example of it.
-    """
+    """The library's example of a kind, or the first in `model`; ModelError if there is none."""
     registered = kinds_of_elements()
     if kind not in registered:
         raise ModelError(f"there is no element '{kind}'; {nearest(kind, registered)}")

@@ -12,8 +12,7 @@ from sympy.printing.latex import LatexPrinter, translate
 from codegen.declare.symbols import KINDS, Coordinate, Given, Multiplier, Side, Velocity
 from codegen.declare.table_function import Interpolant
 
-WIDTH = 84
-"""Characters of a line that a page shows without scrolling, nearly."""
+WIDTH = 84  # characters of a line that a page shows without scrolling, nearly
 
 GREEK = {"phi": r"\phi", "alpha": r"\alpha", "beta": r"\beta"}
 SHORT = {

@@ -9,8 +9,7 @@ from fractions import Fraction
 from itertools import zip_longest
 from typing import NamedTuple
 
-Weights = tuple[Fraction, ...]
-"""Factors of k_1, k_2, ...; zeros behind the last may be missing."""
+Weights = tuple[Fraction, ...]  # factors of k_1, k_2, ...; zeros behind the last may be missing
 
 
 class Stage(NamedTuple):
@@ -40,8 +39,7 @@ class Tableau:
     safety: float  # step control: the share of what the error permits
     shrink: float  # least ratio of two steps' lengths
     grow: float  # largest ratio of two steps' lengths
-    # weights of a solution of still lower order, for an estimate that joins two
-    lower: Weights = ()
+    lower: Weights = ()  # solution of still lower order, for an estimate that joins two
     further: tuple[Stage, ...] = ()  # stages s + 2 and on, of the dense output
     # Relative tolerance above which the error alone does not keep a vibration from growing: steps
     # are then kept within the region of stability. None where they always are.

@@ -12,7 +12,7 @@ the derivative at the end of the step and the first of the next.
 import numpy as np
 
 from runtime.core import function_table as ft
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed

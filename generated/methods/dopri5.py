@@ -16,7 +16,7 @@ than a thousandth: at looser tolerances accuracy alone does not keep a vibration
 import numpy as np
 
 from runtime.core import function_table as ft
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed

@@ -15,7 +15,7 @@ stable up to one radian, are longer.
 import numpy as np
 
 from runtime.core import function_table as ft
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed

@@ -18,7 +18,7 @@ from runtime.assembly.redundancy import Dependency, Findings
 from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.description import Description, unknown
-from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.mechanism.mechanism_data import Mechanism, Values
 from runtime.results.assembled_state import Assembly, Moved, Redundant
 from runtime.validation.arguments import number
 from runtime.validation.parameters import parameter_values

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.linalg.newton_iteration import solve_by_newton
+from runtime.linalg.least_norm_newton import solve_by_newton
 from runtime.mechanism.dense_equations import Equations, FloatArray
 
 CLOSED = 1e-10  # accuracy: largest scaled gap of joints that are closed
@@ -55,10 +55,7 @@ class Task(NamedTuple):
 
 
 def close(task: Task, start: FloatArray) -> Closing:
-    """Close the joints from `start`, with retries from nearby starts.
-
-    The retries move only coordinates of little weight, those without a given start value.
-    """
+    """Close the joints from `start`; retries move only coordinates without a given start value."""
     best = _attempt(task, start)
     unknown = task.free & (task.weight < 1.0)
     if best.closed or not unknown.any():

@@ -14,8 +14,8 @@ import numpy as np
 from runtime.assembly.closure import CLOSED, Task
 from runtime.core.rounding import EPS
 from runtime.mechanism.dense_equations import FloatArray
-from runtime.singularity.local_motion import taylor
-from runtime.singularity.singular_position import SingularPositions
+from runtime.singularity.motion_polynomial import taylor
+from runtime.singularity.singular_position_search import SingularPositions
 
 _NEAR = EPS ** (1.0 / 3.0)  # accuracy: distance d at which the errors d and eps / d² are equal
 _DISTINCT = (

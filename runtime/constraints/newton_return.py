@@ -8,7 +8,7 @@ steps, where the partition may be singular, are projected in the metric of the m
 import numpy as np
 
 from runtime.core import function_table as ft
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed
 from runtime.core.kernel_abi import correction_of

@@ -4,7 +4,7 @@ import numpy as np
 
 from runtime.constraints.partitioning import choose_independent, column_norm
 from runtime.core import function_table as ft
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed, inner
 from runtime.core.run_record import run_record

@@ -1,9 +1,10 @@
 """Continuation of a driven motion through its instants, folds and branch points included.
 
 Where the predictor-corrector gets stuck, or lands on another assembly of the machine, the singular
-configuration behind it is located (`runtime.singularity.singular_position`). At a branch point the
-branch of continuous velocity is interpolated (`branch_interpolation`). Where branches only come
-close, or at a fold, the curve of positions is followed by its arc length (`arclength`).
+configuration behind it is located (`runtime.singularity.singular_position_search`). At a branch
+point the branch of continuous velocity is interpolated (`branch_point_interpolation`). Where
+branches only come close, or at a fold, the curve of positions is followed by its arc length
+(`arclength`).
 """
 
 from functools import cached_property
@@ -14,7 +15,11 @@ import numpy as np
 from runtime.continuation import singularity_classification as classification
 from runtime.continuation.arclength import Curve, Point
 from runtime.continuation.bifurcation_branches import RankDeficiency, is_ambiguous
-from runtime.continuation.branch_interpolation import DISTANCE, distance_between, interpolate_branch
+from runtime.continuation.branch_point_interpolation import (
+    DISTANCE,
+    distance_between,
+    interpolate_branch,
+)
 from runtime.continuation.continuation_state import ContinuationState, DrivenMotion
 from runtime.continuation.predictor_corrector import ARRIVED, DONE, SUSPECT
 from runtime.core.outcomes import Outcome
@@ -23,8 +28,8 @@ from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly
 from runtime.results.event_records import Kind, SingularPosition
-from runtime.singularity.local_motion import taylor
-from runtime.singularity.singular_position import Singularity, SingularPositions
+from runtime.singularity.motion_polynomial import taylor
+from runtime.singularity.singular_position_search import Singularity, SingularPositions
 
 _ROUNDING = 64.0 * EPS  # accuracy: gap, in parts of the largest coordinate, that is rounding
 _DRIFT = 1e-4  # accuracy: |uᵀ ν|, the drivers' pace 1, at a branch point or a near miss of one

@@ -48,10 +48,7 @@ def pointer(context: Any, builder: Any, table: Any, slot: int, item: Any) -> Any
 
 
 def _view(typing_context: Any, base: Any, start: Any, length: Any) -> Any:
-    """Elements `start` to `start + length` of a contiguous one-dimensional array, not owned.
-
-    No bounds are checked. Works for float64 and int64 arrays.
-    """
+    """Elements `start` to `start + length` of a flat float64 or int64 array; bounds unchecked."""
     if not (isinstance(base, types.Array) and base.ndim == 1 and base.layout == "C"):
         return None
     signature = types.Array(base.dtype, 1, "C")(base, types.intp, types.intp)

@@ -5,7 +5,7 @@ part that needs something rare thus costs the others nothing.
 """
 
 from runtime.core.array_types import f8, i8, integers, none, vector
-from runtime.core.table_layout import TableLayout
+from runtime.core.function_table_layout import TableLayout
 
 TABLE = TableLayout()  # the declaration that all below derives from
 

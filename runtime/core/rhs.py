@@ -1,7 +1,7 @@
 """The right-hand side of the equations of motion, as the methods call it."""
 
 from runtime.core import function_table as ft
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import inlined
 from runtime.core.kernel_abi import accelerations_of

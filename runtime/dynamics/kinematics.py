@@ -14,35 +14,30 @@ import numpy.typing as npt
 
 from codegen.errors import AnalysisError
 from runtime.assembly.assemble import assemble, start_values
-from runtime.assembly.redundant_kernels import redundancy_note, with_redundancy
+from runtime.assembly.least_norm_kernels import redundancy_note, with_redundancy
 from runtime.continuation.driven_motion import follow
 from runtime.core.modes import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations
-from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.mechanism.mechanism_data import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.event_records import Event, SingularPosition
 from runtime.results.result import Result
 from runtime.validation.arguments import instants
-from runtime.validation.contacts import require_no_rigid, require_slip
 from runtime.validation.masses import require_masses
 from runtime.validation.parameters import parameter_values
+from runtime.validation.rigid_contact_and_stiction import require_no_rigid, require_slip
 
 _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCKED)}
 
 
 def kinematics(
-    mechanism: Mechanism,
-    t_eval: npt.ArrayLike,
-    *,
-    parameters: Values | None = None,
-    guess: Values | None = None,
-    t_start: float = 0.0,
-    progress: Progress = silent,
+    mechanism: Mechanism, t_eval: npt.ArrayLike, *, parameters: Values | None = None,
+    guess: Values | None = None, t_start: float = 0.0, progress: Progress = silent,
     analysis: str = "kinematics",
-) -> Result:
+) -> Result:  # fmt: skip
     """Kinematics of `Machine.kinematics`; `analysis` names the analysis in messages."""
     began = clock.perf_counter()
     require_no_rigid(mechanism, analysis)

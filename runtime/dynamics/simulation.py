@@ -6,17 +6,17 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from runtime.assembly.redundant_kernels import redundancy_note
+from runtime.assembly.least_norm_kernels import redundancy_note
 from runtime.continuation.singularity_classification import describe_crossings
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.formulations import Coordinates, formulate
+from runtime.dynamics.integration_coordinates import Coordinates, formulate
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.work import integrate_works
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.mechanism.mechanism_data import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.event_records import Event

@@ -7,7 +7,7 @@ crossings is missed.
 """
 
 from runtime.core import function_table as ft
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inlined, inner

@@ -4,12 +4,12 @@ import numpy as np
 
 from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.modes import FREE, SLIDING
-from runtime.hybrid.degenerate_sliding import solve_least
-from runtime.hybrid.sliding_modes import (
+from runtime.hybrid.redundant_sliding import solve_least
+from runtime.hybrid.sliding_shares import (
     CANCELLED,
     combine_accelerations,
     evaluate_units,

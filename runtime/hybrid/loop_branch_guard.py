@@ -13,7 +13,7 @@ import numpy as np
 
 from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.array_views import view
 from runtime.core.jit import addressed

@@ -11,7 +11,7 @@ import numpy as np
 
 from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.modes import SLIDING

@@ -4,7 +4,7 @@ import numpy as np
 
 from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.modes import SLIDING, Direction
@@ -13,9 +13,9 @@ from runtime.core.rounding import EPS
 from runtime.core.run_record import run_record
 from runtime.hybrid import mode_consistency as consistency
 from runtime.hybrid import switching_functions as switching
-from runtime.hybrid.degenerate_sliding import share_freedom
 from runtime.hybrid.impact import ON_SURFACE
 from runtime.hybrid.mode_selection import prefer_released, set_preferences, surface_band
+from runtime.hybrid.redundant_sliding import share_freedom
 from runtime.linalg.vectors import copy_vector, largest_magnitude
 
 LOOK_AHEAD = 0.05  # measured: of a step; look-ahead in which modes are judged

@@ -4,14 +4,14 @@ Where a switching function crosses zero inside a trial step, the step is taken a
 """
 
 from runtime.core import function_table as ft
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed, inner
 from runtime.core.outcomes import Outcome
 from runtime.core.run_record import run_record
-from runtime.core.workspace import row_of, switch_row
+from runtime.core.workspace_rows import row_of, switch_row
 from runtime.hybrid.event_location import INSTANT, find_crossing_at_end
-from runtime.hybrid.event_resolution import UNRESOLVED
+from runtime.hybrid.event_step_limit import UNRESOLVED
 from runtime.hybrid.switching_functions import evaluate_switching_and_rates
 from runtime.integrate.step import Signal, TrialStep, reject
 

@@ -13,7 +13,7 @@ from runtime.core.array_types import Integers, i8
 from runtime.core.jit import ADDRESSES, addressed, compiled, inner
 from runtime.core.outcomes import Outcome
 from runtime.core.run_record import Plan, run_record
-from runtime.core.workspace import Y0, Y1
+from runtime.core.workspace_rows import Y0, Y1
 from runtime.integrate.acceptance import accept_step, judge_events
 from runtime.integrate.event_step import end_at_event
 from runtime.integrate.step import Signal, TrialStep, reject

@@ -13,14 +13,14 @@ from runtime.core.array_types import Integers, Vector
 from runtime.core.modes import SLIDING, Direction
 from runtime.core.outcomes import Outcome
 from runtime.core.system import System
-from runtime.core.workspace import BAND, STRUCK
+from runtime.core.workspace_rows import BAND, STRUCK
 from runtime.hybrid.loop_branch_guard import DEAD_CENTRE_NOTE, find_dead_centre
 from runtime.hybrid.mode_search import MOST_COMBINED
 from runtime.integrate.initialization import start
 from runtime.integrate.loop import advance
 from runtime.integrate.method import LEADING
 from runtime.integrate.problem import Options, Problem
-from runtime.integrate.recording import Recording
+from runtime.integrate.recorded_rows import Recording
 from runtime.integrate.run_state import RunState
 from runtime.integrate.sampling import INTERVAL
 from runtime.integrate.singular_crossing.crossing import Crossings

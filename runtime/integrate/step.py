@@ -7,14 +7,14 @@ import numpy as np
 from runtime.constraints.newton_return import FAILED
 from runtime.constraints.repartitioning import is_poorly_chosen
 from runtime.core import function_table as ft
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.array_views import view
 from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import constraints_of
 from runtime.core.rhs import write_derivative
 from runtime.core.run_record import ConstraintReturn, is_near_singularity, run_record
-from runtime.hybrid.sliding_rhs import STEP
+from runtime.hybrid.sliding_and_stabilized_rhs import STEP
 
 
 class TrialStep(IntEnum):

@@ -8,12 +8,12 @@ section II.4.
 import numpy as np
 
 from runtime.core import function_table as ft
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed, compiled
 from runtime.core.rhs import write_derivative
 from runtime.core.run_record import Plan, run_record
-from runtime.core.workspace import row_of
+from runtime.core.workspace_rows import row_of
 
 # measured: least ratio of an error to its expectation from the step before that is believed
 _FALL = 0.1

@@ -7,7 +7,7 @@ import numpy as np
 
 from runtime.constraints import newton_return, repartitioning
 from runtime.core import function_table as ft
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import addresses
 from runtime.core.kernel_abi import KERNELS
@@ -15,13 +15,13 @@ from runtime.core.run_record import RUN, ConstraintReturn
 from runtime.core.system import System
 from runtime.hybrid import (
     event_location,
-    event_resolution,
+    event_step_limit,
     impact,
     loop_branch_guard,
     mode_reactions,
     mode_selection,
     mode_transition,
-    sliding_rhs,
+    sliding_and_stabilized_rhs,
     switching_functions,
 )
 from runtime.integrate import sampling, step, step_control
@@ -56,9 +56,9 @@ def _loop() -> Integers:
         "initialize_modes": mode_selection.initialize_modes,
         "first_step": step_control.first_step,
         "emit": sampling.emit,
-        "screen_step": event_resolution.screen_step,
-        "modified_accelerations": sliding_rhs.evaluate_modified_accelerations,
-        "modified_rhs": sliding_rhs.evaluate_modified_rhs,
+        "screen_step": event_step_limit.screen_step,
+        "modified_accelerations": sliding_and_stabilized_rhs.evaluate_modified_accelerations,
+        "modified_rhs": sliding_and_stabilized_rhs.evaluate_modified_rhs,
         "impact": impact.apply_impact,
         "return_to_surfaces": impact.return_to_surfaces,
         "transition": mode_transition.make_transition,

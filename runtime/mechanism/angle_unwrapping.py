@@ -24,19 +24,10 @@ _TURN = 2.0 * np.pi
     matrix, matrix,
 ))  # fmt: skip
 def follow(
-    table: IntArray,
-    angles: IntArray,
-    t_first: float,
-    first: FloatArray,
-    here: FloatArray,
-    t: FloatArray,
-    q: FloatArray,
-    v: FloatArray,
-    p: FloatArray,
-    sizes: FloatArray,
-    all_q: FloatArray,
-    all_v: FloatArray,
-) -> None:
+    table: IntArray, angles: IntArray, t_first: float, first: FloatArray, here: FloatArray,
+    t: FloatArray, q: FloatArray, v: FloatArray, p: FloatArray, sizes: FloatArray,
+    all_q: FloatArray, all_v: FloatArray,
+) -> None:  # fmt: skip
     """Fill `all_q` and `all_v` by the `expand` in `table`; `here`, where the walk stands, moves."""
     expand = _expand(table)
     count, n = angles.size, here.size

@@ -11,8 +11,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from codegen.artefact import check_signature, companion_path, import_generated
 from codegen.errors import AnalysisError, SupersededError
+from codegen.module_signature import check_signature, companion_path, import_generated
 
 if TYPE_CHECKING:
     from codegen import Model, Scene

@@ -31,10 +31,7 @@ def gather_tangents(module: ModuleType) -> Tangents:
 def common_system(
     description: Description, kernels: Kernels, rows: Integers, columns: Integers, n: int, m: int
 ) -> System:
-    """The entries common to all formulations, of n coordinates and m constraints.
-
-    `rows` and `columns` are those of the structural non-zeros of the Jacobian.
-    """
+    """The entries common to all formulations; `rows`, `columns`: of the Jacobian's non-zeros."""
     return System(
         **vars(kernels),
         jacobian_rows=rows,

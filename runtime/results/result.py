@@ -58,20 +58,11 @@ class Result(TimeSeries):
     """
 
     def __init__(
-        self,
-        description: Description,
-        samples: Samples,
-        p: FloatArray,
-        *,
-        analysis: str,
-        outcome: Outcome,
-        message: str,
-        stats: Mapping[str, float],
-        events: Sequence[Event] = (),
-        partitions: Sequence[Partition] = (),
-        not_unique: Sequence[str] = (),
+        self, description: Description, samples: Samples, p: FloatArray, *, analysis: str,
+        outcome: Outcome, message: str, stats: Mapping[str, float], events: Sequence[Event] = (),
+        partitions: Sequence[Partition] = (), not_unique: Sequence[str] = (),
         singular: Sequence[SingularPosition] = ()
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.description, self.samples = description, samples
         self.analysis, self.outcome, self.message = analysis, outcome, message
         self.stats = dict(stats)
@@ -114,7 +105,7 @@ class Result(TimeSeries):
             If the ending is another one, the folder does not exist or cannot be written, or a
             library for the format is not installed.
         """
-        from runtime.results.files import save
+        from runtime.results.save import save
 
         return save(self, Path(path))
 

@@ -49,18 +49,10 @@ class Samples(NamedTuple):
 
 
 class Partition(NamedTuple):
-    """A choice of independent coordinates.
+    """A choice of independent coordinates."""
 
-    Attributes
-    ----------
-    time
-        From which on they hold, s.
-    independent
-        Their names; the others follow from them by the constraints.
-    """
-
-    time: float
-    independent: tuple[str, ...]
+    time: float  # from which on they hold, s
+    independent: tuple[str, ...]  # their names; the others follow from them by the constraints
 
 
 def plain(value: Any) -> Any:

@@ -10,7 +10,7 @@ from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, mat
 from runtime.core.array_views import view
 from runtime.core.jit import allocating, inner
 from runtime.linalg.cholesky import factor_cholesky, multiply_gram, solve_cholesky
-from runtime.singularity import search_table as st
+from runtime.singularity import search_function_table as st
 
 _ITERATIONS = 40  # safety: Newton iterations
 _CONVERGED = 1e-12  # accuracy: a step over the length of the direction that is the last

@@ -10,7 +10,7 @@ import numpy as np
 
 from runtime.constraints.partitioning import evaluate_jacobian
 from runtime.core import function_table as ft
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.array_views import view
 from runtime.core.jit import addressed, fetched, inner

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.core.jit import addresses
-from runtime.singularity import search_table as st
+from runtime.singularity import search_function_table as st
 
 FloatArray = NDArray[np.float64]
 Kernel = Callable[..., Any]

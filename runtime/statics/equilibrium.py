@@ -7,19 +7,19 @@ import numpy as np
 
 from codegen.errors import AnalysisError
 from runtime.assembly.assemble import assemble
-from runtime.assembly.redundant_kernels import redundancy_note, with_redundancy
+from runtime.assembly.least_norm_kernels import redundancy_note, with_redundancy
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.mechanism.mechanism_data import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
 from runtime.statics.energy_minimisation import RestPosition, evaluate_position, minimise, polish
 from runtime.statics.reduced_gradient import StaticEquations
 from runtime.statics.stability import Judgement, Stability, judge
-from runtime.validation.contacts import require_no_rigid, require_no_sticking
 from runtime.validation.masses import require_masses
 from runtime.validation.parameters import parameter_values
+from runtime.validation.rigid_contact_and_stiction import require_no_rigid, require_no_sticking
 
 _TURNED = 25.0  # safety: rad after which nothing holds a machine whose forces do not balance
 _FAR = 1e6  # safety: scaled length after which nothing does

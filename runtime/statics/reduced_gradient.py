@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from runtime.assembly.closure import CLOSED
 from runtime.constraints.partitioning import order_by_pivots
-from runtime.linalg.newton_iteration import solve_by_newton
+from runtime.linalg.least_norm_newton import solve_by_newton
 from runtime.mechanism.dense_equations import Equations, FloatArray
 
 BALANCED = 1e-10  # accuracy: part of the forces; a gradient below it counts as balanced

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 CACHE = ".linkwright_cache"
 """Folder for the modules of undeclared scenes, inside the user's working folder."""
 LEFT_OUT = "none"
-"""The fidelity of an effect that is left out: `codegen.scene_variants.Variant.word`."""
+"""The fidelity of an effect that is left out: `codegen.one_change_scenes.Variant.word`."""
 
 
 class Source(NamedTuple):
@@ -46,7 +46,7 @@ def read_source(
     folder: str | os.PathLike[str] | None,
 ) -> Source:
     """Read the model, and find the scene in it: the first unless one is named."""
-    from codegen.scene_variants import declared
+    from codegen.one_change_scenes import declared
 
     read = declared(Path(model) if isinstance(model, os.PathLike) else model, scene)
     return Source(model, scene, folder, *read)

@@ -7,9 +7,9 @@ import numpy.typing as npt
 
 from codegen.errors import ParameterError
 from runtime.mechanism.description import unknown
-from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.mechanism.mechanism_data import Mechanism, Values
 from runtime.validation.arguments import check, number
-from runtime.validation.contacts import require_sound
+from runtime.validation.rigid_contact_and_stiction import require_sound
 
 
 def parameter_values(

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from codegen import build
-from codegen.artefact import import_generated
 from codegen.driver import valid_scenes
 from codegen.model_file import read_model
+from codegen.module_signature import import_generated
 from tests.codegen.machines import ODD
 from tests.codegen.workbench import Interpreted
 

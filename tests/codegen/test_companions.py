@@ -11,9 +11,9 @@ from typer.testing import CliRunner
 
 import codegen.driver
 from codegen import build
-from codegen.artefact import check_signature, companion_path, tangents_path
 from codegen.cli import app
 from codegen.errors import SceneError
+from codegen.module_signature import check_signature, companion_path, tangents_path
 from tests.codegen.workbench import write_model
 
 PENDULUM = """

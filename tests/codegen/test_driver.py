@@ -11,8 +11,8 @@ from types import ModuleType
 import pytest
 
 from codegen import build
-from codegen.artefact import check_signature, import_generated
 from codegen.errors import GeneratedFileError, InputError
+from codegen.module_signature import check_signature, import_generated
 from tests.codegen.workbench import write_model
 
 PENDULUM = """

@@ -15,8 +15,9 @@ from codegen.cli import app
 from codegen.derive.equations import derive
 from codegen.driver import valid_scenes
 from codegen.errors import InputError
+from codegen.explain import element_times as timing
 from codegen.explain import kernel_timer as clock
-from codegen.explain import part_times as timing
+from codegen.explain.element_times import measure
 from codegen.explain.ledger import explain
 from codegen.explain.ledger_data import Ledger, Part
 from codegen.explain.operation_costs import (
@@ -26,7 +27,6 @@ from codegen.explain.operation_costs import (
     operations_of,
     timing_stages,
 )
-from codegen.explain.part_times import measure
 from codegen.explain.picture import figure, page
 from codegen.explain.sample_states import about_the_start
 from codegen.explain.scene_comparison import compare

@@ -14,14 +14,14 @@ from typer.testing import CliRunner
 from codegen import ModelError
 from codegen.cli import app
 from codegen.declare.element import Constraint
-from codegen.derive.constraints import constraint_terms
+from codegen.derive.constraint_derivatives import constraint_terms
 from codegen.elements.registry import kinds_of_elements
 from codegen.reference.abbreviations import Abbreviations
 from codegen.reference.examples import Pair, example_of
 from codegen.reference.latex import WIDTH, aligned, latex, symbol, width
-from codegen.reference.letters import MEANINGS, lettered
 from codegen.reference.page import markdown, page
 from codegen.reference.pages import slug, write
+from codegen.reference.vector_letters import MEANINGS, lettered
 from tests.codegen.elements.drum import StringOnDrum, winch
 
 LIBRARY = {name: kind for name, kind in kinds_of_elements().items() if not kind.is_user_defined}

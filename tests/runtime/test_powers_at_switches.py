@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from codegen import Model
 from codegen.declare.symbols import SPEED, kinds
-from codegen.derive.conditions import as_pieces, conditions
+from codegen.derive.piecewise_conditions import as_pieces, conditions
 from codegen.derive.power_continuation import continue_powers
 from runtime import load
 from runtime.core.outcomes import Outcome

@@ -9,9 +9,9 @@ from numba import types
 from numpy.testing import assert_allclose
 
 import codegen
-from codegen.artefact import tangents_path
 from codegen.errors import AnalysisError, GeneratedFileError, SupersededError
 from codegen.model_file import read_model
+from codegen.module_signature import tangents_path
 from runtime import load
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.kernel_abi import accelerations_tangent_of, correction_tangent_of

@@ -5,7 +5,7 @@ import sympy
 from codegen.declare.body import Point
 from codegen.declare.element import ConjugateReaction, Constraint, I, J, Statement
 from codegen.declare.symbols import Letter
-from codegen.elements.drivers.coordinate import law_problems
+from codegen.elements.drivers.user_expression import law_problems
 from codegen.elements.joints.relative import DIFFERENCE
 from codegen.elements.registry import element
 

@@ -7,7 +7,7 @@ import numpy as np
 import sympy
 
 from codegen.declare.body import Curve, Point
-from codegen.declare.cam_profile import ALPHAS, places
+from codegen.declare.cam_profile_checks import ALPHAS, places
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, alpha, coordinate, given
 from codegen.elements.joints.body_line import Axis, axis_problems, bind_axis

@@ -17,8 +17,7 @@ from codegen.lower.graph import Graph
 from codegen.lower.program import LOGICAL, STATE, Input, Kernel, Lookup, Op, Program, Value
 from codegen.lower.substitution import dependencies
 
-TINY = 1e-300
-"""safety: added under a root where the root divides: √(vᵀv) has the slope 0 at v = 0, not 0/0."""
+TINY = 1e-300  # safety: added under a root that divides: √(vᵀv) has the slope 0 at v = 0, not 0/0
 
 
 def differentiate(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]) -> list[int]:

@@ -3,8 +3,8 @@
     d = W Φ_qᵀ (Φ_q W Φ_qᵀ)⁻¹ r,   r = -Φ, then -(Φ_q v + Φ_t)
 
 As many constraints as coordinates leave no choice (`lower.linear.square_systems`). Otherwise it is
-solved by the null space of Φ_q (`lower.linear.null_space`) or by eliminating Φ_q W Φ_qᵀ, whichever
-costs less.
+solved by the null space of Φ_q (`lower.linear.null_space_correction`) or by eliminating
+Φ_q W Φ_qᵀ, whichever costs less.
 """
 
 from dataclasses import dataclass
@@ -13,14 +13,13 @@ from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.graph import Graph
 from codegen.lower.linear.labels import Labels
 from codegen.lower.linear.normal_equations import NormalEquations, prefixed
-from codegen.lower.linear.null_space import NullSpace
+from codegen.lower.linear.null_space_correction import NullSpace
 from codegen.lower.linear.square_systems import Square
 from codegen.lower.operation_count import cost
 from codegen.lower.program import STATE, Check, Kernel, store
 from codegen.lower.scene_graph import SceneGraph
 
-Entries = dict[tuple[int, int], int]
-"""(row, column) → value, structural non-zeros of Φ_q."""
+Entries = dict[tuple[int, int], int]  # (row, column) → value, structural non-zeros of Φ_q
 
 Solution = tuple[list[list[int]], list[Check], Labels]
 """The unknowns, one list a right side, the pivots to watch, and names for the text."""

@@ -4,7 +4,7 @@ from codegen.declare.symbols import Parameter
 from codegen.derive.inertia import neutral
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.kernels.corrections import least_changes
-from codegen.lower.kernels.friction import with_friction
+from codegen.lower.kernels.reaction_friction import with_friction
 from codegen.lower.linear.factorization import Elimination, Strategy
 from codegen.lower.linear.labels import Labels
 from codegen.lower.operation_count import cost

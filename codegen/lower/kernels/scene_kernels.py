@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 
 from codegen.derive.equations import Equations
 from codegen.lower.constant_hoisting import with_constants
-from codegen.lower.kernels.contacts import hold_kernels, reaction_outputs
 from codegen.lower.kernels.corrections import correction
 from codegen.lower.kernels.linear_solves import accelerations
+from codegen.lower.kernels.rigid_contact_and_stiction import hold_kernels, reaction_outputs
 from codegen.lower.kernels.selection import Selection, recovered
 from codegen.lower.linear.factorization import Strategy
 from codegen.lower.module_tables import Description, describe
@@ -16,14 +16,11 @@ from codegen.lower.scene_graph import SceneGraph
 
 @dataclass(frozen=True)
 class Lowered:
-    """A scene ready to be emitted: its kernels, their tables, and the graph of their values.
-
-    `strategy` is the order of elimination that was cheapest, None where nothing is eliminated.
-    """
+    """A scene ready to be emitted: its kernels, their tables, and the graph of their values."""
 
     program: Program
     description: Description
-    strategy: Strategy | None
+    strategy: Strategy | None  # the cheapest order of elimination; None: nothing is eliminated
     scene: SceneGraph
 
     @property

@@ -24,8 +24,7 @@ from codegen.lower.linear.labels import Labels
 from codegen.lower.linear.sparse_rows import LEAST_PIVOT
 from codegen.lower.program import Check
 
-DIVISION = 8
-"""measured: operations that one division is worth in the choice of an order."""
+DIVISION = 8  # measured: operations that one division is worth in the choice of an order
 
 Strategy = Literal["substitute", "mixed", "schur", "square"]
 """Pairs while there are any; whatever is cheapest now; accelerations, then multipliers; what
@@ -47,8 +46,7 @@ class Elimination:
     # where two directions have to differ, the entry is held against those of the row as it was
     # stated, which are angles like it.
     located: list[tuple[int, int, bool]] = field(default_factory=list)
-    # names of entries, pivots, right sides and unknowns
-    labels: Labels = field(default_factory=Labels)
+    labels: Labels = field(default_factory=Labels)  # of entries, pivots, right sides and unknowns
     checks: list[Check] = field(default_factory=list, init=False)
     substitution: Substitution = field(init=False)
 

@@ -20,8 +20,7 @@ class Labels:
     right: Sequence[Sequence[str]] = ()  # of the right sides, one list a column
     solution: Sequence[Sequence[str]] = ()  # of the unknowns' values, one list a column
     matrix: str = "M"  # stem of an entry between two unknowns that are no multipliers
-    # value → its name and the step that computes it
-    by_value: dict[int, Label] = field(default_factory=dict)
+    by_value: dict[int, Label] = field(default_factory=dict)  # value → its name and its step
     steps: list[str] = field(default_factory=list)  # the title of each step, for a comment
 
     @property

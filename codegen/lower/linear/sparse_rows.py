@@ -12,17 +12,10 @@ from codegen.lower.graph import Graph
 from codegen.lower.linear.labels import Labels
 from codegen.lower.program import Check
 
-LEAST_PIVOT = 0.1
-"""accuracy: part of the largest number in its row of Φ_q that a pivot must have."""
-
-ROUNDING = 1e-12
-"""accuracy: a number below this part of the numbers it is a difference of is zero."""
-
-SEARCHED = 30
-"""safety: rows among which small sets are searched for."""
-
-Row = dict[int, int]
-"""Unknown → coefficient."""
+LEAST_PIVOT = 0.1  # accuracy: part of the largest number in its row of Φ_q that a pivot must have
+ROUNDING = 1e-12  # accuracy: a number below this part of the numbers it is a difference of is zero
+SEARCHED = 30  # safety: rows among which small sets are searched for
+Row = dict[int, int]  # unknown → coefficient
 
 
 @dataclass

@@ -16,11 +16,8 @@ from codegen.lower.linear.normal_equations import solve_by_multipliers
 from codegen.lower.linear.sparse_rows import SparseRows
 from codegen.lower.program import Check
 
-LARGEST = 3
-"""measured: rows of the largest set that is solved by its adjugate."""
-
-SHARPER = 1e-6
-"""accuracy: part of the product of the rows' squares that det² is compared with."""
+LARGEST = 3  # measured: rows of the largest set that is solved by its adjugate
+SHARPER = 1e-6  # accuracy: part of the product of the rows' squares that det² is compared with
 
 
 @dataclass

@@ -18,7 +18,7 @@ from runtime.core import function_table as ft
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.run_record import run_record
-from runtime.core.workspace import STAGE, Y1, K, row_of
+from runtime.core.workspace_rows import STAGE, Y1, K, row_of
 from runtime.integrate.implicit import bdf_history as history
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit.bdf_history import HIGHEST

@@ -22,7 +22,7 @@ from runtime.core.function_table import (
 )
 from runtime.core.jit import addressed, inner
 from runtime.core.run_record import run_record
-from runtime.core.workspace import Y0, Y1, F, K, row_of
+from runtime.core.workspace_rows import Y0, Y1, F, K, row_of
 from runtime.integrate.implicit import method_memory as mem
 
 HIGHEST = 5

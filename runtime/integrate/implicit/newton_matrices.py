@@ -5,7 +5,7 @@ import numpy as np
 from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import COORDINATES, method_integers_of
 from runtime.core.jit import inner
-from runtime.core.workspace import PARTITION, row_of
+from runtime.core.workspace_rows import PARTITION, row_of
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit.state_space_form import complete_direction
 from runtime.linalg.lu import factor, solve

@@ -18,7 +18,7 @@ from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.rounding import EPS
 from runtime.core.run_record import run_record
-from runtime.core.workspace import Y0, Y1, F, K, row_of
+from runtime.core.workspace_rows import Y0, Y1, F, K, row_of
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit import radau5_stages as rs
 from runtime.integrate.implicit.newton_matrices import factor_complex, factor_real

@@ -5,7 +5,7 @@ from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import COORDINATES, method_integers_of
 from runtime.core.jit import inner
 from runtime.core.run_record import run_record
-from runtime.core.workspace import STAGE, Y0, K, row_of
+from runtime.core.workspace_rows import STAGE, Y0, K, row_of
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit.newton_matrices import dependent_error, filtered_error
 from runtime.integrate.implicit.radau5_coefficients import C_REAL, E_A, E

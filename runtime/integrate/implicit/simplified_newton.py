@@ -14,7 +14,7 @@ from runtime.core.function_table import COORDINATES, ERROR, method_floats_of, me
 from runtime.core.jit import addressed, closure, inner
 from runtime.core.rounding import EPS
 from runtime.core.run_record import run_record
-from runtime.core.workspace import ATOL, SIZE, Y0, row_of
+from runtime.core.workspace_rows import ATOL, SIZE, Y0, row_of
 from runtime.integrate.implicit import method_memory as mem
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from constraints, all coordinates are unknowns.
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table as ft
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.array_views import view
 from runtime.core.jit import compiled, inner

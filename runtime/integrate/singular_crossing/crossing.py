@@ -17,18 +17,18 @@ from runtime.core.array_types import Vector
 from runtime.core.kernel_abi import find_stand_in
 from runtime.core.outcomes import Outcome
 from runtime.core.run_record import Plan
-from runtime.core.workspace import Y0, Y1, K
+from runtime.core.workspace_rows import Y0, Y1, K
 from runtime.integrate.loop import WEAK_STATES
 from runtime.integrate.problem import Problem
 from runtime.integrate.run_state import RunState
 from runtime.integrate.singular_crossing.crossing_step import CrossingStep, CrossingSteps
 from runtime.integrate.singular_crossing.extrapolated_accelerations import extrapolate_accelerations
-from runtime.integrate.singular_crossing.method_handover import MethodHandover
+from runtime.integrate.singular_crossing.temporary_method import MethodHandover
 from runtime.integrate.step import Signal, TrialStep
 from runtime.integrate.trajectory import Crossing
-from runtime.singularity.local_motion import Motion, hermite, taylor
+from runtime.singularity.motion_polynomial import Motion, hermite, taylor
 from runtime.singularity.scaled_constraints import ScaledConstraints
-from runtime.singularity.singular_position import Singularity, SingularPositions
+from runtime.singularity.singular_position_search import Singularity, SingularPositions
 
 _ALLOWANCE = 100.0  # measured: ratio of rounding in an error to its expectation that is let pass
 _ASTRAY = 1e-6  # accuracy: of a velocity; error of a start against the branch that it follows

@@ -4,7 +4,7 @@ import numpy as np
 
 from runtime.core.array_types import Vector
 from runtime.integrate.run_state import RunState
-from runtime.singularity.local_motion import Motion, interpolate, taylor
+from runtime.singularity.motion_polynomial import Motion, interpolate, taylor
 
 
 def extrapolate_accelerations(

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from codegen.errors import InputError
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.formulations import Coordinates, formulate
+from runtime.dynamics.integration_coordinates import Coordinates, formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.integrate.method import LEADING
 from runtime.integrate.problem import Correction, Formulation

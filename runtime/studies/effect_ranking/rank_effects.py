@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, TypeVar
 
 from codegen.errors import InputError, LinkwrightError
 from runtime.machine import Machine
-from runtime.studies.effect_ranking import trial_run
+from runtime.studies.effect_ranking import value_with_uncertainty
 from runtime.studies.effect_ranking.quantity import Function, Quantity, parse_quantity
 from runtime.studies.effect_ranking.ranking import Matters, Proposal, Row, Verdict
 from runtime.studies.effect_ranking.scene_proposal import Comparison, propose_scene
-from runtime.studies.effect_ranking.trial_run import Plan, Trial, TrialError, run_trial
+from runtime.studies.effect_ranking.value_with_uncertainty import Plan, Trial, TrialError, run_trial
 from runtime.studies.scenes import LEFT_OUT, Source, cache_folder, read_source, require_time_span
 from runtime.studies.timing import Stopwatch, take_turns
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
-    from codegen.scene_variants import Variant
+    from codegen.one_change_scenes import Variant
 
 LEAST_ROUNDS, MOST_ROUNDS = 5, 40  # measured: rounds of timed runs, however long or short these are
 SECONDS = 3.0  # measured: wall-clock time for all rounds
@@ -123,7 +123,7 @@ def _answer(
 
 def _changes(source: Source, fidelities: bool) -> "tuple[Variant, ...]":
     """Everything that can be left out of the scene, or taken in another fidelity."""
-    from codegen.scene_variants import variants
+    from codegen.one_change_scenes import variants
 
     changes = variants(source.model, source.scene, fidelities=fidelities)
     if not changes:
@@ -211,15 +211,15 @@ def _check(
     problems = []
     if error is not None and not 0.0 < error < 1.0:
         problems.append(f"error is {error:g}; it is a share of the quantity, between 0 and 1.")
-    if not trial_run.LEAST_RTOL <= rtol <= 1e-4:
-        least = trial_run.LEAST_RTOL
+    if not value_with_uncertainty.LEAST_RTOL <= rtol <= 1e-4:
+        least = value_with_uncertainty.LEAST_RTOL
         problems.append(f"rtol is {rtol:g}; to compare runs it lies from {least:g} to 1e-4.")
     if points < 11:
         problems.append(f"points is {points}; a quantity is taken from at least 11 instants.")
     if rounds is not None and rounds < 1:
         problems.append(f"rounds is {rounds}; a time takes at least one run.")
-    if analysis is not None and analysis not in trial_run.ANALYSES:
-        known = ", ".join(trial_run.ANALYSES)
+    if analysis is not None and analysis not in value_with_uncertainty.ANALYSES:
+        known = ", ".join(value_with_uncertainty.ANALYSES)
         problems.append(f"There is no analysis {analysis!r}; there are: {known}.")
     if problems:
         raise InputError(problems)

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 from codegen.errors import InputError
 from runtime.studies.effect_ranking.quantity import Quantity
 from runtime.studies.effect_ranking.ranking import Proposal, Row, Verdict
-from runtime.studies.effect_ranking.trial_run import Plan, Trial, TrialError, run_trial
+from runtime.studies.effect_ranking.value_with_uncertainty import Plan, Trial, TrialError, run_trial
 from runtime.studies.scenes import LEFT_OUT, Source
 
 if TYPE_CHECKING:
     from codegen import Scene
-    from codegen.scene_variants import Variant
+    from codegen.one_change_scenes import Variant
 
 STILL = 1e-9  # accuracy: share of the full scene's motion below which nothing moves
 

@@ -21,7 +21,7 @@ WARM = "load, warm"
 _LOAD = """
 import sys, pathlib, time
 import numba
-from codegen.artefact import import_generated
+from codegen.module_signature import import_generated
 began = time.perf_counter()
 import_generated(pathlib.Path(sys.argv[1]))
 sys.stdout.write(repr(time.perf_counter() - began))

@@ -22,7 +22,7 @@ from runtime.studies.work_precision.build_costs import build_costs
 from runtime.studies.work_precision.diagram import Choice, Line, Setting, WorkPrecision
 from runtime.studies.work_precision.interpretation import fastest
 from runtime.studies.work_precision.json_records import environment
-from runtime.studies.work_precision.measurement import Measurement
+from runtime.studies.work_precision.measured_settings import Measurement
 from runtime.studies.work_precision.reference_solution import LIMIT_FACTOR, TIGHTEST, find_reference
 from runtime.studies.work_precision.timed_runs import Runner
 from runtime.validation.scene_support import refuse_massless, require_motion
@@ -146,7 +146,7 @@ def _other_models(
     source: scenes.Source, modelling: bool, beside: "Sequence[str | Scene]"
 ) -> "list[tuple[Choice, Scene]]":
     """Scenes of the same machine: other fidelities of things that have several, and those named."""
-    from codegen.scene_variants import declared, variants
+    from codegen.one_change_scenes import declared, variants
 
     others = []
     for change in variants(source.model, source.scene) if modelling else ():

@@ -9,7 +9,7 @@ import sys
 from itertools import pairwise
 from pathlib import Path
 
-from codegen.emit.sincos import NAME as SIN_COS
+from codegen.emit.sincos_function import NAME as SIN_COS
 from codegen.lower.operation_count import by_element, operations
 from tests.codegen.workbench import Interpreted
 

@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from codegen.emit.arguments import Arguments
+from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.kernel import KernelText
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate

@@ -7,7 +7,7 @@ import numba
 import numpy as np
 import pytest
 
-from codegen.emit.sincos import FUNCTION, NAME
+from codegen.emit.sincos_function import FUNCTION, NAME
 
 Pair = Callable[[float], tuple[float, float]]
 

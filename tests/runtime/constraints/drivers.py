@@ -7,7 +7,7 @@ from runtime.core.array_types import Vector, f8, i8, integers, vector
 from runtime.core.jit import compiled
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.system import System
-from runtime.core.workspace import PARTITION, PROJECTION, ROWS, SIZE
+from runtime.core.workspace_rows import PARTITION, PROJECTION, ROWS, SIZE
 from runtime.integrate.wiring import Wiring, wire
 from tests.runtime.integrate.systems import PENDULUM, PENDULUM_P
 

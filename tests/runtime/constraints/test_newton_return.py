@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from runtime.constraints.newton_return import FAILED
-from runtime.core.workspace import PARTITION, PROJECTION, Y1
+from runtime.core.workspace_rows import PARTITION, PROJECTION, Y1
 from tests.runtime.constraints.drivers import SCALE, return_to_constraints, wired
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from runtime.constraints.partitioning import order_by_pivots
-from runtime.core.workspace import PARTITION, UNIT, Y1
+from runtime.core.workspace_rows import PARTITION, UNIT, Y1
 from tests.runtime.constraints.drivers import choose_independent, column_norm, lever, wired
 from tests.runtime.integrate.systems import PENDULUM, PENDULUM_P
 

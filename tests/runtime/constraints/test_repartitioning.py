@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.constraints.repartitioning import GROWTH_LIMIT
-from runtime.core.workspace import PARTITION, Y0, Y1
+from runtime.core.workspace_rows import PARTITION, Y0, Y1
 from tests.runtime.constraints.drivers import is_poorly_chosen, repartition, wired
 
 SCALE = np.array([1.0, 1.0, 1e3])

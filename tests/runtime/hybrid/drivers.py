@@ -5,16 +5,21 @@ The state lies in row Y0, its modes in the table; accelerations are written into
 
 from runtime.core import function_table as ft
 from runtime.core import rhs
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import f8, i8, integers, none, vector
 from runtime.core.jit import compiled
-from runtime.hybrid import degenerate_sliding, mode_consistency, mode_reactions, sliding_rhs
+from runtime.hybrid import (
+    mode_consistency,
+    mode_reactions,
+    redundant_sliding,
+    sliding_and_stabilized_rhs,
+)
 from runtime.hybrid import switching_functions as switching
 
 
 @compiled(i8(integers, vector, vector, i8, vector, f8))
 def solve_least(context, matrix, right, count, reach, slack):
-    return degenerate_sliding.solve_least(context, matrix, right, count, reach, slack)
+    return redundant_sliding.solve_least(context, matrix, right, count, reach, slack)
 
 
 @compiled(i8(integers, f8))
@@ -27,7 +32,7 @@ def evaluate_accelerations(context, t):
 
 @compiled(f8(vector, vector, vector))
 def exclude_rounding(value, change, size):
-    return sliding_rhs.exclude_rounding(value, change, size)
+    return sliding_and_stabilized_rhs.exclude_rounding(value, change, size)
 
 
 @compiled(none(integers, f8))

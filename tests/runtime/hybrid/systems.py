@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.modes import SLIDING
 from runtime.core.system import System

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.core import workspace as ws
+from runtime.core import workspace_rows as ws
 from tests.runtime.hybrid import drivers
 from tests.runtime.hybrid.systems import BLOCK, SLIDER, Instant
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from runtime.core.outcomes import Outcome
-from runtime.core.workspace import Y0, Y1
+from runtime.core.workspace_rows import Y0, Y1
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.integrate.step import Signal
 from tests.runtime.integrate.drivers import accept_step, end_at_event, judge_events, tried

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from runtime.core.outcomes import Outcome
-from runtime.core.workspace import G0, G1, R0, R1, Y0, Y1, K
+from runtime.core.workspace_rows import G0, G1, R0, R1, Y0, Y1, K
 from runtime.integrate.step import Signal
 from tests.runtime.integrate.drivers import copy_end, end_at_event, started, stay, tried
 from tests.runtime.integrate.systems import relay, relay_problem

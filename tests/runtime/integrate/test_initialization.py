@@ -5,7 +5,7 @@ import pytest
 
 from runtime import load
 from runtime.core.outcomes import Outcome
-from runtime.core.workspace import PARTITION, K
+from runtime.core.workspace_rows import PARTITION, K
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import Run
 from tests.runtime.integrate.drivers import swinging

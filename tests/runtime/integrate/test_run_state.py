@@ -5,7 +5,7 @@ import pytest
 
 from runtime.core import function_table as ft
 from runtime.core.run_record import RUN, ConstraintReturn
-from runtime.core.workspace import ATOL, PARTITION, SIZE, Y0
+from runtime.core.workspace_rows import ATOL, PARTITION, SIZE, Y0
 from runtime.integrate.method import find_method
 from runtime.integrate.problem import Options
 from runtime.integrate.run_state import RunState

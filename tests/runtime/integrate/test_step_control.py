@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from runtime.core.run_record import Plan
-from runtime.core.workspace import K
+from runtime.core.workspace_rows import K
 from runtime.integrate.step_control import first_step
 from tests.runtime.integrate.drivers import propose, started
 from tests.runtime.integrate.systems import relay, relay_problem

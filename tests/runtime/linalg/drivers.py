@@ -5,7 +5,13 @@ import numpy as np
 from runtime.core.array_types import f8, i8, integers, matrix, none, vector
 from runtime.core.jit import allocating, compiled
 from runtime.core.kernel_abi import SIGNATURES
-from runtime.linalg import cholesky, elimination_plan, leading_block, lu, row_elimination
+from runtime.linalg import (
+    cholesky,
+    elimination_plan,
+    leading_block_elimination,
+    lu,
+    row_elimination,
+)
 
 
 @allocating(i8(vector, i8, vector))
@@ -42,18 +48,18 @@ def orthonormalise(factor, vectors):
 
 @compiled(i8(matrix, i8, vector, f8))
 def eliminate_leading(a, r, right, least):
-    return int(leading_block.eliminate_leading(a, r, right, least))
+    return int(leading_block_elimination.eliminate_leading(a, r, right, least))
 
 
 @compiled(none(matrix, i8, vector, vector))
 def complete_solution(a, r, right, x):
-    leading_block.complete_solution(a, r, right, x)
+    leading_block_elimination.complete_solution(a, r, right, x)
 
 
 @compiled(none(matrix, i8, integers, integers, matrix, matrix))
 def both_vectors(a, r, row_order, column_order, left, null):
-    leading_block.left_vectors(a, r, row_order, left)
-    leading_block.null_vectors(a, r, column_order, null)
+    leading_block_elimination.left_vectors(a, r, row_order, left)
+    leading_block_elimination.null_vectors(a, r, column_order, null)
 
 
 @compiled(SIGNATURES["jacobian"])

@@ -14,7 +14,7 @@ from runtime.core.array_types import Matrix, Vector, integers, none, vector
 from runtime.core.jit import compiled
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.singularity.scaled_constraints import ScaledConstraints
-from runtime.singularity.search_table import unit_residuals
+from runtime.singularity.search_function_table import unit_residuals
 
 C, GAP, K, D, CALLS, PLACES = 0, 1, 2, 3, 4, 5
 ROWS = np.array([0, 0, 0, 1, 1, 1])

@@ -6,7 +6,7 @@ import pytest
 from runtime.core.array_types import f8, i8, integers
 from runtime.core.jit import compiled
 from runtime.core.system import System
-from runtime.core.workspace import Y0, Y1, K
+from runtime.core.workspace_rows import Y0, Y1, K
 from runtime.singularity import detection
 from tests.runtime.constraints.drivers import wired
 from tests.runtime.integrate.systems import PENDULUM

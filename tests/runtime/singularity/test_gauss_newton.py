@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from runtime.singularity.gauss_newton import find_root
-from runtime.singularity.search_table import set_units
+from runtime.singularity.search_function_table import set_units
 from tests.runtime.singularity.crossing import closed, mechanism, noted
 from tests.runtime.singularity.test_schur_complement import u_first
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from runtime.singularity.local_motion import taylor
 from runtime.singularity.location import Search
+from runtime.singularity.motion_polynomial import taylor
 from runtime.singularity.pivot_orders import PivotOrders
 from tests.runtime.singularity.crossing import branch_slopes, mechanism
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from runtime.singularity.pivot_orders import PivotOrders, count_weak
-from runtime.singularity.search_table import set_units, unit_jacobian_entries
+from runtime.singularity.search_function_table import set_units, unit_jacobian_entries
 from tests.runtime.singularity.crossing import closed, mechanism
 
 

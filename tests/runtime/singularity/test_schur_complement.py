@@ -5,7 +5,7 @@ import pytest
 
 from runtime.linalg.full_pivoting import factor_fully
 from runtime.singularity.schur_complement import reduce_to_weak_part
-from runtime.singularity.search_table import (
+from runtime.singularity.search_function_table import (
     set_units,
     unit_jacobian_entries,
 )

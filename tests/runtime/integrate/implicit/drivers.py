@@ -4,8 +4,8 @@ import numpy as np
 
 from runtime.core.array_types import f8, i8, integers, none, vector
 from runtime.core.jit import compiled
-from runtime.core.workspace import ATOL, PARTITION, SIZE
-from runtime.core.workspace import ROWS as WORKSPACE_ROWS
+from runtime.core.workspace_rows import ATOL, PARTITION, SIZE
+from runtime.core.workspace_rows import ROWS as WORKSPACE_ROWS
 from runtime.integrate.implicit import (
     bdf,
     newton_matrices,

@@ -7,7 +7,7 @@ import pytest
 from numba import njit
 
 from runtime.core.outcomes import Outcome
-from runtime.core.workspace import ROWS, Y0, Y1, K
+from runtime.core.workspace_rows import ROWS, Y0, Y1, K
 from runtime.integrate import loop as driver
 from runtime.integrate.implicit.bdf import accepted
 from runtime.integrate.implicit.bdf_history import GAMMA, KAPPA, PAST

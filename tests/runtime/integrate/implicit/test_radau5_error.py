@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.core.workspace import Y0, Y1, K
+from runtime.core.workspace_rows import Y0, Y1, K
 from runtime.integrate.implicit import method_memory as mem
 from tests.runtime.integrate.implicit.drivers import Arrays, radau5_step
 from tests.runtime.integrate.stiff import smooth_relay

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from runtime.core.workspace import Y0, Y1, K
+from runtime.core.workspace_rows import Y0, Y1, K
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit.radau5_coefficients import C
 from runtime.integrate.implicit.radau5_stages import POLYNOMIAL, STATES

@@ -7,7 +7,7 @@ from runtime.constraints.newton_return import FAILED
 from runtime.core.array_types import f8, i8, integers
 from runtime.core.function_table import method_floats_of, method_integers_of
 from runtime.core.jit import compiled, inner
-from runtime.core.workspace import Y0
+from runtime.core.workspace_rows import Y0
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit.simplified_newton import newton_iteration, step_solver
 from tests.runtime.integrate.implicit.drivers import Arrays, set_tolerance

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.core.workspace import Y0, K
+from runtime.core.workspace_rows import Y0, K
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit.state_space_form import differentiate
 from tests.runtime.integrate.implicit.drivers import Arrays, evaluate, list_unknowns

@@ -6,7 +6,7 @@ import pytest
 from runtime.integrate.problem import Options
 from runtime.integrate.run_state import RunState
 from runtime.integrate.singular_crossing.extrapolated_accelerations import extrapolate_accelerations
-from runtime.singularity.local_motion import taylor
+from runtime.singularity.motion_polynomial import taylor
 from tests.runtime.integrate.systems import PENDULUM, pendulum_problem
 
 SCALE = np.ones(3)

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
-from codegen.scene_variants import declared, variants
+from codegen.one_change_scenes import declared, variants
 from runtime import Result, load, matters
 from runtime.cli.app import app
 from runtime.show.terminal_table import width

@@ -1,0 +1,121 @@
+"""One constraint element → its equations and reactions, derived once for each statement.
+
+All elements of a type state the same placeholder equations, so a machine of a thousand revolute
+joints differentiates one of them.
+"""
+
+from dataclasses import dataclass
+from functools import cache, cached_property
+
+import sympy
+
+from codegen.declare.element import ConjugateReaction, Constraint, Frame, JointReaction, Statement
+from codegen.declare.symbols import Coordinate, Multiplier, kinds, t
+from codegen.derive.derivative import derivative
+from codegen.derive.zero_test import is_zero
+
+
+@dataclass(frozen=True)
+class ConstraintTerms:
+    """The terms of one constraint, in placeholders or in coordinates of the model.
+
+    The kernels take the derivatives of Φ from its values (`codegen.lower.differentiation`); those
+    here are for reading, and are taken when somebody asks.
+    """
+
+    coordinates: tuple[Coordinate, ...]  # the columns of the Jacobian
+    phi: tuple[sympy.Expr, ...]  # Φ, one a row
+    reactions: tuple[tuple[str, str, sympy.Expr], ...]  # (component, unit, value in `multipliers`)
+    multipliers: tuple[Multiplier, ...]  # λ of the rows
+
+    @cached_property
+    def jacobian(self) -> tuple[tuple[sympy.Expr, ...], ...]:
+        """Φ_q, row by row."""
+        return tuple(tuple(derivative(e, q) for q in self.coordinates) for e in self.phi)
+
+    @cached_property
+    def nu(self) -> tuple[sympy.Expr, ...]:
+        """ν = -Φ_t, one a row."""
+        return tuple(-derivative(e, t) for e in self.phi)
+
+    @cached_property
+    def gamma(self) -> tuple[sympy.Expr, ...]:
+        """γ = -(Φ_q q̇)_q q̇ - 2 Φ_qt q̇ - Φ_tt (Haug 3.6.7, 3.6.10), one a row."""
+        rows = zip(self.phi, self.jacobian, strict=True)
+        return tuple(_gamma(e, row, self.coordinates) for e, row in rows)
+
+
+def constraint_terms(element: Constraint) -> tuple[Statement, ConstraintTerms]:
+    """The element's statement, and everything that follows from it."""
+    statement = element.statement()
+    return statement, statement_terms(statement)
+
+
+def statement_terms(statement: Statement) -> ConstraintTerms:
+    """Everything that follows from a statement."""
+    reaction = statement.reaction
+    if isinstance(reaction, JointReaction):
+        at = reaction.on.A * reaction.on.s if reaction.arm is None else reaction.arm
+        key = (tuple(reaction.direction), reaction.on, reaction.sign, tuple(at))
+        return _derive(statement.phi, key, None)
+    return _derive(statement.phi, None, reaction)
+
+
+def derived_statements() -> int:
+    """How many different statements have been derived in this process."""
+    return _derive.cache_info().misses
+
+
+@cache
+def _derive(
+    phi: tuple[sympy.Expr, ...],
+    joint: tuple[tuple[sympy.Expr, ...], Frame, int, tuple[sympy.Expr, ...]] | None,
+    conjugate: ConjugateReaction | None,
+) -> ConstraintTerms:
+    coordinates = tuple(kinds(sympy.Tuple(*phi), Coordinate))
+    multipliers = tuple(Multiplier(f"lambda_{k}", real=True) for k in range(len(phi)))
+    if joint is not None:
+        reactions = _joint_reaction(phi, multipliers, *joint)
+    elif conjugate is None:
+        reactions = ()
+    else:
+        reactions = tuple(
+            (name, unit, -lam)
+            for (name, unit), lam in zip(conjugate.components, multipliers, strict=True)
+        )
+    return ConstraintTerms(coordinates, phi, reactions, multipliers)
+
+
+def _gamma(
+    phi: sympy.Expr, row: tuple[sympy.Expr, ...], coordinates: tuple[Coordinate, ...]
+) -> sympy.Expr:
+    """γ of one equation; mixed second derivatives are taken once and doubled."""
+    terms = [derivative(derivative(phi, t), t)]
+    for k, (entry, p) in enumerate(zip(row, coordinates, strict=True)):
+        terms.append(2 * derivative(entry, t) * p.rate)
+        terms.append(derivative(entry, p) * p.rate**2)
+        terms += [2 * derivative(entry, q) * p.rate * q.rate for q in coordinates[k + 1 :]]
+    return sympy.Add(*(-term for term in terms))
+
+
+def _joint_reaction(
+    phi: tuple[sympy.Expr, ...],
+    multipliers: tuple[Multiplier, ...],
+    direction: tuple[sympy.Expr, ...],
+    frame: Frame,
+    sign: int,
+    arm: tuple[sympy.Expr, ...],
+) -> tuple[tuple[str, str, sympy.Expr], ...]:
+    """F = -Φ_rᵀ λ and T = (s'ᵀ Bᵀ Φ_rᵀ - Φ_φᵀ) λ at the joint's point (Haug 6.6.9), in its axes."""
+    fx, fy, couple = (
+        -sign * sum(derivative(e, c) * lam for e, lam in zip(phi, multipliers, strict=True))
+        for c in (frame.x, frame.y, frame.phi)
+    )
+    torque = couple - (arm[0] * fy - arm[1] * fx)
+    torque = sympy.S.Zero if is_zero(torque) else sympy.expand(torque)
+    ux, uy = direction
+    return (
+        ("fx", "N", ux * fx + uy * fy),
+        ("fy", "N", ux * fy - uy * fx),
+        ("torque", "N m", torque),
+    )

@@ -1,0 +1,121 @@
+"""Coulomb friction in a joint, from the joint's own reaction."""
+
+from typing import Any
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.element import Constraint, Effect, FrictionLaw, Sticking, label
+from codegen.elements.forces.given_load_friction import coefficient_problems
+from codegen.elements.forces.scalar_force import Line, angle_problems, rate, relative_angle
+from codegen.elements.joints.revolute import Revolute
+from codegen.elements.joints.revolute_translational import RevoluteTranslational
+from codegen.elements.joints.translational import Translational
+from codegen.elements.registry import element
+
+JOINTS = (Revolute, Translational, RevoluteTranslational)
+
+
+@element
+class JointFriction(Effect):
+    """f = -μ N sign(ṡ) along the slip s, N being the size of the joint's reaction (Coulomb).
+
+    In a revolute joint of radius R the slip is the angle between the bodies, and f the torque
+    -μ R |F| sign(ω). In a translational joint the force across the guide presses; where the
+    bearing's length b is given, it presses at both ends, with |F/2 ± T/b| each. In a
+    revolute-translational joint the force across the line presses.
+
+    At ṡ = 0 the friction is the force that keeps the joint at rest, up to μ_s N. A change of sign
+    of ṡ is an event of a run. There the run finds the stiction force, compares it with the limit of
+    the reaction that goes with it, and goes on sticking where the force is small enough. Whether
+    the joint could slide does not matter: one that would jam on one side can stick. Only where a
+    condition or another friction changes with the same slip, the force is found between those of
+    sliding to either side.
+
+    A joint that sticks reports its `force` (a revolute joint its `torque`), N as `normal`, and the
+    `limit`, μ_s N or μ_s R N.
+
+    With a creep speed v_c the law is smooth instead, f = -μ N tanh(ṡ/v_c): below v_c the joint
+    creeps instead of sticking, at ṡ = v_c f/(μ N) nearly, and above three times v_c the force is
+    within half a percent of Coulomb's.
+
+    The reaction depends on the friction in turn: both are solved together, and where no reaction
+    agrees with the friction that it causes, a joint that slides jams: accelerations and reactions
+    are not a number there, and a run ends.
+
+    Attributes
+    ----------
+    joint
+        The joint that rubs.
+    coefficient, static
+        μ in sliding, and μ_s ≥ μ at rest; None: μ_s = μ.
+    creep
+        v_c in m/s, or ω_c in rad/s; None: the joint sticks.
+    radius, length
+        R of a revolute joint's pin in m; b of a translational joint's bearing in m, or None.
+    """
+
+    kind = "friction"
+    name: str
+    joint: Any
+    coefficient: sympy.Expr
+    creep: sympy.Expr | None = None
+    radius: sympy.Expr | None = None
+    length: sympy.Expr | None = None
+    static: sympy.Expr | None = None
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The bodies of the joint."""
+        pair: tuple[Body, ...] = self.joint.bodies if isinstance(self.joint, JOINTS) else ()
+        return pair
+
+    def friction(self) -> FrictionLaw:
+        """The slip along which it acts, and the normal force."""
+        joint, mu = self.joint, self.coefficient
+        if isinstance(joint, Revolute):
+            pressing: tuple[Any, ...] = ((("fx", sympy.S.One),), (("fy", sympy.S.One),))
+            along = relative_angle(joint.i.body, joint.j.body)
+            return FrictionLaw(joint.name, mu * self.radius, self.creep, along, (pressing,), "N m")
+        ux, uy = joint.axis
+        c, s = joint.i.body.rotation
+        dx, dy = Line(joint.i, joint.j).d
+        size = sympy.sqrt(ux**2 + uy**2)
+        along = ((ux * c - uy * s) * dx + (ux * s + uy * c) * dy) / size
+        ends: tuple[Any, ...] = (((("fy", sympy.S.One),),),)
+        if self.length is not None:
+            half = sympy.Rational(1, 2)
+            ends = tuple(((("fy", half), ("torque", sign / self.length)),) for sign in (1, -1))
+        return FrictionLaw(joint.name, mu, self.creep, along, ends, "N")
+
+    def hold(self, bodies: tuple[Body, ...]) -> Sticking | None:
+        """Where it sticks, if it does."""
+        if self.creep is not None:
+            return None
+        return Sticking(rate(self.friction().along), self.coefficient, self.static)
+
+    def problems(self) -> list[str]:
+        """Joints that do not rub, and numbers that no friction has."""
+        where, joint = label(self), self.joint
+        if not isinstance(joint, JOINTS):
+            name = f"'{joint.name}'" if isinstance(joint, Constraint) else repr(joint)
+            advice = "give a revolute, a translational or a revolute-translational joint."
+            return [f"{where}: {name} is no joint that rubs; {advice}"]
+        pin = isinstance(joint, Revolute)
+        problems = angle_problems(self, *joint.bodies) if pin else []
+        if pin and self.radius is None:
+            problems.append(
+                f"{where}: revolute joint '{joint.name}' needs radius=, its pin's, in m."
+            )
+        if not pin and self.radius is not None:
+            problems.append(f"{where}: joint '{joint.name}' has no pin; leave out radius=.")
+        if not isinstance(joint, Translational) and self.length is not None:
+            problems.append(
+                f"{where}: joint '{joint.name}' has no long bearing; leave out length=."
+            )
+        problems += coefficient_problems(self, self.coefficient, self.static, self.creep)
+        return problems + [
+            f"{where}: the {word} is {float(value):g}; give a positive number."
+            for word, value in (("radius", self.radius), ("length", self.length))
+            if value is not None and value.is_number and not value > 0
+        ]

@@ -1,0 +1,175 @@
+"""The least change that meets the constraints, by the null space of Φ_q.
+
+    min Σ d_k² / w_k   with   Φ_q d = r
+
+has the solutions d = d₀ + N z of its constraints, and z from Nᵀ W⁻¹ N z = -Nᵀ W⁻¹ d₀ (Å. Björck,
+Numerical Methods for Least Squares Problems, 1996, section 5.1.3). N is found row by row: a number
+in Φ_q determines its coordinate, whatever the weights are; one row with two unknowns, or
+two with three, leave one unknown z along n = (v, -u) or n = c₁ × c₂; d₀ is their least solution.
+Neither divides by anything but n·n, which vanishes in singular positions only.
+
+Where every coordinate follows one z, z = -Σ g n d₀ / Σ g n² with g = 1/w divides by a sum of
+positive terms: no digits are lost, however far apart the weights lie. The elimination of Φ_q W Φ_qᵀ
+takes back from its pivots what a heavy weight added to them, and loses as many digits as the
+weights lie apart. With more than one degree of freedom in a loop that elimination is taken.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from codegen.lower.linear.sparse_rows import Row, SparseRows
+from codegen.lower.program import Check
+
+TINY = 1e-100  # safety: added to weights before they are inverted; w = 0 holds a coordinate
+LARGEST = 2  # closures that are solved together
+
+
+@dataclass
+class NullSpace(SparseRows):
+    """Φ_q d = r for several right sides, d least in the norm dᵀ W⁻¹ d."""
+
+    weights: Sequence[int] = ()  # one value a column
+    rows: Sequence[str] = ()  # names of the constraints; those of the labels are the coordinates'
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._unknowns = dict.fromkeys(range(len(self.weights)))
+        self._determined: set[int] = set()
+
+    def solve(self) -> list[list[int]] | None:
+        """The changes, one list a right side; None where this is not the way to find them."""
+        while pivot := self._explicit_coordinate():
+            self._give_coordinate(*pivot)
+        while self._rows:
+            chosen = self._smallest_set(LARGEST, range(1, 2))
+            if chosen is None:
+                return None
+            self._give_closures(chosen)
+        return self._least()
+
+    # -- the null space ----------------------------------------------------------------------
+
+    def _give_coordinate(self, i: int, k: int) -> None:
+        """x_k = (r - Σ entry x) / number."""
+        graph = self.graph
+        row = self._rows.pop(i)
+        self._step(f"Eliminate {self.labels.titles(k)} with", i)
+        inverse = graph.div(graph.one, row.pop(k))
+        if not row:  # what a constraint determines may not be held
+            self.checks.append(Check(self.weights[k], graph.zero, i))
+            self._determined.add(k)
+        coefficients = {j: graph.mul(inverse, entry) for j, entry in row.items()}
+        self._give(k, coefficients, [graph.mul(inverse, column[i]) for column in self.right])
+
+    def _give(self, k: int, coefficients: Row, base: list[int]) -> None:
+        """Put x_k = base - Σ coefficient x into the rows."""
+        del self._unknowns[k]
+        for names, start in zip(self.labels.solution, base, strict=False):
+            if k < len(names):
+                self.labels.add(start, f"part_{names[k]}")
+        self._eliminate(k, coefficients, base)
+
+    def _step(self, title: str, *rows: int) -> None:
+        if self.rows:
+            self.labels.step(f"{title} {', '.join(self.rows[i] for i in rows)}")
+
+    def _name_all(self, unknowns: Iterable[int], values: Iterable[int], stem: str) -> None:
+        """Name values of unknowns, as far as these are coordinates."""
+        for k, value in zip(unknowns, values, strict=True):
+            if k < len(self.labels.names):
+                self.labels.add(value, self.labels.of(stem, k))
+
+    def _give_closures(self, chosen: tuple[int, ...]) -> None:
+        """Replace the unknowns of rows by their least solution and one unknown along n."""
+        graph = self.graph
+        mul, total = graph.mul, graph.total
+        columns = self._unknowns_of(chosen)
+        self._step("Take the least solution and the null space of", *chosen)
+        rows = [self._rows[i] for i in chosen]
+        matrix = self._take(chosen, columns)
+        if len(chosen) == 1:
+            ((u, v),) = matrix
+            n, least = [v, graph.neg(u)], [[u, v]]
+        else:
+            n = self._cross(*matrix)
+            least = [self._cross(matrix[1], n), self._cross(n, matrix[0])]
+        square = total([mul(x, x) for x in n])
+        self._watch(chosen, rows, columns, n)
+        inverse = graph.div(graph.one, square)
+        self._name_all(columns, n, "n")
+        z = len(self.weights) + len(self._eliminated)
+        self._unknowns[z] = None
+        factors = [[mul(inverse, column[i]) for i in chosen] for column in self.right]
+        for at, k in enumerate(columns):
+            base = [total([mul(f, x[at]) for f, x in zip(r, least, strict=True)]) for r in factors]
+            self._give(k, {z: graph.neg(n[at])}, base)
+
+    def _cross(self, a: list[int], b: list[int]) -> list[int]:
+        mul, sub = self.graph.mul, self.graph.sub
+        return [sub(mul(a[i], b[j]), mul(a[j], b[i])) for i, j in ((1, 2), (2, 0), (0, 1))]
+
+    def _watch(
+        self, chosen: tuple[int, ...], rows: list[Row], columns: list[int], n: list[int]
+    ) -> None:
+        """Hold det(C W Cᵀ) of the closures against the diagonal of Φ_q W Φ_qᵀ."""
+        graph = self.graph
+        weights = dict.fromkeys(columns, graph.one)
+        if columns[-1] < len(self.weights):  # without what constraints determine
+            weights = {k: w for k, w in enumerate(self.weights) if k not in self._determined}
+            rows = [self._original[i] for i in chosen]
+        pivot, reference = graph.zero, graph.one
+        for k, minor in zip(columns, n, strict=True):
+            term = graph.mul(minor, minor)
+            for other in columns:
+                term = term if other == k else graph.mul(weights[other], term)
+            pivot = graph.add(pivot, term)
+        for row in rows:
+            terms = [graph.mul(weights[k], graph.mul(x, x)) for k, x in row.items() if k in weights]
+            reference = graph.mul(reference, graph.total(terms))
+        self.checks.append(Check(pivot, reference, max(chosen)))
+        if self.rows:
+            names = "_".join(self.rows[i] for i in chosen)
+            self.labels.add(pivot, f"det_{names}")
+            self.labels.add(reference, f"size_{names}")
+
+    # -- the least change --------------------------------------------------------------------
+
+    def _least(self) -> list[list[int]] | None:
+        """The change along each unknown that is left; None where one coordinate follows two."""
+        graph, labels = self.graph, self.labels
+        mul, total = graph.mul, graph.total
+        labels.step("Substitute back")
+        nothing = [graph.zero] * len(self.right)
+        slopes: dict[int, Row] = {z: {z: graph.one} for z in self._unknowns}
+        base = dict.fromkeys(self._unknowns, nothing)
+        for k, row, start in reversed(self._eliminated):
+            slopes[k], base[k] = {}, list(start)
+            for j, factor in row.items():
+                for z, slope in slopes[j].items():
+                    product = mul(factor, slope)
+                    slopes[k][z] = graph.sub(slopes[k].get(z, graph.zero), product)
+                for column, shift in enumerate(base[j]):
+                    base[k][column] = graph.sub(base[k][column], mul(factor, shift))
+        coordinates = range(len(self.weights))
+        for column, names in enumerate(labels.solution):
+            for k in coordinates:
+                labels.add(base[k][column], f"base_{names[k]}")
+        if any(len(slopes[k]) > 1 for k in coordinates):
+            return None
+        labels.step("Solve for the change along the null space")
+        changes = [[base[k][column] for k in coordinates] for column in range(len(self.right))]
+        for z in self._unknowns:
+            moved = {k: slopes[k][z] for k in coordinates if z in slopes[k]}
+            small = graph.constant(TINY)
+            ease = {k: graph.div(graph.one, graph.add(self.weights[k], small)) for k in moved}
+            pull = {k: mul(ease[k], slope) for k, slope in moved.items()}
+            inverse = graph.div(graph.one, total([mul(pull[k], n) for k, n in moved.items()]))
+            free = {k: mul(self.weights[k], ease[k]) for k in moved}  # 1, and 0 where k is held
+            self._name_all(moved, moved.values(), "n")
+            self._name_all(ease, ease.values(), "g")
+            for d in changes:
+                step = mul(inverse, total([mul(pull[k], d[k]) for k in moved]))
+                for k, slope in moved.items():
+                    d[k] = mul(free[k], graph.sub(d[k], mul(step, slope)))
+        labels.solved(changes)
+        return changes

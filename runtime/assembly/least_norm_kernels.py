@@ -1,0 +1,144 @@
+"""Redundant constraints: kernels with pivoting by size and multipliers of least norm."""
+
+from dataclasses import replace
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numba import njit
+
+from codegen.errors import AnalysisError
+from runtime.core.jit import OPTIONS
+from runtime.core.kernel_abi import SIGNATURES, Kernels
+from runtime.integrate.method import EXPLICIT, IMPLICIT, alternatives
+from runtime.integrate.problem import Correction
+from runtime.linalg.least_norm_solve import solve_least_norm, solve_motion
+from runtime.linalg.row_elimination import Sparse
+from runtime.mechanism.description import Description
+from runtime.mechanism.mechanism_data import Mechanism
+from runtime.results.assembled_state import Assembly
+
+_VARIANTS: WeakKeyDictionary[Mechanism, dict[tuple[int, ...], Mechanism]] = WeakKeyDictionary()
+"""Compiled once for each mechanism and choice of independent constraints."""
+_OPTIONS = {name: value for name, value in OPTIONS.items() if name != "cache"}
+
+
+def with_redundancy(mechanism: Mechanism, start: "Assembly") -> Mechanism:
+    """The mechanism, or, if constraints are redundant at its start, one with kernels for that.
+
+    These choose pivots by size, for as many independent constraints as there are at the start, and
+    give the multipliers of least norm.
+    """
+    if not start.redundant:
+        return mechanism
+    # A dry friction with a given normal force needs no reaction.
+    friction = [row.name for row in mechanism.description.effects if row.kind == "friction"]
+    if friction:
+        raise AnalysisError(
+            f"{mechanism.title}: friction in joints ({', '.join(friction)}) follows from "
+            f"their reactions, which redundant constraints leave undetermined "
+            f"({', '.join(row.name for row in start.redundant)}). Remove one or the other."
+        )
+    variants = _VARIANTS.setdefault(mechanism, {})
+    if start.independent not in variants:
+        kernels, description = mechanism.kernels, mechanism.description
+        kernels = minimum_norm_kernels(kernels, description, len(start.independent))
+        variant = replace(mechanism, kernels=kernels, sufficient=start.independent)
+        variants[start.independent] = variant
+    return variants[start.independent]
+
+
+def projection_only(
+    mechanism: Mechanism, begin: "Assembly", method: str, correction: Correction
+) -> Correction:
+    """The return onto redundant constraints; refuses methods that need independent ones.
+
+    Off the constraints a redundant row appears independent, which would mislead a partition of the
+    coordinates.
+    """
+    names = ", ".join(row.name for row in begin.redundant)
+    if method in IMPLICIT:
+        raise AnalysisError(
+            f"{mechanism.title}: method {method!r} needs independent constraints, and "
+            f"{names} follow from others. Take {alternatives(EXPLICIT)}, or remove them."
+        )
+    if correction not in {"step", "projection"}:
+        raise AnalysisError(
+            f"{mechanism.title}: with redundant constraints ({names}) states return by "
+            f'projection; correction={correction!r} needs independent ones. Leave it at "step".'
+        )
+    return "projection"
+
+
+def redundancy_note(start: "Assembly") -> str:
+    """Sentence of a result about redundant constraints; empty without any."""
+    if not start.redundant:
+        return ""
+    return (
+        f" Redundant: {', '.join(row.name for row in start.redundant)}; the reactions of "
+        f"{', '.join(start.not_unique)} are not unique, those of least norm are given."
+    )
+
+
+def minimum_norm_kernels(kernels: Kernels, description: Description, count: int) -> Kernels:
+    """Kernels for which `count` independent constraints suffice."""
+    accelerations = _accelerations(kernels, description, count)
+    return replace(
+        kernels, accelerations=accelerations, correction=_correction(kernels, description, count)
+    )
+
+
+def _accelerations(kernels: Kernels, description: Description, count: int) -> Any:
+    jacobian, gamma_of = kernels.jacobian, kernels.acceleration_rhs
+    mass_of, forces = kernels.mass, kernels.applied_forces
+    resting = description.analysis == "equilibrium"  # such a scene has no γ, which is zero at rest
+    rows, columns = description.jacobian_rows, description.jacobian_columns
+    mass_rows, mass_columns = description.mass_rows, description.mass_columns
+    n, m = len(description.coordinates), len(description.constraints)
+    spare = m - count
+
+    def dynamic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
+        values, masses = np.empty(rows.size), np.empty(mass_rows.size)
+        gamma, force = np.zeros(m), np.empty(n)
+        jacobian(t, q, p, values)
+        if not resting:
+            gamma_of(t, q, v, p, gamma)
+        mass_of(q, p, masses)
+        forces(t, q, v, p, modes, force)
+        slopes, inertia = Sparse(rows, columns, values), Sparse(mass_rows, mass_columns, masses)
+        lost = solve_motion(slopes, inertia, force, gamma, a, lam)
+        return 0 if lost <= spare else m
+
+    def kinematic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
+        values, right, d = np.empty(rows.size), np.empty((1, m)), np.empty((1, n))
+        jacobian(t, q, p, values)
+        gamma_of(t, q, v, p, right[0])
+        rank = solve_least_norm(Sparse(rows, columns, values), np.ones(n), right, d)
+        a[:] = d[0]
+        lam[:] = 0.0
+        return 0 if rank >= m - spare else m
+
+    chosen = dynamic if description.has_masses else kinematic
+    return njit(SIGNATURES["accelerations"], **_OPTIONS)(chosen)
+
+
+def _correction(kernels: Kernels, description: Description, count: int) -> Any:
+    jacobian, constraints, rates = kernels.jacobian, kernels.constraints, kernels.velocity_rhs
+    rows, columns = description.jacobian_rows, description.jacobian_columns
+    n, m = len(description.coordinates), len(description.constraints)
+
+    def correction(t: Any, q: Any, v: Any, p: Any, w: Any, dq: Any, dv: Any) -> int:
+        values, right, d = np.empty(rows.size), np.empty((2, m)), np.empty((2, n))
+        jacobian(t, q, p, values)
+        constraints(t, q, p, right[0])
+        rates(t, q, p, right[1])
+        for i in range(m):
+            right[0, i] = -right[0, i]
+        for k in range(rows.size):
+            right[1, rows[k]] -= values[k] * v[columns[k]]
+        rank = solve_least_norm(Sparse(rows, columns, values), w, right, d)
+        dq[:] = d[0]
+        dv[:] = d[1]
+        return 0 if rank >= count else m
+
+    return njit(SIGNATURES["correction"], **_OPTIONS)(correction)

@@ -1,0 +1,92 @@
+"""Rows of a run's workspace, by name, and how compiled code takes them out.
+
+The workspace `w` is one flat float64 array of rows of length 2 n, n coordinates. A row that holds a
+state has q in its first half and v in its second; a row that holds a derivative has v, then a.
+Everything that a run needs to go on lies in these arrays, so that it can stop after any step and
+continue with the same bits.
+"""
+
+from collections.abc import Callable
+from typing import Any, cast
+
+from numba import types
+from numba.extending import intrinsic
+
+from runtime.core.array_types import Integers, Vector
+from runtime.core.array_views import borrowed_array, open_array, pointer, word
+from runtime.core.function_table import COORDINATES, SWITCHES, TABLE
+
+Y0 = 0  # state at the start of the step
+Y1 = 1  # state at its end
+STAGE = 2  # state at a stage
+DELTA = 3  # dq, dv of the last correction
+SAMPLE = 4  # state off the steps: outputs, look-ahead
+ATOL = 5  # absolute tolerances of q and of v
+PARTITION = 6  # weights of the correction (n), then scale of each coordinate (n)
+UNIT = 7  # state that probes the conditioning of the partition
+K = 8  # first of 16 rows of stage derivatives
+F = 24  # first of 8 rows of the dense output's coefficients
+SIZE = 32  # size from which on a coordinate's or velocity's change is relative
+PREDICTED = 33  # the step's result before correction
+PROJECTION = 34  # weights of the projection (n)
+ROWS = 35
+
+# Rows of the switching workspace `sw`, each of length s.
+G0 = 0  # g at the start of the step
+R0 = 1  # dg/dt there
+G1 = 2  # g at the end
+R1 = 3  # dg/dt there
+LARGEST = 4  # running maximum of |g|
+BAND = 5  # > 0: g began this piece on its surface; below -BAND it has crossed it
+SUSPECT = 6  # 1: this g may have crossed zero inside the step
+TRIAL = 7  # g at a trial point
+SCAN = 8  # first of SUBDIVISIONS + 1 rows: g at equal distances over the step
+SUBDIVISIONS = 8
+BETWEEN = SCAN + SUBDIVISIONS + 1  # first of 3 rows: g at points between the ends of the step
+MISMATCH = BETWEEN + 3  # how far these are from the cubic of g
+RESERVE = MISMATCH + 1  # running maximum of |g| while the function is in sliding mode
+NOW = RESERVE + 1  # g itself, also in sliding mode
+RATE_NOW = NOW + 1  # its rate
+PREFERRED = RATE_NOW + 1  # mode that is tried first
+STRUCK = PREFERRED + 1  # closing rate of a contact that takes part in the impact; 0 of others
+IMPACT_AT = STRUCK + 1  # time of the last impact of this contact
+FLIGHT = IMPACT_AT + 1  # time between its last two impacts
+SWITCH_ROWS = FLIGHT + 1
+
+
+def _row(array: str, count: int, factor: int, part: int | None) -> Any:
+    """An intrinsic that takes a row out of an array in the table, or a part of it.
+
+    Rows have `factor` parts, each as long as the number in slot `count`.
+    """
+
+    def fetch(typing_context: Any, context: Any, index: Any) -> Any:
+        signature = types.Array(types.float64, 1, "C")(context, types.intp)
+
+        def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            table = open_array(context, builder, signature, arguments)
+            length = word(builder, table, count)
+            row = builder.mul(length, context.get_constant(types.intp, factor))
+            start = builder.mul(arguments[1], row)
+            if part:
+                start = builder.add(start, length)
+            base = pointer(context, builder, table, TABLE.slots[array], types.float64)
+            data = builder.gep(base, [start], inbounds=True)
+            shape = [row if part is None else length]
+            return borrowed_array(context, builder, signature.return_type, data, shape)
+
+        return signature, codegen
+
+    return intrinsic(fetch)
+
+
+_Row = Callable[[Integers, int], Vector]
+
+row_of: _Row = cast(Any, _row("workspace", COORDINATES, 2, None))  # row of the workspace, (2 n,)
+first_half: _Row = cast(Any, _row("workspace", COORDINATES, 2, 0))  # first half of such a row, (n,)
+second_half: _Row = cast(Any, _row("workspace", COORDINATES, 2, 1))  # its second half, (n,)
+positions, velocities = first_half, second_half  # q and v of a row that holds a state
+position_rates, velocity_rates = first_half, second_half  # of a row that holds a derivative
+switch_row: _Row = cast(
+    Any, _row("switching_rows", SWITCHES, 1, None)
+)  # of the switching one, (s,)

@@ -1,0 +1,97 @@
+"""The tables of a mechanism as a user reads them."""
+
+from html import escape
+from pathlib import Path
+
+from runtime.core.kernel_abi import Kernels
+from runtime.mechanism import description as tables
+from runtime.mechanism.mechanism_data import Mechanism
+
+_SHOWN = 8  # layout: parameters that the text names
+
+
+class MechanismTables:
+    """Tables of a mechanism in one scene; `mechanism` is the data that the analyses take."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+
+    @property
+    def description(self) -> tables.Description:
+        """The tables of the generated module."""
+        return self.mechanism.description
+
+    @property
+    def kernels(self) -> Kernels:
+        """The compiled functions of the scene, callable from any numba code."""
+        return self.mechanism.kernels
+
+    @property
+    def path(self) -> Path:
+        """File of the generated module."""
+        return self.mechanism.path
+
+    @property
+    def model(self) -> str:
+        """Name of the model."""
+        return self.description.model
+
+    @property
+    def scene(self) -> str:
+        """Name of the scene."""
+        return self.description.scene
+
+    @property
+    def coordinates(self) -> tables.Table[tables.Coordinate]:
+        """Generalized coordinates with their velocities and units, in the order of q."""
+        return self.description.coordinates
+
+    @property
+    def constraints(self) -> tables.Table[tables.Constraint]:
+        """Scalar constraints, in the order of Φ and of the multipliers λ."""
+        return self.description.constraints
+
+    @property
+    def parameters(self) -> tables.Table[tables.Parameter]:
+        """Declared parameters with their defaults and units, in the order of p."""
+        return self.description.parameters
+
+    @property
+    def effects(self) -> tables.Table[tables.Effect]:
+        """Effects that act in this scene: gravity, forces, springs, contacts, frictions."""
+        return self.description.effects
+
+    def __repr__(self) -> str:
+        """Sizes, bodies, effects and the first parameters."""
+        description, parameters = self.description, self.parameters
+        drivers = int(description.driver_rows.sum())
+        head = (
+            f"{description.title}: {len(description.bodies)} bodies, {len(self.coordinates)} "
+            f"coordinates, {len(self.constraints)} constraints"
+        )
+        rows = [
+            head + (f" ({drivers} of drivers)" if drivers else ""),
+            f"  bodies      {', '.join(description.bodies)}",
+            f"  effects     {', '.join(self.effects.names) or 'none'}",
+        ]
+        if description.left_out:
+            rows.append(f"  left out    {', '.join(description.left_out.names)}")
+        if not description.has_masses:
+            rows.append("  no masses: kinematics only")
+        shown = ", ".join(f"{row.name} = {row.default:g} {row.unit}" for row in parameters[:_SHOWN])
+        more = len(parameters) - _SHOWN
+        rows.append(f"  parameters  {shown}{f', and {more} more' if more > 0 else ''}")
+        return "\n".join(rows)
+
+    def _repr_html_(self) -> str:
+        """The same with a table of all parameters, for notebooks."""
+        rows = "".join(
+            f"<tr><td>{escape(row.name)}</td><td style='text-align:right'>{row.default:g}</td>"
+            f"<td>{escape(row.unit)}</td></tr>"
+            for row in self.parameters
+        )
+        head = "<br>".join(escape(line) for line in repr(self).splitlines()[:-1])
+        return (
+            f"<div><p>{head}</p><table><thead><tr><th>parameter</th><th>default</th><th>unit</th>"
+            f"</tr></thead><tbody>{rows}</tbody></table></div>"
+        )

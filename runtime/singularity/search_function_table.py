@@ -1,0 +1,109 @@
+"""The table by which compiled searches reach a machine's constraints, and its first readers.
+
+It is laid out as that of a run (`runtime.core.function_table`). In scaled coordinates a position is
+z = (q / scale, t speed), of shape (n + 1,).
+"""
+
+from runtime.core.array_types import Integers, Vector, f8, integers, none, vector
+from runtime.core.array_views import view
+from runtime.core.function_table_layout import TableLayout
+from runtime.core.jit import compiled, inner
+from runtime.core.kernel_abi import constraints_of, jacobian_of, velocity_rhs_of
+
+TABLE = TableLayout()
+
+COORDINATES = TABLE.number("coordinates")  # n
+UNKNOWNS = TABLE.number("unknowns")  # n + 1, with time
+CONSTRAINT_COUNT = TABLE.number("constraint_count")  # m
+ROWS = TABLE.number("rows")  # of these, that follow from no others
+NONZEROS = TABLE.number("nonzeros")  # of Φ_q
+ENTRIES = TABLE.number("entries")  # nnz + m, with Φ_t
+PARAMETER_COUNT = TABLE.number("parameter_count")
+
+parameters_of = TABLE.floats("parameters", PARAMETER_COUNT, allotted=False)
+scale_of = TABLE.floats("scale", COORDINATES, allotted=False)
+independent_of = TABLE.integers("independent", ROWS, allotted=False)
+entry_rows_of = TABLE.integers("entry_rows", ENTRIES, allotted=False)
+entry_columns_of = TABLE.integers("entry_columns", ENTRIES, allotted=False)
+lengths_of = TABLE.floats("lengths", ROWS)  # of the rows, by which they are divided
+row_order_of = TABLE.integers("row_order", ROWS)  # of pivots: which row is where
+row_place_of = TABLE.integers("row_place", ROWS)  # where each row is
+column_order_of = TABLE.integers("column_order", UNKNOWNS)
+column_place_of = TABLE.integers("column_place", UNKNOWNS)
+speed_of = TABLE.floats("speed", (1, None))  # the unit of time is its inverse
+# Work arrays.
+position_of = TABLE.floats("position", COORDINATES)
+phi_of = TABLE.floats("phi", CONSTRAINT_COUNT)
+values_of = TABLE.floats("values", ENTRIES)
+ahead_of = TABLE.floats("ahead", ENTRIES)
+behind_of = TABLE.floats("behind", ENTRIES)
+displaced_of = TABLE.floats("displaced", UNKNOWNS)
+step_of = TABLE.floats("step", UNKNOWNS)
+origin_of = TABLE.floats("origin", UNKNOWNS)
+residuals_of = TABLE.floats("residuals", ROWS)
+sums_of = TABLE.floats("sums", UNKNOWNS, ROWS)  # uᵀ J' of the left vectors, flat
+
+
+@inner
+def write_position(context: Integers, z: Vector) -> float:
+    """Write q at z into the array that kernels read; the instant, s."""
+    q, scale = position_of(context), scale_of(context)
+    for j in range(q.size):
+        q[j] = z[j] * scale[j]
+    return float(z[q.size] / speed_of(context)[0])
+
+
+@inner
+def jacobian_entries(context: Integers, z: Vector, values: Vector) -> None:
+    """Fill `values`, (nnz + m,), with the Jacobian by z: Φ_q, columns scaled, then Φ_t / speed."""
+    t = write_position(context, z)
+    m, nonzeros, speed = context[CONSTRAINT_COUNT], context[NONZEROS], speed_of(context)[0]
+    q, p = position_of(context), parameters_of(context)
+    scale, columns = scale_of(context), entry_columns_of(context)
+    rate = view(values, nonzeros, m)
+    jacobian_of(context)(t, q, p, view(values, 0, nonzeros))
+    for e in range(nonzeros):
+        values[e] *= scale[columns[e]]
+    for i in range(m):
+        rate[i] = 0.0
+    velocity_rhs_of(context)(t, q, p, rate)
+    for i in range(m):
+        rate[i] /= -speed
+
+
+@inner
+def unit_residuals(context: Integers, z: Vector, residuals: Vector) -> None:
+    """Fill `residuals`, (rows,), with Φ at z over the rows' lengths, in the order of places."""
+    t = write_position(context, z)
+    phi = phi_of(context)
+    for i in range(phi.size):
+        phi[i] = 0.0
+    constraints_of(context)(t, position_of(context), parameters_of(context), phi)
+    lengths, place = lengths_of(context), row_place_of(context)
+    independent = independent_of(context)
+    for i in range(independent.size):
+        residuals[place[i]] = phi[independent[i]] / lengths[i]
+
+
+@compiled(none(integers, f8, vector))
+def set_units(context: Integers, speed: float, z: Vector) -> None:
+    """Set the unit of time, 1 / `speed` s, and the lengths of the rows of Φ_q to those at z."""
+    speed_of(context)[0] = speed
+    values, lengths, rows = values_of(context), lengths_of(context), entry_rows_of(context)
+    jacobian_entries(context, z, values)
+    for i in range(lengths.size):
+        lengths[i] = 0.0
+    for e in range(context[NONZEROS]):
+        if rows[e] < lengths.size:
+            lengths[rows[e]] += values[e] ** 2
+    for i in range(lengths.size):
+        lengths[i] = lengths[i] ** 0.5 if lengths[i] > 0.0 else 1.0
+
+
+@compiled(none(integers, vector, vector))
+def unit_jacobian_entries(context: Integers, z: Vector, out: Vector) -> None:
+    """Fill `out`, (nnz + m,), with the Jacobian of the unit rows at z; 0 in rows set aside."""
+    rows, lengths = entry_rows_of(context), lengths_of(context)
+    jacobian_entries(context, z, out)
+    for e in range(rows.size):
+        out[e] = out[e] / lengths[rows[e]] if rows[e] < lengths.size else 0.0

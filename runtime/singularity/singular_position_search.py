@@ -1,0 +1,174 @@
+"""Singular positions near a motion: how many constraints are lost, and how the motion passes.
+
+At a singular position Φ_q has lost k rows: there are left vectors u with uᵀ Φ_q = 0, and k null
+directions beyond those of the motion. Time counts as one more coordinate: a position is found where
+motions cross (a branch point), not where a driver comes to the end of its reach (a fold).
+
+|uᵀ Φ| at the root that `location` finds is the gap by which the machine misses a branch point.
+(Unfolding of a saddle: M. Golubitsky and D. G. Schaeffer, Singularities and Groups in Bifurcation
+Theory I, 1985, chapter VII.)
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from runtime.linalg.rank_policy import LOST
+from runtime.singularity.location import Root, Search
+from runtime.singularity.motion_polynomial import Motion, distance, nearest_time
+from runtime.singularity.pivot_orders import PivotOrders
+from runtime.singularity.scaled_constraints import ScaledConstraints
+
+FloatArray = NDArray[np.float64]
+
+# measured: of the way there; a motion that comes as near to a known position passes it
+_SAME = 0.05
+_ROUNDED = 1e-13  # accuracy: gap of unit rows that is rounding
+_CLEARLY = 1e-3  # measured: part of a gap; a smaller one belongs to another position
+
+
+class Singularity(NamedTuple):
+    """A singular position close to a motion; lengths are in units of `ScaledConstraints.scale`."""
+
+    t: float  # when the motion passes it, s
+    q: FloatArray  # the position, (n,)
+    # share of each constraint in the row combinations that are lost, (m,): the length of its row in
+    # the orthonormal left vectors
+    rows: FloatArray
+    lost: int  # number k of these combinations
+    direction: FloatArray  # the null direction that is not the motion's, of unit length, (n,)
+    gap: float  # the largest |uᵀ Φ|, in units of the rows' lengths
+    rate: float  # how fast the smallest singular value passes through zero, 1/s
+    veer: FloatArray  # velocity along the nearest branch less that of the motion, (n,)
+    astray: float  # length of `veer` as a part of the speed
+    speed: float  # length of the velocity, 1/s
+    miss: float  # distance of the motion from the position
+    due: float  # when drivers reach the position, s; not a number where they leave freedom
+
+
+class SingularPositions:
+    """The singular positions of a machine near its motion."""
+
+    def __init__(self, constraints: ScaledConstraints) -> None:
+        self.constraints, self.orders = constraints, PivotOrders(constraints)
+
+    def find(self, motion: Motion, s: float) -> Singularity | None:
+        """The singular position that the motion passes, or barely misses, about the time s hence.
+
+        The motion is in the machine's own units, s negative where the position lies behind. None
+        where there is none near, or where the machine rests.
+        """
+        speed = self._speed(motion)
+        if not 0.0 < speed < np.inf:
+            return None
+        search = Search(self.constraints, self.orders, motion, speed)
+        best = None
+        # With more weak rows than the motion loses, it misses the position that loses all of them,
+        # and may pass one close by that loses fewer.
+        for weak in range(search.count_weak(s), 0, -1):
+            root = search.find(s, weak)
+            found = _characterise(search, *root) if root is not None else None
+            if found is not None and (best is None or found.gap < _CLEARLY * best.gap):
+                best = found
+            if best is not None and best.gap <= _ROUNDED:
+                break
+        return best
+
+    def find_again(self, motion: Motion, known: Singularity) -> Singularity | None:
+        """A known singular position, with the instant at which a later motion passes it."""
+        speed = self._speed(motion)
+        if not 0.0 < speed < np.inf:
+            return None
+        s, miss = self._nearest(motion, known, speed)
+        if miss > _SAME * max(abs(s) * speed, 1e-3):
+            return self.find(motion, s)
+        growth = speed / known.speed
+        return known._replace(t=motion.t + s, speed=speed, rate=known.rate * growth, miss=miss)
+
+    def passing_time(self, motion: Motion, known: Singularity) -> float:
+        """The instant at which this motion is nearest to a known singular position, s."""
+        return motion.t + self._nearest(motion, known, known.speed)[0]
+
+    def _speed(self, motion: Motion) -> float:
+        return float(np.linalg.norm(motion.v / self.constraints.scale))
+
+    def _nearest(self, motion: Motion, known: Singularity, speed: float) -> tuple[float, float]:
+        """Time from the motion's own instant to where it is nearest to a position, and how near."""
+        z = np.append(known.q / self.constraints.scale, known.t * speed)
+        series = motion.scaled(self.constraints.scale, speed)
+        s = nearest_time(series, known.t - motion.t, z)
+        return s, distance(series, s, z)
+
+
+def _characterise(search: Search, root: Root, s: float) -> Singularity | None:
+    """The singular position at a root; None where the motion does not come near."""
+    constraints = search.constraints
+    rate = search.at(s)[1]
+    miss = distance(search.series, s, root.z)
+    if miss > 0.1 * abs(s) * search.speed + 1e-3:
+        return None
+    passing, veer = _passage(search, root, rate)
+    _, rates, right = np.linalg.svd(passing)
+    weakest = float(rates[-1])
+    direction = (root.null @ right[len(rates) - 1])[:-1]
+    count = len(rates)
+    if constraints.independent.size < constraints.m:
+        found = _lost_by_all_rows(search, root, direction)
+        if found is None:
+            return None
+        count, direction = found
+    rows = np.zeros(constraints.m)
+    # Of equal shares the first is to be the largest, whatever rounding says.
+    rows[constraints.independent] = np.linalg.norm(root.left, axis=1).round(9)
+    return Singularity(
+        t=search.motion.t + s,
+        q=root.z[:-1] * constraints.scale,
+        rows=rows,
+        lost=count,
+        direction=direction / max(float(np.linalg.norm(direction)), 1e-300),
+        gap=root.gap,
+        rate=weakest,
+        veer=veer * constraints.scale,
+        astray=float(np.linalg.norm(veer)) / search.speed,
+        speed=search.speed,
+        miss=miss,
+        due=float(root.z[-1]) / search.speed if root.freedom == 0 else np.nan,
+    )
+
+
+def _lost_by_all_rows(
+    search: Search, root: Root, direction: FloatArray
+) -> tuple[int, FloatArray] | None:
+    """Number of constraints lost and the null direction, with redundant rows taken into account.
+
+    None where all rows together determine every coordinate. Rows that are independent elsewhere can
+    lose more here than all rows together: a redundant one may hold where they do not.
+    """
+    constraints = search.constraints
+    matrix = constraints.all_rows(root.z[-1] / search.speed, root.z[:-1] * constraints.scale)
+    _, values, right = np.linalg.svd(matrix)
+    rank = int((values > LOST).sum())
+    null = right[rank:]
+    if not len(null):
+        return None
+    allowed: FloatArray = null.T @ (null @ direction)
+    size = float(np.linalg.norm(allowed))
+    if size < LOST:
+        # Nothing of it is left: take the null direction that is least along the motion.
+        along = null @ search.series[1, :-1]
+        others = np.linalg.svd(along[None, :])[2][1:] if len(null) > 1 else np.eye(len(null))
+        allowed, size = others[0] @ null, 1.0
+    return max(constraints.independent.size - rank, 0), allowed / size
+
+
+def _passage(search: Search, root: Root, rate: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rate of the Schur complement along a motion, (k, c), and the branch's dz/ds less its own."""
+    # Loaded where something is singular.
+    from runtime.singularity.complement_derivative import find_branch
+
+    weak, free = root.left.shape[1], root.null.shape[1]
+    passing, x = np.empty((weak, free)), np.empty(free)
+    find_branch(search.table, root.z, rate, root.left, root.null, passing, x)
+    veer: FloatArray = (root.null @ x)[:-1]
+    return passing, veer

@@ -1,0 +1,107 @@
+"""Requirements of rigid contacts and sticking friction on parameters, starts and analyses."""
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.errors import AnalysisError, InputError, ParameterError
+from runtime.mechanism.mechanism_data import Mechanism
+from runtime.results.samples import Samples
+
+FloatArray = npt.NDArray[np.float64]
+_ROUNDING = 1e-12  # by which a ratio of coefficients may miss one
+
+
+def require_sound(mechanism: Mechanism, p: FloatArray) -> None:
+    """Refuse parameters p with impossible restitution, typical forces and static friction."""
+    description = mechanism.description
+    problems = []
+    e, force = np.zeros(len(description.rigid)), np.ones(len(description.rigid))
+    mechanism.kernels.restitution(p, e)
+    mechanism.kernels.contact_scale(p, force)
+    for contact, returned, typical in zip(description.rigid, e, force, strict=True):
+        where = f"{description.title}: contact {contact.name}"
+        if not 0.0 <= returned <= 1.0:
+            problems.append(
+                f"{where}: the restitution is {returned:g}; give parameters with which it is from "
+                "0 (no rebound) to 1 (no loss)."
+            )
+        if not 0.0 < typical < np.inf:
+            problems.append(
+                f"{where}: the typical force is {typical:g} N; give parameters with which it is "
+                "positive."
+            )
+    low, high = np.zeros(len(description.switches)), np.ones(len(description.switches))
+    mechanism.kernels.holds(p, low, high)
+    for switch, first, last in zip(description.switches, low, high, strict=True):
+        if switch.kind == "friction" and not last - first >= 1.0 - _ROUNDING:
+            problems.append(
+                f"{description.title}: friction {switch.name}: the static coefficient is "
+                f"{last - first:g} times the kinetic one; give parameters with which it is at "
+                "least as large."
+            )
+    if problems:
+        raise ParameterError(problems)
+
+
+def require_apart(
+    mechanism: Mechanism, p: FloatArray, t: float, q: FloatArray, v: FloatArray, size: float
+) -> None:
+    """Refuse an assembled start in which bodies overlap at a rigid contact; `size` is in m."""
+    description = mechanism.description
+    if not description.rigid:
+        return
+    from runtime.hybrid.mode_selection import TOUCHING  # compiles where it is used
+
+    g = np.zeros(len(description.switches))
+    mechanism.kernels.switching(t, q, v, p, g)
+    problems = [
+        f"{description.title}: at t = {t:g} s the gap of the rigid contact {contact.name} is "
+        f"{g[contact.switch]:.6g} m: the bodies overlap. Start with a gap that is zero or positive."
+        for contact in description.rigid
+        if not g[contact.switch] >= -TOUCHING * size
+    ]
+    if problems:
+        raise InputError(problems)
+
+
+def require_no_rigid(mechanism: Mechanism, analysis: str) -> None:
+    """Refuse an analysis that does not determine which rigid contacts are closed."""
+    description = mechanism.description
+    if description.rigid:
+        raise AnalysisError(
+            f"{description.title}: {analysis} does not decide which rigid contacts are closed, and "
+            f"this scene has {', '.join(description.rigid.names)}. Let the machine come to rest in "
+            "a simulation, or ask for a scene without them: with a joint where a contact is "
+            "closed, or with stiffness= in place of restitution=."
+        )
+
+
+def require_no_sticking(mechanism: Mechanism, analysis: str) -> None:
+    """Refuse a search for equilibrium with sticking friction, which has no single answer."""
+    description = mechanism.description
+    names = dict.fromkeys(row.name for row in description.switches if row.kind == "friction")
+    if names:
+        raise AnalysisError(
+            f"{description.title}: {analysis} has no single answer, since the friction in "
+            f"{', '.join(names)} sticks: the machine rests wherever the forces stay within it. "
+            "Simulate to see where it comes to rest, or ask for a scene without the friction."
+        )
+
+
+def require_slip(mechanism: Mechanism, p: FloatArray, samples: Samples) -> None:
+    """Refuse instants at which friction sticks, so that its force is not determined."""
+    description = mechanism.description
+    frictions = [k for k, row in enumerate(description.switches) if row.kind == "friction"]
+    if not frictions:
+        return
+    g, rate = np.zeros((2, len(description.switches)))
+    for t, q, v, a in zip(samples.t, samples.q, samples.v, samples.a, strict=True):
+        mechanism.kernels.switching(t, q, v, p, g)
+        mechanism.kernels.switching_rates(t, q, v, a, p, rate)
+        for k in frictions:
+            if g[k] == 0.0 and rate[k] == 0.0:
+                raise AnalysisError(
+                    f"{description.title}: at t = {t:g} s nothing slips in the friction "
+                    f"{description.switches[k].name}, nor begins to, so any force that it can bear "
+                    "would do. Ask for instants at which it slips, or leave the friction out."
+                )
