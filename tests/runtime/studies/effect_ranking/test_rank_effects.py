@@ -20,7 +20,7 @@ from runtime.studies.effect_ranking import Matters, Verdict
 from runtime.studies.effect_ranking import picture as matters_picture
 from runtime.studies.effect_ranking import terminal_table as matters_table
 from runtime.studies.effect_ranking.quantity import parse_quantity
-from runtime.studies.effect_ranking.trial_run import _costs
+from runtime.studies.effect_ranking.value_with_uncertainty import _costs
 
 MACHINES = {
     "compressor": ("slider_crank", "compressor", "max:crank.omega", 0.5),
