@@ -66,7 +66,7 @@ def test_work_counts_the_iterations_of_a_return_and_not_the_return() -> None:
     machine = load("slider_crank", "compressor")
     run = machine.simulate(0.1, rtol=1e-3, progress=False)
     assert run.stats["corrections"] > run.stats["returns"]
-    operations = machine.description.operations
+    operations = dict(machine.description.operations)
     assert _costs(machine, run).work == (
         run.stats["rhs_evaluations"] * operations["accelerations"]
         + run.stats["corrections"] * operations["correction"]
