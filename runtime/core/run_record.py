@@ -59,7 +59,7 @@ _FLOATS = [
 _INTEGERS = [
     "last",  # row, after K, of the derivative at the end of a step
     "stage_calls",
-    "order",  # power of a step's length in the error estimate of the first one
+    "estimate_order",  # power of a step's length in the error estimate of the first one
     "dense_rows",
     "dense_calls",
     "fixed",  # 1: no error control

@@ -24,7 +24,9 @@ SAMPLE = 4  # state off the steps: outputs, look-ahead
 ATOL = 5  # absolute tolerances of q and of v
 PARTITION = 6  # weights of the correction (n), then scale of each coordinate (n)
 UNIT = 7  # state that probes the conditioning of the partition
-K = 8  # first of 16 rows of stage derivatives
+# First of 16 rows of the method: the derivative at the start; `last` rows on, that at the end; the
+# others are free, for derivatives at stages or states there.
+K = 8
 F = 24  # first of 8 rows of the dense output's coefficients
 SIZE = 32  # size from which on a coordinate's or velocity's change is relative
 PREDICTED = 33  # the step's result before correction

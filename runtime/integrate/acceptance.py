@@ -85,7 +85,7 @@ def judge_events(context: Integers) -> int:
         return Outcome.ZENO
     ft.restart_of(context)(context, r.t, r.next_length)
     if r.fixed == 0:
-        first = ft.first_step_of(context)(context, r.t, r.h_max, r.rtol, r.order)
+        first = ft.first_step_of(context)(context, r.t, r.h_max, r.rtol, r.estimate_order)
         r.h = min(r.next_length, 2.0 * first, _FLIGHT * r.flight)
         r.rhs += 1
         r.error_old = _LEAST_ERROR
