@@ -64,7 +64,7 @@ def place_on_constraints(context: Integers, t: float) -> int:
         r.index = ft.row_order_of(context)[r.rank]
         return Outcome.SINGULAR
     result = ft.correct_of(context)(context, t, Y0, ws.PARTITION)
-    r.newton += 1
+    r.returns += 1
     if result == FAILED:
         return Outcome.NEWTON_FAILED
     r.corrections += result
