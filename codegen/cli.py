@@ -84,7 +84,7 @@ def build(
         bool,
         typer.Option(
             "--tangents",
-            help="Also the exact derivatives that implicit methods (bdf, radau) need, in files of "
+            help="Also the exact derivatives that radau5, bdf and auto need, in files of "
             "their own; without this option only existing ones are updated.",
         ),
     ] = False,
@@ -217,7 +217,11 @@ def explain(
 @answers_errors
 def elements(
     kind: Annotated[
-        str | None, typer.Argument(help="A kind of element; without it, all are listed.")
+        list[str] | None,
+        typer.Argument(
+            help="A kind of element, with spaces, hyphens or underscores between its words; "
+            "without it, all are listed."
+        ),
     ] = None,
     model: Annotated[str | None, typer.Option(help="A model file with your own elements.")] = None,
     out: Annotated[
@@ -233,7 +237,7 @@ def elements(
     from codegen.reference.pages import chosen_kinds, find_kind, write
 
     declared = read_model(model).model if model else None
-    only = find_kind(kind) if kind else None
+    only = find_kind(" ".join(kind)) if kind else None
     folder = out or (Path("docs/elements") if check else None)
     if folder is None and only is None:
         from codegen.explain.terminal_table import PAPER

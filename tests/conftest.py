@@ -11,7 +11,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
@@ -29,6 +29,21 @@ settings.register_profile("ci", deadline=None, derandomize=True, database=None)
 settings.load_profile("ci" if os.environ.get("CI") else "developer")
 
 ROOT = Path(__file__).resolve().parent.parent
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Without pytest's cache (`-p no:cacheprovider`) tests compile scenes in a folder that goes."""
+    if config.pluginmanager.hasplugin("cacheprovider"):
+        return
+    folder = Path(tempfile.mkdtemp(prefix="linkwright-"))
+    config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+
+    def mkdir(name: str) -> Path:
+        (folder / name).mkdir(exist_ok=True)
+        return folder / name
+
+    config.cache = SimpleNamespace(mkdir=mkdir)
+
 
 # A file's tests share studies, scenes and loaded machines that cost seconds to make: one worker
 # runs them all. These files read the same scenes, so one worker runs the three.

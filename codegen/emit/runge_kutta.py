@@ -142,7 +142,7 @@ def _propose(tableau: Tableau) -> Iterator[str]:
 def _record(tableau: Tableau) -> Iterator[str]:
     nodes = ", ".join(repr(float(stage.c)) for stage in tableau.all_stages)
     yield from ("", "", "METHOD = Method(")
-    yield f"    order={tableau.order},"
+    yield f"    estimate_order={tableau.order},"
     yield f"    error_order={tableau.error_order},"
     yield f"    stage_calls={len(tableau.stages)},"
     yield f"    last={tableau.last},"

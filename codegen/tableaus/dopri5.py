@@ -4,7 +4,7 @@ The pair is J. R. Dormand and P. J. Prince's (A family of embedded Runge-Kutta f
 Computational and Applied Mathematics 6, 1980); the dense output, L. F. Shampine's (Some practical
 Runge-Kutta formulas, Mathematics of Computation 46, 1986), and its constants are those of
 E. Hairer, S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I, section II.6.
-The last stage is the first of the next step.
+k_7, the derivative at the end, is the first stage of the next step.
 
 On the imaginary axis it is stable up to one radian a step, where its estimate of the error is less
 than a thousandth: at looser tolerances accuracy alone does not keep a vibration from growing, and

@@ -1,7 +1,9 @@
 """An explicit Runge-Kutta method: its Butcher tableau, error estimate and dense output.
 
 Stages are numbered from 1. With s stages, k_{s+1} is the derivative at the end of the step, which
-is the first stage of the next; further stages serve the dense output alone.
+is the first stage of the next; further stages serve the dense output alone. Of a pair published as
+FSAL (first same as last) the last row is b, and its stage is k_{s+1}: leave that row out
+(Bogacki-Shampine has s = 3, Dormand-Prince s = 6).
 """
 
 from dataclasses import dataclass
@@ -33,7 +35,7 @@ class Tableau:
     error: Weights  # weights of the error estimate, k_{s+1} included
     dense_order: int
     # Weights of the rows F4, F5, ... of the dense output F0 + x (F1 + (1 - x) (F2 + x (F3 + ...)));
-    # the first four rows are those of the cubic Hermite polynomial.
+    # the first four rows are those of the cubic Hermite polynomial, which `()` is alone.
     dense: tuple[Weights, ...]
     beta: float  # step control: its proportional part
     safety: float  # step control: the share of what the error permits

@@ -223,7 +223,7 @@ def dense(context: Integers, t: float, h: float) -> int:
 
 
 METHOD = Method(
-    order=8,
+    estimate_order=8,
     error_order=7,
     stage_calls=11,
     last=12,

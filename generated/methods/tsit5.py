@@ -3,9 +3,9 @@
 """Explicit Runge-Kutta method of order 5(4) with dense output of order 4.
 
 The pair and its dense output are Ch. Tsitouras's (Runge-Kutta pairs of order 5(4) satisfying only
-the first column simplifying assumption, Computers & Mathematics with Applications 62, 2011). The
-last stage is the first of the next step. At equal cost its errors are as large as those of dopri5,
-or smaller by up to a factor of seven at tight tolerances.
+the first column simplifying assumption, Computers & Mathematics with Applications 62, 2011). k_7,
+the derivative at the end, is the first stage of the next step. At equal cost its errors are as
+large as those of dopri5, or smaller by up to a factor of seven at tight tolerances.
 
 On the imaginary axis it is stable up to half a radian a step only, and hardly unstable up to one:
 at loose tolerances `stability_limit` keeps vibrations within that half, and the steps of dopri5,
@@ -132,7 +132,7 @@ def propose(context: Integers, h: float) -> float:
 
 
 METHOD = Method(
-    order=5,
+    estimate_order=5,
     error_order=4,
     stage_calls=5,
     last=6,

@@ -24,7 +24,9 @@ SAMPLE = 4  # state off the steps: outputs, look-ahead
 ATOL = 5  # absolute tolerances of q and of v
 PARTITION = 6  # weights of the correction (n), then scale of each coordinate (n)
 UNIT = 7  # state that probes the conditioning of the partition
-K = 8  # first of 16 rows of stage derivatives
+# First of 16 rows of the method: the derivative at the start; `last` rows on, that at the end; the
+# others are free, for derivatives at stages or states there.
+K = 8
 F = 24  # first of 8 rows of the dense output's coefficients
 SIZE = 32  # size from which on a coordinate's or velocity's change is relative
 PREDICTED = 33  # the step's result before correction
@@ -48,7 +50,7 @@ RESERVE = MISMATCH + 1  # running maximum of |g| while the function is in slidin
 NOW = RESERVE + 1  # g itself, also in sliding mode
 RATE_NOW = NOW + 1  # its rate
 PREFERRED = RATE_NOW + 1  # mode that is tried first
-STRUCK = PREFERRED + 1  # 1: this contact takes part in the impact
+STRUCK = PREFERRED + 1  # closing rate of a contact that takes part in the impact; 0 of others
 IMPACT_AT = STRUCK + 1  # time of the last impact of this contact
 FLIGHT = IMPACT_AT + 1  # time between its last two impacts
 SWITCH_ROWS = FLIGHT + 1

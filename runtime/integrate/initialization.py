@@ -64,7 +64,7 @@ def place_on_constraints(context: Integers, t: float) -> int:
         r.index = ft.row_order_of(context)[r.rank]
         return Outcome.SINGULAR
     result = ft.correct_of(context)(context, t, Y0, ws.PARTITION)
-    r.newton += 1
+    r.returns += 1
     if result == FAILED:
         return Outcome.NEWTON_FAILED
     r.corrections += result
@@ -80,7 +80,7 @@ def choose_modes(context: Integers, t: float) -> int:
     impact_at, size = switch_row(context, ws.IMPACT_AT), ws.first_half(context, ws.SIZE)
     # A run of no length has modes too; they are judged as if it went on for a second.
     longest = r.h_max if r.h_max > 0.0 else 1.0
-    h = ft.first_step_of(context)(context, t, longest, r.rtol, r.order)
+    h = ft.first_step_of(context)(context, t, longest, r.rtol, r.estimate_order)
     ft.settings_of(context)[STEP] = h
     measure_spreads(context, t)
     for k in range(modes.size):
@@ -159,7 +159,7 @@ def start(context: Integers) -> int:
         r.index = jammed
         return Outcome.INCONSISTENT
     if r.fixed == 0 and not r.h > 0.0:
-        r.h = ft.first_step_of(context)(context, t, r.h_max, r.rtol, r.order)
+        r.h = ft.first_step_of(context)(context, t, r.h_max, r.rtol, r.estimate_order)
         r.rhs += 1
     r.rhs += 1
     ft.restart_of(context)(context, t, r.h)

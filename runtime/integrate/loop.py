@@ -100,7 +100,7 @@ def look_for_singularity(context: Integers) -> int:
     if (
         r.plan == Plan.FREE
         and context[ft.CONSTRAINT_COUNT] > 0
-        and context[ft.MODIFIED] == context[ft.STABILIZED]
+        and context[ft.SLIDING_COUNT] == 0  # the search knows Φ alone, and not g = 0
         and r.end >= r.look_at
         and r.end >= r.quiet
         and r.fixed == 0

@@ -80,13 +80,14 @@ class Method:
 
     Attributes
     ----------
-    order
-        Power of the step's length in the error of the first step, by which its length is chosen.
+    estimate_order
+        Power of the step's length in the estimated error of the first step, by which its length is
+        chosen; `Registration.order` is that in the errors of a run.
     error_order
         Steps are chosen by the power 1 / (error_order + 1) of the estimated error.
     stage_calls, dense_calls
-        Evaluations of the right-hand side in `stages` and in `dense`, for the statistics; 0 where
-        the method counts its own.
+        Evaluations of the right-hand side in `stages` and in `dense`, for the statistics.
+        `stage_calls` is 0 in implicit methods, which count their own, and only in them.
     last
         Row, after K, of the derivative at the end of the step.
     dense_rows
@@ -118,7 +119,7 @@ class Method:
         for ahead of the motion.
     """
 
-    order: int
+    estimate_order: int
     error_order: int
     last: int
     dense_rows: int

@@ -19,8 +19,8 @@ from runtime.integrate.wiring import METHOD_SLOTS, function_table, wire
 _FOLLOWED = 2.0  # measured: of Baumgarte's time; in longer steps the stabilisation oscillates
 _MOST_PATIENCE = 1024  # safety: times the first, before a method is changed
 _METHOD_NUMBERS = (
-    "order", "last", "stage_calls", "dense_calls", "dense_rows", "foresight", "beta", "safety",
-    "shrink", "grow",
+    "estimate_order", "last", "stage_calls", "dense_calls", "dense_rows", "foresight", "beta",
+    "safety", "shrink", "grow",
 )  # fmt: skip
 _CORRECTING = {
     "step": ConstraintReturn.BY_PARTITION,

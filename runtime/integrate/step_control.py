@@ -36,7 +36,7 @@ def propose(context: Integers, h: float) -> float:
         r.remembered = 0.0
     else:
         if r.remembered > 0.0 and h <= _COMPARABLE * r.length_old:
-            expected = r.remembered * (h / r.length_old) ** r.order
+            expected = r.remembered * (h / r.length_old) ** r.estimate_order
             r.error = max(r.error, _FALL * expected)
         r.remembered, r.length_old = r.error, h
     ratio = r.grow

@@ -51,6 +51,7 @@ def _spread(scene: SceneGraph) -> float:
 def dynamics_kernel(
     scene: SceneGraph, strategy: Strategy, rows: tuple[int, ...], refine: bool = False
 ) -> Kernel:
+    """The fused kernel by one order of elimination, with a step of refinement or without."""
     n, graph = scene.n, scene.graph
     entries = {place: mass for place, mass in scene.mass.items() if mass != graph.zero}
     references: dict[int, int] = {}

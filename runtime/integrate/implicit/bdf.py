@@ -163,7 +163,7 @@ def restart(context: Integers, t: float, h: float) -> int:
 
 
 METHOD = Method(
-    order=2,  # power of the step in the error of the first order, with which every start begins
+    estimate_order=2,  # at order 1, with which every start begins
     error_order=1,
     last=LAST,
     dense_rows=history.DENSE_ROWS,

@@ -1,4 +1,30 @@
-"""Layout of METHOD_FLOATS and METHOD_INTEGERS, in which an implicit method keeps its state."""
+"""Layout of METHOD_FLOATS and METHOD_INTEGERS, in which an implicit method keeps its state.
+
+The duties of a method, beside its formulas:
+
+- `stages` calls `list_unknowns` first, leaves the dependent half of Y1 uncorrected, and writes
+  STEP_ERROR after the step;
+- `accepted` counts EQUAL, sets H_BASE and ERROR_BASE, keeps LOW, and answers `suits_explicit`;
+- `restart` zeroes EQUAL, CURRENT and LOW; a multistep method begins its history anew.
+
+| place | who writes it | who reads it |
+|---|---|---|
+| FREEDOMS, PARTITIONED, unknowns | `list_unknowns` | all |
+| CURRENT | `differentiate` 1; `list_unknowns`, the iteration, `restart` 0 | `step_solver` |
+| FACTORED_FOR | `step_solver`; `differentiate` 0 | `step_solver` |
+| TOLERANCE, ENOUGH | `set_tolerance` | the iteration, error estimates |
+| RATE, ITERATIONS | the iteration | the iteration; `propose` |
+| STEP_ERROR | `stages` | `error` |
+| EQUAL, H_BASE | `accepted`, `restart` | prediction, `propose`, error estimates |
+| ERROR_BASE | `accepted` | `propose` |
+| LOW | `accepted`, `restart` | setting of unknowns |
+| SETTLED | `list_unknowns` 0; `accepted` of a multistep method | `set_tolerance` |
+| STIFFNESS, DAMPING | `differentiate` | `suits_explicit`, choice of order, `auto` |
+| CALM, STIFF | `suits_explicit`; `auto` | the same |
+
+LOWER, HIGHER, the numbers from CHANGE on, STEP_ORDER, NEXT_ORDER and REJECTED are BDF's alone:
+another method may keep its own numbers there, as in rows 0 to 19.
+"""
 
 from runtime.core.array_types import Integers, Vector
 from runtime.core.borrowed_arrays import view
@@ -6,7 +32,7 @@ from runtime.core.function_table import COORDINATES, method_floats_of, method_in
 from runtime.core.jit import fetched
 
 # METHOD_FLOATS: numbers, then rows of length 2 n, then matrices.
-C_FACTORED = 0  # the c, or the step, for which the matrices are factored
+FACTORED_FOR = 0  # the `scale` of `step_solver` for which the matrices are factored
 RATE = 1  # of Newton's convergence: what is still missing over the last change
 STEP_ERROR = 2  # of the last trial step, over the tolerance
 H_BASE = 3  # distance of a multistep method's history; length of a one-step method's last step

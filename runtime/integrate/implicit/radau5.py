@@ -190,7 +190,7 @@ def dense(context: Integers, t: float, h: float) -> int:
 
 
 METHOD = Method(
-    order=4,  # power of the step in the error estimate
+    estimate_order=4,
     error_order=3,
     last=LAST,
     dense_rows=DENSE_ROWS,

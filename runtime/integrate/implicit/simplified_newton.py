@@ -44,32 +44,32 @@ def step_solver(
     factor: "Callable[[Integers, float], int]",
     solve: "Solver",
 ) -> "Solver":
-    """A function of (context, t, c) that solves a step, with fresh derivatives if need be.
+    """A function of (context, t, scale) that solves a step, with fresh derivatives if need be.
 
     It returns the iterations that returns onto the constraints took, or `FAILED`. The matrices
-    belong to the number c. Of (context, c), `predict` starts the iteration and `factor` factors the
-    matrices, not 0 where one is singular; of (context, t), `linearize` takes the derivatives, or
-    `FAILED`; `solve` is as `newton_iteration` makes it.
+    belong to the number `scale`: c of BDF, h of Radau IIA. Of (context, scale), `predict` starts
+    the iteration and `factor` factors the matrices, not 0 where one is singular; of (context, t),
+    `linearize` takes the derivatives, or `FAILED`; `solve` is as `newton_iteration` makes it.
     """
 
     @closure
-    def solve_step(context: Integers, t: float, c: float) -> int:
+    def solve_step(context: Integers, t: float, scale: float) -> int:
         r = run_record(context)
         memory, notes = method_floats_of(context), method_integers_of(context)
         fresh = False
         while not fresh:
-            predict(context, c)
+            predict(context, scale)
             fresh = notes[mem.CURRENT] != 1
             if fresh and linearize(context, t) == FAILED:
                 return FAILED
-            if memory[mem.C_FACTORED] != c:
+            if memory[mem.FACTORED_FOR] != scale:
                 memory[mem.RATE] = 1.0
-                memory[mem.C_FACTORED] = c
+                memory[mem.FACTORED_FOR] = scale
                 r.factorizations += 1
-                if factor(context, c) != 0:
+                if factor(context, scale) != 0:
                     notes[mem.CURRENT] = 0
                     return FAILED
-            taken = solve(context, t, c)
+            taken = solve(context, t, scale)
             if taken != FAILED:
                 return taken
             notes[mem.CURRENT] = 0
@@ -81,26 +81,27 @@ def step_solver(
 def newton_iteration(
     evaluate: "Solver", improve: "Callable[[Integers, float], float]", most: int, slowest: float
 ) -> "Solver":
-    """A function of (context, t, c) that iterates until what is missing is below the tolerance.
+    """A function of (context, t, scale) that iterates until what is missing is below the tolerance.
 
     It returns the iterations that returns onto the constraints took, or `FAILED` where a state
     cannot be completed or the iteration does not converge: after `most` iterations, or where the
-    ratio of two changes' sizes is `slowest`. Of (context, t, c), `evaluate` completes the iterate
-    and writes its accelerations, or `FAILED`; of (context, c), `improve` changes it by a Newton
-    step, whose size over the tolerance it returns.
+    ratio of two changes' sizes is `slowest`. Of (context, t, scale), `evaluate` completes the
+    iterate and writes its accelerations, or `FAILED`; of (context, scale), `improve` changes it by
+    a Newton step, whose size over the tolerance it returns. Sequential stages, as those of DIRK
+    methods, take one iteration each.
     """
 
     @closure
-    def iterate(context: Integers, t: float, c: float) -> int:
+    def iterate(context: Integers, t: float, scale: float) -> int:
         r = run_record(context)
         taken, before = 0, 0.0
         for iteration in range(most):
-            result = evaluate(context, t, c)
+            result = evaluate(context, t, scale)
             if result == FAILED:
                 return FAILED
             taken += result
             r.iterations += 1
-            size = improve(context, c)
+            size = improve(context, scale)
             reached = _convergence(context, iteration, most - 1 - iteration, size, before, slowest)
             if reached != _GOING:
                 return taken if reached == _DONE else FAILED

@@ -168,7 +168,7 @@ def differentiate(context: Integers, t: float, state: int) -> int:
         for i in range(f):
             by_rate[i * f + k] = da[unknown[i]]
     notes[mem.CURRENT] = 1
-    memory[mem.C_FACTORED] = 0.0
+    memory[mem.FACTORED_FOR] = 0.0
     run_record(context).jacobians += 1
     estimate_spectrum(context)
     return 0

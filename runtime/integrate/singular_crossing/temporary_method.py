@@ -40,7 +40,7 @@ class MethodHandover:
         r["lent"], r["automatic"] = 1, 0
         r["lent_until"] = position.t + max(ahead, self.kept_length)
         state.use_method(LEADING)
-        first = first_step(state.table, r["t"], r["h_max"], r["rtol"], r["order"])
+        first = first_step(state.table, r["t"], r["h_max"], r["rtol"], r["estimate_order"])
         way = _LEARNING * ahead
         r["usual"] = r["h"] = min(first, way) if way > 0.0 else max(first, self.kept_length)
         r["look_at"] = -np.inf

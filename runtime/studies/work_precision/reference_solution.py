@@ -33,14 +33,16 @@ LIMIT_FACTOR = 6.0  # safety: times the time limit of a run that a reference run
 _STEPS_FACTOR = 20  # safety: times the number of steps of a run that a reference run may take
 DOUBTFUL = 1e-6  # accuracy: scaled error above which a reference is no longer known
 _ROUNDING = 1e-15  # accuracy: least scaled error to which a reference is known
+# safety: least order of a method whose runs confirm; at order 3 they take fifty times the steps
+_WITNESS_ORDER = 5
 _CONSERVED = 1e-9  # accuracy: relative change of the energy below which it is conserved
 
 
 def _independent_methods() -> tuple[str, ...]:
-    """The first method of each family and order; a second one of both would err alike."""
+    """The first accurate method of each family and order; a second one of both would err alike."""
     kinds: dict[tuple[str, int], str] = {}
     for name, method in REGISTER.items():
-        if method.family != SWITCHING:
+        if method.family != SWITCHING and method.order >= _WITNESS_ORDER:
             kinds.setdefault((method.family, method.order), name)
     return tuple(kinds.values())
 

@@ -20,6 +20,7 @@ ONE = Fraction(1)
 # What the digits leave that are published: none for fractions, about 30 of dop853, 40 of tsit5 but
 # 17 of its dense output.
 MISSING = {"dopri5": 0, "dop853": Fraction(1, 10**24), "tsit5": Fraction(1, 10**36)}
+LOOSEST = 1e-3  # relative tolerance of a loose run
 MISSING_DENSE = {**MISSING, "tsit5": Fraction(1, 10**15)}
 
 
@@ -162,8 +163,10 @@ def test_stability_edge(name):
     half = 0.5 * edge * abs(dot(map(float, tableau.error), states))
     comparable = tableau.stages[-1].c == 1  # its state is compared with that at the end
     if tableau.stability_edge is None:
-        # Beyond 5 rad no accuracy asked for permits such a step.
-        assert edge > 5.0 or not comparable, f"give stability_edge={half:.2g}"
+        # Beyond 5 rad no accuracy asked for permits such a step; where `half` is large, few do.
+        limit = f"set stability_edge={half:.2g}" if comparable else "no stability_edge can help"
+        advice = f"above a tolerance of {half:.2g} vibrations grow: {limit}"
+        assert edge > 5.0 or (not comparable and half >= LOOSEST), advice
         return
     assert tableau.stability_edge == pytest.approx(half, rel=0.1)
     assert comparable

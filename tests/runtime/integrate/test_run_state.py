@@ -59,7 +59,7 @@ def test_another_method_with_nothing_to_remember():
     run.use_method("dopri5")
     method = find_method("dopri5")
     assert run.method is method
-    assert run.record["order"] == method.order
+    assert run.record["estimate_order"] == method.estimate_order
     assert run.record["exponent"] == 1.0 / (method.error_order + 1)
     np.testing.assert_array_equal(run.table[METHOD_SLOTS], function_table("dopri5"))
     assert not run.wiring.arrays["method_integers"].any()

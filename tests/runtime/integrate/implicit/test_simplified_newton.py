@@ -43,7 +43,7 @@ def predict(context, c):
 @inner
 def linearize(context, t):
     method_integers_of(context)[mem.CURRENT] = 1
-    method_floats_of(context)[mem.C_FACTORED] = 0.0
+    method_floats_of(context)[mem.FACTORED_FOR] = 0.0
     return 0
 
 

@@ -29,13 +29,13 @@ def test_an_implicit_method_is_replaced_and_comes_back(method):
     handover, r = MethodHandover(state), state.record
     assert handover.begin(steps, position(), 1e-6, 0.01)
     assert r["lent"] == 1
-    assert r["order"] == 8
+    assert r["estimate_order"] == 8
     assert r["h"] == pytest.approx(0.2e-6)  # a fifth of the way
     assert r["lent_until"] == 1.25  # at least a usual step behind the position
     assert not handover.begin(steps, position(), 1.0, 0.01)  # lent already
     handover.end()
     assert (r["lent"], r["h"]) == (0, 0.25)
-    assert r["order"] == state.method.order
+    assert r["estimate_order"] == state.method.estimate_order
     assert state.methods == [(0.0, method)]
 
 
