@@ -217,7 +217,11 @@ def explain(
 @answers_errors
 def elements(
     kind: Annotated[
-        str | None, typer.Argument(help="A kind of element; without it, all are listed.")
+        list[str] | None,
+        typer.Argument(
+            help="A kind of element, with spaces, hyphens or underscores between its words; "
+            "without it, all are listed."
+        ),
     ] = None,
     model: Annotated[str | None, typer.Option(help="A model file with your own elements.")] = None,
     out: Annotated[
@@ -233,7 +237,7 @@ def elements(
     from codegen.reference.pages import chosen_kinds, find_kind, write
 
     declared = read_model(model).model if model else None
-    only = find_kind(kind) if kind else None
+    only = find_kind(" ".join(kind)) if kind else None
     folder = out or (Path("docs/elements") if check else None)
     if folder is None and only is None:
         from codegen.explain.terminal_table import PAPER
@@ -262,7 +266,7 @@ def methods(
     ] = False,
 ) -> None:
     """Write the explicit integration methods of the runtime from their tableaus."""
-    from codegen.generated_files.methods import write_methods
+    from codegen.generated_files.runge_kutta_modules import write_methods
 
     written, stale = write_methods(out, check=check)
     if check:

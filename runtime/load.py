@@ -61,8 +61,8 @@ def load(
     from runtime.core.kernel_abi import gather
     from runtime.machine import Machine
     from runtime.mechanism.companion_modules import Origin
-    from runtime.mechanism.description import describe
-    from runtime.mechanism.mechanism_data import Mechanism
+    from runtime.mechanism.loaded_mechanism import Mechanism
+    from runtime.mechanism.module_tables import describe
 
     description = describe(module)
     declared = None if scene is None or isinstance(scene, str) else scene

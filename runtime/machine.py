@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.mechanism.inspection_tables import MechanismTables
-from runtime.mechanism.mechanism_data import Values
+from runtime.mechanism.loaded_mechanism import Values
 from runtime.progress_bar import bar
 from runtime.validation.arguments import check
 from runtime.validation.parameters import parameter_values

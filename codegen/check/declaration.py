@@ -19,6 +19,8 @@ from codegen.declare.element import (
     Constraint,
     Effect,
     Element,
+    JointReaction,
+    Statement,
     label,
     own_coordinates,
 )
@@ -43,7 +45,9 @@ def check_model(model: Model) -> list[str]:
     masses = {body.name: list(_mass_problems(model, body)) for body in model.bodies.values()}
     for constraint in (c for c in constraints if not c.problems()):
         statement = constraint.statement()
-        expressions = (*statement.phi, *statement.bindings.values())
+        if _is_no_tuple(statement.phi):  # `_words` says so
+            continue
+        expressions = (*statement.phi, *statement.bindings.values(), *_axes(statement))
         problems += _unknown_symbols(model, constraint, expressions)
         problems += [*constraint_problems(constraint), *_orientations(constraint)]
     sound = tuple(body for name, body in model.bodies.items() if not masses[name])
@@ -106,13 +110,18 @@ def _all_effects(model: Model) -> list[Effect]:
 
 
 def _words(element: Element) -> Iterator[str]:
-    """Check the texts of a user-defined element that appear in the generated module."""
-    where = f"element {element.name!r}"
+    """Check the form of a user-defined element, and its texts in the generated module."""
+    where = label(element)
     if not WORDS.fullmatch(str(element.kind)):
-        yield f"{where}: its kind {element.kind!r} must be a few words of ASCII letters."
+        kind = f"its kind {element.kind!r} must be a few words of ASCII letters"
+        yield f"element {element.name!r}: {kind}."
     if not isinstance(element, Constraint) or element.problems():
         return
     statement = element.statement()
+    if _is_no_tuple(statement.phi):
+        form = type(statement.phi).__name__
+        yield f"{where}: its phi is of type {form}; give a tuple, of one equation (phi,)."
+        return
     rows, count = statement.rows, len(statement.phi)
     if len(rows) != count or not all(WORDS.fullmatch(str(row)) for row in rows):
         yield f"{where}: its rows {rows!r} must be {count} ASCII words, one an equation."
@@ -121,6 +130,34 @@ def _words(element: Element) -> Iterator[str]:
         texts = [text for pair in parts for text in pair if text]
         if len(parts) != count or not all(WORDS.fullmatch(str(text)) for text in texts):
             yield f"{where}: its reactions {parts!r} must be {count} pairs of a word and a unit."
+    elif isinstance(reaction := statement.reaction, JointReaction):
+        direction, arm = (tuple(v) for v in (reaction.direction, reaction.arm or (0, 0)))
+        if len(direction) != 2 or _is_not_unit(*direction):
+            yield (
+                f"{where}: the direction of its reaction is {direction}; give two components of a "
+                "unit vector in global axes."
+            )
+        if len(arm) != 2:
+            yield f"{where}: the arm of its reaction is {arm}; give two components, in m."
+
+
+def _axes(statement: Statement) -> tuple[sympy.Expr, ...]:
+    """The components of a joint reaction's direction and arm."""
+    reaction = statement.reaction
+    if not isinstance(reaction, JointReaction):
+        return ()
+    arm = reaction.on.A * reaction.on.s if reaction.arm is None else reaction.arm
+    return tuple(map(sympy.sympify, (*reaction.direction, *arm)))
+
+
+def _is_no_tuple(value: object) -> bool:
+    return not isinstance(value, tuple)
+
+
+def _is_not_unit(x: sympy.Expr, y: sympy.Expr) -> bool:
+    """Whether a direction of numbers has another length than 1."""
+    square = sympy.sympify(x**2 + y**2)
+    return square.is_number and abs(float(square) - 1) > 1e-9
 
 
 def _bodies(model: Model, element: Element) -> Iterator[str]:
@@ -198,12 +235,13 @@ def _unknown_symbols(
     symbols = set().union(*(e.free_symbols for e in expressions)) - known
     if isinstance(element, Constraint):
         symbols -= {s for place in element.statement().bindings for s in place.free_symbols}
-        symbols = {s for s in symbols if not isinstance(s, Given)}
     for symbol in sorted(symbols, key=lambda s: s.name):
         yield _unknown(model, label(element), symbol)
 
 
 def _unknown(model: Model, where: str, symbol: sympy.Symbol) -> str:
+    if isinstance(symbol, Given):
+        return f"{where}: the placeholder '{symbol}' is not bound; add it to bindings."
     if isinstance(symbol, Coordinate | Velocity):
         owner = symbol.name.rpartition("_")[0]
         if owner in model.bodies:

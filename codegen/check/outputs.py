@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from codegen.declare.element import label
 from codegen.declare.scene import Scene
-from codegen.derive.constraint_derivatives import constraint_terms
+from codegen.derive.constraint_terms import constraint_terms
 from codegen.derive.effects import effect_terms
 from codegen.derive.equations import active_joints
 from codegen.model import Model

@@ -9,6 +9,7 @@ import sympy
 
 from codegen.declare.body import Body, Curve, Point, Pose
 from codegen.declare.symbols import KINDS, Coordinate, given
+from codegen.errors import ModelError
 
 Answer = TypeVar("Answer")
 
@@ -109,8 +110,8 @@ class Statement:
     rows
         A word for each equation (``"x"``, ``"angle"`` …).
     bindings
-        Placeholder → number, parameter or expression of the model; the cosine and sine of a
-        placeholder instead, where a body has no angle.
+        Placeholder → number, parameter or expression of the model (made symbolic here); the cosine
+        and sine of a placeholder instead, where a body has no angle.
     reaction
         How the multipliers are reported as forces; None: they are not.
     own
@@ -124,6 +125,18 @@ class Statement:
     reaction: JointReaction | ConjugateReaction | None
     bindings: dict[sympy.Symbol, sympy.Expr] = field(default_factory=dict)
     own: tuple[tuple[str, Coordinate], ...] = ()
+
+    def __post_init__(self) -> None:
+        bindings = {}
+        for place, value in self.bindings.items():
+            try:
+                bindings[place] = sympy.sympify(value, strict=True)
+            except sympy.SympifyError:
+                raise ModelError(
+                    f"the placeholder '{place}' is bound to {value!r}; give a number or an "
+                    "expression."
+                ) from None
+        object.__setattr__(self, "bindings", bindings)
 
 
 Pressing = tuple[tuple[tuple[str, sympy.Expr], ...], ...]

@@ -9,10 +9,10 @@ from sympy.core.relational import Relational
 from codegen.declare import element as el
 from codegen.declare.body import Body
 from codegen.declare.symbols import SPEED, Coordinate, kinds, side, t
-from codegen.derive.derivative import derivative
+from codegen.derive.fast_derivative import derivative
 from codegen.derive.piecewise_conditions import as_pieces
 from codegen.derive.power_continuation import continue_powers
-from codegen.elements.forces.scalar_force import rate
+from codegen.elements.forces.scalar_measures import rate
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Element, Statement
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration
-from codegen.derive import constraint_derivatives as cs
+from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
 from codegen.derive.effects import EffectTerms, derived_effects, effect_terms
 from codegen.derive.inertia import inertia

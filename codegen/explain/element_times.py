@@ -15,7 +15,7 @@ from codegen.errors import InputError
 from codegen.explain.kernel_timer import ROUNDS, States, Timed, times
 from codegen.explain.ledger_data import Part, RunCosts
 from codegen.explain.measured_run import Run, simulate
-from codegen.explain.operation_costs import Stage, timing_stages
+from codegen.explain.operations_by_part import Stage, timing_stages
 from codegen.explain.sample_states import about_the_start, at, parameters
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.program import Program

@@ -7,7 +7,7 @@ from codegen.declare.scene import Scene
 from codegen.derive.equations import derive
 from codegen.driver import valid_scenes
 from codegen.errors import InputError
-from codegen.explain import operation_costs as costs
+from codegen.explain import operations_by_part as costs
 from codegen.explain.ledger_data import Ledger, Part
 from codegen.explain.participation import inventory, output_inventory
 from codegen.model import Model

@@ -12,7 +12,7 @@ from codegen.emit.companion_modules import reduced_text, tangents_text
 from codegen.emit.module import Origin
 from codegen.errors import SceneError
 from codegen.generated_files.generated_file import Clock, File
-from codegen.lower.differentiation.tangent import tangent_program
+from codegen.lower.differentiation.program_tangents import tangent_program
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.operation_count import operations
 from codegen.lower.program import Program

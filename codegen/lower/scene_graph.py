@@ -7,7 +7,7 @@ import sympy
 from codegen.declare.symbols import SPEED, Acceleration, Parameter, t
 from codegen.derive.effects import EffectTerms, FrictionTerms
 from codegen.derive.equations import Equations
-from codegen.lower.differentiation.directional import Direction
+from codegen.lower.differentiation.derivative_along_motion import Direction
 from codegen.lower.differentiation.gradient import Slopes
 from codegen.lower.graph import Graph
 from codegen.lower.sympy_translation import Translator

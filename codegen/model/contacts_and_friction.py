@@ -12,7 +12,7 @@ from codegen.elements.forces.contact import Contact, gap_between
 from codegen.elements.forces.given_load_friction import DryFriction
 from codegen.elements.forces.joint_friction import JointFriction
 from codegen.elements.forces.rigid_contact import RigidContact
-from codegen.elements.forces.scalar_force import rate
+from codegen.elements.forces.scalar_measures import rate
 from codegen.model.base import Declarations, Ends
 
 Optional: TypeAlias = "sympy.Expr | None"

@@ -11,7 +11,7 @@ from codegen.declare.symbols import Coordinate
 from codegen.elements.forces.applied import AppliedForce, AppliedTorque
 from codegen.elements.forces.bushing import AXES, Bushing, Triple
 from codegen.elements.forces.gravity import Gravity
-from codegen.elements.forces.scalar_force import Line, rate, relative_angle
+from codegen.elements.forces.scalar_measures import Line, rate, relative_angle
 from codegen.elements.forces.spring import Spring
 from codegen.elements.forces.torsion_spring import TorsionSpring
 from codegen.elements.forces.user_expression import GeneralizedForce, Potential

@@ -19,7 +19,7 @@ from itertools import combinations
 from random import Random
 from typing import NamedTuple
 
-from codegen.lower.differentiation.tangent import differentiate
+from codegen.lower.differentiation.program_tangents import differentiate
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
 from codegen.lower.program import Kernel, Op, Program, store

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from codegen.lower.differentiation.tangent import differentiate
+from codegen.lower.differentiation.program_tangents import differentiate
 from codegen.lower.graph import Graph
 from codegen.lower.linear.sparse_rows import LEAST_PIVOT, ROUNDING
 from codegen.lower.substitution import dependencies, substitute

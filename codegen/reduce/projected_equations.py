@@ -10,7 +10,7 @@ the machine itself.
 """
 
 from codegen.lower.constant_hoisting import with_constants
-from codegen.lower.differentiation.tangent import differentiate
+from codegen.lower.differentiation.program_tangents import differentiate
 from codegen.lower.linear.factorization import Elimination, Strategy
 from codegen.lower.operation_count import cost
 from codegen.lower.program import STATE, Check, Kernel, Output, store

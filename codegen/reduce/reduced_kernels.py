@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 from codegen.lower.constant_hoisting import with_constants
-from codegen.lower.differentiation.tangent import differentiate, tangent_program
+from codegen.lower.differentiation.program_tangents import differentiate, tangent_program
 from codegen.lower.kernels.corrections import least_correction
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Pattern

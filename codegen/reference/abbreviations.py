@@ -17,6 +17,8 @@ WIDE = 56  # characters from which a sum inside a product is: lines are broken b
 class Abbreviations:
     """The letters of the book, and a_1, a_2 … for other sums that occur more than once.
 
+    Where the expressions have a symbol a, it is b_1, b_2 …, and so on.
+
     `expressions` are all that a page shows, in the order in which it does.
     """
 
@@ -31,7 +33,9 @@ class Abbreviations:
                 if sum_ is not expression and width(latex(sum_)) >= WIDE:
                     wide.add(bare)
         taken = {s.name for expression in shown for s in expression.free_symbols}
-        free = (given(f"a_{k}") for k in count(1) if f"a_{k}" not in taken)
+        heads = {name.partition("_")[0] for name in taken}
+        letter = next((letter for letter in "abhkw" if letter not in heads), "a")
+        free = (given(f"{letter}_{k}") for k in count(1) if f"{letter}_{k}" not in taken)
         chosen = [
             sum_
             for sum_, times in counts.items()

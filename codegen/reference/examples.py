@@ -140,6 +140,11 @@ def example_of(kind: str, model: Model | None = None) -> Example:
             if element.kind == kind:
                 return Example(model, element)
     if kind not in _DECLARATIONS:
+        if not registered[kind].is_user_defined:
+            raise ModelError(
+                f"the library's element '{kind}' has no example; add one to "
+                f"{registered[kind].role.upper()}S of codegen/reference/examples.py."
+            )
         raise ModelError(
             f"element '{kind}' is one of your own, of {registered[kind].element.__module__}; name "
             "a model file that declares one: python -m codegen elements --model FILE."

@@ -22,14 +22,14 @@ ROLES = {"joint": "Joints", "driver": "Drivers", "force": "Forces"}
 
 def slug(kind: str) -> str:
     """The name of a kind's file, without its ending: ``cam-and-follower``."""
-    return "-".join(kind.lower().split())
+    return "-".join(kind.lower().replace("_", " ").split())
 
 
 def find_kind(name: str) -> str:
-    """The kind that a command line means by its name or its file's; ModelError if there is none."""
+    """The kind of that name, with spaces, hyphens or underscores; ModelError if there is none."""
     known = kinds_of_elements()
     for kind in known:
-        if name in (kind, slug(kind)):
+        if slug(name) == slug(kind):
             return kind
     raise ModelError(f"there is no element '{name}'; {nearest(name, known)}")
 

@@ -3,19 +3,19 @@
 At the distance d from a position in which motions cross, the smallest singular value of Phi_q is of
 the order of d, and Newton's method leaves a position with the error eps / d and so velocities with
 the relative error eps / d². The singular configuration itself is located to rounding (see
-`runtime.singularity.location`), and so is the direction of the branch there: a start on the tangent
-has the relative error d.
+`runtime.singularity.singular_root_search`), and so is the direction of the branch there: a start on
+the tangent has the relative error d.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from runtime.assembly.closure import CLOSED, Task
+from runtime.assembly.joint_closing import CLOSED, Task
 from runtime.core.rounding import EPS
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.singularity.motion_polynomial import taylor
-from runtime.singularity.singular_position_search import SingularPositions
+from runtime.singularity.singular_position_near_motion import SingularPositions
 
 _NEAR = EPS ** (1.0 / 3.0)  # accuracy: distance d at which the errors d and eps / d² are equal
 _DISTINCT = (

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.assembly.closure import CLOSED, Task, nearest, refine
+from runtime.assembly.joint_closing import CLOSED, Task, nearest, refine
 from runtime.linalg.rank_policy import LOST
 from runtime.mechanism.dense_equations import FloatArray
 

@@ -1,8 +1,8 @@
 """Continuation of a driven motion through its instants, folds and branch points included.
 
 Where the predictor-corrector gets stuck, or lands on another assembly of the machine, the singular
-configuration behind it is located (`runtime.singularity.singular_position_search`). At a branch
-point the branch of continuous velocity is interpolated (`branch_point_interpolation`). Where
+configuration behind it is located (`runtime.singularity.singular_position_near_motion`). At a
+branch point the branch of continuous velocity is interpolated (`branch_point_interpolation`). Where
 branches only come close, or at a fold, the curve of positions is followed by its arc length
 (`arclength`).
 """
@@ -29,7 +29,7 @@ from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly
 from runtime.results.event_records import Kind, SingularPosition
 from runtime.singularity.motion_polynomial import taylor
-from runtime.singularity.singular_position_search import Singularity, SingularPositions
+from runtime.singularity.singular_position_near_motion import Singularity, SingularPositions
 
 _ROUNDING = 64.0 * EPS  # accuracy: gap, in parts of the largest coordinate, that is rounding
 _DRIFT = 1e-4  # accuracy: |uᵀ ν|, the drivers' pace 1, at a branch point or a near miss of one

@@ -16,7 +16,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
-from runtime.core.array_views import borrowed_array, open_array, pointer, word
+from runtime.core.borrowed_arrays import borrowed_array, open_array, pointer, word
 from runtime.core.jit import at
 from runtime.core.kernel_abi import KERNELS
 

@@ -9,7 +9,7 @@ from numba import from_dtype
 from numba.extending import intrinsic
 
 from runtime.core.array_types import Integers
-from runtime.core.array_views import open_array, word
+from runtime.core.borrowed_arrays import open_array, word
 from runtime.core.function_table import RECORD
 from runtime.core.jit import inlined
 
@@ -33,15 +33,17 @@ _FLOATS = [
     "ratio_limit",  # speeds of dependent over independent coordinates that ask for a probe
     "growth_limit",  # entry of H that asks for a new partition
     "largest_dq",
-    "event_span",  # time that the last events took
+    "event_span",  # time that the last `RECENT` events took
     "stretch",  # ratio of two steps' lengths that the switching functions allow
     "flight",  # time to the next impact of a contact that bounces
     "finest",  # length of a step that is never too long for them
     "permitted",  # error that a step may have, over the tolerance: 1 but where rounding exceeds it
     "vanishing",  # time from now at which constraints seem to become dependent
     "tried",  # length of a step that was taken for good, but for this; 0 for none
-    "turn",  # instant at which the step over a singular position begins
-    "length_across",  # of that step
+    # instant at which the step over a singular position begins, or of a position that is missed
+    # (MISSING), or of the dead centre of a loop at which a run ends
+    "turn",
+    "length_across",  # of the step over it; MISSING: half the width of the bend
     "blind_from",  # samples between these two instants stay as they are interpolated
     "blind_to",
     "look_at",  # instant at which the constraints are looked at again
@@ -65,8 +67,8 @@ _INTEGERS = [
     "rejected",
     "retakes",
     "rhs",
-    "corrections",
-    "newton",
+    "corrections",  # calls of the kernel `correction`
+    "returns",  # onto the constraints, begun at the ends of steps
     "automatic",  # 1: the method may be changed
     "patience",  # how many times longer than at first it is watched before that
     "iterations",  # of Newton's method in the steps of implicit methods
@@ -90,7 +92,8 @@ _INTEGERS = [
     "weak_return",  # the same in the last return onto the constraints; 0: none
     "reason",  # why the last trial step was rejected
     "rejected_before",
-    "shrinking",  # events in a row, each in less time than the one before
+    # events in a row up to each of which the last `RECENT` took less time than up to the one before
+    "shrinking",
     "standing",  # events in a row without time between them
     "blamed",  # switching function for which no mode is consistent, or -1
     "index",  # function or constraint that an outcome concerns

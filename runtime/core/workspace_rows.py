@@ -13,7 +13,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from runtime.core.array_types import Integers, Vector
-from runtime.core.array_views import borrowed_array, open_array, pointer, word
+from runtime.core.borrowed_arrays import borrowed_array, open_array, pointer, word
 from runtime.core.function_table import COORDINATES, SWITCHES, TABLE
 
 Y0 = 0  # state at the start of the step
@@ -50,7 +50,7 @@ RESERVE = MISMATCH + 1  # running maximum of |g| while the function is in slidin
 NOW = RESERVE + 1  # g itself, also in sliding mode
 RATE_NOW = NOW + 1  # its rate
 PREFERRED = RATE_NOW + 1  # mode that is tried first
-STRUCK = PREFERRED + 1  # 1: this contact takes part in the impact
+STRUCK = PREFERRED + 1  # closing rate of a contact that takes part in the impact; 0 of others
 IMPACT_AT = STRUCK + 1  # time of the last impact of this contact
 FLIGHT = IMPACT_AT + 1  # time between its last two impacts
 SWITCH_ROWS = FLIGHT + 1

@@ -6,14 +6,14 @@ from typing import Protocol
 import numpy as np
 
 from codegen.errors import InputError
-from runtime.assembly.least_norm_kernels import projection_only, with_redundancy
+from runtime.assembly.redundant_constraint_kernels import projection_only, with_redundancy
 from runtime.core.system import System
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.integrate.method import IMPLICIT
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism_data import Mechanism
+from runtime.mechanism.loaded_mechanism import Mechanism
 
 FORMULATIONS = ("cartesian", "reduced")
 # measured: rate of an angle by the kept coordinates that tells a dead centre of its loop

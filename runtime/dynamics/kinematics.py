@@ -14,13 +14,13 @@ import numpy.typing as npt
 
 from codegen.errors import AnalysisError
 from runtime.assembly.assemble import assemble, start_values
-from runtime.assembly.least_norm_kernels import redundancy_note, with_redundancy
+from runtime.assembly.redundant_constraint_kernels import redundancy_note, with_redundancy
 from runtime.continuation.driven_motion import follow
 from runtime.core.modes import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations
-from runtime.mechanism.mechanism_data import Mechanism, Values
+from runtime.mechanism.loaded_mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.event_records import Event, SingularPosition

@@ -17,7 +17,7 @@ from runtime.core.array_types import (
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.modes import SLIDING
 from runtime.linalg.vectors import largest_magnitude
-from runtime.mechanism.mechanism_data import Mechanism
+from runtime.mechanism.loaded_mechanism import Mechanism
 from runtime.results.samples import Samples
 
 FloatArray = npt.NDArray[np.float64]

@@ -7,7 +7,7 @@ from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, magnitudes
-from runtime.mechanism.mechanism_data import Mechanism, Values
+from runtime.mechanism.loaded_mechanism import Mechanism, Values
 from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly
 from runtime.validation.masses import require_masses

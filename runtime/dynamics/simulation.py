@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from runtime.assembly.least_norm_kernels import redundancy_note
+from runtime.assembly.redundant_constraint_kernels import redundancy_note
 from runtime.continuation.singularity_classification import describe_crossings
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.integration_coordinates import Coordinates, formulate
@@ -16,7 +16,7 @@ from runtime.dynamics.work import integrate_works
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism_data import Mechanism, Values
+from runtime.mechanism.loaded_mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.event_records import Event
@@ -24,6 +24,8 @@ from runtime.results.result import Result
 from runtime.results.samples import Partition
 from runtime.validation.arguments import instants
 from runtime.validation.scene_support import driven_note
+
+_DRIVER_NOTE = "A driver may ask for more than the joints permit; `kinematics` names the lock-up."
 
 
 def simulate(
@@ -107,7 +109,7 @@ def _result(
         "retakes": counts.retakes,
         "rhs_evaluations": counts.rhs,
         "corrections": counts.corrections,
-        "newton_iterations": counts.newton,
+        "returns": counts.returns,
         "stage_iterations": counts.iterations,
         "jacobians": counts.jacobians,
         "factorizations": counts.factorizations,
@@ -165,8 +167,9 @@ def _crossings_note(mechanism: Mechanism, run: Trajectory) -> str:
     count = len(run.crossings)
     text = (
         f" Passed {count} singular position{'s' if count > 1 else ''} on the branch on which the "
-        f"velocity is continuous, the first at t = {first.t:.6g} s, where "
-        f"{mechanism.description.constraints.names[first.row]} lost its hold."
+        f"velocity is continuous, the first at t = {first.t:.6g} s, where constraint "
+        f"{mechanism.description.constraints.names[first.row]} became dependent (see "
+        "`Result.singular`)."
     )
     if worst.error > 1.0:
         text += (
@@ -193,6 +196,11 @@ def _message(mechanism: Mechanism, run: Trajectory) -> str:
             row = description.constraints[run.index]
             where = f", {'driver' if row.element in description.drivers else 'joint'} {row.name}"
     note = f" {run.note}" if run.note else ""
+    advice = f" {run.outcome.advice}"
+    if run.outcome is Outcome.SINGULAR and run.note:
+        advice = ""  # the note has its own
+    elif run.outcome is Outcome.SINGULAR and description.drivers:
+        note = f" {_DRIVER_NOTE}"
     if run.outcome in {Outcome.SINGULAR, Outcome.NEWTON_FAILED} and run.statistics.steps == 0:
         fixed = ", ".join(row.name for row in description.start if row.role == "fixed")
         return (
@@ -200,7 +208,4 @@ def _message(mechanism: Mechanism, run: Trajectory) -> str:
             f"too near to one, and no motion leads out that fits its velocities.{note} Start "
             f"further away{f' (fixed: {fixed})' if fixed else ''}, or on the motion that is meant."
         )
-    return (
-        f"Stopped at t = {run.final_t:.9g} s{where}. {run.outcome.meaning}{note} "
-        f"{run.outcome.advice}"
-    )
+    return f"Stopped at t = {run.final_t:.9g} s{where}. {run.outcome.meaning}{note}{advice}"

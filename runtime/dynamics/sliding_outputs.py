@@ -15,7 +15,7 @@ from runtime.hybrid.mode_consistency import count_sliding
 from runtime.hybrid.mode_reactions import mix_reactions
 from runtime.hybrid.stiction_force import set_unit
 from runtime.integrate.wiring import wire
-from runtime.mechanism.mechanism_data import Mechanism
+from runtime.mechanism.loaded_mechanism import Mechanism
 from runtime.results.samples import Samples
 
 

@@ -15,7 +15,7 @@ from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Matrix, Vector
-from runtime.core.array_views import view
+from runtime.core.borrowed_arrays import view
 from runtime.core.jit import addressed
 from runtime.core.outcomes import Outcome
 from runtime.core.run_record import run_record
@@ -42,7 +42,7 @@ _ENDS = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
 
 @addressed(ft.GUARD_BRANCHES)
 def guard_branches(context: Integers, t: float, h: float) -> int:
-    """Judge a step from Y0 to Y1: 0, `AGAIN` and shorter, or the code of an outcome.
+    """Judge a step from Y0 to Y1: 0, `SHORTEN` with `run.h` shorter, or the code of an outcome.
 
     It is 0 where no loop passes its dead centre. Where the run ends, `run.index` and `run.turn` say
     which loop does and when. The accelerations are a quotient 0/0 at a dead centre, and at the time

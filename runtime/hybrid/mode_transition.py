@@ -204,7 +204,7 @@ def log_changes(context: Integers, t: float, crossing: int, impact: bool) -> int
 
 
 @addressed(ft.TRANSITION)
-def change_modes(context: Integers, crossing: int, t: float, h: float) -> int:
+def make_transition(context: Integers, crossing: int, t: float, h: float) -> int:
     """Give the state in row Y1 its next modes and, after an impact, its next velocities.
 
     `h` is the length of the next step as far as it is known. `run.flight` receives the time until

@@ -8,7 +8,7 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.modes import SLIDING
-from runtime.hybrid.sliding_and_stabilized_rhs import STEP
+from runtime.hybrid.sliding_and_baumgarte_rhs import STEP
 
 _AHEAD = 1e-4  # accuracy: of a step; the distance over which the rate of a margin is differenced
 UNBOUNDED = -1e300  # code: lower bounds below it mean none

@@ -15,7 +15,7 @@ from runtime.core.run_record import Plan, run_record
 from runtime.core.workspace_rows import Y0, K, row_of, switch_row
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.hybrid.mode_transition import LOOK_AHEAD
-from runtime.hybrid.sliding_and_stabilized_rhs import STEP
+from runtime.hybrid.sliding_and_baumgarte_rhs import STEP
 from runtime.hybrid.stiction_force import find_jamming_friction, suspend_friction
 from runtime.hybrid.switching_functions import evaluate_switching_and_rates
 from runtime.integrate.sampling import record
@@ -64,7 +64,7 @@ def place_on_constraints(context: Integers, t: float) -> int:
         r.index = ft.row_order_of(context)[r.rank]
         return Outcome.SINGULAR
     result = ft.correct_of(context)(context, t, Y0, ws.PARTITION)
-    r.newton += 1
+    r.returns += 1
     if result == FAILED:
         return Outcome.NEWTON_FAILED
     r.corrections += result

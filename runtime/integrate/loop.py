@@ -14,7 +14,7 @@ from runtime.core.jit import ADDRESSES, addressed, compiled, inner
 from runtime.core.outcomes import Outcome
 from runtime.core.run_record import Plan, run_record
 from runtime.core.workspace_rows import Y0, Y1
-from runtime.integrate.acceptance import accept_step, judge_events
+from runtime.integrate.accepted_step import accept_step, judge_events
 from runtime.integrate.event_step import end_at_event
 from runtime.integrate.step import Signal, TrialStep, reject
 
@@ -100,7 +100,7 @@ def look_for_singularity(context: Integers) -> int:
     if (
         r.plan == Plan.FREE
         and context[ft.CONSTRAINT_COUNT] > 0
-        and context[ft.MODIFIED] == context[ft.STABILIZED]
+        and context[ft.SLIDING_COUNT] == 0  # the search knows Φ alone, and not g = 0
         and r.end >= r.look_at
         and r.end >= r.quiet
         and r.fixed == 0

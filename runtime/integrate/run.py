@@ -117,6 +117,8 @@ class Run:
                 code = start(table)
                 if code == Outcome.OK:
                     code = self.crossings.leave_start()
+            elif self.crossings.note:
+                code = Outcome.SINGULAR  # whichever way the search for a start ended
         self.recording.flush()
         if self.state.system.switches:
             self._log_first_impacts()

@@ -9,7 +9,7 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Matrix
 from runtime.core.run_record import ConstraintReturn
 from runtime.core.system import System
-from runtime.hybrid.sliding_and_stabilized_rhs import TIME_SCALE
+from runtime.hybrid.sliding_and_baumgarte_rhs import TIME_SCALE
 from runtime.integrate.loop import LOG_MARGIN
 from runtime.integrate.method import Method, find_method
 from runtime.integrate.problem import Options, Problem

@@ -9,12 +9,12 @@ from runtime.constraints.repartitioning import is_poorly_chosen
 from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
-from runtime.core.array_views import view
+from runtime.core.borrowed_arrays import view
 from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import constraints_of
 from runtime.core.rhs import write_derivative
 from runtime.core.run_record import ConstraintReturn, is_near_singularity, run_record
-from runtime.hybrid.sliding_and_stabilized_rhs import STEP
+from runtime.hybrid.sliding_and_baumgarte_rhs import STEP
 
 
 class TrialStep(IntEnum):
@@ -80,7 +80,7 @@ def return_by_other_coordinates(context: Integers, t: float) -> int:
         for j in range(y1.size):
             y1[j] = kept[j]
         return SAME
-    run_record(context).newton += 1
+    run_record(context).returns += 1
     return int(ft.correct_of(context)(context, t, ws.Y1, ws.PARTITION))
 
 
@@ -99,7 +99,7 @@ def return_by_partition(context: Integers, t: float) -> int:
 
 
 @inner
-def return_to_constraints(context: Integers, t: float) -> int:
+def return_end_to_constraints(context: Integers, t: float) -> int:
     """Bring Y1 back onto the constraints; row PREDICTED keeps where the step led."""
     r = run_record(context)
     y1, predicted = ws.row_of(context, ws.Y1), ws.row_of(context, ws.PREDICTED)
@@ -119,7 +119,7 @@ def return_to_constraints(context: Integers, t: float) -> int:
         return TrialStep.DONE
     else:
         result = ft.correct_of(context)(context, t, ws.Y1, ws.PROJECTION)
-    r.newton += 1
+    r.returns += 1
     if result == FAILED:
         return TrialStep.NEWTON_FAILED
     r.corrections += result
@@ -184,7 +184,7 @@ def take_trial_step(context: Integers, t: float, h: float) -> int:
     r.corrections += taken
     constrained = context[ft.CONSTRAINT_COUNT] > 0
     if constrained and context[ft.CORRECTING] != ConstraintReturn.NEVER:
-        code = return_to_constraints(context, t + h)
+        code = return_end_to_constraints(context, t + h)
         if code != TrialStep.DONE:
             return code
     if context[ft.SLIDING_COUNT] != 0:

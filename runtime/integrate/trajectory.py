@@ -17,7 +17,7 @@ class Statistics:
     retakes: int  # steps taken again to end at an event
     rhs: int  # calls of `accelerations` by the method
     corrections: int  # calls of `correction`
-    newton: int  # returns onto the constraints begun at the ends of steps
+    returns: int  # onto the constraints, begun at the ends of steps
     iterations: int  # of Newton's method inside the steps of implicit methods
     jacobians: int  # times at which exact derivatives were taken
     factorizations: int  # of matrices; a real and a complex one count as one

@@ -21,7 +21,7 @@ from runtime.hybrid import (
     mode_reactions,
     mode_selection,
     mode_transition,
-    sliding_and_stabilized_rhs,
+    sliding_and_baumgarte_rhs,
     switching_functions,
 )
 from runtime.integrate import sampling, step, step_control
@@ -32,7 +32,8 @@ from runtime.singularity.detection import PIVOT_ROWS, predict_vanishing_pivot
 METHOD_SLOTS = slice(ft.TABLE.slots["stages"], ft.TABLE.slots["correct"])
 """Slots of the method's functions."""
 
-_LOOP_SLOTS = slice(ft.TABLE.slots["correct"], ft.TABLE.slots["guard_branches"] + 1)
+_LOOP_SLOTS = slice(METHOD_SLOTS.stop, ft.TABLE.slots["guard_branches"] + 1)
+_LOOP_PARTS = list(ft.TABLE.slots)[_LOOP_SLOTS]
 
 
 class Wiring(NamedTuple):
@@ -44,30 +45,29 @@ class Wiring(NamedTuple):
 
 @cache
 def _loop() -> Integers:
-    """Addresses of the parts of the loop, in the order of the function table from `correct` on."""
-    return addresses(
-        (
-            newton_return.return_to_constraints,
-            step.take_trial_step,
-            repartitioning.repartition,
-            event_location.locate_event,
-            event_location.sample_function,
-            mode_selection.select_modes,
-            mode_selection.initialize_modes,
-            step_control.first_step,
-            sampling.emit,
-            event_step_limit.screen_step,
-            sliding_and_stabilized_rhs.evaluate_modified_accelerations,
-            sliding_and_stabilized_rhs.evaluate_modified_rhs,
-            impact.apply_impact,
-            impact.return_to_surfaces,
-            mode_transition.change_modes,
-            mode_reactions.compute_friction_margin,
-            switching_functions.write_margins,
-            predict_vanishing_pivot,
-            loop_branch_guard.guard_branches,
-        )
-    )
+    """Addresses of the parts of the loop in _LOOP_SLOTS; here is the body behind each `ft.X_of`."""
+    parts = {
+        "correct": newton_return.return_to_constraints,
+        "trial_step": step.take_trial_step,
+        "repartition": repartitioning.repartition,
+        "locate": event_location.locate_event,
+        "sample_function": event_location.sample_function,
+        "select_modes": mode_selection.select_modes,
+        "initialize_modes": mode_selection.initialize_modes,
+        "first_step": step_control.first_step,
+        "emit": sampling.emit,
+        "screen_step": event_step_limit.screen_step,
+        "modified_accelerations": sliding_and_baumgarte_rhs.evaluate_modified_accelerations,
+        "modified_rhs": sliding_and_baumgarte_rhs.evaluate_modified_rhs,
+        "impact": impact.apply_impact,
+        "return_to_surfaces": impact.return_to_surfaces,
+        "transition": mode_transition.make_transition,
+        "friction_margin": mode_reactions.compute_friction_margin,
+        "margins": switching_functions.write_margins,
+        "vanishing": predict_vanishing_pivot,
+        "guard_branches": loop_branch_guard.guard_branches,
+    }
+    return addresses(parts[name] for name in _LOOP_PARTS)
 
 
 @cache

@@ -18,13 +18,17 @@ measured above; the margin is for units and masses that spread over several powe
 serves the Gram matrix Φ_q W Φ_qᵀ, whose entries are rounded as much: a distance squared there."""
 
 REDUNDANT = 1e-8
-"""accuracy: Does a row follow from those before it, at two positions along a motion? Noise: 1e-9,
-the error of a position close to a singular one, where Newton's method stalls; besides, elimination
-by rows lets errors grow more than full pivoting."""
+"""accuracy: Does a row follow from those before it, so that the sign of its pivot says nothing?
+Noise: 1e-9, the error of a position close to a singular one, where Newton's method stalls; besides,
+elimination by rows lets errors grow more than full pivoting. Users: eliminations along a motion, in
+`singularity.detection`, `continuation.pivot_monitor` and `linalg`; not `assembly.redundancy`, which
+names redundant constraints by LOST."""
 
 LOST = 1e-6
 """accuracy: Is a direction lost at a position that was assembled, and may be a singular one? Noise:
-√EPS = 1.5e-8, to which Newton's method finds a double root."""
+√EPS = 1.5e-8, to which Newton's method finds a double root. Users: `assembly.redundancy`,
+`singularity.singular_position`, `continuation.singularity_classification` and
+`continuation.bifurcation_branches`."""
 
 SAME_HOLD = 1e-11
 """accuracy: Does a sliding mode or closed contact hold a freedom that others hold already? The

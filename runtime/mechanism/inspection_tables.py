@@ -4,8 +4,8 @@ from html import escape
 from pathlib import Path
 
 from runtime.core.kernel_abi import Kernels
-from runtime.mechanism import description as tables
-from runtime.mechanism.mechanism_data import Mechanism
+from runtime.mechanism import module_tables as tables
+from runtime.mechanism.loaded_mechanism import Mechanism
 
 _SHOWN = 8  # layout: parameters that the text names
 

@@ -11,7 +11,7 @@ from runtime.core import kernel_abi as kernels
 from runtime.core.array_types import Kernel
 from runtime.core.jit import addresses
 from runtime.core.system import System
-from runtime.mechanism.description import Description
+from runtime.mechanism.module_tables import Description
 from runtime.mechanism.system import Tangents, common_system, gather_tangents
 
 FloatArray = npt.NDArray[np.float64]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from runtime.core.array_types import Integers, Kernel
 from runtime.core.kernel_abi import Kernels
 from runtime.core.system import System
-from runtime.mechanism.description import Description
+from runtime.mechanism.module_tables import Description
 
 
 class Tangents(NamedTuple):

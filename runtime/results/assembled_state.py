@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.mechanism.description import Coordinate, Table, unknown
+from runtime.mechanism.module_tables import Coordinate, Table, unknown
 
 FloatArray = npt.NDArray[np.float64]
 

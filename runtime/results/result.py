@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from codegen import __version__
 from runtime.core.outcomes import Outcome
-from runtime.mechanism.description import Description
+from runtime.mechanism.module_tables import Description
 from runtime.results.event_records import Event, SingularPosition
 from runtime.results.reached_accuracy import ReachedAccuracy
 from runtime.results.samples import Partition, Samples
@@ -35,9 +35,13 @@ class Result(TimeSeries):
     outcome
         How the analysis ended; `message` says it in full, with time and joint.
     stats
-        Counts of steps, evaluations and iterations, and the wall time in s.
+        Counts of steps, evaluations and iterations (of a simulation: explained in
+        `runtime.integrate.trajectory.Statistics`), and the wall time in s. `crossing_error`:
+        largest estimated error of a step across a singular configuration, over the tolerance;
+        `integration_seconds`: processor time of the integration alone.
     events
-        Changes of modes, impacts and singular configurations between the instants.
+        Of a simulation, changes of modes and impacts between the instants; of kinematics and
+        inverse dynamics, crossings and lock-ups.
     partitions
         The independent coordinates of a simulation: the first choice, then every change.
     works

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from runtime.mechanism.description import Description, unknown
+from runtime.mechanism.module_tables import Description, unknown
 from runtime.results.samples import Samples
 
 FloatArray = npt.NDArray[np.float64]

@@ -12,7 +12,7 @@ from runtime.constraints.partitioning import evaluate_jacobian
 from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Vector
-from runtime.core.array_views import view
+from runtime.core.borrowed_arrays import view
 from runtime.core.jit import addressed, fetched, inner
 from runtime.core.rounding import EPS
 from runtime.core.run_record import run_record

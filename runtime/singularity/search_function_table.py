@@ -5,7 +5,7 @@ z = (q / scale, t speed), of shape (n + 1,).
 """
 
 from runtime.core.array_types import Integers, Vector, f8, integers, none, vector
-from runtime.core.array_views import view
+from runtime.core.borrowed_arrays import view
 from runtime.core.function_table_layout import TableLayout
 from runtime.core.jit import compiled, inner
 from runtime.core.kernel_abi import constraints_of, jacobian_of, velocity_rhs_of

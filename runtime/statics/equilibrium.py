@@ -7,11 +7,11 @@ import numpy as np
 
 from codegen.errors import AnalysisError
 from runtime.assembly.assemble import assemble
-from runtime.assembly.least_norm_kernels import redundancy_note, with_redundancy
+from runtime.assembly.redundant_constraint_kernels import redundancy_note, with_redundancy
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism_data import Mechanism, Values
+from runtime.mechanism.loaded_mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
 from runtime.statics.energy_minimisation import RestPosition, evaluate_position, minimise, polish

@@ -80,7 +80,7 @@ def take_step(kernels: Any, s: Any, t: float, h: float) -> tuple[int, float]:
 
 
 @inner
-def return_to_constraints(kernels: Any, s: Any, t: float) -> tuple[int, float]:
+def correct_new_state(kernels: Any, s: Any, t: float) -> tuple[int, float]:
     """Newton's method for the new q and v; code of the last correction, and its scaled dq."""
     q, v, dq, dv = s.work[8], s.work[9], s.work[10], s.work[11]
     change = np.inf
@@ -116,7 +116,7 @@ def try_step(kernels: Any, s: Any, r: Any, h: float) -> tuple[float, float]:
         return error, 0.25
     if error > 1.0:
         return error, max(0.2, 0.8 * error**-0.5)
-    weak, change = return_to_constraints(kernels, s, r.t)
+    weak, change = correct_new_state(kernels, s, r.t)
     if weak != 0 or not change <= _CORRECTED:
         return error, 0.25
     watched = h > max(_CROSSING * (r.since + h), _SHORTEST)

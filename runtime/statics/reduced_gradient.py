@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.assembly.closure import CLOSED
+from runtime.assembly.joint_closing import CLOSED
 from runtime.constraints.partitioning import order_by_pivots
 from runtime.linalg.least_norm_newton import solve_by_newton
 from runtime.mechanism.dense_equations import Equations, FloatArray

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from runtime.mechanism.description import Description
-from runtime.studies.series import FloatArray, magnitude
+from runtime.mechanism.module_tables import Description
+from runtime.studies.series_by_name import FloatArray, magnitude
 
 MOTION = ("positions", "velocities")
 _RESTING = 1e-9  # accuracy: share of a typical size per second below which a velocity is at rest
@@ -57,7 +57,7 @@ def scales(
     Positions have the machine's typical sizes: 1 rad, and a length. Velocities and all others have
     the largest magnitude in the reference; velocities at rest have the typical size per second,
     components of a joint's force that of the whole force, energies that of all energies: `whole`
-    (j,), by `runtime.studies.series.group_magnitude`.
+    (j,), by `runtime.studies.series_by_name.group_magnitude`.
     """
     largest = np.array([magnitude(column) for column in reference.T])
     if whole is not None:

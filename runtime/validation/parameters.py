@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import ParameterError
-from runtime.mechanism.description import unknown
-from runtime.mechanism.mechanism_data import Mechanism, Values
+from runtime.mechanism.loaded_mechanism import Mechanism, Values
+from runtime.mechanism.module_tables import unknown
 from runtime.validation.arguments import check, number
 from runtime.validation.rigid_contact_and_stiction import require_sound
 

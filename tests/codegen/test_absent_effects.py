@@ -14,7 +14,7 @@ from codegen.declare.scene import Scene
 from codegen.derive.equations import derive
 from codegen.driver import valid_scenes
 from codegen.emit.module import Origin, module_text
-from codegen.explain.operation_costs import marginal_operations
+from codegen.explain.operations_by_part import marginal_operations
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.lower.operation_count import operations
 from codegen.model_file import read_model

@@ -14,8 +14,10 @@ from typer.testing import CliRunner
 from codegen import ModelError
 from codegen.cli import app
 from codegen.declare.element import Constraint
-from codegen.derive.constraint_derivatives import constraint_terms
+from codegen.declare.symbols import given
+from codegen.derive.constraint_terms import constraint_terms
 from codegen.elements.registry import kinds_of_elements
+from codegen.reference import examples
 from codegen.reference.abbreviations import Abbreviations
 from codegen.reference.examples import Pair, example_of
 from codegen.reference.latex import WIDTH, aligned, latex, symbol, width
@@ -78,6 +80,14 @@ def test_letters_are_the_books() -> None:
 
 
 MEANINGS_SYMBOLS = set().union(*(meaning.free_symbols for meaning in MEANINGS.values()))
+
+
+def test_abbreviations_have_a_letter_of_their_own() -> None:
+    x, y, a = sympy.symbols("x y a")
+    total = x + 2 * y - sympy.sin(x) + 10
+    for factor, letter in ((x, "a"), (a, "b")):
+        short = Abbreviations([factor * total, total**2])
+        assert str(short(factor * total)) == str(factor * given(f"{letter}_1"))
 
 
 def test_long_sums_are_broken_between_terms() -> None:
@@ -169,6 +179,12 @@ def test_an_own_element_without_a_model_is_asked_for_one() -> None:
         page(StringOnDrum.kind)
 
 
+def test_a_kind_of_the_library_without_an_example_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(examples._DECLARATIONS, "weld")
+    with pytest.raises(ModelError, match="element 'weld' has no example; add one to JOINTS of"):
+        page("weld")
+
+
 def test_an_element_that_no_scene_takes_in_has_no_equations() -> None:
     pair = Pair("pair")
     pair.gravity("down", (0, -9.81))
@@ -195,6 +211,8 @@ def test_the_command_lists_the_kinds() -> None:
 def test_the_command_shows_a_page_by_name_or_file(root: Path) -> None:
     text = (root / "docs" / "elements" / "rack-and-pinion.md").read_text(encoding="utf-8")
     assert run("rack-and-pinion").stdout == text
+    for name in (("rack_and_pinion",), ("rack", "and", "pinion"), ("Rack and-pinion",)):
+        assert run(*name).stdout == text
     assert run("torsion-spring").stdout == run("torsion spring").stdout
 
 

@@ -4,6 +4,8 @@ On the branch of continuous velocity all cranks stay parallel, and the machine i
 turns over: its angle is known in closed form, and from a reference that is not ours.
 """
 
+import re
+
 import numpy as np
 import pytest
 
@@ -169,6 +171,28 @@ def test_five_bars_against_the_reference(five_bar: Machine, excess: float, metho
     # What is met is counted, what is missed is not.
     met = {0.0: 10, 1e-3: 5, -1e-3: 0}
     assert run.stats["singular_crossings"] == met[excess]
+
+
+def test_a_miss_below_rounding_names_the_tolerance_that_would_do() -> None:
+    machine = load("hard/equal_rods", "spin", folder=ROOT)
+    longer = {"rod_length": 1.0 + 1e-10}
+    run = machine.simulate(1.0, parameters=longer, rtol=1e-8, progress=False)
+    assert run.outcome is Outcome.SINGULAR
+    advice = re.search(
+        r"; loosen rtol to about (\S+), or make the lengths agree exactly\.$", run.message
+    )
+    assert advice is not None, run.message
+    assert "Remove the constraint" not in run.message
+    wider = machine.simulate(1.0, parameters=longer, rtol=float(advice[1]), progress=False)
+    assert wider.outcome is Outcome.OK, wider.message
+
+
+def test_a_driven_simulation_that_locks_up_points_to_kinematics() -> None:
+    machine = load("hard/equal_rods", "driven", folder=ROOT)
+    run = machine.simulate(1.0, parameters={"rod_length": 0.99}, progress=False)
+    assert run.outcome is Outcome.SINGULAR
+    assert "A driver may ask for more than the joints permit" in run.message
+    assert "`kinematics` names the lock-up" in run.message
 
 
 def test_equal_rods_pass_upright() -> None:

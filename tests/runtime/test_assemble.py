@@ -8,7 +8,7 @@ import pytest
 
 from codegen.errors import AssemblyError, RedundancyError
 from runtime.machine import Machine
-from runtime.mechanism.description import StartValue, Table
+from runtime.mechanism.module_tables import StartValue, Table
 
 
 def starting(machine: Machine, *start: tuple[str, float, str]) -> Machine:

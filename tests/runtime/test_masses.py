@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from codegen.errors import ParameterError
-from runtime.mechanism.description import Coordinate
+from runtime.mechanism.module_tables import Coordinate
 from runtime.validation import masses
 
 

@@ -5,7 +5,7 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Pulls, label
 from codegen.declare.symbols import SPEED
-from codegen.elements.forces.scalar_force import (
+from codegen.elements.forces.scalar_measures import (
     angle_problems,
     is_constant,
     negative_problems,

@@ -5,7 +5,7 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Pulls, label
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
-from codegen.elements.forces.scalar_force import Line, is_constant, negative_problems
+from codegen.elements.forces.scalar_measures import Line, is_constant, negative_problems
 from codegen.elements.registry import element
 
 

@@ -6,7 +6,7 @@ from codegen.declare.body import Body
 from codegen.declare.element import Effect, Reported, Sticking, label
 from codegen.declare.symbols import Coordinate, Velocity, kinds, side
 from codegen.elements.forces.contact import same_body
-from codegen.elements.forces.scalar_force import is_constant, is_negative, negative_problems
+from codegen.elements.forces.scalar_measures import is_constant, is_negative, negative_problems
 from codegen.elements.registry import element
 
 

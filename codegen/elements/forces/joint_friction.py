@@ -7,7 +7,7 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect, FrictionLaw, Sticking, label
 from codegen.elements.forces.given_load_friction import coefficient_problems
-from codegen.elements.forces.scalar_force import Line, angle_problems, rate, relative_angle
+from codegen.elements.forces.scalar_measures import Line, angle_problems, rate, relative_angle
 from codegen.elements.joints.revolute import Revolute
 from codegen.elements.joints.revolute_translational import RevoluteTranslational
 from codegen.elements.joints.translational import Translational

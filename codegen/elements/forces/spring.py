@@ -4,7 +4,7 @@ import sympy
 
 from codegen.declare.body import Point
 from codegen.declare.element import label
-from codegen.elements.forces.scalar_force import Line, SpringDamper
+from codegen.elements.forces.scalar_measures import Line, SpringDamper
 from codegen.elements.registry import element
 
 

@@ -4,7 +4,7 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import label
-from codegen.elements.forces.scalar_force import SpringDamper, angle_problems, relative_angle
+from codegen.elements.forces.scalar_measures import SpringDamper, angle_problems, relative_angle
 from codegen.elements.registry import element
 
 

@@ -8,8 +8,8 @@ slope B s, which is there: Haug's formulas come out.
 
 from collections.abc import Iterable, Mapping
 
-from codegen.lower.differentiation.directional import Direction
-from codegen.lower.differentiation.tangent import slopes_of
+from codegen.lower.differentiation.derivative_along_motion import Direction
+from codegen.lower.differentiation.program_tangents import slopes_of
 from codegen.lower.factored_sums import PLAIN, Parts
 from codegen.lower.graph import Graph
 from codegen.lower.program import Op

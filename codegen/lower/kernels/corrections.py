@@ -13,7 +13,7 @@ from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.graph import Graph
 from codegen.lower.linear.labels import Labels
 from codegen.lower.linear.normal_equations import NormalEquations, prefixed
-from codegen.lower.linear.null_space_correction import NullSpace
+from codegen.lower.linear.null_space_method import NullSpace
 from codegen.lower.linear.square_systems import Square
 from codegen.lower.operation_count import cost
 from codegen.lower.program import STATE, Check, Kernel, store

@@ -27,12 +27,12 @@ def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Str
     strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
     trials = []
     for strategy in strategies:
-        kernel = _dynamics(scene, strategy, rows)
+        kernel = dynamics_kernel(scene, strategy, rows)
         program = with_constants(scene.graph, (kernel,), len(scene.equations.parameters))
         trials.append((cost(program, program.kernels[-1]), kernel, strategy))
     _, kernel, strategy = min(trials, key=lambda trial: trial[0])
     if _spread(scene) >= FAR:
-        kernel = _dynamics(scene, strategy, rows, refine=True)
+        kernel = dynamics_kernel(scene, strategy, rows, refine=True)
     return kernel, strategy
 
 
@@ -48,9 +48,10 @@ def _spread(scene: SceneGraph) -> float:
     return max((max(group) / min(group) for group in sizes.values()), default=1.0)
 
 
-def _dynamics(
+def dynamics_kernel(
     scene: SceneGraph, strategy: Strategy, rows: tuple[int, ...], refine: bool = False
 ) -> Kernel:
+    """The fused kernel by one order of elimination, with a step of refinement or without."""
     n, graph = scene.n, scene.graph
     entries = {place: mass for place, mass in scene.mass.items() if mass != graph.zero}
     references: dict[int, int] = {}

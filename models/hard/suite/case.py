@@ -95,8 +95,8 @@ class Case:
     tolerances
         The values of rtol.
     ends
-        Outcomes in which a run may end; the first is the one that is wished for. REFUSED: the
-        question does not fit the machine, and is refused with a reason.
+        Names of outcomes in which a run may end; the first is the one that is wished for. REFUSED
+        is no `Outcome`: an error before the first step, as the question does not fit the machine.
     work
         A run → the work of all that has no potential, from the start to each instant, J; None
         where it is not known in closed form.

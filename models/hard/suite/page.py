@@ -10,7 +10,8 @@ HEAD = f"""# Hard cases
 
 Machines that break multibody programs. Each is run by every method at several tolerances and
 compared with a reference that no integrator of this program has made. A cell is *correct*, or it
-ends with a *named outcome as expected*; *stopped, by name* is a named end that was not expected.
+ends with a *named outcome as expected* (so far only `REFUSED`, an error before the first step);
+*stopped, by name* is a named end that was not expected.
 A wrong cell that does not say so is marked **WRONG**, one that never ended **HANGS**.
 
 How far from the reference may a right run be? An error made in one step grows like any

@@ -89,7 +89,6 @@ CASES = (
         reference=_stall,
         origin="quadrature of the energy integral in 25 digits",
         sampled=False,
-        ends=("OK", "SLIDING"),
         parameters={"J1": STALL_INERTIA},
         work=_work_until_stall,
         options={"max_steps": 100_000},

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.core.array_types import Integers
-from runtime.core.array_views import view
+from runtime.core.borrowed_arrays import view
 from runtime.core.function_table import (
     COORDINATES,
     DENSE,

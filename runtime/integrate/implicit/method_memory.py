@@ -27,7 +27,7 @@ another method may keep its own numbers there, as in rows 0 to 19.
 """
 
 from runtime.core.array_types import Integers, Vector
-from runtime.core.array_views import view
+from runtime.core.borrowed_arrays import view
 from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
 from runtime.core.jit import fetched
 

@@ -13,7 +13,7 @@ from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
-from runtime.core.array_views import view
+from runtime.core.borrowed_arrays import view
 from runtime.core.jit import compiled, inner
 from runtime.core.kernel_abi import accelerations_tangent_of, correction_tangent_of
 from runtime.core.rhs import evaluate_accelerations

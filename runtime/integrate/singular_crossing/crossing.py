@@ -28,7 +28,7 @@ from runtime.integrate.step import Signal, TrialStep
 from runtime.integrate.trajectory import Crossing
 from runtime.singularity.motion_polynomial import Motion, hermite, taylor
 from runtime.singularity.scaled_constraints import ScaledConstraints
-from runtime.singularity.singular_position_search import Singularity, SingularPositions
+from runtime.singularity.singular_position_near_motion import Singularity, SingularPositions
 
 _ALLOWANCE = 100.0  # measured: ratio of rounding in an error to its expectation that is let pass
 _ASTRAY = 1e-6  # accuracy: of a velocity; error of a start against the branch that it follows
@@ -216,17 +216,21 @@ class Crossings:
 
         There the singular value is σ' τ and the distance from the position about as large as the
         gap over it: σ' v τ² = gap. Steps must not be longer than that bend, and rounding must
-        allow to follow it.
+        allow to follow it: a look within the bend ends the run where `noise` > τ²,
+        which is gap < 2 `_WEIGHT` `_RESIDUE` size / rtol = 2e-16 size / rtol, whatever σ' and v
+        (size: largest coordinate in units of `scale`, at least 1).
         """
         r = self.record
         width = float(np.sqrt(position.gap / (position.rate * position.speed)))
         ahead = position.t - float(r["t"])
         if ahead < width and self.steps.noise(position) > width**2:
             r["index"] = int(position.rows.argmax())
+            # Twice the rtol at which both are equal.
+            needed = 2.0 * float(r["rtol"]) * self.steps.noise(position) / width**2
             self.note = (
                 f"At t = {position.t:.9g} s the machine misses a position in which its motions "
                 f"cross by {position.gap:.1e}, too little to be followed in rounded numbers with "
-                "this rtol."
+                f"this rtol; loosen rtol to about {needed:.0e}, or make the lengths agree exactly."
             )
             return _SINGULAR
         r["plan"], r["turn"], r["length_across"] = _MISSING, position.t, 0.5 * width

@@ -16,7 +16,7 @@ from runtime.core.array_types import f8, matrix, none, vector
 from runtime.core.jit import compiled, inner
 from runtime.core.rounding import EPS
 from runtime.integrate.method import Method
-from runtime.singularity.singular_position_search import Singularity
+from runtime.singularity.singular_position_near_motion import Singularity
 
 FloatArray = npt.NDArray[np.float64]
 

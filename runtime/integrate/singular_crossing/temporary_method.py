@@ -11,7 +11,7 @@ from runtime.integrate.method import EXPLICIT, LEADING
 from runtime.integrate.run_state import RunState
 from runtime.integrate.singular_crossing.crossing_step import CrossingSteps
 from runtime.integrate.step_control import first_step
-from runtime.singularity.singular_position_search import Singularity
+from runtime.singularity.singular_position_near_motion import Singularity
 
 _POOR = 10.0  # measured: error over tolerance from which on another method leads across
 _LEARNING = 0.2  # measured: of the way there; the first step of the method that takes over

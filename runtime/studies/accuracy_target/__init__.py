@@ -6,7 +6,7 @@ from typing import Any
 
 from codegen.errors import InputError
 from runtime.integrate.problem import Formulation
-from runtime.mechanism.mechanism_data import Mechanism
+from runtime.mechanism.loaded_mechanism import Mechanism
 from runtime.results.reached_accuracy import Estimate, ReachedAccuracy, Trial
 from runtime.results.result import Result
 

@@ -10,11 +10,11 @@ from codegen.errors import InputError
 from runtime.core.outcomes import Outcome
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory
-from runtime.mechanism.description import Description
+from runtime.mechanism.module_tables import Description
 from runtime.results.reached_accuracy import Trial
 from runtime.results.result import Result
 from runtime.studies.error_norms import scaled_errors
-from runtime.studies.series import FloatArray, group_magnitude, series_values
+from runtime.studies.series_by_name import FloatArray, group_magnitude, series_values
 
 DIVERGED = 0.1  # accuracy: scaled difference of runs that have nothing in common any more
 SAFE_POWER = 0.75  # measured: power of rtol with which errors fall at least

@@ -29,7 +29,7 @@ from runtime.dynamics.simulation import finish_simulation
 from runtime.integrate.method import IMPLICIT, REGISTER
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.wiring import function_table
-from runtime.mechanism.mechanism_data import Mechanism, Values
+from runtime.mechanism.loaded_mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
@@ -37,7 +37,7 @@ from runtime.studies.accuracy_target import run_difference as runs
 from runtime.studies.accuracy_target.method_choice import Choice, choose, revise
 from runtime.studies.accuracy_target.result_with_accuracy import with_accuracy
 from runtime.studies.accuracy_target.run_difference import Pair, Quantities, Run
-from runtime.studies.series import require_numbers
+from runtime.studies.series_by_name import require_numbers
 from runtime.studies.timing import processor_time
 from runtime.validation.arguments import instants
 

@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from codegen.errors import InputError
-from runtime.mechanism.description import unknown
+from runtime.mechanism.module_tables import unknown
 from runtime.results.result import Result
 from runtime.results.time_series import ENERGIES
-from runtime.studies.series import FloatArray, series_names, unknown_series
+from runtime.studies.series_by_name import FloatArray, series_names, unknown_series
 
 Function = Callable[[Result], float]
 EVENTS = ("event", "count")

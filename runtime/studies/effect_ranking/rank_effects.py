@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, TypeVar
 
 from codegen.errors import InputError, LinkwrightError
 from runtime.machine import Machine
-from runtime.studies.effect_ranking import value_with_uncertainty
+from runtime.studies.effect_ranking import scene_trial
+from runtime.studies.effect_ranking.comparison_and_proposal import Comparison, propose_scene
 from runtime.studies.effect_ranking.quantity import Function, Quantity, parse_quantity
 from runtime.studies.effect_ranking.ranking import Matters, Proposal, Row, Verdict
-from runtime.studies.effect_ranking.scene_proposal import Comparison, propose_scene
-from runtime.studies.effect_ranking.value_with_uncertainty import Plan, Trial, TrialError, run_trial
+from runtime.studies.effect_ranking.scene_trial import Plan, Trial, TrialError, run_trial
 from runtime.studies.scenes import LEFT_OUT, Source, cache_folder, read_source, require_time_span
 from runtime.studies.timing import Stopwatch, take_turns
 
@@ -211,15 +211,15 @@ def _check(
     problems = []
     if error is not None and not 0.0 < error < 1.0:
         problems.append(f"error is {error:g}; it is a share of the quantity, between 0 and 1.")
-    if not value_with_uncertainty.LEAST_RTOL <= rtol <= 1e-4:
-        least = value_with_uncertainty.LEAST_RTOL
+    if not scene_trial.LEAST_RTOL <= rtol <= 1e-4:
+        least = scene_trial.LEAST_RTOL
         problems.append(f"rtol is {rtol:g}; to compare runs it lies from {least:g} to 1e-4.")
     if points < 11:
         problems.append(f"points is {points}; a quantity is taken from at least 11 instants.")
     if rounds is not None and rounds < 1:
         problems.append(f"rounds is {rounds}; a time takes at least one run.")
-    if analysis is not None and analysis not in value_with_uncertainty.ANALYSES:
-        known = ", ".join(value_with_uncertainty.ANALYSES)
+    if analysis is not None and analysis not in scene_trial.ANALYSES:
+        known = ", ".join(scene_trial.ANALYSES)
         problems.append(f"There is no analysis {analysis!r}; there are: {known}.")
     if problems:
         raise InputError(problems)

@@ -31,7 +31,7 @@ class Costs:
     evaluations: int  # of the run, as are steps and events; 0 where its analysis counts none
     steps: int
     events: int
-    # of all evaluations and returns onto the constraints in the run; that of all kernels, once,
+    # of all evaluations and calls of `correction` in the run; that of all kernels, once,
     # where none are counted; unlike times it is reproducible
     work: int
     seconds: float  # processor time with assembly and outputs, the least of rounds in turns

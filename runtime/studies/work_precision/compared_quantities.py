@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from codegen.errors import InputError
-from runtime.mechanism.description import Description
-from runtime.studies.series import FloatArray, series_names, unknown_series
+from runtime.mechanism.module_tables import Description
+from runtime.studies.series_by_name import FloatArray, series_names, unknown_series
 
 OR = "|"  # between the names of a quantity of which a scene has one or another: ``a.x|b.x``
 

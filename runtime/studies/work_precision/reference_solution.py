@@ -18,7 +18,12 @@ from runtime.integrate.method import LEADING, MULTISTEP, REGISTER, SWITCHING
 from runtime.mechanism.dense_equations import Equations, magnitudes
 from runtime.results.result import Result
 from runtime.studies.error_norms import Errors, Scale, errors, scaled_errors, scales
-from runtime.studies.series import FloatArray, group_magnitude, require_numbers, series_values
+from runtime.studies.series_by_name import (
+    FloatArray,
+    group_magnitude,
+    require_numbers,
+    series_values,
+)
 from runtime.studies.work_precision.compared_quantities import ReferenceFile, series_of
 from runtime.studies.work_precision.diagram import Check, Reference, Setting
 from runtime.studies.work_precision.timed_runs import Runner, outcome_name

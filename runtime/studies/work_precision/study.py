@@ -13,16 +13,16 @@ import numpy as np
 from codegen.errors import AnalysisError, InputError
 from runtime.integrate.method import METHODS
 from runtime.machine import Machine
-from runtime.mechanism.description import unknown
+from runtime.mechanism.module_tables import unknown
 from runtime.studies import scenes
-from runtime.studies.series import FloatArray
+from runtime.studies.series_by_name import FloatArray
 from runtime.studies.work_precision import compared_quantities as compared
 from runtime.studies.work_precision import diagram
 from runtime.studies.work_precision.build_costs import build_costs
 from runtime.studies.work_precision.diagram import Choice, Line, Setting, WorkPrecision
 from runtime.studies.work_precision.interpretation import fastest
 from runtime.studies.work_precision.json_records import environment
-from runtime.studies.work_precision.measured_settings import Measurement
+from runtime.studies.work_precision.measurement import Measurement
 from runtime.studies.work_precision.reference_solution import LIMIT_FACTOR, TIGHTEST, find_reference
 from runtime.studies.work_precision.timed_runs import Runner
 from runtime.validation.scene_support import refuse_massless, require_motion

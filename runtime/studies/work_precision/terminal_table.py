@@ -12,7 +12,7 @@ from runtime.studies.work_precision.interpretation import TARGETS, digits
 COMPARED = 1e-6
 """Scaled error at which the work of runs is compared."""
 _COUNTS = (
-    ("steps",), ("rejected",), ("rhs_evaluations",), ("newton_iterations", "stage_iterations"),
+    ("steps",), ("rejected",), ("rhs_evaluations",), ("corrections", "stage_iterations"),
     ("jacobians",), ("factorizations",),
 )  # fmt: skip
 

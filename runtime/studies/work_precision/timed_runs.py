@@ -13,7 +13,7 @@ from runtime.dynamics.simulation import simulate
 from runtime.machine import Machine
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
-from runtime.studies.series import FloatArray
+from runtime.studies.series_by_name import FloatArray
 from runtime.studies.timing import Stopwatch, TimeLimit, take_turns
 from runtime.studies.work_precision.diagram import Setting
 

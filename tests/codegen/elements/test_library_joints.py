@@ -1,13 +1,14 @@
 """The library's joints against Haug's formulas by hand, and their reactions against mechanics."""
 
 import cmath
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from pint import get_application_registry
 
-from codegen import Model
+from codegen import Body, Model, Point
 from tests.codegen.elements.hand.joints import (
     ANGLE,
     JOINTS,
@@ -33,22 +34,63 @@ from tests.codegen.workbench import A, Interpreted, State, complex_gamma, comple
 
 TOLERANCE = {"rtol": 1e-12, "atol": 1e-12}
 GLOBAL = ("relative_x", "relative_y")
+Declare = Callable[[Model, str, Point, Point], object]
+Angle = Callable[[State], float]
 
 
-def declare(kind: str, model: Model, i: object, j: object, name: str = "joint") -> None:
-    pair = (name, i.at(*SI), j.at(*SJ))
-    if kind.startswith("relative"):
-        model.relative(*pair, kind.removeprefix("relative_"), VALUE)
-    elif kind == "distance":
-        model.distance(*pair, LENGTH)
-    elif kind == "revolute_translational":
-        model.revolute_translational(*pair, axis=tuple(AXIS), distance=VALUE)
-    elif kind == "weld":
-        model.weld(*pair, angle=ANGLE)
-    elif kind == "rack_and_pinion":
-        model.rack_and_pinion(*pair, LENGTH, axis=tuple(AXIS), offset=OFFSET)
-    else:
-        model.gear(*pair, *RADII[kind], line=LINE)
+def of_axis(s: State) -> float:
+    """Angle of the axis AXIS of the first body."""
+    return float(s.body(0)[1] + np.arctan2(AXIS[1], AXIS[0]))
+
+
+def of_rack(s: State) -> float:
+    """Angle of the rack's axis; the rack is the second body."""
+    return float(s.body(1)[1] + np.arctan2(AXIS[1], AXIS[0]))
+
+
+def of_span(s: State) -> float:
+    """Angle of the line from point to point."""
+    d = span(s, 0, 1)[0]
+    return float(np.arctan2(d[1], d[0]))
+
+
+def relative(letter: str) -> tuple[Declare, Angle]:
+    return lambda m, *pair: m.relative(*pair, letter, VALUE), lambda s: 0.0
+
+
+def geared(kind: str) -> tuple[Declare, Angle]:
+    return (
+        lambda m, *pair: m.gear(*pair, *RADII[kind], line=LINE),
+        lambda s: line_of_centres(s, 0, 1, kind),
+    )
+
+
+DECLARATIONS: dict[str, tuple[Declare, Angle]] = {
+    "relative_x": relative("x"),
+    "relative_y": relative("y"),
+    "relative_phi": relative("phi"),
+    "distance": (lambda m, *pair: m.distance(*pair, LENGTH), of_span),
+    "revolute_translational": (
+        lambda m, *pair: m.revolute_translational(*pair, axis=tuple(AXIS), distance=VALUE),
+        of_axis,
+    ),
+    "weld": (lambda m, *pair: m.weld(*pair, angle=ANGLE), lambda s: s.body(0)[1]),
+    "gear": geared("gear"),
+    "internal": geared("internal"),
+    "rack_and_pinion": (
+        lambda m, *pair: m.rack_and_pinion(*pair, LENGTH, axis=tuple(AXIS), offset=OFFSET),
+        of_rack,
+    ),
+}
+"""The joint of each kind of `JOINTS` with the numbers of its formula, the angle of its x axis."""
+
+
+def test_every_formula_has_a_declaration() -> None:
+    assert list(DECLARATIONS) == list(JOINTS)
+
+
+def declare(kind: str, model: Model, i: Body, j: Body) -> None:
+    DECLARATIONS[kind][0](model, "joint", i.at(*SI), j.at(*SJ))
 
 
 def two_bodies(kind: str, ground: str = "") -> Interpreted:
@@ -95,7 +137,8 @@ def everything() -> Interpreted:
 
 def test_derivatives_are_those_of_the_compiled_constraints() -> None:
     machine = everything()
-    assert machine.m == 12
+    rows = [formula(machine.state(0), 0, 1)[0] for formula in JOINTS.values()]
+    assert machine.m == sum(map(len, rows)), "everything() lacks a kind, or has one twice"
     for seed in range(3):
         s = machine.state(seed)
 
@@ -138,26 +181,13 @@ def test_joint_takes_no_momentum_and_no_energy(kind: str, seed: int) -> None:
         assert_allclose(turning, 0, atol=1e-11 * size)
 
 
-def axes(kind: str, s: State) -> float:
-    """Angle of the joint's x axis."""
-    if kind.startswith("relative"):
-        return 0.0
-    if kind == "distance":
-        d = span(s, 0, 1)[0]
-        return float(np.arctan2(d[1], d[0]))
-    if kind in RADII:
-        return line_of_centres(s, 0, 1, kind)
-    slope = 0.0 if kind == "weld" else float(np.arctan2(AXIS[1], AXIS[0]))
-    return s.body(1 if kind == "rack_and_pinion" else 0)[1] + slope
-
-
 @pytest.mark.parametrize("kind", JOINTS)
 @pytest.mark.parametrize("seed", range(3))
 def test_reaction_is_what_moves_the_bodies(kind: str, seed: int) -> None:
     """The reported force and torque, on the second body and reversed on the first: -Φ_qᵀ λ."""
     machine, s, forces = pushed_pair(kind, seed)
     found = reactions(machine, s)
-    force = A(axes(kind, s)) @ [found["joint", "fx"], found["joint", "fy"]]
+    force = A(DECLARATIONS[kind][1](s)) @ [found["joint", "fx"], found["joint", "fy"]]
     torque = found["joint", "torque"]
     second = place(s, 0, SI) if kind == "rack_and_pinion" else place(s, 1, SJ)
     first = place(s, 0, SI) if kind in GLOBAL else second

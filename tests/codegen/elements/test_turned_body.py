@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from codegen import Model
 from codegen.declare.symbols import CoordinateKind, declare_letter
 from codegen.errors import ModelError
-from codegen.lower.differentiation.tangent import tangent_program
+from codegen.lower.differentiation.program_tangents import tangent_program
 from codegen.lower.interpreter import evaluate
 from tests.codegen.elements.turned_body import turned_body
 from tests.codegen.workbench import Interpreted, State, complex_gamma, complex_step, plain

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import pytest
 
 from codegen.lower.constant_hoisting import orient_differences
-from codegen.lower.differentiation.directional import Direction
+from codegen.lower.differentiation.derivative_along_motion import Direction
 from codegen.lower.differentiation.gradient import Slopes
-from codegen.lower.differentiation.tangent import differentiate
+from codegen.lower.differentiation.program_tangents import differentiate
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
 from codegen.lower.operation_count import operations

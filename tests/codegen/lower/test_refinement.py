@@ -12,7 +12,7 @@ import pytest
 
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.interpreter import evaluate
-from codegen.lower.kernels.linear_solves import _dynamics
+from codegen.lower.kernels.linear_solves import dynamics_kernel
 from codegen.lower.linear.factorization import Strategy
 from codegen.lower.program import Program
 from codegen.lower.scene_graph import SceneGraph
@@ -27,7 +27,7 @@ STRATEGIES: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
 
 def kernel(machine: Interpreted, strategy: Strategy, refine: bool) -> Program:
     graph = SceneGraph(machine.equations)
-    fused = _dynamics(graph, strategy, refine=refine)
+    fused = dynamics_kernel(graph, strategy, tuple(range(graph.m)), refine=refine)
     return with_constants(graph.graph, (fused,), len(machine.p))
 
 

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from codegen import Model
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.interpreter import evaluate
-from codegen.lower.kernels.linear_solves import _dynamics
+from codegen.lower.kernels.linear_solves import dynamics_kernel
 from codegen.lower.linear.factorization import Strategy
 from codegen.lower.scene_graph import SceneGraph
 from codegen.model_file import read_model
@@ -38,7 +38,7 @@ def dense(machine: Interpreted, s: State, modes: list[int]) -> np.ndarray:
 
 def by_strategy(machine: Interpreted, s: State, modes: list[int], strategy: Strategy) -> np.ndarray:
     graph = SceneGraph(machine.equations)
-    kernel = _dynamics(graph, strategy)
+    kernel = dynamics_kernel(graph, strategy, tuple(range(graph.m)))
     program = with_constants(graph.graph, (kernel,), len(machine.p))
     inputs = {"t": s.t, "q": plain(s.q), "v": plain(s.v), "p": machine.p, "modes": modes}
     out = evaluate(program, "accelerations", inputs, math)

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from codegen.cubic_spline import fit
-from codegen.lower.differentiation.tangent import differentiate
+from codegen.lower.differentiation.program_tangents import differentiate
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
 from codegen.lower.program import LEAVES, LOGICAL, Kernel, Op, Output, Program

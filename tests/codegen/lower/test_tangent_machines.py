@@ -12,12 +12,12 @@ from numpy.testing import assert_allclose
 from codegen import Model
 from codegen.emit.companion_modules import tangents_text
 from codegen.emit.module import Origin
-from codegen.lower.differentiation.tangent import tangent_program
+from codegen.lower.differentiation.program_tangents import tangent_program
 from codegen.lower.operation_count import operations
 from codegen.lower.program import Program
 from codegen.model_file import read_model
 from tests.codegen.directions import assembled, by_complex_step, by_tangent, dependent
-from tests.codegen.elements.test_friction import rubbing
+from tests.codegen.elements.test_joint_friction import rubbing
 from tests.codegen.workbench import STEP, Interpreted, State, plain, python_functions
 
 

@@ -12,7 +12,7 @@ from runtime.hybrid import (
     mode_consistency,
     mode_reactions,
     redundant_sliding,
-    sliding_and_stabilized_rhs,
+    sliding_and_baumgarte_rhs,
 )
 from runtime.hybrid import switching_functions as switching
 
@@ -32,7 +32,7 @@ def evaluate_accelerations(context, t):
 
 @compiled(f8(vector, vector, vector))
 def exclude_rounding(value, change, size):
-    return sliding_and_stabilized_rhs.exclude_rounding(value, change, size)
+    return sliding_and_baumgarte_rhs.exclude_rounding(value, change, size)
 
 
 @compiled(none(integers, f8))

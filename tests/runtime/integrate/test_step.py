@@ -31,7 +31,7 @@ def test_without_a_return_it_stays_where_the_method_led():
     run = swinging(PENDULUM, correction="baumgarte", method="dopri5", rtol=1e-4)
     assert tried(run, 0.005) == TrialStep.DONE
     assert residual(run.state.rows[Y1]) > 1e-14
-    assert run.state.record["newton"] == 1  # that of the start
+    assert run.state.record["returns"] == 1  # that of the start
 
 
 def test_the_derivative_at_its_end_is_that_of_its_state():

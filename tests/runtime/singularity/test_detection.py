@@ -11,7 +11,7 @@ from runtime.singularity import detection
 from tests.runtime.constraints.drivers import wired
 from tests.runtime.integrate.systems import PENDULUM
 from tests.runtime.singularity.crossing import COLUMNS, ROWS, jacobian, mechanism
-from tests.runtime.singularity.test_location import on_branch
+from tests.runtime.singularity.test_singular_root_search import on_branch
 
 SYSTEM = System(
     accelerations=PENDULUM.accelerations,

@@ -6,12 +6,12 @@ import pytest
 from models.hard.cases import find
 from runtime import Machine
 from runtime.mechanism.dense_equations import Equations
-from runtime.singularity.location import Search
 from runtime.singularity.motion_polynomial import Motion, hermite, nearest_time, taylor
 from runtime.singularity.pivot_orders import PivotOrders, count_weak
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.search_function_table import unit_jacobian_entries
-from runtime.singularity.singular_position_search import SingularPositions
+from runtime.singularity.singular_position_near_motion import SingularPositions
+from runtime.singularity.singular_root_search import Search
 
 LOOPS = 2
 TURNING = -5.0  # rad/s

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from runtime import load
 from runtime.studies.error_norms import Scale, errors, scales
-from runtime.studies.series import group_magnitude
+from runtime.studies.series_by_name import group_magnitude
 
 
 def test_errors_are_those_of_the_formula(rig: str, folder: Path) -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from runtime.integrate.method import find_method
 from runtime.integrate.singular_crossing.crossing_step import CrossingSteps
-from runtime.singularity.singular_position_search import Singularity
+from runtime.singularity.singular_position_near_motion import Singularity
 
 METHOD = find_method("dop853")
 

@@ -20,6 +20,7 @@ from runtime.studies.effect_ranking import Matters, Verdict
 from runtime.studies.effect_ranking import picture as matters_picture
 from runtime.studies.effect_ranking import terminal_table as matters_table
 from runtime.studies.effect_ranking.quantity import parse_quantity
+from runtime.studies.effect_ranking.value_with_uncertainty import _costs
 
 MACHINES = {
     "compressor": ("slider_crank", "compressor", "max:crank.omega", 0.5),
@@ -58,6 +59,17 @@ def folder(request: pytest.FixtureRequest) -> Path:
 def swing(folder: Path) -> Matters:
     return matters(
         sledge(), "swing", asked="range:body.x", t_end=3.0, error=1e-3, rounds=1, folder=folder
+    )
+
+
+def test_work_counts_the_iterations_of_a_return_and_not_the_return() -> None:
+    machine = load("slider_crank", "compressor")
+    run = machine.simulate(0.1, rtol=1e-3, progress=False)
+    assert run.stats["corrections"] > run.stats["returns"]
+    operations = dict(machine.description.operations)
+    assert _costs(machine, run).work == (
+        run.stats["rhs_evaluations"] * operations["accelerations"]
+        + run.stats["corrections"] * operations["correction"]
     )
 
 

@@ -10,7 +10,7 @@ from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Vector
-from runtime.core.array_views import view
+from runtime.core.borrowed_arrays import view
 from runtime.core.jit import addressed, inner
 from runtime.core.rhs import write_derivative
 from runtime.hybrid.sliding_shares import (

@@ -15,7 +15,7 @@ from runtime.integrate.step import Signal, TrialStep, reject
 _FLIGHT = 0.6  # measured: of the time between two impacts; a first step that meets none
 _ZENO_EVENTS = 30  # safety: events in a row with such a ratio that are no accident
 _ZENO_SPAN = 1e-7  # safety: of the run; the time that eight such events must take at most
-_ZENO_RATIO = 0.98  # safety: of the time of eight events to that of the eight before the last
+_ZENO_RATIO = 0.98  # safety: time of the last eight events over that up to one event earlier
 _NEWTON_FAILED = int(TrialStep.NEWTON_FAILED)
 _LEAST_ERROR = 1e-4  # safety: a smaller error of the last step says nothing of the next one
 
@@ -71,10 +71,12 @@ def judge_events(context: Integers) -> int:
     for i in range(ft.RECENT - 1):
         recent[i] = recent[i + 1]
     recent[ft.RECENT - 1] = r.t
+    # While a contact bounces (a finite flight) events crowd by right: closing it ends them.
     faster = span < _ZENO_RATIO * r.event_span and r.flight == np.inf
     r.shrinking = r.shrinking + 1 if faster else 0
     r.event_span = span
     if r.blamed != CONSISTENT:
+        # Where all the events kept crowd, no mode fits only because their limit is too near.
         r.index = r.blamed
         return Outcome.ZENO if r.shrinking >= ft.RECENT else Outcome.INCONSISTENT
     endless = r.shrinking >= _ZENO_EVENTS and span < _ZENO_SPAN * r.duration

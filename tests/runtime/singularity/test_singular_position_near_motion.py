@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from runtime.singularity.singular_position_search import SingularPositions
+from runtime.singularity.singular_position_near_motion import SingularPositions
 from tests.runtime.singularity.crossing import branch_slopes, closed, mechanism
-from tests.runtime.singularity.test_location import on_branch
+from tests.runtime.singularity.test_singular_root_search import on_branch
 
 
 @pytest.mark.parametrize("speed", [1.0, 20.0])

@@ -12,7 +12,7 @@ from codegen.errors import AnalysisError
 from runtime.core.kernel_abi import Kernels
 from runtime.core.system import System
 from runtime.mechanism.companion_modules import Kind, Origin, has_companion, load_companion
-from runtime.mechanism.description import Description
+from runtime.mechanism.module_tables import Description
 from runtime.mechanism.reduced_kernels import Reduced, gather_reduced
 from runtime.mechanism.system import Tangents, common_system, gather_tangents
 

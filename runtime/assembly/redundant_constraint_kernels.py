@@ -12,10 +12,10 @@ from runtime.core.jit import OPTIONS
 from runtime.core.kernel_abi import SIGNATURES, Kernels
 from runtime.integrate.method import EXPLICIT, IMPLICIT, alternatives
 from runtime.integrate.problem import Correction
-from runtime.linalg.least_norm_solve import solve_least_norm, solve_motion
+from runtime.linalg.redundant_constraints_solve import solve_least_norm, solve_motion
 from runtime.linalg.row_elimination import Sparse
-from runtime.mechanism.description import Description
-from runtime.mechanism.mechanism_data import Mechanism
+from runtime.mechanism.loaded_mechanism import Mechanism
+from runtime.mechanism.module_tables import Description
 from runtime.results.assembled_state import Assembly
 
 _VARIANTS: WeakKeyDictionary[Mechanism, dict[tuple[int, ...], Mechanism]] = WeakKeyDictionary()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.linalg.least_norm_solve import (
+from runtime.linalg.redundant_constraints_solve import (
     minimise_norm,
     solve_factored,
     solve_least_norm,

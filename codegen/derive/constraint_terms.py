@@ -11,7 +11,7 @@ import sympy
 
 from codegen.declare.element import ConjugateReaction, Constraint, Frame, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, Multiplier, kinds, t
-from codegen.derive.derivative import derivative
+from codegen.derive.fast_derivative import derivative
 from codegen.derive.zero_test import is_zero
 
 

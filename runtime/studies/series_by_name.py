@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from runtime.mechanism.description import Description, unknown
+from runtime.mechanism.module_tables import Description, unknown
 from runtime.results.result import Result
 from runtime.results.time_series import ENERGIES
 

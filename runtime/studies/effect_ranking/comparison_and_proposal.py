@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from codegen.errors import InputError
 from runtime.studies.effect_ranking.quantity import Quantity
 from runtime.studies.effect_ranking.ranking import Proposal, Row, Verdict
-from runtime.studies.effect_ranking.value_with_uncertainty import Plan, Trial, TrialError, run_trial
+from runtime.studies.effect_ranking.scene_trial import Plan, Trial, TrialError, run_trial
 from runtime.studies.scenes import LEFT_OUT, Source
 
 if TYPE_CHECKING:

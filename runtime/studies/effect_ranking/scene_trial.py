@@ -19,7 +19,7 @@ from runtime.results.result import Result
 from runtime.studies.effect_ranking.quantity import Quantity, QuantityValue
 from runtime.studies.effect_ranking.ranking import Costs
 from runtime.studies.scenes import known_values
-from runtime.studies.series import FloatArray
+from runtime.studies.series_by_name import FloatArray
 from runtime.studies.timing import Stopwatch, processor_time
 
 ANALYSES = ("simulate", "kinematics", "inverse", "equilibrium")
@@ -142,11 +142,11 @@ def _run_twice(machine: Machine, plan: Plan) -> tuple[Result, Result]:
 
 def _costs(machine: Machine, run: Result) -> Costs:
     operations = dict(machine.description.operations)
-    evaluations, iterations, steps = (
-        int(run.stats.get(name, 0)) for name in ("rhs_evaluations", "newton_iterations", "steps")
-    )
+    evaluations, steps = (int(run.stats.get(name, 0)) for name in ("rhs_evaluations", "steps"))
+    # Calls of `correction`: a simulation counts them by that name, kinematics as its iterations.
+    corrections = int(run.stats.get("corrections", run.stats.get("newton_iterations", 0)))
     accelerations, total = operations.get("accelerations", 0), sum(operations.values())
-    work = evaluations * accelerations + iterations * operations.get("correction", 0)
+    work = evaluations * accelerations + corrections * operations.get("correction", 0)
     return Costs(
         accelerations, total, evaluations, steps, len(run.events), work or total, seconds=math.nan
     )

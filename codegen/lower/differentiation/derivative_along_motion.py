@@ -10,7 +10,7 @@ Haug's formulas come out: ω² times the components of A s, that are there.
 from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
-from codegen.lower.differentiation.tangent import slopes_of
+from codegen.lower.differentiation.program_tangents import slopes_of
 from codegen.lower.factored_sums import PLAIN, Parts
 from codegen.lower.graph import Graph
 from codegen.lower.program import LOGICAL, Op
