@@ -57,8 +57,7 @@ def build(
     model
         Path of a model file, a bare name for ``models/NAME.py``, or a `Model`.
     scene
-        One scene or several, by name or as returned by `Scene.without` and `Scene.with_`; by
-        default all declared scenes.
+        One or several, by name or from `Scene.without` and `Scene.with_`; by default all.
     out
         Folder for the generated files; by default ``generated/`` of the library for the
         library's models, else of the current directory.
