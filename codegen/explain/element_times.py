@@ -13,7 +13,7 @@ from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.module import Origin, assemble_module
 from codegen.errors import InputError
 from codegen.explain.kernel_timer import ROUNDS, States, Timed, times
-from codegen.explain.ledger_data import Part, RunCosts
+from codegen.explain.ledger_records import Part, RunCosts
 from codegen.explain.measured_run import Run, simulate
 from codegen.explain.operations_by_part import Stage, timing_stages
 from codegen.explain.sample_states import about_the_start, at, parameters

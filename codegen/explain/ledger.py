@@ -8,7 +8,7 @@ from codegen.derive.equations import derive
 from codegen.driver import valid_scenes
 from codegen.errors import InputError
 from codegen.explain import operations_by_part as costs
-from codegen.explain.ledger_data import Ledger, Part
+from codegen.explain.ledger_records import Ledger, Part
 from codegen.explain.participation import inventory, output_inventory
 from codegen.model import Model
 from codegen.model_file import read_model

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from codegen.errors import InputError
-from codegen.explain.ledger_data import RunCosts
+from codegen.explain.ledger_records import RunCosts
 from codegen.explain.sample_states import COUNT
 
 MEASURED = 2  # measured: runs of which the faster counts; the first may find cold caches

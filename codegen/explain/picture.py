@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from codegen.errors import InputError
-from codegen.explain.ledger_data import Ledger, Part
+from codegen.explain.ledger_records import Ledger, Part
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from codegen.explain.ledger_data import Ledger, Part
+from codegen.explain.ledger_records import Ledger, Part
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from codegen.explain.ledger_data import Ledger, Part, RunCosts
+from codegen.explain.ledger_records import Ledger, Part, RunCosts
 from codegen.explain.scene_comparison import Comparison
 
 NARROW, WIDE, UNKNOWN = 80, 140, 120

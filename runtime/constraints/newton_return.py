@@ -12,8 +12,8 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed
 from runtime.core.kernel_abi import correction_of
+from runtime.core.loop_record import run_record
 from runtime.core.rounding import EPS
-from runtime.core.run_record import run_record
 
 ITERATIONS = 10  # safety: Newton iterations before the return counts as failed
 FAILED = -1_000_000  # negative also when iterations of other stages are added to it

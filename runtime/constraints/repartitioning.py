@@ -7,7 +7,7 @@ from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed, inner
-from runtime.core.run_record import run_record
+from runtime.core.loop_record import run_record
 from runtime.linalg.vectors import copy_vector
 
 # measured: entries of H, which full pivoting keeps near one, that call for a repartition

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from runtime.continuation.arclength import Curve, Piece
-from runtime.continuation.branch_point_interpolation import Zone
+from runtime.continuation.motion_across_branch_point import Zone
 from runtime.continuation.pivot_monitor import RECORD, Workspace
 from runtime.continuation.predictor_corrector import advance
 from runtime.core.outcomes import Outcome

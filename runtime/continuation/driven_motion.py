@@ -2,7 +2,7 @@
 
 Where the predictor-corrector gets stuck, or lands on another assembly of the machine, the singular
 configuration behind it is located (`runtime.singularity.singular_position_near_motion`). At a
-branch point the branch of continuous velocity is interpolated (`branch_point_interpolation`). Where
+branch point the branch of continuous velocity is interpolated (`motion_across_branch_point`). Where
 branches only come close, or at a fold, the curve of positions is followed by its arc length
 (`arclength`).
 """
@@ -15,12 +15,12 @@ import numpy as np
 from runtime.continuation import singularity_classification as classification
 from runtime.continuation.arclength import Curve, Point
 from runtime.continuation.bifurcation_branches import RankDeficiency, is_ambiguous
-from runtime.continuation.branch_point_interpolation import (
+from runtime.continuation.continuation_state import ContinuationState, DrivenMotion
+from runtime.continuation.motion_across_branch_point import (
     DISTANCE,
     distance_between,
     interpolate_branch,
 )
-from runtime.continuation.continuation_state import ContinuationState, DrivenMotion
 from runtime.continuation.predictor_corrector import ARRIVED, DONE, SUSPECT
 from runtime.core.outcomes import Outcome
 from runtime.core.rounding import EPS

@@ -99,7 +99,7 @@ switching_rows_of = TABLE.floats("switching_rows", SWITCHING_SIZE)
 parameters_of = TABLE.floats("parameters", PARAMETER_COUNT, allotted=False)
 modes_of = TABLE.integers("modes", SWITCHES)
 multipliers_of = TABLE.floats("multipliers", CONSTRAINT_COUNT)
-RECORD = TABLE.number("record")  # address of the run's record, see `run_record`
+RECORD = TABLE.number("record")  # address of the run's record, see `loop_record`
 settings_of = TABLE.floats("settings", (2, None))  # length of the step, Baumgarte's time, s
 method_floats_of = TABLE.floats("method_floats", METHOD_FLOATS_SIZE)  # of the method
 method_integers_of = TABLE.integers("method_integers", METHOD_INTEGERS_SIZE)  # of the method
@@ -115,7 +115,7 @@ column_order_of = TABLE.integers("column_order", COORDINATES)
 log_times_of = TABLE.floats("log_times", LOG_ROWS)
 log_sets_of = TABLE.integer_matrix("log_sets", LOG_ROWS, COORDINATES)
 weights_of = TABLE.floats("weights", (4, COORDINATES))  # of Baumgarte's terms
-pivots_of = TABLE.floats("pivots", PIVOT_SIZE)  # see `singularity.detection`
+pivots_of = TABLE.floats("pivots", PIVOT_SIZE)  # see `singularity.prediction`
 pivot_history_of = TABLE.floats("pivot_history", (2, None))
 pivot_columns_of = TABLE.integers("pivot_columns", CONSTRAINT_COUNT)
 elimination_plan_of = TABLE.integers("elimination_plan", PLAN_SIZE)

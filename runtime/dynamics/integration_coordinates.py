@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from codegen.errors import InputError
-from runtime.assembly.redundant_constraint_kernels import projection_only, with_redundancy
+from runtime.assembly.kernels_for_redundant_constraints import projection_only, with_redundancy
 from runtime.core.system import System
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.integrate.method import IMPLICIT

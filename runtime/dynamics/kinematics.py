@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from codegen.errors import AnalysisError
 from runtime.assembly.assemble import assemble, start_values
-from runtime.assembly.redundant_constraint_kernels import redundancy_note, with_redundancy
+from runtime.assembly.kernels_for_redundant_constraints import redundancy_note, with_redundancy
 from runtime.continuation.driven_motion import follow
 from runtime.core.modes import Direction
 from runtime.core.outcomes import Outcome

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from runtime.assembly.redundant_constraint_kernels import redundancy_note
+from runtime.assembly.kernels_for_redundant_constraints import redundancy_note
 from runtime.continuation.singularity_classification import describe_crossings
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.integration_coordinates import Coordinates, formulate

@@ -11,9 +11,9 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inlined, inner
+from runtime.core.loop_record import run_record
 from runtime.core.modes import SLIDING
 from runtime.core.rounding import EPS
-from runtime.core.run_record import run_record
 from runtime.hybrid.switching_functions import evaluate_switching
 from runtime.linalg.vectors import copy_vector
 

@@ -13,7 +13,7 @@ from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed, inlined, inner
-from runtime.core.run_record import run_record
+from runtime.core.loop_record import run_record
 from runtime.hybrid.event_location import mark_suspects
 from runtime.hybrid.switching_functions import evaluate_switching, evaluate_switching_and_rates
 

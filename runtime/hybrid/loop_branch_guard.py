@@ -17,8 +17,8 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.borrowed_arrays import view
 from runtime.core.jit import addressed
+from runtime.core.loop_record import run_record
 from runtime.core.outcomes import Outcome
-from runtime.core.run_record import run_record
 from runtime.core.system import System
 
 SHORTEN = -1

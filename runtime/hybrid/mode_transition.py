@@ -7,10 +7,10 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import addressed, inner
+from runtime.core.loop_record import run_record
 from runtime.core.modes import SLIDING, Direction
 from runtime.core.rhs import evaluate_accelerations, write_derivative
 from runtime.core.rounding import EPS
-from runtime.core.run_record import run_record
 from runtime.hybrid import mode_consistency as consistency
 from runtime.hybrid import switching_functions as switching
 from runtime.hybrid.impact import ON_SURFACE

@@ -6,11 +6,11 @@ from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed, inner
+from runtime.core.loop_record import run_record
 from runtime.core.outcomes import Outcome
-from runtime.core.run_record import run_record
 from runtime.hybrid.mode_consistency import CONSISTENT
-from runtime.integrate.event_step import copy_end
 from runtime.integrate.step import Signal, TrialStep, reject
+from runtime.integrate.step_to_event import copy_end
 
 _FLIGHT = 0.6  # measured: of the time between two impacts; a first step that meets none
 _ZENO_EVENTS = 30  # safety: events in a row with such a ratio that are no accident

@@ -8,10 +8,10 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, i8
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import switching_rates_of
+from runtime.core.loop_record import Plan, run_record
 from runtime.core.modes import SLIDING
 from runtime.core.outcomes import Outcome
 from runtime.core.rhs import write_derivative
-from runtime.core.run_record import Plan, run_record
 from runtime.core.workspace_rows import Y0, K, row_of, switch_row
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.hybrid.mode_transition import LOOK_AHEAD

@@ -11,12 +11,12 @@ import numpy as np
 from runtime.core import function_table as ft
 from runtime.core.array_types import Integers, i8
 from runtime.core.jit import ADDRESSES, addressed, compiled, inner
+from runtime.core.loop_record import Plan, run_record
 from runtime.core.outcomes import Outcome
-from runtime.core.run_record import Plan, run_record
 from runtime.core.workspace_rows import Y0, Y1
 from runtime.integrate.accepted_step import accept_step, judge_events
-from runtime.integrate.event_step import end_at_event
 from runtime.integrate.step import Signal, TrialStep, reject
+from runtime.integrate.step_to_event import end_at_event
 
 _SHARE = 0.3  # measured: of the way to a configuration that is missed, which one step may cover
 WEAK_STATES = 3  # safety: accepted states in a row with a weak pivot that make a singular run

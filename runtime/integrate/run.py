@@ -20,7 +20,7 @@ from runtime.integrate.initialization import start
 from runtime.integrate.loop import advance
 from runtime.integrate.method import LEADING
 from runtime.integrate.problem import Options, Problem
-from runtime.integrate.recorded_rows import Recording
+from runtime.integrate.recording_buffers import Recording
 from runtime.integrate.run_state import RunState
 from runtime.integrate.sampling import INTERVAL
 from runtime.integrate.singular_crossing.crossing import Crossings

@@ -7,7 +7,7 @@ from runtime.constraints.repartitioning import GROWTH_LIMIT
 from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Matrix
-from runtime.core.run_record import ConstraintReturn
+from runtime.core.loop_record import ConstraintReturn
 from runtime.core.system import System
 from runtime.hybrid.sliding_and_baumgarte_rhs import TIME_SCALE
 from runtime.integrate.loop import LOG_MARGIN
@@ -39,7 +39,7 @@ class RunState:
         self.p = np.ascontiguousarray(problem.p, dtype=np.float64)  # with derived constants
         self.wiring = wire(system, options.method, self.p, 4 * LOG_MARGIN)
         self.table, arrays = self.wiring
-        self.record: np.void = arrays["record"][0]  # see `core.run_record`
+        self.record: np.void = arrays["record"][0]  # see `core.loop_record`
         # (ROWS, 2, n) and (SWITCH_ROWS, s), see `core.workspace`
         self.rows: NDArray[np.float64] = arrays["workspace"].reshape(ws.ROWS, 2, system.coordinates)
         self.switch_rows: Matrix = arrays["switching_rows"].reshape(ws.SWITCH_ROWS, system.switches)

@@ -7,7 +7,7 @@ from runtime.core import function_table as ft
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inner
-from runtime.core.run_record import run_record
+from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import PROJECTION, SAMPLE, Y1, row_of
 
 STEP_ENDS, QUADRATURE = 1, 2  # kinds of sampling besides given instants, 0

@@ -12,8 +12,8 @@ from runtime.core.array_types import Integers
 from runtime.core.borrowed_arrays import view
 from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import constraints_of
+from runtime.core.loop_record import ConstraintReturn, is_near_singularity, run_record
 from runtime.core.rhs import write_derivative
-from runtime.core.run_record import ConstraintReturn, is_near_singularity, run_record
 from runtime.hybrid.sliding_and_baumgarte_rhs import STEP
 
 

@@ -11,8 +11,8 @@ from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed, compiled
+from runtime.core.loop_record import Plan, run_record
 from runtime.core.rhs import write_derivative
-from runtime.core.run_record import Plan, run_record
 from runtime.core.workspace_rows import row_of
 
 # measured: least ratio of an error to its expectation from the step before that is believed

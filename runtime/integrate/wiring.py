@@ -11,7 +11,7 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import addresses
 from runtime.core.kernel_abi import KERNELS
-from runtime.core.run_record import RUN, ConstraintReturn
+from runtime.core.loop_record import RUN, ConstraintReturn
 from runtime.core.system import System
 from runtime.hybrid import (
     event_location,
@@ -27,7 +27,7 @@ from runtime.hybrid import (
 from runtime.integrate import sampling, step, step_control
 from runtime.integrate.method import find_method
 from runtime.linalg.elimination_plan import plan_capacity
-from runtime.singularity.detection import PIVOT_ROWS, predict_vanishing_pivot
+from runtime.singularity.prediction import PIVOT_ROWS, predict_vanishing_pivot
 
 METHOD_SLOTS = slice(ft.TABLE.slots["stages"], ft.TABLE.slots["correct"])
 """Slots of the method's functions."""

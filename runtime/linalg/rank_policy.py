@@ -21,7 +21,7 @@ REDUNDANT = 1e-8
 """accuracy: Does a row follow from those before it, so that the sign of its pivot says nothing?
 Noise: 1e-9, the error of a position close to a singular one, where Newton's method stalls; besides,
 elimination by rows lets errors grow more than full pivoting. Users: eliminations along a motion, in
-`singularity.detection`, `continuation.pivot_monitor` and `linalg`; not `assembly.redundancy`, which
+`singularity.prediction`, `continuation.pivot_monitor`, `linalg`; not `assembly.redundancy`, which
 names redundant constraints by LOST."""
 
 LOST = 1e-6

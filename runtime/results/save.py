@@ -114,8 +114,8 @@ def _write_netcdf(result: Result, path: Path) -> None:
 
 
 def _write_page(result: Result, path: Path) -> None:
-    """A page for people: `runtime.show.report`."""
-    from runtime.show.report import page
+    """A page for people: `runtime.show.html_report`."""
+    from runtime.show.html_report import page
 
     path.write_text(page(result), encoding="utf-8")
 

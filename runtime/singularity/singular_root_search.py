@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.singularity.motion_polynomial import Motion, evaluate, nearest_time
-from runtime.singularity.pivot_orders import PivotOrder, PivotOrders
+from runtime.singularity.pivot_sequences import PivotOrder, PivotOrders
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.search_function_table import set_units, unit_jacobian_entries
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from codegen.errors import AnalysisError
 from runtime.assembly.assemble import assemble
-from runtime.assembly.redundant_constraint_kernels import redundancy_note, with_redundancy
+from runtime.assembly.kernels_for_redundant_constraints import redundancy_note, with_redundancy
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations, FloatArray

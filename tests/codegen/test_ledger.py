@@ -19,7 +19,7 @@ from codegen.explain import element_times as timing
 from codegen.explain import kernel_timer as clock
 from codegen.explain.element_times import measure
 from codegen.explain.ledger import explain
-from codegen.explain.ledger_data import Ledger, Part
+from codegen.explain.ledger_records import Ledger, Part
 from codegen.explain.operations_by_part import (
     cumulative_programs,
     marginal_operations,

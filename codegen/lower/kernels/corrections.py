@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.graph import Graph
 from codegen.lower.linear.labels import Labels
-from codegen.lower.linear.normal_equations import NormalEquations, prefixed
-from codegen.lower.linear.null_space_method import NullSpace
+from codegen.lower.linear.least_change_by_multipliers import NormalEquations, prefixed
+from codegen.lower.linear.least_change_by_null_space import NullSpace
 from codegen.lower.linear.square_systems import Square
 from codegen.lower.operation_count import cost
 from codegen.lower.program import STATE, Check, Kernel, store

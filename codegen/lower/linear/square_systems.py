@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from codegen.lower.linear.labels import Labels
-from codegen.lower.linear.normal_equations import solve_by_multipliers
+from codegen.lower.linear.least_change_by_multipliers import solve_by_multipliers
 from codegen.lower.linear.sparse_rows import SparseRows
 from codegen.lower.program import Check
 

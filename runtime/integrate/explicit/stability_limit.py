@@ -18,7 +18,7 @@ import numpy as np
 from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import COORDINATES, HOOK, method_floats_of
 from runtime.core.jit import compiled, inner
-from runtime.core.run_record import run_record
+from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import SIZE, STAGE, Y1, row_of
 from runtime.integrate.step_control import propose
 

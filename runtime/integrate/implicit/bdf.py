@@ -17,7 +17,7 @@ from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table as ft
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed, compiled, inner
-from runtime.core.run_record import run_record
+from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import STAGE, Y1, K, row_of
 from runtime.integrate.implicit import bdf_history as history
 from runtime.integrate.implicit import method_memory as mem

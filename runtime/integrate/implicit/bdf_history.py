@@ -21,7 +21,7 @@ from runtime.core.function_table import (
     method_integers_of,
 )
 from runtime.core.jit import addressed, inner
-from runtime.core.run_record import run_record
+from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import Y0, Y1, F, K, row_of
 from runtime.integrate.implicit import method_memory as mem
 

@@ -16,8 +16,8 @@ from runtime.core import function_table as ft
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed, compiled, inner
+from runtime.core.loop_record import run_record
 from runtime.core.rounding import EPS
-from runtime.core.run_record import run_record
 from runtime.core.workspace_rows import Y0, Y1, F, K, row_of
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit import radau5_stages as rs

@@ -4,7 +4,7 @@ from runtime.constraints.newton_return import FAILED
 from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import COORDINATES, method_integers_of
 from runtime.core.jit import inner
-from runtime.core.run_record import run_record
+from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import STAGE, Y0, K, row_of
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit.newton_matrices import dependent_error, filtered_error

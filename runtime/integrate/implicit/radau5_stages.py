@@ -6,7 +6,7 @@ from runtime.constraints.newton_return import FAILED
 from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
 from runtime.core.jit import inlined, inner
-from runtime.core.run_record import run_record
+from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import Y0, Y1, K, row_of, velocity_rates
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit.newton_matrices import solve_complex, solve_real

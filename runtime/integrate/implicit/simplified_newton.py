@@ -12,8 +12,8 @@ from runtime.constraints.newton_return import FAILED
 from runtime.core.array_types import Integers, Vector
 from runtime.core.function_table import COORDINATES, ERROR, method_floats_of, method_integers_of
 from runtime.core.jit import addressed, closure, inner
+from runtime.core.loop_record import run_record
 from runtime.core.rounding import EPS
-from runtime.core.run_record import run_record
 from runtime.core.workspace_rows import ATOL, SIZE, Y0, row_of
 from runtime.integrate.implicit import method_memory as mem
 

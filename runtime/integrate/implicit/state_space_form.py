@@ -16,8 +16,8 @@ from runtime.core.array_types import Integers
 from runtime.core.borrowed_arrays import view
 from runtime.core.jit import compiled, inner
 from runtime.core.kernel_abi import accelerations_tangent_of, correction_tangent_of
+from runtime.core.loop_record import ConstraintReturn, is_near_singularity, run_record
 from runtime.core.rhs import evaluate_accelerations
-from runtime.core.run_record import ConstraintReturn, is_near_singularity, run_record
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit.stiffness_estimate import estimate_spectrum
 

@@ -5,7 +5,7 @@ import numpy as np
 from runtime.core.array_types import Integers
 from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
 from runtime.core.jit import inner
-from runtime.core.run_record import run_record
+from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import SIZE, row_of
 from runtime.integrate.implicit import method_memory as mem
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 from runtime.core import function_table as ft
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed, compiled
-from runtime.core.run_record import run_record
+from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import SIZE, Y0, K, row_of
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit.state_space_form import differentiate, list_unknowns

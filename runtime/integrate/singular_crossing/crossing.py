@@ -15,8 +15,8 @@ import numpy as np
 
 from runtime.core.array_types import Vector
 from runtime.core.kernel_abi import find_stand_in
+from runtime.core.loop_record import Plan
 from runtime.core.outcomes import Outcome
-from runtime.core.run_record import Plan
 from runtime.core.workspace_rows import Y0, Y1, K
 from runtime.integrate.loop import WEAK_STATES
 from runtime.integrate.problem import Problem

@@ -35,7 +35,7 @@ from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
 from runtime.studies.accuracy_target import run_difference as runs
 from runtime.studies.accuracy_target.method_choice import Choice, choose, revise
-from runtime.studies.accuracy_target.result_with_accuracy import with_accuracy
+from runtime.studies.accuracy_target.result_within_accuracy import with_accuracy
 from runtime.studies.accuracy_target.run_difference import Pair, Quantities, Run
 from runtime.studies.series_by_name import require_numbers
 from runtime.studies.timing import processor_time

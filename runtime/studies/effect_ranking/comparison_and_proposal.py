@@ -12,7 +12,7 @@ from codegen.errors import InputError
 from runtime.studies.effect_ranking.quantity import Quantity
 from runtime.studies.effect_ranking.ranking import Proposal, Row, Verdict
 from runtime.studies.effect_ranking.scene_trial import Plan, Trial, TrialError, run_trial
-from runtime.studies.scenes import LEFT_OUT, Source
+from runtime.studies.scene_loading import LEFT_OUT, Source
 
 if TYPE_CHECKING:
     from codegen import Scene

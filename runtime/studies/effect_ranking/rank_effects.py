@@ -13,7 +13,13 @@ from runtime.studies.effect_ranking.comparison_and_proposal import Comparison, p
 from runtime.studies.effect_ranking.quantity import Function, Quantity, parse_quantity
 from runtime.studies.effect_ranking.ranking import Matters, Proposal, Row, Verdict
 from runtime.studies.effect_ranking.scene_trial import Plan, Trial, TrialError, run_trial
-from runtime.studies.scenes import LEFT_OUT, Source, cache_folder, read_source, require_time_span
+from runtime.studies.scene_loading import (
+    LEFT_OUT,
+    Source,
+    cache_folder,
+    read_source,
+    require_time_span,
+)
 from runtime.studies.timing import Stopwatch, take_turns
 
 if TYPE_CHECKING:

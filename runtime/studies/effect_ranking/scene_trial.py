@@ -18,7 +18,7 @@ from runtime.machine import Machine
 from runtime.results.result import Result
 from runtime.studies.effect_ranking.quantity import Quantity, QuantityValue
 from runtime.studies.effect_ranking.ranking import Costs
-from runtime.studies.scenes import known_values
+from runtime.studies.scene_loading import known_values
 from runtime.studies.series_by_name import FloatArray
 from runtime.studies.timing import Stopwatch, processor_time
 
@@ -109,7 +109,7 @@ def run_trial(machine: Machine, plan: Plan, quantity: Quantity) -> Trial:
     doubt = abs(second.value - first.value) + least * max(abs(second.value), second.scale)
     spans = np.ptp(fine.samples.q, axis=0).tolist()
     reach = dict(zip(machine.coordinates.names, spans, strict=True))
-    return Trial(machine, second, doubt, freedom, reach, _costs(machine, fine))
+    return Trial(machine, second, doubt, freedom, reach, count_costs(machine, fine))
 
 
 def _degrees_of_freedom(machine: Machine, plan: Plan) -> int:
@@ -140,7 +140,8 @@ def _run_twice(machine: Machine, plan: Plan) -> tuple[Result, Result]:
     return rough, plan.run(machine, rtol=plan.rtol, instants=instants)
 
 
-def _costs(machine: Machine, run: Result) -> Costs:
+def count_costs(machine: Machine, run: Result) -> Costs:
+    """Costs of a run: operations of its accelerations and in all, evaluations, steps and events."""
     operations = dict(machine.description.operations)
     evaluations, steps = (int(run.stats.get(name, 0)) for name in ("rhs_evaluations", "steps"))
     # Calls of `correction`: a simulation counts them by that name, kinematics as its iterations.

@@ -14,7 +14,7 @@ from codegen.errors import AnalysisError, InputError
 from runtime.integrate.method import METHODS
 from runtime.machine import Machine
 from runtime.mechanism.module_tables import unknown
-from runtime.studies import scenes
+from runtime.studies import scene_loading
 from runtime.studies.series_by_name import FloatArray
 from runtime.studies.work_precision import compared_quantities as compared
 from runtime.studies.work_precision import diagram
@@ -22,8 +22,8 @@ from runtime.studies.work_precision.build_costs import build_costs
 from runtime.studies.work_precision.diagram import Choice, Line, Setting, WorkPrecision
 from runtime.studies.work_precision.interpretation import fastest
 from runtime.studies.work_precision.json_records import environment
-from runtime.studies.work_precision.measurement import Measurement
 from runtime.studies.work_precision.reference_solution import LIMIT_FACTOR, TIGHTEST, find_reference
+from runtime.studies.work_precision.settings_measurement import Measurement
 from runtime.studies.work_precision.timed_runs import Runner
 from runtime.validation.scene_support import refuse_massless, require_motion
 
@@ -96,7 +96,7 @@ def accuracy(
     further = FURTHER if rtols is None and not quick else ()
     rtols = (QUICK if quick else RTOLS) if rtols is None else rtols
     _check(quantities, methods, formulations, beside, rtols, points, limit, steps)
-    source = scenes.read_source(model, scene, folder)
+    source = scene_loading.read_source(model, scene, folder)
     machine, path = source.machine(), None if reference is None else Path(reference)
     names, instants, file = _comparison(machine, quantities, path, t_start, t_end, points)
     others = _other_models(source, modelling, beside)
@@ -134,7 +134,7 @@ def _comparison(
         refuse_massless(machine.mechanism)
     names = compared.distinct_quantities(description, quantities)
     if reference is None:
-        end = scenes.require_time_span(machine, t_start, t_end)
+        end = scene_loading.require_time_span(machine, t_start, t_end)
         names = names or compared.default_quantities(description)
         return names, np.linspace(t_start, end, points + 1)[1:], None
     file = compared.read_reference(reference, names, t_start, t_end)
@@ -143,14 +143,14 @@ def _comparison(
 
 
 def _other_models(
-    source: scenes.Source, modelling: bool, beside: "Sequence[str | Scene]"
+    source: scene_loading.Source, modelling: bool, beside: "Sequence[str | Scene]"
 ) -> "list[tuple[Choice, Scene]]":
     """Scenes of the same machine: other fidelities of things that have several, and those named."""
     from codegen.one_change_scenes import declared, variants
 
     others = []
     for change in variants(source.model, source.scene) if modelling else ():
-        if change.word != scenes.LEFT_OUT:
+        if change.word != scene_loading.LEFT_OUT:
             scene = change.of(source.scene)
             others.append((Choice(change.title, change.kind, scene.name), scene))
     named = [declared(source.model, scene)[1] for scene in beside]
@@ -158,11 +158,11 @@ def _other_models(
 
 
 def _other_runner(
-    source: scenes.Source, runner: Runner, guess: Mapping[str, float], scene: "Scene"
+    source: scene_loading.Source, runner: Runner, guess: Mapping[str, float], scene: "Scene"
 ) -> Runner:
     """The runner of another model, with those parameters and start values that it has."""
     machine = source.machine(scene)
-    values = scenes.known_values(machine, runner.parameters, guess)
+    values = scene_loading.known_values(machine, runner.parameters, guess)
     begin = machine.assemble(**values, t=runner.begin.t)
     return replace(runner, machine=machine, begin=begin, parameters=values["parameters"])
 

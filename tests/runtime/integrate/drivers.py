@@ -2,7 +2,7 @@
 
 from runtime.core.array_types import f8, i8, integers, none
 from runtime.core.jit import compiled
-from runtime.integrate import accepted_step, event_step, loop, sampling, step, step_control
+from runtime.integrate import accepted_step, loop, sampling, step, step_control, step_to_event
 from runtime.integrate.problem import Options
 from runtime.integrate.run import Run
 from tests.runtime.integrate.systems import pendulum_problem
@@ -35,17 +35,17 @@ def follow_plan(context):
 
 @compiled(i8(integers))
 def end_at_event(context):
-    return event_step.end_at_event(context)
+    return step_to_event.end_at_event(context)
 
 
 @compiled(i8(integers))
 def stay(context):
-    return event_step.stay(context)
+    return step_to_event.stay(context)
 
 
 @compiled(none(integers, i8, i8))
 def copy_end(context, source, target):
-    event_step.copy_end(context, source, target)
+    step_to_event.copy_end(context, source, target)
 
 
 @compiled(i8(integers))

@@ -8,7 +8,7 @@ from runtime.core.workspace_rows import Y0, Y1
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.integrate.step import Signal
 from tests.runtime.integrate.drivers import accept_step, end_at_event, judge_events, tried
-from tests.runtime.integrate.test_event_step import FALL, falling
+from tests.runtime.integrate.test_step_to_event import FALL, falling
 
 
 def accepted(h, **options):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from runtime.core.function_table import EVENT_ROWS
+from runtime.core.loop_record import Plan
 from runtime.core.outcomes import Outcome
-from runtime.core.run_record import Plan
 from runtime.integrate.loop import WEAK_STATES, advance
 from runtime.integrate.step import Signal, TrialStep
 from tests.runtime.integrate.drivers import follow_plan, plan_step, swinging, try_step

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.core.run_record import Plan
+from runtime.core.loop_record import Plan
 from runtime.core.workspace_rows import K
 from runtime.integrate.step_control import first_step
 from tests.runtime.integrate.drivers import propose, started

@@ -16,7 +16,7 @@ from runtime.core.outcomes import Outcome
 from runtime.machine import Machine
 from runtime.results.result import Result
 from runtime.results.summary import summary
-from runtime.show.report import page
+from runtime.show.html_report import page
 from runtime.studies.accuracy_target.run_difference import Quantities, difference, is_resolved
 
 TARGETS = (1e-3, 1e-5, 1e-7, 1e-9)

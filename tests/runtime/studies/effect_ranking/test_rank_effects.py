@@ -20,7 +20,7 @@ from runtime.studies.effect_ranking import Matters, Verdict
 from runtime.studies.effect_ranking import picture as matters_picture
 from runtime.studies.effect_ranking import terminal_table as matters_table
 from runtime.studies.effect_ranking.quantity import parse_quantity
-from runtime.studies.effect_ranking.value_with_uncertainty import _costs
+from runtime.studies.effect_ranking.scene_trial import count_costs
 
 MACHINES = {
     "compressor": ("slider_crank", "compressor", "max:crank.omega", 0.5),
@@ -67,7 +67,7 @@ def test_work_counts_the_iterations_of_a_return_and_not_the_return() -> None:
     run = machine.simulate(0.1, rtol=1e-3, progress=False)
     assert run.stats["corrections"] > run.stats["returns"]
     operations = dict(machine.description.operations)
-    assert _costs(machine, run).work == (
+    assert count_costs(machine, run).work == (
         run.stats["rhs_evaluations"] * operations["accelerations"]
         + run.stats["corrections"] * operations["correction"]
     )

@@ -14,8 +14,8 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.borrowed_arrays import view
 from runtime.core.jit import addressed, fetched, inner
+from runtime.core.loop_record import run_record
 from runtime.core.rounding import EPS
-from runtime.core.run_record import run_record
 from runtime.linalg.elimination_plan import replay_plan, write_plan
 from runtime.linalg.rank_policy import REDUNDANT
 from runtime.linalg.row_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot

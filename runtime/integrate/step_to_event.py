@@ -7,8 +7,8 @@ from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed, inner
+from runtime.core.loop_record import run_record
 from runtime.core.outcomes import Outcome
-from runtime.core.run_record import run_record
 from runtime.core.workspace_rows import row_of, switch_row
 from runtime.hybrid.event_location import INSTANT, find_crossing_at_end
 from runtime.hybrid.event_step_limit import UNRESOLVED

@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.core.function_table import EVENT_ROWS, OUT_ROWS, SAMPLE_TIMES
-from runtime.integrate.recorded_rows import Recording
+from runtime.integrate.recording_buffers import Recording
 from runtime.integrate.wiring import wire
 from tests.runtime.integrate.systems import relay
 

@@ -7,7 +7,7 @@ from runtime.core.array_types import f8, i8, integers
 from runtime.core.jit import compiled
 from runtime.core.system import System
 from runtime.core.workspace_rows import Y0, Y1, K
-from runtime.singularity import detection
+from runtime.singularity import prediction
 from tests.runtime.constraints.drivers import wired
 from tests.runtime.integrate.systems import PENDULUM
 from tests.runtime.singularity.crossing import COLUMNS, ROWS, jacobian, mechanism
@@ -26,7 +26,7 @@ SYSTEM = System(
 
 @compiled(f8(integers, f8, f8, i8))
 def predict(context, t, h, state):
-    return detection.predict_vanishing_pivot(context, t, h, state)
+    return prediction.predict_vanishing_pivot(context, t, h, state)
 
 
 class Run:

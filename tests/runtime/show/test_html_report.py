@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from runtime import load
 from runtime.cli.app import app
-from runtime.show.report import page
+from runtime.show.html_report import page
 
 
 class Checked(HTMLParser):
