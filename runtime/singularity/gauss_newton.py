@@ -1,8 +1,8 @@
 """Gauss-Newton iteration for a singular position, in compiled code.
 
 The unknown is z. The equations are the values of the strong rows and all entries of the Schur
-complement of the weak ones, which vanish together (see `location`). (P. Deuflhard, Newton Methods
-for Nonlinear Problems, section 4.3.)
+complement of the weak ones, which vanish together (see `singular_root_search`). (P. Deuflhard,
+Newton Methods for Nonlinear Problems, section 4.3.)
 """
 
 import numpy as np

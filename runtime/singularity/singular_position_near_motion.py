@@ -4,9 +4,9 @@ At a singular position Φ_q has lost k rows: there are left vectors u with uᵀ 
 directions beyond those of the motion. Time counts as one more coordinate: a position is found where
 motions cross (a branch point), not where a driver comes to the end of its reach (a fold).
 
-|uᵀ Φ| at the root that `location` finds is the gap by which the machine misses a branch point.
-(Unfolding of a saddle: M. Golubitsky and D. G. Schaeffer, Singularities and Groups in Bifurcation
-Theory I, 1985, chapter VII.)
+|uᵀ Φ| at the root that `singular_root_search` finds is the gap by which the machine misses a branch
+point. (Unfolding of a saddle: M. Golubitsky and D. G. Schaeffer, Singularities and Groups in
+Bifurcation Theory I, 1985, chapter VII.)
 """
 
 from typing import NamedTuple

@@ -3,7 +3,7 @@
     d = W Φ_qᵀ (Φ_q W Φ_qᵀ)⁻¹ r,   r = -Φ, then -(Φ_q v + Φ_t)
 
 As many constraints as coordinates leave no choice (`lower.linear.square_systems`). Otherwise it is
-solved by the null space of Φ_q (`lower.linear.null_space_correction`) or by eliminating
+solved by the null space of Φ_q (`lower.linear.least_change_by_null_space`) or by eliminating
 Φ_q W Φ_qᵀ, whichever costs less.
 """
 
