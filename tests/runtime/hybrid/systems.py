@@ -7,12 +7,11 @@ import numpy as np
 from runtime.core import workspace_rows as ws
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.modes import SLIDING
-from runtime.core.system import System
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
 from runtime.integrate.wiring import wire
 from tests.runtime.hybrid import drivers
-from tests.runtime.integrate.systems import free_correction, free_jacobian, kernel
+from tests.runtime.integrate.systems import free_system, kernel
 
 # p = gravity, restitution; in mode 0 a contact exerts a unit of force.
 
@@ -48,14 +47,8 @@ def contact_bounds(p, low, high):
     low[0], high[0] = -1.7e308, 1.0
 
 
-BALL = System(
+BALL = free_system(
     accelerations=ball_accelerations,
-    correction=free_correction,
-    jacobian=free_jacobian,
-    jacobian_rows=np.zeros(0, np.int64),
-    jacobian_columns=np.zeros(0, np.int64),
-    coordinates=1,
-    constraint_count=0,
     switches=1,
     switching=ball_gap,
     switching_rates=ball_gap_rate,
@@ -103,14 +96,8 @@ def share_bounds(p, low, high):
     low[0], high[0] = 0.5 - 0.5 * p[2] / p[1], 0.5 + 0.5 * p[2] / p[1]
 
 
-SLIDER = System(
+SLIDER = free_system(
     accelerations=block_accelerations,
-    correction=free_correction,
-    jacobian=free_jacobian,
-    jacobian_rows=np.zeros(0, np.int64),
-    jacobian_columns=np.zeros(0, np.int64),
-    coordinates=1,
-    constraint_count=0,
     switches=1,
     switching=slip,
     switching_rates=slip_rate,

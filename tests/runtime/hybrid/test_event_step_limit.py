@@ -5,12 +5,10 @@ import pytest
 
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.outcomes import Outcome
-from runtime.core.system import System
 from runtime.integrate.method import EXPLICIT
 from tests.runtime.integrate.systems import (
     ACCURATE,
-    free_correction,
-    free_jacobian,
+    free_system,
     kernel,
     relay,
     relay_accelerations,
@@ -61,15 +59,8 @@ def rounded_rates(t, q, v, a, p, rate):
 def watched(functions, *switches, **terms):
     """A `relay` with other switching functions."""
     _, p = relay(*switches, **terms)
-    none = np.zeros(0, np.int64)
-    system = System(
+    system = free_system(
         accelerations=relay_accelerations,
-        correction=free_correction,
-        jacobian=free_jacobian,
-        jacobian_rows=none,
-        jacobian_columns=none,
-        coordinates=1,
-        constraint_count=0,
         switches=len(switches),
         switching=functions[0],
         switching_rates=functions[1],

@@ -6,13 +6,11 @@ import pytest
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.modes import SLIDING
 from runtime.core.outcomes import Outcome
-from runtime.core.system import System
 from runtime.integrate.method import EXPLICIT
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
 from tests.runtime.integrate.systems import (
-    free_correction,
-    free_jacobian,
+    free_system,
     kernel,
     relay,
     run_relay,
@@ -144,15 +142,9 @@ def carts_rates(t, q, v, a, p, rate):
 
 
 def run_carts(p, t_end, **options):
-    none = np.zeros(0, np.int64)
-    system = System(
-        accelerations=carts_accelerations,
-        correction=free_correction,
-        jacobian=free_jacobian,
-        jacobian_rows=none,
-        jacobian_columns=none,
+    system = free_system(
         coordinates=2,
-        constraint_count=0,
+        accelerations=carts_accelerations,
         switches=3,
         switching=carts_switching,
         switching_rates=carts_rates,

@@ -5,12 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from runtime.core.kernel_abi import SIGNATURES
-from runtime.core.system import System
 from runtime.integrate.problem import Problem
 from tests.runtime.integrate.systems import (
     PENDULUM,
-    free_correction,
-    free_jacobian,
+    free_system,
     kernel,
     pendulum_correction,
     relay,
@@ -93,14 +91,8 @@ def van_der_pol_tangent(t, q, v, p, modes, dq, dv, da):
     da[0] = p[0] * (1.0 - q[0] * q[0]) * dv[0] - (2.0 * p[0] * q[0] * v[0] + 1.0) * dq[0]
 
 
-VAN_DER_POL = System(
+VAN_DER_POL = free_system(
     accelerations=van_der_pol_accelerations,
-    correction=free_correction,
-    jacobian=free_jacobian,
-    jacobian_rows=np.zeros(0, np.int64),
-    jacobian_columns=np.zeros(0, np.int64),
-    coordinates=1,
-    constraint_count=0,
     accelerations_tangent=van_der_pol_tangent,
     correction_tangent=free_correction_tangent,
 )

@@ -147,17 +147,25 @@ def relay_rates(t, q, v, a, p, rate):
         rate[k] = p[i] * v[0] + p[i + 1] * a[0] + p[i + 2]
 
 
+def free_system(coordinates=1, **kernels):
+    """A system without constraints."""
+    none = np.zeros(0, np.int64)
+    return System(
+        correction=free_correction,
+        jacobian=free_jacobian,
+        jacobian_rows=none,
+        jacobian_columns=none,
+        coordinates=coordinates,
+        constraint_count=0,
+        **kernels,
+    )
+
+
 def relay(*switches, constant=0.0, stiffness=0.0, damping=0.0):
     """System and parameters; a switch is (f, c, d, alpha, beta, gamma, delta)."""
     p = np.array([constant, -stiffness, -damping, *np.ravel(switches)], dtype=float)
-    system = System(
+    system = free_system(
         accelerations=relay_accelerations,
-        correction=free_correction,
-        jacobian=free_jacobian,
-        jacobian_rows=np.zeros(0, np.int64),
-        jacobian_columns=np.zeros(0, np.int64),
-        coordinates=1,
-        constraint_count=0,
         switches=len(switches),
         switching=relay_switching,
         switching_rates=relay_rates,
