@@ -15,7 +15,7 @@ from pathlib import Path
 from runtime.core.jit import ROOMS
 from runtime.integrate.method import METHODS, find_method
 
-_PROCESSES = 4  # measured: more of them only wait for each other
+_PROCESSES = 4  # safety: each takes half a GB
 _OUTSIDE = ("dynamics", "continuation", "statics", "mechanism")
 """Rooms with some compiled code beside those that consist of it."""
 

@@ -34,7 +34,8 @@ Progress = Callable[[float, int], None]
 _FIRST_CHUNK = 128  # measured: steps before an interrupt is heard, as before the run
 _LONGEST_CHUNK = 16384  # safety: steps before an interrupt is heard, at most
 _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress and interrupts
-_GOING, _LOOK, _CHANGE = int(Signal.GOING), int(Signal.LOOK), int(Signal.CHANGE)  # found faster
+# As integers: looking up a member of an enumeration is slow in Python 3.11.
+_GOING, _LOOK, _CHANGE = int(Signal.GOING), int(Signal.LOOK), int(Signal.CHANGE)
 _COUNTS = tuple(
     name for name in Statistics.__dataclass_fields__ if name not in ("largest_dq", "seconds")
 )

@@ -35,7 +35,7 @@ _ASTRAY = 1e-6  # accuracy: of a velocity; error of a start against the branch t
 _SLACK = 1e3  # measured: factor by which the estimate may be wrong where rounding rules
 _TRIES = 4  # safety: plans for one crossing
 
-# As integers: Python 3.11 takes a microsecond to look up a member of an enumeration.
+# As integers: looking up a member of an enumeration is slow in Python 3.11.
 _FREE, _APPROACHING, _CROSSING, _LEAVING, _MISSING = map(int, Plan)
 _GOING, _SINGULAR = int(Signal.GOING), int(Outcome.SINGULAR)
 
