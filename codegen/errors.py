@@ -7,11 +7,7 @@ from collections.abc import Iterable
 
 
 class LinkwrightError(Exception):
-    """Base of every error that Linkwright raises on purpose."""
-
-
-class InputError(LinkwrightError):
-    """The user's input is wrong; the command line answers it with exit status 2.
+    """Base of every error that Linkwright raises on purpose.
 
     Parameters
     ----------
@@ -24,6 +20,10 @@ class InputError(LinkwrightError):
             (problems,) if isinstance(problems, str) else tuple(problems)
         )
         super().__init__("\n".join(self.problems))
+
+
+class InputError(LinkwrightError):
+    """The user's input is wrong; the command line answers it with exit status 2."""
 
 
 class ModelError(InputError):

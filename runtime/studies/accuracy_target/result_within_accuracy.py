@@ -33,18 +33,14 @@ def with_accuracy(
         reached = len(difference.t)  # both end by themselves, on either side of an instant
     whole = count >= min(reached, len(difference.t)) and len(difference.t) >= reached
     accuracy = result.accuracy = ReachedAccuracy(
-        asked=target,
-        estimated=of_all * difference.largest,
-        quantities=_estimates(quantities, difference, of_all),
-        method=delivered.method,
-        formulation=delivered.formulation,
-        rtol=delivered.rtol,
-        runs=trials,
+        asked=target, estimated=of_all * difference.largest,
+        quantities=_estimates(quantities, difference, of_all), method=delivered.method,
+        formulation=delivered.formulation, rtol=delivered.rtol, runs=trials,
         horizon=None if whole else float(difference.t[count - 1] if count else result.t[0]),
         tenfold=run_difference.tenfold_time(difference),
         means=_explanation(other, delivered, difference, share, reasons),
         seconds=sum(trial.seconds for trial in trials),
-    )
+    )  # fmt: skip
     if whole:
         result.message += f" {accuracy.sentences()[0]}"
         return result
