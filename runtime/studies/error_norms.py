@@ -17,7 +17,6 @@ import numpy as np
 from runtime.mechanism.module_tables import Description
 from runtime.studies.series_by_name import FloatArray, magnitude
 
-MOTION = ("positions", "velocities")
 _RESTING = 1e-9  # accuracy: share of a typical size per second below which a velocity is at rest
 
 
@@ -93,7 +92,7 @@ def errors(values: FloatArray, reference: FloatArray, by: Sequence[Scale]) -> Er
     e = scaled_errors(values, reference, size)
     r = np.where(np.isfinite(reference), np.abs(reference), 0.0)
     relative = e * (size + r) / np.maximum(size, r)
-    moving = np.array([scale.group in MOTION for scale in by])
+    moving = np.array([scale.group != "others" for scale in by])
     counts = moving if moving.any() else ~moving
     each = {scale.name: worst for scale, worst in zip(by, e.max(axis=0).tolist(), strict=True)}
     groups: dict[str, float] = {}

@@ -36,8 +36,7 @@ def unknown_series(name: str, known: dict[str, list[str]]) -> str:
         text = f"There is no series {name!r}."
     lists = []
     for kind, listed in known.items():
-        rest = len(listed) - _LISTED
-        more = f" and {rest} more" if rest > 0 else ""
+        more = f" and {len(listed) - _LISTED} more" if len(listed) > _LISTED else ""
         lists.append(f"{kind} {', '.join(listed[:_LISTED])}{more}")
     return f"{text} There are: {'; '.join(lists)}."
 

@@ -17,8 +17,6 @@ COLOURS = {
     Verdict.MATTERS: "#b23a48",
     Verdict.NEGLIGIBLE: "#1f6fb2",
     Verdict.NONE_SEEN: "#9aa4ae",
-    Verdict.NEEDED: "#59636e",
-    Verdict.IMPOSSIBLE: "#59636e",
 }
 
 

@@ -99,9 +99,7 @@ def matters(
     progress(f"{title}: timing in turns")
     trials = dict.fromkeys([full, *(trial for _, trial in ran), best])
     _time([trial.watch for trial in trials], rounds)
-    if proposal is not None:
-        saving = comparison.saving(best)
-        proposal = replace(proposal, costs=best.costs, time_share=saving)
+    proposal = proposal and replace(proposal, costs=best.costs, time_share=comparison.saving(best))
     return Matters(
         model=source.model.name, scene=source.scene.name, analysis=kind, quantity=quantity.text,
         value=full.quantity.value, unit=full.quantity.unit, size=comparison.size, doubt=full.doubt,

@@ -112,5 +112,4 @@ class Matters:
 
     def facts(self) -> dict[str, Any]:
         """All fields, as JSON; a number that is not finite is null."""
-        facts: dict[str, Any] = plain(asdict(self))
-        return facts
+        return dict(plain(asdict(self)))

@@ -50,13 +50,10 @@ class Plan:
     parameters: Mapping[str, float]  # a scene gets those that it has
     guess: Mapping[str, float]  # the same
 
-    def values(self, machine: Machine) -> dict[str, dict[str, float]]:
-        """Those of the parameters and start values that a machine has."""
-        return known_values(machine, self.parameters, self.guess)
-
     def run(self, machine: Machine, rtol: float, instants: FloatArray) -> Result:
         """The analysis of a machine."""
-        values: dict[str, Any] = {**self.values(machine), "progress": False}
+        values: dict[str, Any] = known_values(machine, self.parameters, self.guess)
+        values["progress"] = False
         if self.analysis == "simulate":
             values |= {"t_start": self.t_start, "method": self.method, "rtol": rtol}
             return machine.simulate(self.t_end, instants, **values)
@@ -78,7 +75,8 @@ class Plan:
         freedom = 0  # of an equilibrium, whose start need not satisfy the constraints
         if self.analysis != "equilibrium":
             t = self.t_start if self.analysis == "simulate" else 0.0
-            freedom = machine.assemble(**self.values(machine), t=t).degrees_of_freedom
+            values = known_values(machine, self.parameters, self.guess)
+            freedom = machine.assemble(**values, t=t).degrees_of_freedom
         rough, fine = self._run_twice(machine)
         for run in (rough, fine):
             if run.failed:

@@ -51,10 +51,7 @@ def best_at(study: WorkPrecision, error: float) -> Best | None:
 
 
 def front(lines: Sequence[Line]) -> list[Point]:
-    """The Pareto front, fastest first: runs than which none is both faster and more accurate.
-
-    Of the runs that are more accurate than the reference it has the fastest only.
-    """
+    """The Pareto front, fastest first; of runs beyond the reference's accuracy the fastest only."""
     best: list[Point] = []
     runs = [point for line in lines for point in line.done]
     for point in sorted(runs, key=lambda run: run.seconds):

@@ -3,9 +3,8 @@
 import json
 import platform
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import asdict
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -22,11 +21,7 @@ def environment() -> dict[str, str]:
     """Processor, operating system and versions: name → text."""
     system = f"{platform.system()} {platform.machine()}"
     facts = {"machine": processor(), "system": system, "python": platform.python_version()}
-    facts["linkwright"] = __version__
-    for name in LIBRARIES:
-        with suppress(PackageNotFoundError):
-            facts[name] = version(name)
-    return facts
+    return {**facts, "linkwright": __version__, **{name: version(name) for name in LIBRARIES}}
 
 
 def processor() -> str:

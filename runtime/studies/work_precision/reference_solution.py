@@ -1,4 +1,4 @@
-"""The reference: from a file, or a run of one method that runs of other methods confirm.
+"""The reference: from a file, or a run of one method; runs of other methods confirm it.
 
 A run alone proves nothing, however tight its tolerance. It is compared with runs of other methods,
 and the least difference is how far it is known: two methods of different order will hardly agree by

@@ -28,7 +28,6 @@ from runtime.validation.scene_support import refuse_massless, require_motion
 if TYPE_CHECKING:
     from codegen import Model, Scene
 
-
 RTOLS = tuple(10.0 ** -(2.0 + 0.5 * m) for m in range(17))  # 1e-2 to 1e-10, two a decade
 # To 1e-12, for settings that do not reach nine digits with the others:
 FURTHER = tuple(10.0 ** -(10.5 + 0.5 * m) for m in range(4))
@@ -110,13 +109,12 @@ def accuracy(
     solution = reference_solution.find_reference(runner, names, file, progress, settings)
     measurement = Measurement(runner, solution, *(QUICK_REPEATS if quick else REPEATS), progress)
     lines = measurement.lines(settings, rtols, further)
-    sources = machine.description.sources
     return WorkPrecision(
-        model=machine.model, scene=machine.scene, t_start=float(begin.t),
-        t_end=float(instants[-1]), instants=len(instants), quantities=solution.scales,
-        energy=solution.energy, limit=runner.limit, steps=runner.steps, reference=solution.about,
-        lines=lines, choices=_choices(others, source, guess or {}, measurement, lines), build=costs,
-        environment=environment(), model_sha256=sources[0][1] if sources else "",
+        model=machine.model, scene=machine.scene, t_start=float(begin.t), t_end=float(instants[-1]),
+        instants=len(instants), quantities=solution.scales, energy=solution.energy,
+        limit=runner.limit, steps=runner.steps, lines=lines, build=costs, environment=environment(),
+        choices=_choices(others, source, guess or {}, measurement, lines), reference=solution.about,
+        model_sha256=machine.description.sources[0][1] if machine.description.sources else "",
         artefact=hashlib.sha256(machine.path.read_bytes()).hexdigest(),
     )  # fmt: skip
 

@@ -6,7 +6,6 @@ the motion: they do not count.
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
 
 from codegen.errors import AnalysisError
 from runtime.core.outcomes import Outcome
@@ -50,11 +49,10 @@ class Runner:
     def run(self, setting: Setting, rtol: float) -> Result:
         """Run once; `Outcome.INTERRUPTED` is a run that the limit of time ended."""
         limit = TimeLimit(self.limit)
-        words: dict[str, Any] = asdict(setting)
         result = simulate(
             self.machine.mechanism, float(self.instants[-1]), self.instants, t_start=self.begin.t,
             rtol=rtol, parameters=self.parameters, start=self.begin, max_steps=self.steps,
-            progress=limit, **words,
+            progress=limit, **asdict(setting),
         )  # fmt: skip
         if result.outcome is Outcome.INTERRUPTED and not limit.exceeded:
             raise KeyboardInterrupt  # by the user
