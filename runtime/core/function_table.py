@@ -7,7 +7,7 @@ part that needs something rare thus costs the others nothing.
 from runtime.core.array_types import f8, i8, integers, none, vector
 from runtime.core.function_table_layout import TableLayout
 
-TABLE = TableLayout()  # the declaration that all below derives from
+TABLE = TableLayout(attributes=True)  # the declaration that all below derives from
 
 RECENT = 8  # instants of the last events that are kept
 
@@ -109,7 +109,7 @@ jacobian_rows_of = TABLE.integers("jacobian_rows", NONZEROS, allotted=False)
 jacobian_columns_of = TABLE.integers("jacobian_columns", NONZEROS, allotted=False)
 jacobian_values_of = TABLE.floats("jacobian_values", NONZEROS)
 dense_jacobian_of = TABLE.matrix("dense_jacobian", CONSTRAINT_COUNT, COORDINATES)
-flat_jacobian_of = TABLE.flat("dense_jacobian")
+flat_jacobian_of = TABLE.flat("flat_jacobian", "dense_jacobian")
 row_order_of = TABLE.integers("row_order", CONSTRAINT_COUNT)
 column_order_of = TABLE.integers("column_order", COORDINATES)
 log_times_of = TABLE.floats("log_times", LOG_ROWS)

@@ -15,6 +15,7 @@ from numba.extending import intrinsic
 from runtime.core.array_types import Integers, Vector
 from runtime.core.borrowed_arrays import borrowed_array, open_array, pointer, word
 from runtime.core.function_table import COORDINATES, SWITCHES, TABLE
+from runtime.core.function_table_layout import declare_attribute
 
 Y0 = 0  # state at the start of the step
 Y1 = 1  # state at its end
@@ -45,8 +46,7 @@ TRIAL = 7  # g at a trial point
 SCAN = 8  # first of SUBDIVISIONS + 1 rows: g at equal distances over the step
 SUBDIVISIONS = 8
 BETWEEN = SCAN + SUBDIVISIONS + 1  # first of 3 rows: g at points between the ends of the step
-MISMATCH = BETWEEN + 3  # how far these are from the cubic of g
-RESERVE = MISMATCH + 1  # running maximum of |g| while the function is in sliding mode
+RESERVE = BETWEEN + 3  # running maximum of |g| while the function is in sliding mode
 NOW = RESERVE + 1  # g itself, also in sliding mode
 RATE_NOW = NOW + 1  # its rate
 PREFERRED = RATE_NOW + 1  # mode that is tried first
@@ -56,8 +56,8 @@ FLIGHT = IMPACT_AT + 1  # time between its last two impacts
 SWITCH_ROWS = FLIGHT + 1
 
 
-def _row(array: str, count: int, factor: int, part: int | None) -> Any:
-    """An intrinsic that takes a row out of an array in the table, or a part of it.
+def _fetch(array: str, count: int, factor: int, part: int | None) -> Any:
+    """What an intrinsic takes out of the table: a row of an array, or a part of it.
 
     Rows have `factor` parts, each as long as the number in slot `count`.
     """
@@ -79,16 +79,26 @@ def _row(array: str, count: int, factor: int, part: int | None) -> Any:
 
         return signature, codegen
 
-    return intrinsic(fetch)
+    return fetch
 
 
 _Row = Callable[[Integers, int], Vector]
+_whole, _first, _second = (_fetch("workspace", COORDINATES, 2, part) for part in (None, 0, 1))
+_switching = _fetch("switching_rows", SWITCHES, 1, None)
 
-row_of: _Row = cast(Any, _row("workspace", COORDINATES, 2, None))  # row of the workspace, (2 n,)
-first_half: _Row = cast(Any, _row("workspace", COORDINATES, 2, 0))  # first half of such a row, (n,)
-second_half: _Row = cast(Any, _row("workspace", COORDINATES, 2, 1))  # its second half, (n,)
+row_of: _Row = cast(Any, intrinsic(_whole))  # row of the workspace, (2 n,)
+first_half: _Row = cast(Any, intrinsic(_first))  # first half of such a row, (n,)
+second_half: _Row = cast(Any, intrinsic(_second))  # its second half, (n,)
 positions, velocities = first_half, second_half  # q and v of a row that holds a state
 position_rates, velocity_rates = first_half, second_half  # of a row that holds a derivative
-switch_row: _Row = cast(
-    Any, _row("switching_rows", SWITCHES, 1, None)
-)  # of the switching one, (s,)
+switch_row: _Row = cast(Any, intrinsic(_switching))  # of the switching one, (s,)
+
+# Attributes of `context`: rows of the switching workspace, and halves of those of the other one.
+_NAMED = "g0 r0 g1 r1 largest band suspect trial reserve now rate_now preferred struck impact_at"
+for _name in (*_NAMED.split(), "flight"):
+    declare_attribute(_name, _switching, globals()[_name.upper()])
+for _q, _v, _index in (("q0", "v0", Y0), ("q1", "v1", Y1), ("dq", "dv", DELTA)):
+    declare_attribute(_q, _first, _index)
+    declare_attribute(_v, _second, _index)
+declare_attribute("partition", _first, PARTITION)
+declare_attribute("scale", _second, PARTITION)

@@ -6,51 +6,49 @@ own multipliers; the others follow from the combined multipliers.
 
 from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
-from runtime.core.array_types import Integers, Vector
+from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, inner
 from runtime.hybrid.stiction_force import set_unit, write_forces
 from runtime.linalg.vectors import copy_vector
 
 
 @inner
-def mix_reactions(context: Integers, t: float, q: Vector, v: Vector, lam: Vector) -> None:
+def mix_reactions(context: Context, t: float, q: Vector, v: Vector, lam: Vector) -> None:
     """Fill REACTION for the combined multipliers `lam`, which must just have been evaluated."""
-    p, modes = ft.parameters_of(context), ft.kernel_modes_of(context)
-    base_lam, unit_lam = ft.base_multipliers_of(context), ft.unit_multipliers_of(context)
-    sliding, share = ft.sliding_functions_of(context), ft.share_of(context)
-    out, base = ft.reaction_of(context), ft.base_reaction_of(context)
-    other, mixed = ft.unit_reaction_of(context), ft.mixed_multipliers_of(context)
+    p, modes, sliding = context.parameters, context.kernel_modes, context.sliding_functions
+    base, other = context.base_reaction, context.unit_reaction
+    base_lam, mixed = context.base_multipliers, context.mixed_multipliers
     count = context[ft.SLIDING_COUNT]
     for c in range(count):
         set_unit(context, sliding[c], 0)
     abi.reactions_of(context)(t, q, v, p, lam, base)
     abi.switched_reactions_of(context)(t, q, v, p, modes, base_lam, base)
-    copy_vector(base, out)
+    copy_vector(base, context.reaction)
     for c in range(count):
         for i in range(base_lam.size):
-            mixed[i] = base_lam[i] + unit_lam[c, i]
+            mixed[i] = base_lam[i] + context.unit_multipliers[c, i]
         set_unit(context, sliding[c], 1)
         copy_vector(base, other)
         abi.switched_reactions_of(context)(t, q, v, p, modes, mixed, other)
         set_unit(context, sliding[c], 0)
         for i in range(base.size):
-            out[i] += share[sliding[c]] * (other[i] - base[i])
+            context.reaction[i] += context.share[sliding[c]] * (other[i] - base[i])
     write_forces(context)
 
 
 @addressed(ft.FRICTION_MARGIN)
-def compute_friction_margin(context: Integers, t: float, q: Vector, v: Vector, k: int) -> float:
+def compute_friction_margin(context: Context, t: float, q: Vector, v: Vector, k: int) -> float:
     """1 - |S|/(μ_s N): the part of its limit that sticking friction `k` leaves; 1 without a limit.
 
     Where the normal force depends on friction itself, bounds of the share do not show when it
     breaks loose: the stiction force S must be compared with μ_s N. The accelerations must just
     have been evaluated.
     """
-    force, limit = ft.limits_of(context)[2 * k], ft.limits_of(context)[2 * k + 1]
+    force, limit = context.limits[2 * k], context.limits[2 * k + 1]
     if force < 0:
         return 1.0
-    mix_reactions(context, t, q, v, ft.multipliers_of(context))
-    reaction = ft.reaction_of(context)
+    mix_reactions(context, t, q, v, context.multipliers)
+    reaction = context.reaction
     if not reaction[limit] > 0.0:
         return -1.0
     return float(1.0 - abs(reaction[force]) / reaction[limit])

@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.core import function_table as ft
-from runtime.core.array_types import Integers, Vector
+from runtime.core.array_types import Context, Vector
 from runtime.core.jit import inner
 from runtime.linalg.lu import equilibrate
 from runtime.linalg.rank_policy import SAME_HOLD
@@ -19,17 +19,14 @@ def row_length(matrix: Vector, count: int, i: int) -> float:
 
 
 @inner
-def orthogonalize_row(
-    context: Integers, matrix: Vector, right: Vector, count: int, i: int
-) -> float:
+def orthogonalize_row(context: Context, matrix: Vector, right: Vector, count: int, i: int) -> float:
     """Make row `i` orthogonal to the rows before it, those of contacts first; size of its terms."""
-    rigid, sliding = ft.rigid_of(context), ft.sliding_functions_of(context)
-    closed = rigid[sliding[i]] >= 0
+    closed = context.rigid[context.sliding_functions[i]] >= 0
     scale = max(1.0, abs(right[i]))
     for _ in range(2):
         for j in range(count):
-            before = j < i if (rigid[sliding[j]] >= 0) == closed else not closed
-            if not before:
+            first = context.rigid[context.sliding_functions[j]] >= 0
+            if not (j < i if first == closed else first):
                 continue
             along = 0.0
             for c in range(count):
@@ -43,7 +40,7 @@ def orthogonalize_row(
 
 @inner
 def solve_least(
-    context: Integers, matrix: Vector, right: Vector, count: int, reach: Vector, slack: float
+    context: Context, matrix: Vector, right: Vector, count: int, reach: Vector, slack: float
 ) -> int:
     """As `solve_equilibrated`, for the smallest of many solutions; 1 where there is none.
 
@@ -54,7 +51,6 @@ def solve_least(
     its terms. Rows of contacts come first and must be independent: a contact that repeats others
     may open. `matrix`, `right` and `reach` are overwritten, `right` with x.
     """
-    rigid, sliding = ft.rigid_of(context), ft.sliding_functions_of(context)
     if equilibrate(matrix, right, count) != 0:
         return 1
     for c in range(count):
@@ -68,7 +64,7 @@ def solve_least(
             matrix[i * count + c] *= reach[c]
     for turn in range(2):
         for i in range(count):
-            closed = rigid[sliding[i]] >= 0
+            closed = context.rigid[context.sliding_functions[i]] >= 0
             if closed != (turn == 0):
                 continue
             size = row_length(matrix, count, i)
@@ -95,14 +91,13 @@ def solve_least(
 
 
 @inner
-def share_freedom(context: Integers, k: int, other: int) -> bool:
+def share_freedom(context: Context, k: int, other: int) -> bool:
     """Whether two functions in sliding mode act on one freedom; after the accelerations."""
-    count, sliding = context[ft.SLIDING_COUNT], ft.sliding_functions_of(context)
-    matrix = ft.response_of(context)
+    matrix, count = context.response, context[ft.SLIDING_COUNT]
     c, d = 0, 0
     for i in range(count):
-        c = i if sliding[i] == k else c
-        d = i if sliding[i] == other else d
+        c = i if context.sliding_functions[i] == k else c
+        d = i if context.sliding_functions[i] == other else d
     product = matrix[c * count + c] * matrix[d * count + d]
     crossed = matrix[c * count + d] * matrix[d * count + c]
     return bool(abs(product - crossed) <= SAME_HOLD * abs(product))

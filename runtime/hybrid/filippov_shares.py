@@ -17,7 +17,7 @@ import numpy as np
 
 from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
-from runtime.core.array_types import Integers, Vector
+from runtime.core.array_types import Context, Integers, Vector
 from runtime.core.jit import inner
 from runtime.core.modes import FREE, SLIDING
 from runtime.core.rounding import EPS
@@ -33,14 +33,14 @@ _UNITS = 3  # safety: changes of a unit of the stiction force
 
 
 @inner
-def evaluate_units(context: Integers, t: float, q: Vector, v: Vector, modes: Integers) -> int:
+def evaluate_units(context: Context, t: float, q: Vector, v: Vector, modes: Integers) -> int:
     """Fill the base, in which nothing slides, the change by each sliding function, and responses.
 
     For friction with an unknown stiction force the change is that by a unit of this force. Counts
     the sliding functions. Returns the weak pivot of the base, as `accelerations` does.
     """
-    p, places = ft.parameters_of(context), ft.stiction_place_of(context)
-    kernel_modes, sliding = ft.kernel_modes_of(context), ft.sliding_functions_of(context)
+    p, places, kernel_modes = context.parameters, context.stiction_place, context.kernel_modes
+    a, lam = context.base_accelerations, context.base_multipliers
     count = 0
     for k in range(context[ft.SWITCHES]):
         kernel_modes[k] = SLIDING if modes[k] == FREE else modes[k]
@@ -48,12 +48,11 @@ def evaluate_units(context: Integers, t: float, q: Vector, v: Vector, modes: Int
             p[places[k]] = 0.0
         if modes[k] == SLIDING:
             kernel_modes[k] = SLIDING if places[k] >= 0 else 0
-            sliding[count] = k
+            context.sliding_functions[count] = k
             count += 1
     context[ft.SLIDING_COUNT] = count
-    base_a, base_lam = ft.base_accelerations_of(context), ft.base_multipliers_of(context)
-    weak = int(abi.accelerations_of(context)(t, q, v, p, kernel_modes, base_a, base_lam))
-    evaluate_response(context, t, q, v, base_a, ft.base_response_of(context))
+    weak = int(abi.accelerations_of(context)(t, q, v, p, kernel_modes, a, lam))
+    evaluate_response(context, t, q, v, a, context.base_response)
     choose_units(context, t, q, v)
     for c in range(count):
         evaluate_unit(context, t, q, v, c)
@@ -61,51 +60,45 @@ def evaluate_units(context: Integers, t: float, q: Vector, v: Vector, modes: Int
 
 
 @inner
-def evaluate_unit(context: Integers, t: float, q: Vector, v: Vector, c: int) -> None:
+def evaluate_unit(context: Context, t: float, q: Vector, v: Vector, c: int) -> None:
     """Fill the change of the motion by the `c`-th sliding function, and its response."""
-    p, kernel_modes = ft.parameters_of(context), ft.kernel_modes_of(context)
-    k, count = ft.sliding_functions_of(context)[c], context[ft.SLIDING_COUNT]
-    matrix, base = ft.response_of(context), ft.base_response_of(context)
-    column = ft.response_column_of(context)
-    a, lam = ft.unit_accelerations_of(context)[c], ft.unit_multipliers_of(context)[c]
+    k, count = context.sliding_functions[c], context[ft.SLIDING_COUNT]
+    a, lam = context.unit_accelerations[c], context.unit_multipliers[c]
     set_unit(context, k, 1)
-    abi.accelerations_of(context)(t, q, v, p, kernel_modes, a, lam)
+    abi.accelerations_of(context)(t, q, v, context.parameters, context.kernel_modes, a, lam)
     set_unit(context, k, 0)
-    evaluate_response(context, t, q, v, a, column)
+    evaluate_response(context, t, q, v, a, context.response_column)
     for i in range(count):
-        matrix[i * count + c] = column[i] - base[i]
-    axpy(-1.0, ft.base_accelerations_of(context), a)
-    axpy(-1.0, ft.base_multipliers_of(context), lam)
+        context.response[i * count + c] = context.response_column[i] - context.base_response[i]
+    axpy(-1.0, context.base_accelerations, a)
+    axpy(-1.0, context.base_multipliers, lam)
 
 
 @inner
 def evaluate_response(
-    context: Integers, t: float, q: Vector, v: Vector, a: Vector, out: Vector
+    context: Context, t: float, q: Vector, v: Vector, a: Vector, out: Vector
 ) -> None:
     """Write dg/dt, for a rigid contact g̈, of the functions in sliding mode."""
-    p, sliding = ft.parameters_of(context), ft.sliding_functions_of(context)
-    rigid, rates = ft.rigid_of(context), ft.response_rates_of(context)
-    gaps = ft.response_gaps_of(context)
-    abi.switching_rates_of(context)(t, q, v, a, p, rates)
+    rigid, rates, gaps = context.rigid, context.response_rates, context.response_gaps
+    abi.switching_rates_of(context)(t, q, v, a, context.parameters, rates)
     if context[ft.RIGID_COUNT] > 0:
-        abi.gap_accelerations_of(context)(t, q, v, a, p, gaps)
+        abi.gap_accelerations_of(context)(t, q, v, a, context.parameters, gaps)
     for c in range(context[ft.SLIDING_COUNT]):
-        k = sliding[c]
+        k = context.sliding_functions[c]
         out[c] = gaps[rigid[k]] if rigid[k] >= 0 else rates[k]
 
 
 @inner
-def solve_shares(context: Integers, t: float, q: Vector, v: Vector) -> None:
+def solve_shares(context: Context, t: float, q: Vector, v: Vector) -> None:
     """Write the shares of the functions in sliding mode; NaN where there are none.
 
     The matrix of responses changes only in the columns of units that prove too small.
     """
-    sliding = ft.sliding_functions_of(context)
     for _ in range(_UNITS):
         balance_shares(context)
         grown = 0
         for c in range(context[ft.SLIDING_COUNT]):
-            if enlarge_unit(context, sliding[c]):
+            if enlarge_unit(context, context.sliding_functions[c]):
                 evaluate_unit(context, t, q, v, c)
                 grown += 1
         if grown == 0:
@@ -114,30 +107,25 @@ def solve_shares(context: Integers, t: float, q: Vector, v: Vector) -> None:
 
 
 @inner
-def balance_shares(context: Integers) -> None:
+def balance_shares(context: Context) -> None:
     """Solve for the shares with which dg/dt (of contacts g̈) of all sliding functions is zero."""
     s, count = context[ft.SWITCHES], context[ft.SLIDING_COUNT]
-    sliding = ft.sliding_functions_of(context)
-    share, matrix = ft.share_of(context), ft.response_of(context)
-    base, right = ft.base_response_of(context), ft.right_side_of(context)
-    copy, rigid = ft.response_copy_of(context), ft.rigid_of(context)
+    matrix, right, copy = context.response, context.right_side, context.response_copy
+    high, middle, reach = context.share_high, context.response_rates, context.response_column
     for i in range(count):
-        right[i] = -base[i]
+        right[i] = -context.base_response[i]
     for i in range(count * count):
         copy[i] = matrix[i]
     if solve_equilibrated(copy, right, count, SAME_HOLD) != 0:
-        places, forces = ft.stiction_place_of(context), ft.stiction_units_of(context)
-        low, high = ft.share_low_of(context), ft.share_high_of(context)
-        middle, reach = ft.response_rates_of(context), ft.response_column_of(context)
         for c in range(count):
-            k = sliding[c]
+            k = context.sliding_functions[c]
             # A contact without a force has its upper bound as its share, and no lower one.
-            middle[c] = high[k] if rigid[k] >= 0 else 0.5 * (low[k] + high[k])
-            reach[c] = 1.0 if rigid[k] >= 0 else 0.5 * (high[k] - low[k])
-            if places[k] >= 0:
-                middle[c], reach[c] = 0.0, forces[s + k] / forces[k]
+            middle[c] = high[k] if context.rigid[k] >= 0 else 0.5 * (context.share_low[k] + high[k])
+            reach[c] = 1.0 if context.rigid[k] >= 0 else 0.5 * (high[k] - context.share_low[k])
+            if context.stiction_place[k] >= 0:
+                middle[c], reach[c] = 0.0, context.stiction_units[s + k] / context.stiction_units[k]
         for i in range(count):
-            right[i] = -base[i]
+            right[i] = -context.base_response[i]
             for c in range(count):
                 copy[i * count + c] = matrix[i * count + c]
                 right[i] -= matrix[i * count + c] * middle[c]
@@ -145,19 +133,30 @@ def balance_shares(context: Integers) -> None:
         for i in range(count):
             right[i] = right[i] + middle[i] if failed == 0 else np.nan
     for c in range(count):
-        share[sliding[c]] = right[c]
+        context.share[context.sliding_functions[c]] = right[c]
 
 
 @inner
-def combine_accelerations(context: Integers, a: Vector) -> None:
-    """Write the base and the shares of the units into `a`, which may be the base itself."""
-    base, units = ft.base_accelerations_of(context), ft.unit_accelerations_of(context)
-    share, sliding = ft.share_of(context), ft.sliding_functions_of(context)
-    for j in range(base.size):
-        total, largest = base[j], abs(base[j])
-        for c in range(context[ft.SLIDING_COUNT]):
-            part = share[sliding[c]] * units[c, j]
-            total += part
-            largest = max(largest, abs(part))
+def add_units(context: Context, j: int, start: float) -> tuple[float, float]:
+    """`start` and the accelerations of coordinate j by all units times `right_side`; sum, maximum.
+
+    The maximum is that of the terms.
+    """
+    total, largest = start, abs(start)
+    for c in range(context[ft.SLIDING_COUNT]):
+        part = context.right_side[c] * context.unit_accelerations[c, j]
+        total += part
+        largest = max(largest, abs(part))
+    return total, largest
+
+
+@inner
+def combine_accelerations(context: Context, a: Vector) -> None:
+    """Write the base and the shares of the units into `a`, which may be the base itself.
+
+    The shares must just have been solved for.
+    """
+    for j in range(a.size):
+        total, largest = add_units(context, j, context.base_accelerations[j])
         # Rounding that cancelling terms leave would make a machine at rest creep. NaN stays.
         a[j] = 0.0 if abs(total) <= CANCELLED * largest else total
