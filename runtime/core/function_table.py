@@ -144,6 +144,7 @@ unit_multipliers_of = TABLE.matrix("unit_multipliers", SWITCHES, CONSTRAINT_COUN
 base_response_of = TABLE.floats("base_response", SWITCHES)  # d(dg/dt) or d(g̈) of the base
 response_of = TABLE.floats("response", SWITCHES, SWITCHES)  # the same of each change, by rows
 response_copy_of = TABLE.floats("response_copy", SWITCHES, SWITCHES)
+response_pivots_of = TABLE.integers("response_pivots", SWITCHES)
 response_column_of = TABLE.floats("response_column", SWITCHES)
 response_rates_of = TABLE.floats("response_rates", SWITCHES)
 response_gaps_of = TABLE.floats("response_gaps", RIGID_COUNT)

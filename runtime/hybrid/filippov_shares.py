@@ -116,7 +116,7 @@ def balance_shares(context: Context) -> None:
         right[i] = -context.base_response[i]
     for i in range(count * count):
         copy[i] = matrix[i]
-    if solve_equilibrated(copy, right, count, SAME_HOLD) != 0:
+    if solve_equilibrated(copy, right, count, context.response_pivots, SAME_HOLD) != 0:
         for c in range(count):
             k = context.sliding_functions[c]
             # A contact without a force has its upper bound as its share, and no lower one.

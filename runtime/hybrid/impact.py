@@ -177,7 +177,7 @@ def return_to_surfaces(context: Context, t: float, state: int) -> int:
         abi.switching_of(context)(t, q, v, p, context.base_response)
         abi.switching_rates_of(context)(t, q, v, any_a, p, context.response_rates)
         fill_distances(context, level)
-        if solve_equilibrated(copy, right, count, SAME_HOLD) != 0:
+        if solve_equilibrated(copy, right, count, context.response_pivots, SAME_HOLD) != 0:
             fill_distances(context, level)
             for c in range(count):
                 reach[c] = 1.0

@@ -17,6 +17,7 @@ from runtime.linalg.full_pivoting import factor_fully
 from runtime.linalg.leading_block_elimination import complete_solution, null_vectors
 from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.linalg.row_elimination import Sparse
+from runtime.linalg.vectors import multiply
 
 _constant = numba.types.Array(i8, 1, "C", readonly=True)  # integers that a closure holds
 SPARSE = array_types.named_tuple_type((_constant, _constant, vector), Sparse)
@@ -107,9 +108,7 @@ def minimise_norm(free: Matrix, lam: Vector) -> None:
     cholesky.multiply_gram(free, gram)
     if not cholesky.factor_cholesky(gram):
         return
-    for k in range(count):
-        for i in range(m):
-            share[k] += free[i, k] * lam[i]
+    multiply(free.T, lam, share)
     cholesky.solve_cholesky(gram, share)
     for i in range(m):
         for k in range(count):

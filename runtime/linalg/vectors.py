@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from runtime.core.array_types import Vector
+from runtime.core.array_types import Matrix, Vector
 from runtime.core.jit import inner
 
 
@@ -20,6 +20,15 @@ def axpy(factor: float, x: Vector, y: Vector) -> None:
     """Add `factor` times x to y."""
     for i in range(x.size):
         y[i] += factor * x[i]
+
+
+@inner
+def multiply(a: Matrix, x: Vector, y: Vector) -> None:
+    """Write A x into y."""
+    for i in range(y.size):
+        y[i] = 0.0
+        for j in range(x.size):
+            y[i] += a[i, j] * x[j]
 
 
 @inner
