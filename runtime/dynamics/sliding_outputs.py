@@ -11,8 +11,8 @@ from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.kernel_abi import powers_of
 from runtime.core.modes import SLIDING
 from runtime.dynamics.output_quantities import SAMPLES
+from runtime.hybrid.filippov_shares import mix_reactions
 from runtime.hybrid.mode_consistency import count_sliding
-from runtime.hybrid.mode_reactions import mix_reactions
 from runtime.hybrid.stiction_force import set_unit
 from runtime.integrate.wiring import wire
 from runtime.mechanism.loaded_mechanism import Mechanism

@@ -11,6 +11,9 @@ A rigid contact has a¹ without its force and a⁰ with a unit of it; g̈ = 0 de
 is 1 - α units, from 0 to infinity. Friction in a joint has a⁰ without its force and a¹ with a unit
 of it (`stiction_force`). Several functions slide by as many shares at once: forces of different
 effects add up, so that the accelerations of one changed mode each are enough.
+
+Reactions that depend on modes are the same convex combinations as accelerations, each mode with its
+own multipliers; the others follow from the combined multipliers.
 """
 
 import numpy as np
@@ -18,14 +21,14 @@ import numpy as np
 from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
 from runtime.core.array_types import Context, Integers, Vector
-from runtime.core.jit import inner
+from runtime.core.jit import addressed, inner
 from runtime.core.modes import FREE, SLIDING
 from runtime.core.rounding import EPS
 from runtime.hybrid.redundant_sliding import solve_least
-from runtime.hybrid.stiction_force import choose_units, enlarge_unit, set_unit
+from runtime.hybrid.stiction_force import choose_units, enlarge_unit, set_unit, write_forces
 from runtime.linalg.lu import solve_equilibrated
 from runtime.linalg.rank_policy import SAME_HOLD
-from runtime.linalg.vectors import axpy
+from runtime.linalg.vectors import axpy, copy_vector
 
 CANCELLED = 64.0 * EPS  # accuracy: of the largest of some terms; a sum below it is their rounding
 
@@ -160,3 +163,45 @@ def combine_accelerations(context: Context, a: Vector) -> None:
         total, largest = add_units(context, j, context.base_accelerations[j])
         # Rounding that cancelling terms leave would make a machine at rest creep. NaN stays.
         a[j] = 0.0 if abs(total) <= CANCELLED * largest else total
+
+
+@inner
+def mix_reactions(context: Context, t: float, q: Vector, v: Vector, lam: Vector) -> None:
+    """Fill REACTION for the combined multipliers `lam`, which must just have been evaluated."""
+    p, modes, sliding = context.parameters, context.kernel_modes, context.sliding_functions
+    base, other = context.base_reaction, context.unit_reaction
+    base_lam, mixed = context.base_multipliers, context.mixed_multipliers
+    count = context[ft.SLIDING_COUNT]
+    for c in range(count):
+        set_unit(context, sliding[c], 0)
+    abi.reactions_of(context)(t, q, v, p, lam, base)
+    abi.switched_reactions_of(context)(t, q, v, p, modes, base_lam, base)
+    copy_vector(base, context.reaction)
+    for c in range(count):
+        for i in range(base_lam.size):
+            mixed[i] = base_lam[i] + context.unit_multipliers[c, i]
+        set_unit(context, sliding[c], 1)
+        copy_vector(base, other)
+        abi.switched_reactions_of(context)(t, q, v, p, modes, mixed, other)
+        set_unit(context, sliding[c], 0)
+        for i in range(base.size):
+            context.reaction[i] += context.share[sliding[c]] * (other[i] - base[i])
+    write_forces(context)
+
+
+@addressed(ft.FRICTION_MARGIN)
+def compute_friction_margin(context: Context, t: float, q: Vector, v: Vector, k: int) -> float:
+    """1 - |S|/(μ_s N): the part of its limit that sticking friction `k` leaves; 1 without a limit.
+
+    Where the normal force depends on friction itself, bounds of the share do not show when it
+    breaks loose: the stiction force S must be compared with μ_s N. The accelerations must just
+    have been evaluated.
+    """
+    force, limit = context.limits[2 * k], context.limits[2 * k + 1]
+    if force < 0:
+        return 1.0
+    mix_reactions(context, t, q, v, context.multipliers)
+    reaction = context.reaction
+    if not reaction[limit] > 0.0:
+        return -1.0
+    return float(1.0 - abs(reaction[force]) / reaction[limit])

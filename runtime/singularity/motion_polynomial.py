@@ -39,13 +39,13 @@ class Motion(NamedTuple):
         evaluate(self.series, s, q, v)
         return q, v
 
-    def scaled(self, scale: FloatArray, speed: float) -> FloatArray:
-        """The series of z = (q / scale, t speed), shape (k + 1, n + 1)."""
+    def scaled(self, scale: FloatArray, speed: float) -> "Motion":
+        """The motion of z = (q / scale, t speed), its series of shape (k + 1, n + 1)."""
         n = scale.size
         series = np.zeros((len(self.series), n + 1))
         series[:, :n] = self.series / scale
         series[0, n], series[1, n] = self.t * speed, speed
-        return series
+        return Motion(self.t, series)
 
 
 def taylor(t: float, q: FloatArray, v: FloatArray, a: FloatArray) -> Motion:

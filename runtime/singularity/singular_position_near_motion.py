@@ -96,7 +96,7 @@ class SingularPositions:
     def _nearest(self, motion: Motion, known: Singularity, speed: float) -> tuple[float, float]:
         """Time from the motion's own instant to where it is nearest to a position, and how near."""
         z = np.append(known.q / self.constraints.scale, known.t * speed)
-        series = motion.scaled(self.constraints.scale, speed)
+        series = motion.scaled(self.constraints.scale, speed).series
         s = nearest_time(series, known.t - motion.t, z)
         return s, distance(series, s, z)
 
@@ -104,8 +104,8 @@ class SingularPositions:
 def _characterise(search: Search, root: Root, s: float) -> Singularity | None:
     """The singular position at a root; None where the motion does not come near."""
     constraints = search.constraints
-    rate = search.at(s)[1]
-    miss = distance(search.series, s, root.z)
+    rate = search.path.at(s)[1]
+    miss = distance(search.path.series, s, root.z)
     if miss > 0.1 * abs(s) * search.speed + 1e-3:
         return None
     passing, veer = _passage(search, root, rate)
@@ -156,7 +156,7 @@ def _lost_by_all_rows(
     size = float(np.linalg.norm(allowed))
     if size < LOST:
         # Nothing of it is left: take the null direction that is least along the motion.
-        along = null @ search.series[1, :-1]
+        along = null @ search.path.v[:-1]
         others = np.linalg.svd(along[None, :])[2][1:] if len(null) > 1 else np.eye(len(null))
         allowed, size = others[0] @ null, 1.0
     return max(constraints.independent.size - rank, 0), allowed / size

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.singularity.motion_polynomial import Motion, evaluate, nearest_time
+from runtime.singularity.motion_polynomial import Motion, nearest_time
 from runtime.singularity.pivot_sequences import PivotOrder, PivotOrders
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.search_function_table import set_units, unit_jacobian_entries
@@ -44,29 +44,23 @@ class Search:
     ) -> None:
         self.constraints, self.orders = constraints, orders
         self.motion, self.speed = motion, speed
-        self.series = motion.scaled(constraints.scale, speed)
+        self.path = motion.scaled(constraints.scale, speed)
         self.table, self.arrays = constraints.layout
-        set_units(self.table, speed, self.series[0])
-
-    def at(self, s: float) -> tuple[FloatArray, FloatArray]:
-        """z and dz/ds after the time s."""
-        z, rate = np.empty((2, self.series.shape[1]))
-        evaluate(self.series, s, z, rate)
-        return z, rate
+        set_units(self.table, speed, self.path.q)
 
     def count_weak(self, s: float) -> int:
         """How many constraints may be lost close to the position after the time s."""
-        return self._order(self.at(s)[0]).weak
+        return self._order(self.path.at(s)[0]).weak
 
     def find(self, s: float, weak: int) -> tuple[Root, float] | None:
         """The position near the time s where `weak` constraints are lost, and when it is passed."""
         found = None
         for _ in range(_PASSES):
-            z = self.at(s)[0]
+            z = self.path.at(s)[0]
             found = self._root(z, self._order(z), weak)
             if found is None:
                 return None
-            before, s = s, nearest_time(self.series, s, found.z)
+            before, s = s, nearest_time(self.path.series, s, found.z)
             # With one freedom the position is one point, wherever the search for it began.
             if found.freedom <= 1 or abs(s - before) * self.speed < 1e-6:
                 break
