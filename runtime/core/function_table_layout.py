@@ -61,43 +61,43 @@ class TableLayout:
         return at(types.FunctionType(signature), self.number(name))
 
     def floats(
-        self, name: str, *lengths: Length, allotted: bool = True
+        self, names: str, *lengths: Length, allotted: bool = True
     ) -> Callable[[Integers], Vector]:
         """What takes a flat array of float64, as long as the product of `lengths`, out of a table.
 
-        An array that is not `allotted` is made elsewhere.
+        An array that is not `allotted` is made elsewhere. Of several `names` it takes the first.
         """
-        return self._array(name, types.float64, lengths, True, allotted)
+        return self._arrays(names, types.float64, lengths, True, allotted)
 
     def integers(
-        self, name: str, *lengths: Length, allotted: bool = True
+        self, names: str, *lengths: Length, allotted: bool = True
     ) -> Callable[[Integers], Integers]:
         """As `floats`, for int64."""
-        return self._array(name, types.int64, lengths, True, allotted)
+        return self._arrays(names, types.int64, lengths, True, allotted)
 
     def matrix(
         self, name: str, rows: Length, columns: Length, allotted: bool = True
     ) -> Callable[[Integers], Matrix]:
         """What takes a matrix of float64 out of a table."""
-        return self._array(name, types.float64, (rows, columns), False, allotted)
+        return self._arrays(name, types.float64, (rows, columns), False, allotted)
 
     def integer_matrix(
         self, name: str, rows: Length, columns: Length, allotted: bool = True
     ) -> Callable[[Integers], IntegerMatrix]:
         """As `matrix`, for int64."""
-        return self._array(name, types.int64, (rows, columns), False, allotted)
+        return self._arrays(name, types.int64, (rows, columns), False, allotted)
 
     def flat(self, name: str, matrix: str) -> Callable[[Integers], Vector]:
         """The array `matrix`, flat, by a name of its own."""
         return self._fetcher(name, self.arrays[matrix]._replace(flat=True))
 
-    def _array(
-        self, name: str, item: Any, lengths: tuple[Length, ...], flat: bool, allotted: bool
+    def _arrays(
+        self, names: str, item: Any, lengths: tuple[Length, ...], flat: bool, allotted: bool
     ) -> Callable[[Integers], Any]:
         pairs = tuple(length if isinstance(length, tuple) else (1, length) for length in lengths)
-        array = ArraySlot(self.number(name), item, pairs, flat, allotted)
-        self.arrays[name] = array
-        return self._fetcher(name, array)
+        for name in names.split():
+            self.arrays[name] = ArraySlot(self.number(name), item, pairs, flat, allotted)
+        return [self._fetcher(name, self.arrays[name]) for name in names.split()][0]
 
     def _fetcher(self, name: str, array: ArraySlot) -> Callable[[Integers], Any]:
         """An intrinsic that makes an array, not owned, of what lies at an address in a table."""
