@@ -97,7 +97,8 @@ class TableLayout:
         pairs = tuple(length if isinstance(length, tuple) else (1, length) for length in lengths)
         for name in names.split():
             self.arrays[name] = ArraySlot(self.number(name), item, pairs, flat, allotted)
-        return [self._fetcher(name, self.arrays[name]) for name in names.split()][0]
+        fetchers = [self._fetcher(name, self.arrays[name]) for name in names.split()]
+        return fetchers[0]
 
     def _fetcher(self, name: str, array: ArraySlot) -> Callable[[Integers], Any]:
         """An intrinsic that makes an array, not owned, of what lies at an address in a table."""
