@@ -5,13 +5,7 @@ import numpy as np
 from runtime.core.array_types import Context
 from runtime.core.jit import inner
 from runtime.core.modes import SLIDING
-from runtime.hybrid.mode_consistency import (
-    CONSISTENT,
-    count_sliding,
-    find_contradiction,
-    nearest_mode,
-    preferred_mode,
-)
+from runtime.hybrid import mode_consistency as consistency
 from runtime.linalg.vectors import copy_vector
 
 MOST_COMBINED = 10  # safety: functions of which all combinations of modes are tried
@@ -42,7 +36,7 @@ def flip_mode(context: Context, k: int, mode: int, preferred: int) -> int:
     if mode == SLIDING:
         if context.rigid[k] >= 0 or not np.isfinite(context.share[k]):
             return 1
-        return nearest_mode(context, k)
+        return consistency.nearest_mode(context, k)
     alternates = context.rigid[k] < 0 and context.sticks[k] == 0
     return 1 - mode if alternates and mode == preferred else SLIDING
 
@@ -59,17 +53,19 @@ def search_by_pivots(context: Context, t: float, d: float, state: int, count: in
     modes, candidate = context.modes, context.candidate_modes
     copy_vector(modes, candidate)
     for i in range(count):
-        candidate[context.members[i]] = preferred_mode(context.preferred[context.members[i]])
-    wrong = CONSISTENT
+        candidate[context.members[i]] = consistency.preferred_mode(
+            context.preferred[context.members[i]]
+        )
+    wrong = consistency.CONSISTENT
     for _ in range(3 * count * count):
-        wrong = find_contradiction(context, t, d, state, candidate, count)
-        if wrong == CONSISTENT:
+        wrong = consistency.find_contradiction(context, t, d, state, candidate, count)
+        if wrong == consistency.CONSISTENT:
             copy_vector(candidate, modes)
-            count_sliding(context, modes)
+            consistency.count_sliding(context, modes)
             break
         if not context.band[wrong] > 0.0:
             break
-        preferred = preferred_mode(context.preferred[wrong])
+        preferred = consistency.preferred_mode(context.preferred[wrong])
         candidate[wrong] = flip_mode(context, wrong, int(candidate[wrong]), preferred)
     return wrong
 
@@ -80,7 +76,7 @@ def search_all(context: Context, t: float, d: float, state: int, tried: int, cou
     modes, candidate = context.modes, context.candidate_modes
     choices = 3 if tried <= MOST_WITH_SLIDING else 2
     combinations = choices**tried
-    blamed = CONSISTENT
+    blamed = consistency.CONSISTENT
     for changes in range(tried + 1):
         for holds in range(changes + 1):
             for number in range(combinations):
@@ -92,18 +88,18 @@ def search_all(context: Context, t: float, d: float, state: int, tried: int, cou
                     changed += 1 if choice > 0 else 0
                     late += 1 if choice == 2 else 0
                     k = context.members[i]
-                    preferred = preferred_mode(context.preferred[k])
+                    preferred = consistency.preferred_mode(context.preferred[k])
                     mode = choose_mode(context.rigid[k], preferred, choice)
                     known = known and mode >= 0
                     candidate[k] = mode
                 if changed != changes or late != holds or not known:
                     continue
-                wrong = find_contradiction(context, t, d, state, candidate, count)
-                if wrong == CONSISTENT:
+                wrong = consistency.find_contradiction(context, t, d, state, candidate, count)
+                if wrong == consistency.CONSISTENT:
                     copy_vector(candidate, modes)
-                    count_sliding(context, modes)
-                    return CONSISTENT
-                if blamed == CONSISTENT:
+                    consistency.count_sliding(context, modes)
+                    return consistency.CONSISTENT
+                if blamed == consistency.CONSISTENT:
                     blamed = wrong
-    count_sliding(context, modes)
+    consistency.count_sliding(context, modes)
     return blamed

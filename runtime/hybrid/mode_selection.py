@@ -17,13 +17,8 @@ from runtime.core.jit import addressed, inlined, inner
 from runtime.core.modes import SLIDING
 from runtime.core.rhs import evaluate_accelerations
 from runtime.hybrid import mode_consistency as consistency
+from runtime.hybrid import mode_search as search
 from runtime.hybrid.impact import ON_SURFACE
-from runtime.hybrid.mode_search import (
-    MOST_COMBINED,
-    MOST_WITH_SLIDING,
-    search_all,
-    search_by_pivots,
-)
 from runtime.hybrid.switching_functions import compute_margin
 from runtime.linalg.vectors import copy_vector, largest_magnitude
 
@@ -57,11 +52,11 @@ def select_modes(context: Context, first: int, t: float, d: float, state: int) -
         if context.band[k] > 0.0:
             context.members[count] = k
             count += 1
-    if count > MOST_WITH_SLIDING:
-        blamed = search_by_pivots(context, t, d, state, count)
+    if count > search.MOST_WITH_SLIDING:
+        blamed = search.search_by_pivots(context, t, d, state, count)
         if blamed == consistency.CONSISTENT:
             return blamed
-    return search_all(context, t, d, state, min(count, MOST_COMBINED), count)
+    return search.search_all(context, t, d, state, min(count, search.MOST_COMBINED), count)
 
 
 @inner

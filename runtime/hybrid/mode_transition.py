@@ -52,16 +52,6 @@ def evaluate_now(context: Context, t: float) -> None:
 
 
 @inner
-def measure_approach(context: Context, t: float) -> None:
-    """Write the closing rates of open contacts that touch into row STRUCK; 0 of all others."""
-    evaluate_now(context, t)
-    for k in range(context[ft.SWITCHES]):
-        touches = context.rigid[k] >= 0 and abs(context.now[k]) <= ON_SURFACE * context.largest[k]
-        closing = touches and context.modes[k] == 1 and context.rate_now[k] < 0.0
-        context.struck[k] = -context.rate_now[k] if closing else 0.0
-
-
-@inner
 def predict_flights(context: Context, k: int, t: float, free: float) -> float:
     """Total time of all further flights of contact `k`.
 
@@ -117,10 +107,15 @@ def prefer_release(context: Context, t: float, crossing: int) -> None:
 def resolve_impact(context: Context, crossing: int, t: float) -> float:
     """Impact of contact `crossing`, and the modes of all others after it; time until it closes.
 
-    `run.flight` receives the time of the next flight.
+    `run.flight` receives the time of the next flight, row STRUCK the closing rates of open contacts
+    that touch, and 0 of all others.
     """
     r = run_record(context)
-    measure_approach(context, t)
+    evaluate_now(context, t)
+    for k in range(context[ft.SWITCHES]):
+        touches = context.rigid[k] >= 0 and abs(context.now[k]) <= ON_SURFACE * context.largest[k]
+        closing = touches and context.modes[k] == 1 and context.rate_now[k] < 0.0
+        context.struck[k] = -context.rate_now[k] if closing else 0.0
     flight = ft.impact_of(context)(context, crossing, t, ws.Y1)
     r.flight = flight if flight > 0.0 else np.inf
     last = predict_flights(context, crossing, t, -flight) if flight < 0.0 else 0.0

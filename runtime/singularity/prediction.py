@@ -46,9 +46,10 @@ def pivot_row(context: Context, row: int) -> Vector:
 
 
 @inner
-def earliest_zero(t: float, weakest: float, speed: float, haste: float) -> float:
+def earliest_zero(context: Context, t: float, weakest: float, speed: float) -> float:
     """The instant before which no pivot vanishes, as pivots change about as fast as the motion."""
-    way = _MARGIN * weakest
+    way, size = _MARGIN * weakest, ws.first_half(context, ws.SIZE)
+    haste = largest_ratio(ws.velocity_rates(context, ws.K), size)
     return float(t + 2.0 * way / (speed + np.sqrt(speed * speed + 2.0 * haste * way) + 1e-300))
 
 
@@ -148,9 +149,7 @@ def stays_regular(
     keep_pivots(context, t + h)
     r.look_at = t + _TRUST * ahead
     if _MARGIN * weakest > speed * _TRUST * ahead:
-        size = ws.first_half(context, ws.SIZE)
-        haste = largest_ratio(ws.velocity_rates(context, ws.K), size)
-        r.look_at = max(r.look_at, earliest_zero(t, weakest, speed, haste))
+        r.look_at = max(r.look_at, earliest_zero(context, t, weakest, speed))
     return True
 
 
@@ -230,8 +229,7 @@ def predict_vanishing_pivot(context: Context, t: float, h: float, state: int) ->
         weakest = smallest_pivot(now)
         nearest, which = next_zero(context, span, back, ahead, beyond)
         if candidate == 0:
-            haste = largest_ratio(ws.velocity_rates(context, ws.K), size)
-            r.look_at = earliest_zero(t, weakest, speed, haste)
+            r.look_at = earliest_zero(context, t, weakest, speed)
         if not nearest < np.inf:
             if candidate == 0:
                 r.look_at = max(r.look_at, t + _TRUST * ahead)
