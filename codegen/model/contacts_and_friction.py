@@ -5,7 +5,7 @@ from typing import Any, Literal, TypeAlias
 
 import sympy
 
-from codegen.declare.body import Body, Point
+from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.symbols import SignRule
 from codegen.elements.forces.contact import Contact, gap_between
@@ -13,7 +13,7 @@ from codegen.elements.forces.given_load_friction import DryFriction
 from codegen.elements.forces.joint_friction import JointFriction
 from codegen.elements.forces.rigid_contact import RigidContact
 from codegen.elements.forces.scalar_measures import rate
-from codegen.model.base import Declarations, Ends
+from codegen.model.base import Declarations, Ends, Pair, Place
 
 Optional: TypeAlias = "sympy.Expr | None"
 Law = Callable[[Optional, Optional], Effect]  # (creep speed, static coefficient) → friction
@@ -24,21 +24,11 @@ class Contacts(Declarations):
     """Contacts and friction of a declaration."""
 
     def contact(
-        self,
-        name: str,
-        i: Point | Body | None = None,
-        j: Point | Body | None = None,
-        *,
-        stiffness: Any = None,
-        damping: Any = None,
-        free_length: Any = 0,
-        direction: tuple[Any, Any] | None = None,
-        gap: Any = None,
-        may_pull: bool = True,
-        restitution: Any = None,
-        typical_force: Any = None,
+        self, name: str, i: Place | None = None, j: Place | None = None, *, stiffness: Any = None,
+        damping: Any = None, free_length: Any = 0, direction: Pair | None = None, gap: Any = None,
+        may_pull: bool = True, restitution: Any = None, typical_force: Any = None,
         fidelity: Literal["penalty", "rigid"] | None = None,
-    ) -> Effect:
+    ) -> Effect:  # fmt: skip
         """A contact while a gap is closed: by a spring and damper (Haug 8.4.2), or rigid.
 
         Parameters
@@ -102,16 +92,9 @@ class Contacts(Declarations):
         )
 
     def friction(
-        self,
-        name: str,
-        joint: Constraint,
-        coefficient: Any,
-        creep: Any = None,
-        radius: Any = None,
-        length: Any = None,
-        static: Any = None,
-        fidelity: FrictionLaw | None = None,
-    ) -> Effect:
+        self, name: str, joint: Constraint, coefficient: Any, creep: Any = None, radius: Any = None,
+        length: Any = None, static: Any = None, fidelity: FrictionLaw | None = None,
+    ) -> Effect:  # fmt: skip
         """Coulomb friction in a joint, from the joint's reaction.
 
         Parameters
@@ -148,19 +131,10 @@ class Contacts(Declarations):
         return self._friction_law(where, law, speed, mu_s, fidelity)
 
     def dry_friction(
-        self,
-        name: str,
-        i: Point | Body | None = None,
-        j: Point | Body | None = None,
-        *,
-        coefficient: Any,
-        normal: Any,
-        axis: tuple[Any, Any] = (1, 0),
-        slip: Any = None,
-        static: Any = None,
-        creep: Any = None,
+        self, name: str, i: Place | None = None, j: Place | None = None, *, coefficient: Any,
+        normal: Any, axis: Pair = (1, 0), slip: Any = None, static: Any = None, creep: Any = None,
         fidelity: FrictionLaw | None = None,
-    ) -> Effect:
+    ) -> Effect:  # fmt: skip
         """Coulomb friction under a normal force that is known: a block on a belt, a brake.
 
         Parameters
@@ -210,7 +184,9 @@ class Contacts(Declarations):
         if isinstance(chosen, str):
             self._note(f"{where}: the fidelity '{word}' {chosen}")
             chosen = next(form for form in forms.values() if not isinstance(form, str))
-        return self._effect(chosen, forms)
+        if self._declare(chosen) is self.effects.get(chosen.name):
+            self.fidelities[chosen.name] = forms
+        return chosen
 
     def _friction_law(
         self, where: str, law: Law, creep: Optional, static: Optional, fidelity: str | None
@@ -224,7 +200,7 @@ class Contacts(Declarations):
             "regularised": missing if creep is None else law(creep, None),
         }
         if not chosen and creep is not None and static is not None:
-            return self._effect(law(creep, static))  # two laws at once, as its check says
+            return self._declare(law(creep, static))  # two laws at once, as its check says
         default = "sticking" if creep is None else "regularised"
         return self._chosen_form(where, chosen or default, forms)
 

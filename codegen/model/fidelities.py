@@ -7,12 +7,12 @@ from codegen.declare.element import Effect
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
 from codegen.declare.value_reader import Reader, name_of
-from codegen.model.coupler_rods import FORMS, Couplers
+from codegen.model.bodies import FORMS, Bodies
 
 NONE = "none"  # the fidelity of an effect that a scene does without
 
 
-class Fidelities(Couplers):
+class Fidelities(Bodies):
     """Effects with several laws, couplers, and groups of alternatives."""
 
     def alternatives(

@@ -10,7 +10,7 @@ from codegen.declare.element import Located, own_coordinates
 from codegen.declare.names import name_problem, nearest
 from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values, dotted
-from codegen.model.coupler_rods import Form
+from codegen.model.bodies import Form
 from codegen.model.fidelities import NONE, Fidelities
 from codegen.model.outputs import Outputs
 
@@ -22,22 +22,13 @@ class Scenes(Fidelities, Outputs):
     """The scenes of a declaration."""
 
     def scene(
-        self,
-        name: str,
-        effects: Names = (),
-        drivers: Names = (),
-        *,
-        extends: str | Scene | None = None,
-        without: Names = (),
+        self, name: str, effects: Names = (), drivers: Names = (), *,
+        extends: str | Scene | None = None, without: Names = (),
         couplers: Mapping[str | Body, Form] | None = None,
-        fidelity: Mapping[Any, str] | None = None,
-        start: Values | None = None,
-        guess: Values | None = None,
-        parameters: Values | None = None,
-        frozen: bool | None = None,
-        analysis: Analysis | None = None,
-        outputs: Names | None = None,
-    ) -> Scene:
+        fidelity: Mapping[Any, str] | None = None, start: Values | None = None,
+        guess: Values | None = None, parameters: Values | None = None, frozen: bool | None = None,
+        analysis: Analysis | None = None, outputs: Names | None = None,
+    ) -> Scene:  # fmt: skip
         """Declare a scene: the elements that take part in a question.
 
         With the name alone it answers the scene that was declared under it, to be varied:
