@@ -276,8 +276,8 @@ def sign_problems(
     return [
         f"{where}: the {word} is {float(value):g}{unit and f' {unit}'}; give {needed}."
         for word, value, unit in values
-        if value is not None and value.is_number and value.is_real
-        if value < 0 or (positive and value == 0)
+        if value is not None and value.is_number and value.is_extended_real is not False
+        if value.is_extended_negative or (positive and not value.is_extended_positive)
     ]
 
 

@@ -38,6 +38,7 @@ class Declarations:
         self.couplers: dict[str, tuple[Body, ...]] = {}
         self.files: list[Path] = []
         self._read = Reader()
+        self._note = self._read.note
         self._kinds: dict[str, str] = {"ground": "body"}
         if problem := name_problem("model", name):
             self._note(problem)
@@ -56,9 +57,6 @@ class Declarations:
     def elements(self) -> dict[str, Body | Constraint | Effect]:
         """All bodies, joints, effects and drivers by name."""
         return {**self.bodies, **self.joints, **self.effects, **self.drivers}
-
-    def _note(self, problem: str) -> None:
-        self._read.note(problem)
 
     def _value(self, value: Any, unit: str, where: str, sign: sy.SignRule = "") -> Any:
         """An expression in `unit`; a parameter that stands alone obeys the sign rule henceforth."""

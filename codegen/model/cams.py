@@ -68,8 +68,6 @@ class Cams(Declarations):
 
         Parameters
         ----------
-        name
-            An identifier.
         points
             (x', y') in m or as quantities; at least four, no two that follow each other the same.
         closed

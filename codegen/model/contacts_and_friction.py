@@ -1,7 +1,7 @@
 """The effects between surfaces: contact, and friction in joints and on belts."""
 
-from collections.abc import Callable
-from typing import Any, Literal, TypeAlias
+from dataclasses import replace
+from typing import Any, Literal
 
 import sympy
 
@@ -15,8 +15,6 @@ from codegen.elements.forces.rigid_contact import RigidContact
 from codegen.elements.forces.scalar_measures import rate
 from codegen.model.base import Declarations, Ends, Pair, Place
 
-Optional: TypeAlias = "sympy.Expr | None"
-Law = Callable[[Optional, Optional], Effect]  # (creep speed, static coefficient) → friction
 FrictionLaw = Literal["sticking", "regularised"]
 
 
@@ -124,11 +122,8 @@ class Contacts(Declarations):
             self._optional(size, "m", f"{word} of {where}", "positive")
             for size, word in ((radius, "radius"), (length, "length"))
         )
-
-        def law(creep: Optional, static: Optional) -> Effect:
-            return JointFriction(name, joint, mu, creep, pin, bearing, static)
-
-        return self._friction_law(where, law, speed, mu_s, fidelity)
+        law = JointFriction(name, joint, mu, speed, pin, bearing, mu_s)
+        return self._friction_law(where, law, fidelity)
 
     def dry_friction(
         self, name: str, i: Place | None = None, j: Place | None = None, *, coefficient: Any,
@@ -172,11 +167,8 @@ class Contacts(Declarations):
             ends, bodies = self._surfaces(name, i, j, missing)
             along = self._direction(where, "axis", axis) or (sympy.S.One, sympy.S.Zero)
             s = rate(gap_between(*ends, along, sympy.S.Zero))
-
-        def law(creep: Optional, static: Optional) -> Effect:
-            return DryFriction(name, s, load, mu, bodies, static, creep)
-
-        return self._friction_law(where, law, speed, mu_s, fidelity)
+        law = DryFriction(name, s, load, mu, bodies, mu_s, speed)
+        return self._friction_law(where, law, fidelity)
 
     def _chosen_form(self, where: str, word: str, forms: dict[str, Effect | str]) -> Effect:
         """Declare an effect of several fidelities, of which `word` is the default."""
@@ -189,24 +181,25 @@ class Contacts(Declarations):
         return chosen
 
     def _friction_law(
-        self, where: str, law: Law, creep: Optional, static: Optional, fidelity: str | None
+        self, where: str, law: JointFriction | DryFriction, fidelity: str | None
     ) -> Effect:
-        """Declare a friction from its law of the creep speed and the static coefficient."""
+        """Declare a friction in each fidelity that it has the numbers for."""
         words = ("", "sticking", "regularised")
         chosen = self._read.choice(fidelity or "", words, f"{where}, fidelity")
-        missing = "needs creep= in its declaration."
+        creeps = law.creep is not None
+        if not chosen and creeps and law.static is not None:
+            return self._declare(law)  # two laws at once, as its check says
         forms: dict[str, Effect | str] = {
-            "sticking": law(None, static),
-            "regularised": missing if creep is None else law(creep, None),
+            "sticking": replace(law, creep=None),
+            "regularised": "needs creep= in its declaration.",
         }
-        if not chosen and creep is not None and static is not None:
-            return self._declare(law(creep, static))  # two laws at once, as its check says
-        default = "sticking" if creep is None else "regularised"
-        return self._chosen_form(where, chosen or default, forms)
+        if creeps:
+            forms["regularised"] = replace(law, static=None)
+        return self._chosen_form(where, chosen or ("regularised" if creeps else "sticking"), forms)
 
     def _coefficients(
         self, where: str, coefficient: Any, static: Any, creep: Any, unit: str
-    ) -> tuple[sympy.Expr, Optional, Optional]:
+    ) -> tuple[sympy.Expr, sympy.Expr | None, sympy.Expr | None]:
         """μ, μ_s and the creep speed."""
         sign: SignRule = "nonnegative" if static is None else "positive"
         return (

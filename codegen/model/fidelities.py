@@ -18,7 +18,7 @@ class Fidelities(Bodies):
     def alternatives(
         self, name: str, choices: Mapping[str, Iterable[Any]], default: str | None = None
     ) -> str:
-        """Elements that stand for one another: a scene takes those of one choice.
+        """Elements that stand for one another, of which a scene takes one choice; returns `name`.
 
         A cam's follower that is held to the cam or may leave it, a spring of six masses or of
         fifty: each choice names the bodies, joints, effects and drivers that only it has. In a
@@ -27,17 +27,10 @@ class Fidelities(Bodies):
 
         Parameters
         ----------
-        name
-            An identifier.
         choices
             Choice, a word → elements, by name or by the objects that their declarations returned.
         default
             The first choice unless given.
-
-        Returns
-        -------
-        str
-            The name.
         """
         where = f"alternatives '{name}'"
         known = self.elements

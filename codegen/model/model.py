@@ -23,7 +23,8 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
     Parameters
     ----------
     name
-        An identifier; begins the names of the generated files.
+        Begins the names of the generated files. Like every `name` that the methods take it is an
+        identifier: ASCII letters, digits and underscores, a letter first.
     gravity
         (g_x, g_y) in m/s²; declares the effect ``"gravity"``. Other gravities: `Model.gravity`.
 
