@@ -80,7 +80,7 @@ def dynamics_kernel(
         )
         columns = system.solve(strategy)
         if refine:
-            columns = [system.substitution.refined(k, x) for k, x in enumerate(columns)]
+            columns = system.refined(columns)
             labels.step("Refine by what the equations as stated still lack")
             labels.solved(columns)
         if scene.frictions:
