@@ -2,11 +2,11 @@
 
 from codegen.declare.symbols import Parameter
 from codegen.derive.inertia import neutral
-from codegen.lower.constant_hoisting import with_constants
-from codegen.lower.kernels.corrections import least_changes
+from codegen.lower.kernels.corrections import solutions
 from codegen.lower.kernels.reaction_friction import with_friction
 from codegen.lower.linear.factorization import Elimination, Strategy
 from codegen.lower.linear.labels import Labels
+from codegen.lower.linear.sparse_rows import Task
 from codegen.lower.operation_count import cost
 from codegen.lower.program import STATE, Kernel, Output, store
 from codegen.lower.scene_graph import SceneGraph
@@ -25,12 +25,8 @@ def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Str
     if not scene.mass:
         return _kinematics(scene), "schur"
     strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
-    trials = []
-    for strategy in strategies:
-        kernel = dynamics_kernel(scene, strategy, rows)
-        program = with_constants(scene.graph, (kernel,), len(scene.equations.parameters))
-        trials.append((cost(program, program.kernels[-1]), kernel, strategy))
-    _, kernel, strategy = min(trials, key=lambda trial: trial[0])
+    trials = [(dynamics_kernel(scene, strategy, rows), strategy) for strategy in strategies]
+    kernel, strategy = min(trials, key=lambda trial: cost(scene.graph, trial[0]))
     if _spread(scene) >= FAR:
         kernel = dynamics_kernel(scene, strategy, rows, refine=True)
     return kernel, strategy
@@ -129,18 +125,20 @@ def _pushes(scene: SceneGraph) -> list[list[int]]:
 
 
 def _kinematics(scene: SceneGraph) -> Kernel:
-    """Accelerations that the constraints alone determine."""
-    names = [q.rate.name for q in scene.equations.coordinates]
-    with scene.graph.serving("factorization"):
-        (solution,), checks, labels = least_changes(
-            scene, [scene.gamma], ["gamma"], [[f"{name}_rate" for name in names]]
-        )
+    """Accelerations that the constraints alone determine, the least where they leave a choice."""
+    graph, coordinates = scene.graph, scene.equations.coordinates
+    names, rates = [q.name for q in coordinates], [q.rate.name for q in coordinates]
+    ones, unknowns = [graph.one] * scene.n, [[f"{rate}_rate" for rate in rates]]
+    rows = scene.row_names()
+    with graph.serving("factorization"):
+        task = Task(graph, scene.jacobian, [scene.gamma], ones, names, rows, ["gamma"], unknowns)
+        (solution,), solver = solutions(task)[0]
     return Kernel(
         "accelerations",
         "q̈ of Φ_q q̈ = γ (of least norm while drivers are missing).",
         (*STATE, "modes", "a", "lam"),
-        store("a", solution, names),
-        tuple(checks),
+        store("a", solution, rates),
+        tuple(solver.checks),
         watched=True,
-        **labels.text,
+        **solver.labels.text,
     )
