@@ -24,7 +24,7 @@ def correction(scene: SceneGraph) -> Kernel:
     """The kernel of a scene in all its coordinates."""
     names = [q.name for q in scene.equations.coordinates]
     return least_correction(
-        scene.graph, scene.jacobian, scene.phi, scene.nu, scene.v, scene.w, names, scene.row_names()
+        scene.graph, scene.jacobian, scene.phi, scene.nu, scene.v, scene.w, names, scene.rows
     )
 
 

@@ -84,7 +84,7 @@ def dynamics_kernel(
         solution, rubbing = with_friction(scene, columns)
         labels.solved([solution])
     outputs = store("a", solution[:n], [q.rate.name for q in scene.equations.coordinates])
-    names = scene.row_names()
+    names = scene.rows
     outputs += tuple(Output("lam", row, solution[n + row], names[row]) for row in rows)
     checks = tuple(check._replace(constraint=check.constraint - n) for check in system.checks)
     checks += rubbing
@@ -103,7 +103,7 @@ def _labels(scene: SceneGraph) -> Labels:
     """Names of the equations of motion: without friction, and for a unit force of each friction."""
     coordinates = [q.name for q in scene.equations.coordinates]
     rates = [f"{q.rate.name}_rate" for q in scene.equations.coordinates]
-    rows = scene.row_names()
+    rows = scene.rows
     right = [*(f"Q_{name}" for name in coordinates), *(f"gamma_{name}" for name in rows)]
     solution = [*rates, *(f"lambda_{name}" for name in rows)]
     frictions = [e.name for e in scene.equations.effects if e.terms.friction]
@@ -129,7 +129,7 @@ def _kinematics(scene: SceneGraph) -> Kernel:
     graph, coordinates = scene.graph, scene.equations.coordinates
     names, rates = [q.name for q in coordinates], [q.rate.name for q in coordinates]
     ones, unknowns = [graph.one] * scene.n, [[f"{rate}_rate" for rate in rates]]
-    rows = scene.row_names()
+    rows = scene.rows
     with graph.serving("factorization"):
         task = Task(graph, scene.jacobian, [scene.gamma], ones, names, rows, ["gamma"], unknowns)
         (solution,), solver = solutions(task)[0]

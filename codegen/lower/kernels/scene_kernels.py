@@ -32,7 +32,7 @@ class Lowered:
 def lower(equations: Equations) -> Lowered:
     """Translate every equation into one graph, and arrange its values in kernels."""
     scene, selection = SceneGraph(equations), Selection(equations)
-    rows, names = recovered(scene, selection), scene.row_names()
+    rows, names = recovered(scene, selection), scene.rows
     coordinates = [q.name for q in equations.coordinates]
     entries = [f"{names[i]}, {coordinates[k]}" for i, k in scene.jacobian]
     kernels = [
