@@ -28,6 +28,15 @@ class Friction(NamedTuple):
         return sliding if self.is_stuck is None else graph.select(self.is_stuck, sticking, sliding)
 
 
+class Reaction(NamedTuple):
+    """A component of a force that an element transmits or exerts."""
+
+    element: str
+    component: str
+    unit: str
+    value: int
+
+
 class SceneGraph:
     """The equations of a scene as values of one graph."""
 
@@ -61,7 +70,7 @@ class SceneGraph:
         self.jacobian: dict[tuple[int, int], int] = {}  # (row, column) → value, non-zeros in order
         # (row, column) of the constraints that determine a coordinate without mass
         self.massless: list[tuple[int, int]] = []
-        self.reactions: list[tuple[str, str, str, int]] = []  # (element, component, unit, value)
+        self.reactions: list[Reaction] = []
         laws = (e.terms.friction for e in equations.effects)
         self._rubbing = {law.joint for law in laws if law}
         self._pressing: dict[tuple[str, str], dict[int, int]] = {}
@@ -92,6 +101,11 @@ class SceneGraph:
             environment[side.symbol] = graph.select(graph.mode(side.switch), *values)
         return environment
 
+    def credited(self, element: str, *expressions: sympy.Expr) -> list[int]:
+        """The values of expressions that serve an element."""
+        with self.graph.serving(element):
+            return [self.translate(expression) for expression in expressions]
+
     # -- equations ---------------------------------------------------------------------------
 
     def _constraints(self) -> None:
@@ -110,7 +124,7 @@ class SceneGraph:
                     self._row(translate(phi))
                 for component, unit, reaction in terms.reactions:
                     value = translate(reaction)
-                    self.reactions.append((element.name, component, unit, value))
+                    self.reactions.append(Reaction(element.name, component, unit, value))
                     if element.name in self._rubbing:
                         self._pressing[element.name, component] = {
                             first + k: translate(sympy.diff(reaction, lam))
@@ -158,7 +172,8 @@ class SceneGraph:
                     stored = self.moving.jet(energy).first.value()
                     self.working[effect.name] = graph.sub(power, stored)
                 for part, unit, value in terms.reported:
-                    self.reactions.append((effect.name, part, unit, self.translate(value)))
+                    reaction = Reaction(effect.name, part, unit, self.translate(value))
+                    self.reactions.append(reaction)
                 if terms.friction:
                     self._friction(effect.name, terms.friction)
         with graph.serving("masses"):
@@ -212,12 +227,13 @@ class SceneGraph:
         sizes = [self.size([self.along(entry, self.lam) for entry in load]) for load in loads]
         pressing = graph.total(sizes)
         force = friction.choice(graph, stiction, graph.neg(graph.mul(coefficient, pressing)))
-        self.reactions.append((name, "force" if terms.unit == "N" else "torque", terms.unit, force))
+        kind = "force" if terms.unit == "N" else "torque"
+        self.reactions.append(Reaction(name, kind, terms.unit, force))
         if terms.sticks:
-            self.reactions.append((name, "normal", "N", pressing))
+            self.reactions.append(Reaction(name, "normal", "N", pressing))
         if terms.limit is not None:
             limit = graph.mul(self.translate(terms.limit), pressing)
-            self.reactions.append((name, "limit", terms.unit, limit))
+            self.reactions.append(Reaction(name, "limit", terms.unit, limit))
         power = graph.mul(force, self.translate(terms.slip))
         self.powers.append((name, power))
         self.working[name] = power

@@ -22,10 +22,8 @@ Solution = tuple[list[list[int]], SparseRows]
 
 def correction(scene: SceneGraph) -> Kernel:
     """The kernel of a scene in all its coordinates."""
-    names = [q.name for q in scene.equations.coordinates]
-    return least_correction(
-        scene.graph, scene.jacobian, scene.phi, scene.nu, scene.v, scene.w, names, scene.rows
-    )
+    equations = scene.graph, scene.jacobian, scene.phi, scene.nu
+    return least_correction(*equations, scene.v, scene.w, scene.names, scene.rows)
 
 
 def least_correction(

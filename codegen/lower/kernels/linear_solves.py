@@ -83,9 +83,8 @@ def dynamics_kernel(
             labels.step("Friction: its forces, and what they change")
         solution, rubbing = with_friction(scene, columns)
         labels.solved([solution])
-    outputs = store("a", solution[:n], [q.rate.name for q in scene.equations.coordinates])
-    names = scene.rows
-    outputs += tuple(Output("lam", row, solution[n + row], names[row]) for row in rows)
+    outputs = store("a", solution[:n], scene.rates)
+    outputs += tuple(Output("lam", row, solution[n + row], scene.rows[row]) for row in rows)
     checks = tuple(check._replace(constraint=check.constraint - n) for check in system.checks)
     checks += rubbing
     return Kernel(
@@ -101,15 +100,11 @@ def dynamics_kernel(
 
 def _labels(scene: SceneGraph) -> Labels:
     """Names of the equations of motion: without friction, and for a unit force of each friction."""
-    coordinates = [q.name for q in scene.equations.coordinates]
-    rates = [f"{q.rate.name}_rate" for q in scene.equations.coordinates]
-    rows = scene.rows
-    right = [*(f"Q_{name}" for name in coordinates), *(f"gamma_{name}" for name in rows)]
-    solution = [*rates, *(f"lambda_{name}" for name in rows)]
-    frictions = [e.name for e in scene.equations.effects if e.terms.friction]
-    tails = ["", *(f"_{name}" for name in frictions)]
+    right = [f"Q_{name}" for name in scene.names] + [f"gamma_{name}" for name in scene.rows]
+    solution = [f"{rate}_rate" for rate in scene.rates] + [f"lambda_{name}" for name in scene.rows]
+    tails = ["", *(f"_{e.name}" for e in scene.equations.effects if e.terms.friction)]
     return Labels(
-        [*coordinates, *rows],
+        [*scene.names, *scene.rows],
         [[name + tail for name in right] for tail in tails],
         [[name + tail for name in solution] for tail in tails],
     )
@@ -126,12 +121,11 @@ def _pushes(scene: SceneGraph) -> list[list[int]]:
 
 def _kinematics(scene: SceneGraph) -> Kernel:
     """Accelerations that the constraints alone determine, the least where they leave a choice."""
-    graph, coordinates = scene.graph, scene.equations.coordinates
-    names, rates = [q.name for q in coordinates], [q.rate.name for q in coordinates]
+    graph, rates = scene.graph, scene.rates
     ones, unknowns = [graph.one] * scene.n, [[f"{rate}_rate" for rate in rates]]
-    rows = scene.rows
+    right, stems = [scene.gamma], ["gamma"]
     with graph.serving("factorization"):
-        task = Task(graph, scene.jacobian, [scene.gamma], ones, names, rows, ["gamma"], unknowns)
+        task = Task(graph, scene.jacobian, right, ones, scene.names, scene.rows, stems, unknowns)
         (solution,), solver = solutions(task)[0]
     return Kernel(
         "accelerations",
