@@ -53,9 +53,8 @@ def search_by_pivots(context: Context, t: float, d: float, state: int, count: in
     modes, candidate = context.modes, context.candidate_modes
     copy_vector(modes, candidate)
     for i in range(count):
-        candidate[context.members[i]] = consistency.preferred_mode(
-            context.preferred[context.members[i]]
-        )
+        k = context.members[i]
+        candidate[k] = consistency.preferred_mode(context.preferred[k])
     wrong = consistency.CONSISTENT
     for _ in range(3 * count * count):
         wrong = consistency.find_contradiction(context, t, d, state, candidate, count)

@@ -205,10 +205,8 @@ def predict_vanishing_pivot(context: Context, t: float, h: float, state: int) ->
     r, plan, size = run_record(context), context.elimination_plan, ws.first_half(context, ws.SIZE)
     now, later = pivot_row(context, NOW), pivot_row(context, LATER)
     failed = state == ws.Y0
-    speed = max(
-        largest_ratio(context.v0, size),
-        largest_ratio(ws.velocities(context, state), size),
-    )
+    v = ws.velocities(context, state)
+    speed = max(largest_ratio(context.v0, size), largest_ratio(v, size))
     span, back, ahead = h, 0.0, max(AHEAD * h, r.foresight / max(speed, 1e-300))
     # Only from look to look: in a gap between them a pivot may change its sign twice.
     known = plan[0] > 0 and t <= r.look_at and t + h > context.pivot_history[WHEN]
