@@ -4,35 +4,26 @@ import numpy as np
 
 from runtime.core import function_table as ft
 from runtime.core.array_types import Context, Vector
+from runtime.core.borrowed_arrays import view
 from runtime.core.jit import inner
 from runtime.linalg.lu import equilibrate
 from runtime.linalg.rank_policy import SAME_HOLD
-
-
-@inner
-def row_length(matrix: Vector, count: int, i: int) -> float:
-    """Euclidean length of row `i`."""
-    square = 0.0
-    for c in range(count):
-        square += matrix[i * count + c] ** 2
-    return float(np.sqrt(square))
+from runtime.linalg.vectors import axpy, copy_vector, dot
 
 
 @inner
 def orthogonalize_row(context: Context, matrix: Vector, right: Vector, count: int, i: int) -> float:
     """Make row `i` orthogonal to the rows before it, those of contacts first; size of its terms."""
-    closed = context.rigid[context.sliding_functions[i]] >= 0
+    closed, row = context.rigid[context.sliding_functions[i]] >= 0, view(matrix, i * count, count)
     scale = max(1.0, abs(right[i]))
     for _ in range(2):
         for j in range(count):
             first = context.rigid[context.sliding_functions[j]] >= 0
             if not (j < i if first == closed else first):
                 continue
-            along = 0.0
-            for c in range(count):
-                along += matrix[i * count + c] * matrix[j * count + c]
-            for c in range(count):
-                matrix[i * count + c] -= along * matrix[j * count + c]
+            other = view(matrix, j * count, count)
+            along = dot(row, other)
+            axpy(-along, other, row)
             right[i] -= along * right[j]
             scale = max(scale, abs(along * right[j]))
     return float(scale)
@@ -67,26 +58,25 @@ def solve_least(
             closed = context.rigid[context.sliding_functions[i]] >= 0
             if closed != (turn == 0):
                 continue
-            size = row_length(matrix, count, i)
+            row = view(matrix, i * count, count)
+            size = np.sqrt(dot(row, row))
             scale = orthogonalize_row(context, matrix, right, count, i)
-            rest = row_length(matrix, count, i)
+            rest = np.sqrt(dot(row, row))
             if rest > SAME_HOLD * size:
                 for c in range(count):
-                    matrix[i * count + c] /= rest
+                    row[c] /= rest
                 right[i] /= rest
                 continue
             if closed or not abs(right[i]) <= slack * scale:
                 return 1
-            for c in range(count):
-                matrix[i * count + c] = 0.0
+            row[:] = 0.0
             right[i] = 0.0
     for c in range(count):
         total = 0.0
         for i in range(count):
             total += right[i] * matrix[i * count + c]
         reach[c] *= total
-    for c in range(count):
-        right[c] = reach[c]
+    copy_vector(view(reach, 0, count), right)
     return 0
 
 

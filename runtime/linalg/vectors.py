@@ -16,6 +16,15 @@ def copy_vector(source: Any, target: Any) -> None:
 
 
 @inner
+def dot(x: Vector, y: Vector) -> float:
+    """xᵀ y."""
+    total = 0.0
+    for i in range(x.size):
+        total += x[i] * y[i]
+    return total
+
+
+@inner
 def axpy(factor: float, x: Vector, y: Vector) -> None:
     """Add `factor` times x to y."""
     for i in range(x.size):
@@ -26,9 +35,7 @@ def axpy(factor: float, x: Vector, y: Vector) -> None:
 def multiply(a: Matrix, x: Vector, y: Vector) -> None:
     """Write A x into y."""
     for i in range(y.size):
-        y[i] = 0.0
-        for j in range(x.size):
-            y[i] += a[i, j] * x[j]
+        y[i] = dot(a[i], x)
 
 
 @inner

@@ -10,7 +10,7 @@ from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, mat
 from runtime.core.borrowed_arrays import view
 from runtime.core.jit import allocating, inner
 from runtime.linalg.cholesky import factor_cholesky, multiply_gram, solve_cholesky
-from runtime.linalg.vectors import copy_vector, multiply
+from runtime.linalg.vectors import copy_vector, dot, multiply
 from runtime.singularity import search_function_table as st
 
 _ITERATIONS = 40  # safety: Newton iterations
@@ -33,10 +33,7 @@ def differentiate_complement(
     at_row, at_column = st.entry_rows_of(context), st.entry_columns_of(context)
     lengths, displaced, sums = st.lengths_of(context), st.displaced_of(context), st.sums_of(context)
     direction = st.step_of(context)
-    total = 0.0
-    for j in range(wide):
-        total += direction[j] ** 2
-    delta = _DIFFERENCE / max(np.sqrt(total), 1e-300)
+    delta = _DIFFERENCE / max(np.sqrt(dot(direction, direction)), 1e-300)
     for sign, entries in ((1.0, ahead), (-1.0, behind)):
         for j in range(wide):
             displaced[j] = z[j] + sign * delta * direction[j]

@@ -48,13 +48,10 @@ class ScaledConstraints:
         table[st.ROWS], table[st.PARAMETER_COUNT] = self.independent.size, self.p.size
         table[st.NONZEROS], table[st.ENTRIES] = self.rows.size, at_row.size
         arrays = layout.allot(table)
-        for name, reals in {"parameters": self.p, "scale": self.scale}.items():
-            arrays[name] = np.ascontiguousarray(reals, dtype=np.float64)
-        places = {"entry_rows": at_row, "entry_columns": at_column}
-        for name, numbers in {"independent": self.independent, **places}.items():
-            arrays[name] = np.ascontiguousarray(numbers, dtype=np.int64)
-        for name, array in arrays.items():
-            table[layout.slots[name]] = array.ctypes.data
+        given = {"parameters": self.p, "scale": self.scale, "independent": self.independent}
+        for name, array in {**given, "entry_rows": at_row, "entry_columns": at_column}.items():
+            arrays[name] = np.ascontiguousarray(array)
+            table[layout.slots[name]] = arrays[name].ctypes.data
         arrays["lengths"][:], arrays["speed"][:] = 1.0, 1.0
         for name in ("row_order", "row_place", "column_order", "column_place"):
             arrays[name][:] = np.arange(arrays[name].size)
