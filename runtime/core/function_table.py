@@ -24,7 +24,6 @@ LOOPS = TABLE.number("loops")  # that kernels close in closed form
 PLAN_SIZE = TABLE.number("plan_size")  # of the elimination
 WORKSPACE_SIZE = TABLE.number("workspace_size")
 SWITCHING_SIZE = TABLE.number("switching_size")
-PIVOT_SIZE = TABLE.number("pivot_size")
 METHOD_FLOATS_SIZE = TABLE.number("method_floats_size")  # floats that a method remembers
 METHOD_INTEGERS_SIZE = TABLE.number("method_integers_size")  # integers that a method remembers
 LOG_ROWS = TABLE.number("log_rows")  # room for changes of the partition
@@ -114,7 +113,7 @@ TABLE.integers("column_order", COORDINATES)
 TABLE.floats("log_times", LOG_ROWS)
 TABLE.integer_matrix("log_sets", LOG_ROWS, COORDINATES)
 TABLE.floats("weights", (4, COORDINATES))  # of Baumgarte's terms
-TABLE.floats("pivots", PIVOT_SIZE)  # see `singularity.prediction`
+TABLE.matrix("pivots", (4, None), CONSTRAINT_COUNT)  # see `singularity.prediction`
 TABLE.floats("pivot_history", (2, None))
 TABLE.integers("elimination_plan", PLAN_SIZE)
 TABLE.integers("loop_rows", LOOPS)

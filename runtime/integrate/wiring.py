@@ -27,7 +27,7 @@ from runtime.hybrid import (
 from runtime.integrate import sampling, step, step_control
 from runtime.integrate.method import find_method
 from runtime.linalg.elimination_plan import plan_capacity
-from runtime.singularity.prediction import PIVOT_ROWS, predict_vanishing_pivot
+from runtime.singularity.prediction import predict_vanishing_pivot
 
 METHOD_SLOTS = slice(ft.TABLE.slots["stages"], ft.TABLE.slots["correct"])
 """Slots of the method's functions."""
@@ -104,7 +104,6 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         ft.PLAN_SIZE: plan_capacity(m, nonzeros),
         ft.WORKSPACE_SIZE: 2 * n * ws.ROWS,
         ft.SWITCHING_SIZE: s * ws.SWITCH_ROWS,
-        ft.PIVOT_SIZE: PIVOT_ROWS * m,
         ft.METHOD_FLOATS_SIZE: floats,
         ft.METHOD_INTEGERS_SIZE: integers,
         ft.LOG_ROWS: log_rows,

@@ -12,8 +12,7 @@ from runtime.constraints.partitioning import evaluate_jacobian
 from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Vector
-from runtime.core.borrowed_arrays import view
-from runtime.core.jit import addressed, fetched, inner
+from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
 from runtime.core.rounding import EPS
 from runtime.linalg.elimination_plan import replay_plan, write_plan
@@ -29,20 +28,12 @@ _TRUST = 0.5  # measured: of the time over which nothing announced itself; when 
 _NEAR = 1e-5  # measured: a pivot that counts as small in any case
 _CANDIDATES = 4  # measured: pivots that change sign, most of them by way of infinity
 _REFINED = 6  # safety: steps by which a pivot that changes sign within a step is followed
-# Rows of `pivots_of`: pivots now, later, at the last look, and one over the lengths of Φ_q's rows.
-NOW, LATER, LAST, LENGTHS, PIVOT_ROWS = range(5)
-# Places in `pivot_history_of`: time of the last look, smallest pivot when its order was chosen.
+# Rows of `pivots`: pivots now, later, at the last look, and one over the lengths of Φ_q's rows.
+NOW, LATER, LAST, LENGTHS = range(4)
+# Places in `pivot_history`: time of the last look, smallest pivot when its order was chosen.
 WHEN, LEAST = 0, 1
 # measured: part of the smallest pivot at its search below which an order is found anew
 _POORER = 0.5
-
-
-@fetched
-def pivot_row(context: Context, row: int) -> Vector:
-    """A row of pivots, (m,)."""
-    m = context[ft.CONSTRAINT_COUNT]
-    found: Vector = view(context.pivots, row * m, m)
-    return found
 
 
 @inner
@@ -97,7 +88,7 @@ def find_pivots(context: Context, t: float, state: int, row: int, search: int) -
     dense = context.dense_jacobian
     sparse = evaluate_jacobian(context, t, ws.positions(context, state))
     fill_unit_rows(sparse, context.scale, dense)
-    eliminate_rows(dense, context.pivot_columns, pivot_row(context, row), search)
+    eliminate_rows(dense, context.pivot_columns, context.pivots[row], search)
 
 
 @inner
@@ -109,7 +100,7 @@ def next_zero(
     The time lies between `back` and `ahead`, or is infinite. Unless all rows are independent, one
     without a pivot now follows from others wherever these hold.
     """
-    now, later = pivot_row(context, NOW), pivot_row(context, LATER)
+    now, later = context.pivots[NOW], context.pivots[LATER]
     independent = context[ft.RANK] == context[ft.CONSTRAINT_COUNT]
     nearest, which = np.inf, 0
     for i in range(now.size):
@@ -128,7 +119,7 @@ def next_zero(
 def keep_pivots(context: Context, instant: float) -> None:
     """Keep the later pivots as those of the last look."""
     context.pivot_history[WHEN] = instant
-    copy_vector(pivot_row(context, LATER), pivot_row(context, LAST))
+    copy_vector(context.pivots[LATER], context.pivots[LAST])
 
 
 @inner
@@ -137,8 +128,8 @@ def stays_regular(
 ) -> bool:
     """Whether pivots by the plan announce nothing at the end of a step; says when to look again."""
     r, known = run_record(context), context.pivot_history
-    last, later = pivot_row(context, LAST), pivot_row(context, LATER)
-    flat, lengths = context.flat_jacobian, pivot_row(context, LENGTHS)
+    last, later = context.pivots[LAST], context.pivots[LATER]
+    flat, lengths = context.flat_jacobian, context.pivots[LENGTHS]
     sparse = evaluate_jacobian(context, t + h, ws.positions(context, state))
     if not replay_plan(sparse, context.scale, flat, context.elimination_plan, lengths, later):
         return False
@@ -157,7 +148,7 @@ def stays_regular(
 def remember(context: Context, instant: float, weakest: float) -> None:
     """Keep the later pivots and the plan of their order for the next look."""
     keep_pivots(context, instant)
-    later, lengths = pivot_row(context, LATER), pivot_row(context, LENGTHS)
+    later, lengths = context.pivots[LATER], context.pivots[LENGTHS]
     context.pivot_history[LEAST] = min(weakest, smallest_pivot(later))
     sparse = Sparse(context.jacobian_rows, context.jacobian_columns, context.jacobian_values)
     order, dense, plan = context.pivot_columns, context.dense_jacobian, context.elimination_plan
@@ -172,9 +163,9 @@ def follow_pivot(
 
     By the Illinois rule, as pivots are no straight lines.
     """
-    later = pivot_row(context, LATER)
+    later = context.pivots[LATER]
     low, high, x = 0.0, 1.0, first
-    at_low, at_high = pivot_row(context, NOW)[which], later[which]
+    at_low, at_high = context.pivots[NOW][which], later[which]
     for _ in range(_REFINED):
         if not x < 1.0:
             break
@@ -203,7 +194,7 @@ def predict_vanishing_pivot(context: Context, t: float, h: float, state: int) ->
     changes sign by way of infinity, where an earlier one of the same order vanishes.
     """
     r, plan, size = run_record(context), context.elimination_plan, ws.first_half(context, ws.SIZE)
-    now, later = pivot_row(context, NOW), pivot_row(context, LATER)
+    now, later = context.pivots[NOW], context.pivots[LATER]
     failed = state == ws.Y0
     v = ws.velocities(context, state)
     speed = max(largest_ratio(context.v0, size), largest_ratio(v, size))
