@@ -132,7 +132,7 @@ def balance_shares(context: Context) -> None:
             for c in range(count):
                 copy[i * count + c] = matrix[i * count + c]
                 right[i] -= matrix[i * count + c] * middle[c]
-        failed = solve_least(context, copy, right, count, reach, SAME_HOLD)
+        failed = solve_least(context, SAME_HOLD)
         for i in range(count):
             right[i] = right[i] + middle[i] if failed == 0 else np.nan
     for c in range(count):

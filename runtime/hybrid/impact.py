@@ -168,21 +168,21 @@ def return_to_surfaces(context: Context, t: float, state: int) -> int:
     those of positions up to the square of the correction.
     """
     p, right, copy = context.parameters, context.right_side, context.response_copy
-    any_a, reach = context.base_accelerations, context.response_column
     q, v = ws.positions(context, state), ws.velocities(context, state)
     shares.evaluate_units(context, t, q, v, context.modes)
     count = context[ft.SLIDING_COUNT]
     # First the gaps, then the velocities.
     for level in range(0 if context[ft.RIGID_COUNT] > 0 else 1, 2):
         abi.switching_of(context)(t, q, v, p, context.base_response)
+        any_a = context.base_accelerations  # the rate of a surface does not depend on it
         abi.switching_rates_of(context)(t, q, v, any_a, p, context.response_rates)
         fill_distances(context, level)
         if solve_equilibrated(copy, right, count, context.response_pivots, SAME_HOLD) != 0:
             fill_distances(context, level)
             for c in range(count):
-                reach[c] = 1.0
+                context.response_column[c] = 1.0
             # Dependent surfaces contradict each other by rounding.
-            if solve_least(context, copy, right, count, reach, np.inf) != 0:
+            if solve_least(context, np.inf) != 0:
                 return 1
         for j in range(q.size):
             total, largest = shares.add_units(context, j, 0.0)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.core import function_table as ft
-from runtime.core.array_types import Context, Vector
+from runtime.core.array_types import Context
 from runtime.core.borrowed_arrays import view
 from runtime.core.jit import inner
 from runtime.linalg.lu import equilibrate
@@ -12,8 +12,9 @@ from runtime.linalg.vectors import axpy, copy_vector, dot
 
 
 @inner
-def orthogonalize_row(context: Context, matrix: Vector, right: Vector, count: int, i: int) -> float:
+def orthogonalize_row(context: Context, i: int) -> float:
     """Make row `i` orthogonal to the rows before it, those of contacts first; size of its terms."""
+    matrix, right, count = context.response_copy, context.right_side, context[ft.SLIDING_COUNT]
     closed, row = context.rigid[context.sliding_functions[i]] >= 0, view(matrix, i * count, count)
     scale = max(1.0, abs(right[i]))
     for _ in range(2):
@@ -30,18 +31,19 @@ def orthogonalize_row(context: Context, matrix: Vector, right: Vector, count: in
 
 
 @inner
-def solve_least(
-    context: Context, matrix: Vector, right: Vector, count: int, reach: Vector, slack: float
-) -> int:
+def solve_least(context: Context, slack: float) -> int:
     """As `solve_equilibrated`, for the smallest of many solutions; 1 where there is none.
 
-    Frictions of one freedom share its force in many ways. This one makes Σ |column| x²/reach least:
-    each bears the same part of its reach, the largest permitted |x|, so that they stick as long as
-    possible, and break loose together. Rows are made orthogonal one after the other (Gram and
-    Schmidt, twice); a row without a rest depends on the others, and its residual may be `slack` of
-    its terms. Rows of contacts come first and must be independent: a contact that repeats others
-    may open. `matrix`, `right` and `reach` are overwritten, `right` with x.
+    The matrix is `response_copy`, the right side `right_side`, in which x takes its place; all
+    arrays are overwritten. Frictions of one freedom share its force in many ways. This one makes
+    Σ |column| x²/reach least: each bears the same part of its reach, the largest permitted |x| in
+    `response_column`, so that they stick as long as possible, and break loose together. Rows are
+    made orthogonal one after the other (Gram and Schmidt, twice); a row without a rest depends on
+    the others, and its residual may be `slack` of its terms. Rows of contacts come first and must
+    be independent: a contact that repeats others may open.
     """
+    matrix, right, reach = context.response_copy, context.right_side, context.response_column
+    count = context[ft.SLIDING_COUNT]
     if equilibrate(matrix, right, count) != 0:
         return 1
     for c in range(count):
@@ -60,7 +62,7 @@ def solve_least(
                 continue
             row = view(matrix, i * count, count)
             size = np.sqrt(dot(row, row))
-            scale = orthogonalize_row(context, matrix, right, count, i)
+            scale = orthogonalize_row(context, i)
             rest = np.sqrt(dot(row, row))
             if rest > SAME_HOLD * size:
                 for c in range(count):

@@ -17,9 +17,9 @@ from runtime.hybrid import (
 from runtime.hybrid import switching_functions as switching
 
 
-@compiled(i8(integers, vector, vector, i8, vector, f8))
-def solve_least(context, matrix, right, count, reach, slack):
-    return redundant_sliding.solve_least(context, matrix, right, count, reach, slack)
+@compiled(i8(integers, f8))
+def solve_least(context, slack):
+    return redundant_sliding.solve_least(context, slack)
 
 
 @compiled(i8(integers, f8))
