@@ -174,7 +174,7 @@ def return_to_surfaces(context: Context, t: float, state: int) -> int:
     # First the gaps, then the velocities.
     for level in range(0 if context[ft.RIGID_COUNT] > 0 else 1, 2):
         abi.switching_of(context)(t, q, v, p, context.base_response)
-        any_a = context.base_accelerations  # the rate of a surface does not depend on it
+        any_a = context.base_accelerations  # the rate of a gap does not depend on it
         abi.switching_rates_of(context)(t, q, v, any_a, p, context.response_rates)
         fill_distances(context, level)
         if solve_equilibrated(copy, right, count, context.response_pivots, SAME_HOLD) != 0:
