@@ -82,6 +82,11 @@ class _Locked(_Dispatcher):  # type: ignore[misc]
             return super().compile(signature)
 
 
+    def get_call_template(self, arguments: Any, named: Any) -> Any:
+        """Compile once for all integers: numba would once more for each constant argument."""
+        return super().get_call_template([types.unliteral(kind) for kind in arguments], named)
+
+
 class _Addressed(_Locked):
     """A function that has no way in from Python: numba would jump to nowhere."""
 
