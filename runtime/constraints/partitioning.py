@@ -16,18 +16,16 @@ from runtime.core.jit import compiled, fetched, inner
 from runtime.linalg.full_pivoting import factor_fully
 from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.linalg.row_elimination import Sparse, fill_dense
+from runtime.linalg.vectors import largest_magnitude
 
 
 @inner
 def factor_over_largest(dense: Matrix, row_order: Integers, column_order: Integers) -> int:
     """As `factor_fully`, each row first divided by its largest entry."""
-    m, n = dense.shape
-    for i in range(m):
-        largest = 0.0
-        for j in range(n):
-            largest = max(largest, abs(dense[i, j]))
+    for i in range(dense.shape[0]):
+        largest = largest_magnitude(dense[i])
         if largest > 0.0:
-            for j in range(n):
+            for j in range(dense.shape[1]):
                 dense[i, j] /= largest
     return factor_fully(dense, row_order, column_order, NO_PIVOT)
 

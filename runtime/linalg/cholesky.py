@@ -12,9 +12,7 @@ from runtime.core.jit import inner
 def multiply_gram(vectors: Matrix, out: Matrix) -> None:
     """Products of all pairs of columns, VᵀV: the lower half of `out`."""
     count, width = vectors.shape
-    for i in range(width):
-        for j in range(i + 1):
-            out[i, j] = 0.0
+    out[:, :] = 0.0
     for s in range(count):
         for i in range(width):
             if vectors[s, i] != 0.0:

@@ -6,7 +6,9 @@ Computations, section 3.4.)
 """
 
 from runtime.core.array_types import Integers, Vector
+from runtime.core.borrowed_arrays import view
 from runtime.core.jit import inner
+from runtime.linalg.vectors import largest_magnitude
 
 
 @inner
@@ -56,9 +58,7 @@ def solve(a: Vector, f: int, pivots: Integers, b: Vector) -> None:
 def equilibrate(a: Vector, b: Vector, f: int) -> int:
     """Divide each row and its right side by its largest entry; 1 where a row is empty, else 0."""
     for i in range(f):
-        largest = 0.0
-        for j in range(f):
-            largest = max(largest, abs(a[i * f + j]))
+        largest = largest_magnitude(view(a, i * f, f))
         if not largest > 0.0:
             return 1
         for j in range(f):

@@ -38,8 +38,7 @@ def differentiate_complement(
         for j in range(wide):
             displaced[j] = z[j] + sign * delta * direction[j]
         st.jacobian_entries(context, displaced, entries)
-    for k in range(wide * weak):
-        sums[k] = 0.0
+    sums[:] = 0.0
     for e in range(ahead.size):
         i, j = at_row[e], at_column[e]
         if i < rows and ahead[e] != behind[e]:
