@@ -10,14 +10,12 @@ Bifurcation Theory I, 1985, chapter VII.)
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from runtime.core.array_types import Matrix, Vector
 from runtime.singularity.motion_polynomial import Motion, nearest_time
 from runtime.singularity.pivot_sequences import PivotOrder, PivotOrders
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.search_function_table import set_units, unit_jacobian_entries
-
-FloatArray = NDArray[np.float64]
 
 _PASSES = 3  # safety: searches, each from the position of the last one
 
@@ -25,9 +23,9 @@ _PASSES = 3  # safety: searches, each from the position of the last one
 class Root(NamedTuple):
     """A singular position, its left and null vectors, which are orthonormal, and its gap."""
 
-    z: FloatArray  # (q / scale, t speed)
-    left: FloatArray  # (m', weak)
-    null: FloatArray  # (n + 1, free)
+    z: Vector  # (q / scale, t speed)
+    left: Matrix  # (m', weak)
+    null: Matrix  # (n + 1, free)
     gap: float  # the largest |uᵀ Φ|
 
     @property
@@ -66,12 +64,12 @@ class Search:
                 break
         return (found, s) if found is not None else None
 
-    def _order(self, z: FloatArray) -> PivotOrder:
+    def _order(self, z: Vector) -> PivotOrder:
         entries = np.empty(self.constraints.places[0].size)
         unit_jacobian_entries(self.table, z, entries)
         return self.orders.near(entries)
 
-    def _root(self, z: FloatArray, order: PivotOrder, weak: int) -> Root | None:
+    def _root(self, z: Vector, order: PivotOrder, weak: int) -> Root | None:
         """A position near z at which `weak` constraints are lost, or None."""
         # Loaded where something is singular.
         from runtime.singularity.gauss_newton import find_root
