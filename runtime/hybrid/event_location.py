@@ -148,14 +148,13 @@ def find_sign_change(context: Context, k: int, first: float) -> tuple[float, flo
 def locate_event(context: Context) -> float:
     """Fraction of the step at which a marked function first crosses, or `NOT_FOUND`.
 
-    The dense output must have been computed. `crossed_of(context)[0]` receives its function.
+    The dense output must have been computed. `context.crossed[0]` receives its function.
     """
-    end = ws.SCAN + ws.SUBDIVISIONS
     for i in range(1, ws.SUBDIVISIONS):
         ft.sample_function_of(context)(context, i / ws.SUBDIVISIONS, 0)
         copy_vector(context.trial, ws.switch_row(context, ws.SCAN + i))
     copy_vector(context.g0, ws.switch_row(context, ws.SCAN))
-    copy_vector(context.g1, ws.switch_row(context, end))
+    copy_vector(context.g1, ws.switch_row(context, ws.SCAN + ws.SUBDIVISIONS))
     first = NOT_FOUND
     for k in range(context[ft.SWITCHES]):
         if context.suspect[k] == 0.0:

@@ -104,21 +104,21 @@ def screen_step(context: Context, t: float, h: float, t1: float) -> int:
     """
     r = run_record(context)
     evaluate_switching_and_rates(context, t1, ws.Y1, ws.K + r.last, ws.G1)
-    sample_at(context, X1, t, h, ws.K + r.last, ws.BETWEEN)
-    sample_at(context, X2, t, h, ws.K + r.last, ws.BETWEEN + 1)
-    sample_at(context, X3, t, h, ws.K + r.last, ws.BETWEEN + 2)
+    for index, x in enumerate((X1, X2, X3)):
+        sample_at(context, x, t, h, ws.K + r.last, ws.BETWEEN + index)
     allowed, suspects = compare_with_cubics(context, h)
-    r.stretch = np.inf if r.fixed != 0 else 0.9 * allowed
-    if r.fixed == 0:
-        finest = _FINEST * r.duration
-        if allowed >= 1.0:
-            r.finest = max(finest, _FINER * r.finest)
-        elif h > max(finest, r.finest):
-            again = r.rejected_before != 0 and r.reason == UNRESOLVED
-            r.stretch = 0.25 if again else max(0.1, min(0.5, r.stretch))
-            return UNRESOLVED
-        else:
-            # A jump, a kink or rounding: shorter steps would show no more.
-            r.finest = _COARSER * max(finest, r.finest)
-            r.stretch = _COARSER
+    if r.fixed != 0:
+        r.stretch = np.inf
+        return suspects
+    r.stretch, finest = 0.9 * allowed, _FINEST * r.duration
+    if allowed >= 1.0:
+        r.finest = max(finest, _FINER * r.finest)
+    elif h > max(finest, r.finest):
+        again = r.rejected_before != 0 and r.reason == UNRESOLVED
+        r.stretch = 0.25 if again else max(0.1, min(0.5, r.stretch))
+        return UNRESOLVED
+    else:
+        # A jump, a kink or rounding: shorter steps would show no more.
+        r.finest = _COARSER * max(finest, r.finest)
+        r.stretch = _COARSER
     return suspects

@@ -60,7 +60,6 @@ def search_by_pivots(context: Context, t: float, d: float, state: int, count: in
         wrong = consistency.find_contradiction(context, t, d, state, candidate, count)
         if wrong == consistency.CONSISTENT:
             copy_vector(candidate, modes)
-            consistency.count_sliding(context, modes)
             break
         if not context.band[wrong] > 0.0:
             break
@@ -96,8 +95,7 @@ def search_all(context: Context, t: float, d: float, state: int, tried: int, cou
                 wrong = consistency.find_contradiction(context, t, d, state, candidate, count)
                 if wrong == consistency.CONSISTENT:
                     copy_vector(candidate, modes)
-                    consistency.count_sliding(context, modes)
-                    return consistency.CONSISTENT
+                    return wrong
                 if blamed == consistency.CONSISTENT:
                     blamed = wrong
     consistency.count_sliding(context, modes)
