@@ -17,10 +17,8 @@ from runtime.core.rounding import EPS
 
 ITERATIONS = 10  # safety: Newton iterations before the return counts as failed
 FAILED = -1_000_000  # negative also when iterations of other stages are added to it
-# accuracy: relative change of a position that is rounding; a machine at rest stays there
-_ROUNDING = 2.0 * EPS
-# accuracy: relative change of a position below which the velocities are right too
-_POSITION = 3e-14
+_ROUNDING = 2.0 * EPS  # accuracy: relative change of a position that is rounding, as at rest
+_POSITION = 3e-14  # accuracy: relative change of a position below which velocities are right too
 _VELOCITY = 1e-8  # accuracy: relative change of a velocity that one linear solve brings to rounding
 
 

@@ -10,8 +10,7 @@ from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
 from runtime.linalg.vectors import copy_vector
 
-# measured: entries of H, which full pivoting keeps near one, that call for a repartition
-GROWTH_LIMIT = 2.0
+GROWTH_LIMIT = 2.0  # measured: entries of H, near one by full pivoting, that call for a repartition
 _CHECK_EVERY = 4  # measured: steps between probes of the independent coordinates
 
 

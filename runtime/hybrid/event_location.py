@@ -15,8 +15,7 @@ from runtime.core.rounding import EPS
 from runtime.hybrid.switching_functions import evaluate_switching
 from runtime.linalg.vectors import copy_vector
 
-# accuracy: of the time; difference of two instants that the clock cannot resolve
-INSTANT = 4.0 * EPS
+INSTANT = 4.0 * EPS  # accuracy: of the time; difference of instants that the clock cannot resolve
 NOT_FOUND = 2.0  # code: a fraction of the step: there is no such point
 _ROUNDED = 64.0 * EPS  # accuracy: of a run; rounding of its states, as a time
 _NOISE = 1e-14  # accuracy: of the largest |g|; a dip of this depth is rounding

@@ -23,8 +23,7 @@ UNRESOLVED = -1  # the step is too long to see all crossings
 # measured: of the variation of g over the step; largest accepted difference of the two cubics
 _RESOLVED = 0.2
 _NEAR = 3.0  # measured: differences, at most variations, from zero within which it matters
-# measured: of the variation of g over the step; g is scanned where it is closer to zero
-_MARGIN = 0.15
+_MARGIN = 0.15  # measured: of the variation of g over the step; nearer to zero g is scanned
 _ROUNDING = 1e-11  # accuracy: of the largest |g|; a difference of this size is rounding
 _FINEST = 1e-10  # safety: of the run; shorter steps are never rejected here
 _COARSER = 4.0  # measured: growth of that length at an unresolved step

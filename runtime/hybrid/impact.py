@@ -17,14 +17,11 @@ from runtime.linalg.vectors import axpy, copy_vector, largest_magnitude
 ON_SURFACE = 1e-13  # accuracy: |g| over its running maximum below which g is zero at an event
 
 _SWEEPS = 200  # safety: sweeps over all contacts with rebound, and as many again without
-# accuracy: of the fastest approach; change by a sweep at which impulses have converged
-_AGREED = 1e-14
+_AGREED = 1e-14  # accuracy: of the fastest approach; change by a sweep at which impulses agree
 _ROUNDING = 1e-15  # accuracy: of the largest velocity; the same
 _HOPELESS = 1e-6  # accuracy: of the fastest approach; larger changes mean no convergence
-# accuracy: of the tolerance of a position; flights that rise no higher have ended
-_LOW_FLIGHT = 0.01
-# accuracy: of the largest gap; heights at which rounding would move the next impact
-_UNSEEN = 2e-12
+_LOW_FLIGHT = 0.01  # accuracy: of the tolerance of a position; flights that rise no higher are over
+_UNSEEN = 2e-12  # accuracy: of the largest gap; heights at which rounding moves the next impact
 
 
 @inner

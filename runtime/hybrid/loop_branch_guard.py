@@ -22,10 +22,8 @@ from runtime.core.system import System
 
 SHORTEN = -1
 _ADDED = 2.0  # measured: steps; with a smaller sum of both times a loop has passed its dead centre
-# Of the largest ρ² so far:
 _LEAST = 1e-14  # accuracy: of the largest ρ² so far; rounding
-# measured: of the largest ρ² so far; below it steps become shorter on the way to a dead centre
-_NEAR = 1e-2
+_NEAR = 1e-2  # measured: of the largest ρ² so far; below it steps shorten towards a dead centre
 _AT_ONCE = 1e-3  # measured: of a usual step; a run ends at a dead centre this near
 _SHORT_OF = 0.9  # measured: of the time to a dead centre; longest next step
 _SHORT = 1e-4  # accuracy: of the last step from further away; shorter ones follow rounding

@@ -18,8 +18,7 @@ from runtime.linalg.vectors import copy_vector, is_finite
 
 PRESCRIBED = SLIDING  # the mode in which kernels take the stiction force from p
 
-# accuracy: units in a force above which their rounding would show; another unit is taken
-_COARSE = 8.0
+_COARSE = 8.0  # accuracy: units in a force above which their rounding would show
 
 
 @inner

@@ -8,8 +8,7 @@ from runtime.core.array_types import Integers, Vector
 from runtime.linalg.full_pivoting import factor_fully
 from runtime.singularity.scaled_constraints import ScaledConstraints
 
-# measured: singular values above this, columns scaled and rows of unit length, are not weak
-_WEAK = 0.3
+_WEAK = 0.3  # measured: singular values above this, in unit rows of scaled columns, are not weak
 _APART = 3.0  # measured: factor by which the weak singular values lie below the others
 _NONE = 1e-9  # accuracy: singular values below this are all zero
 _KNOWN = 0.02  # measured: difference of two Jacobians up to which they share an order of pivots

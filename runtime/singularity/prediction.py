@@ -32,8 +32,7 @@ _REFINED = 6  # safety: steps by which a pivot that changes sign within a step i
 NOW, LATER, LAST, LENGTHS = range(4)
 # Places in `pivot_history`: time of the last look, smallest pivot when its order was chosen.
 WHEN, LEAST = 0, 1
-# measured: part of the smallest pivot at its search below which an order is found anew
-_POORER = 0.5
+_POORER = 0.5  # measured: part of the smallest pivot at its search; below it a new order is found
 
 
 @inner

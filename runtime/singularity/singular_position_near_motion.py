@@ -20,8 +20,7 @@ from runtime.singularity.pivot_sequences import PivotOrders
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.singular_root_search import Root, Search
 
-# measured: of the way there; a motion that comes as near to a known position passes it
-_SAME = 0.05
+_SAME = 0.05  # measured: of the way there; a motion that comes as near to a known position passes
 _ROUNDED = 1e-13  # accuracy: gap of unit rows that is rounding
 _CLEARLY = 1e-3  # measured: part of a gap; a smaller one belongs to another position
 
