@@ -77,12 +77,9 @@ class Machine(MechanismTables):
         return parameter_values(self.mechanism, overrides)
 
     def initial_modes(
-        self,
-        t: float = 0.0,
-        q: FloatArray | None = None,
-        v: FloatArray | None = None,
+        self, t: float = 0.0, q: FloatArray | None = None, v: FloatArray | None = None,
         parameters: Values | None = None,
-    ) -> npt.NDArray[np.int64]:
+    ) -> npt.NDArray[np.int64]:  # fmt: skip
         """Modes of the switching functions at a state, as the kernels take them.
 
         Parameters
@@ -151,27 +148,14 @@ class Machine(MechanismTables):
         return assemble(self.mechanism, guess, parameters, t)
 
     def simulate(
-        self,
-        t_end: float,
-        t_eval: npt.ArrayLike | None = None,
-        *,
-        accuracy: float | None = None,
-        quantities: Sequence[str] | None = None,
-        t_start: float = 0.0,
-        method: str | None = None,
-        rtol: float | None = None,
-        atol: float | None = None,
-        parameters: Values | None = None,
-        guess: Values | None = None,
-        start: "Assembly | None" = None,
-        correction: "Correction" = "step",
-        formulation: "Formulation | None" = None,
-        time_scale: float | None = None,
-        first_step: float | None = None,
-        max_step: float | None = None,
-        max_steps: int = 100_000_000,
-        progress: bool = True,
-    ) -> "Result":
+        self, t_end: float, t_eval: npt.ArrayLike | None = None, *, accuracy: float | None = None,
+        quantities: Sequence[str] | None = None, t_start: float = 0.0, method: str | None = None,
+        rtol: float | None = None, atol: float | None = None, parameters: Values | None = None,
+        guess: Values | None = None, start: "Assembly | None" = None,
+        correction: "Correction" = "step", formulation: "Formulation | None" = None,
+        time_scale: float | None = None, first_step: float | None = None,
+        max_step: float | None = None, max_steps: int = 100_000_000, progress: bool = True,
+    ) -> "Result":  # fmt: skip
         """Integrate the equations of motion from the assembled start; see `Machine` on methods.
 
         Parameters
@@ -230,14 +214,9 @@ class Machine(MechanismTables):
             return analyse(t_end, t_eval, **given, progress=report)
 
     def kinematics(
-        self,
-        t_eval: npt.ArrayLike,
-        *,
-        parameters: Values | None = None,
-        guess: Values | None = None,
-        t_start: float = 0.0,
-        progress: bool = True,
-    ) -> "Result":
+        self, t_eval: npt.ArrayLike, *, parameters: Values | None = None,
+        guess: Values | None = None, t_start: float = 0.0, progress: bool = True,
+    ) -> "Result":  # fmt: skip
         """Positions, velocities and accelerations of a machine whose drivers leave no freedom.
 
         Where the machine locks up, the result reaches to the last instant before, followed by the
@@ -274,14 +253,9 @@ class Machine(MechanismTables):
             return kinematics(self.mechanism, t_eval, **given, progress=report)
 
     def inverse_dynamics(
-        self,
-        t_eval: npt.ArrayLike,
-        *,
-        parameters: Values | None = None,
-        guess: Values | None = None,
-        t_start: float = 0.0,
-        progress: bool = True,
-    ) -> "Result":
+        self, t_eval: npt.ArrayLike, *, parameters: Values | None = None,
+        guess: Values | None = None, t_start: float = 0.0, progress: bool = True,
+    ) -> "Result":  # fmt: skip
         """Forces and torques that a prescribed motion takes, and the reactions in the joints.
 
         The motion is that of `kinematics`; the reaction of a driver is the force or torque that it
@@ -308,14 +282,9 @@ class Machine(MechanismTables):
             return inverse_dynamics(self.mechanism, t_eval, **given, progress=report)
 
     def equilibrium(
-        self,
-        method: str = "energy",
-        *,
-        guess: Values | None = None,
-        parameters: Values | None = None,
-        t: float = 0.0,
-        progress: bool = True,
-    ) -> "Equilibrium":
+        self, method: str = "energy", *, guess: Values | None = None,
+        parameters: Values | None = None, t: float = 0.0, progress: bool = True,
+    ) -> "Equilibrium":  # fmt: skip
         """A rest position near the start, its stability, and the reactions in it.
 
         Parameters

@@ -15,6 +15,7 @@ from runtime.core.jit import inner
 from runtime.core.kernel_abi import jacobian_of
 from runtime.linalg.rank_policy import REDUNDANT
 from runtime.linalg.row_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot
+from runtime.linalg.vectors import copy_vector
 
 MARGIN = 0.5  # measured: of the smallest pivot: scaled motion after which pivots are compared again
 _POOR = 0.5  # measured: of the smallest pivots at both ends; a smaller one in between is suspicious
@@ -56,38 +57,25 @@ def eliminate_at(
 
 
 @inner
-def keep_state(state: Any, s: Any) -> None:
-    """Store q and v in the two rows of `state`."""
-    for i in range(s.q.size):
-        state[0, i] = s.q[i]
-        state[1, i] = s.v[i]
-
-
-@inner
-def restore_state(state: Any, s: Any) -> None:
-    """Return to q and v in the two rows of `state`."""
-    for i in range(s.q.size):
-        s.q[i] = state[0, i]
-        s.v[i] = state[1, i]
-
-
-@inner
 def record_pivots(kernels: Any, s: Any, r: Any) -> None:
     """Keep this state and its pivots for the next comparison."""
     r.least = eliminate_at(kernels, s, r.t, s.q, s.orders[0], s.pivots[0], 1)
     r.travel = 0.0
     r.compared_t, r.compared_mark = r.t, r.mark
-    keep_state(s.compared, s)
+    copy_vector(s.q, s.compared[0])
+    copy_vector(s.v, s.compared[1])
     r.best = max(r.best, r.least)
     if r.least >= min(_GOOD, 0.5 * r.best):
         r.good_t, r.good_mark = r.t, r.mark
-        keep_state(s.good, s)
+        copy_vector(s.q, s.good[0])
+        copy_vector(s.v, s.good[1])
 
 
 @inner
 def return_to_comparison(s: Any, r: Any) -> None:
     """Return to the state of the last comparison, and let the next one come at once."""
-    restore_state(s.compared, s)
+    copy_vector(s.compared[0], s.q)
+    copy_vector(s.compared[1], s.v)
     r.t, r.mark = r.compared_t, r.compared_mark
     r.travel = np.inf
 

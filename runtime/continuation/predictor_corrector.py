@@ -26,7 +26,7 @@ from runtime.continuation.pivot_monitor import (
 from runtime.core.array_types import f8, i8, tuple_type, vector
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import TYPES, accelerations_of, correction_of
-from runtime.linalg.vectors import largest_ratio
+from runtime.linalg.vectors import axpy, copy_vector, largest_ratio
 
 DONE, STUCK, SUSPECT, ARRIVED = 0, 1, 2, 3
 
@@ -36,11 +36,7 @@ _TRAVEL = 0.5  # measured: scaled motion of the longest step
 _ITERATIONS = 30  # safety: of Newton's method for a position
 
 
-@compiled(
-    tuple_type((i8, f8, f8, i8))(
-        TYPES["correction"], f8, vector, vector, vector, vector, vector, vector, vector
-    )
-)
+@compiled(tuple_type((i8, f8, f8, i8))(TYPES["correction"], f8, *[vector] * 7))
 def return_to_motion(
     correction: Any, t: Any, q: Any, v: Any, p: Any, w: Any, scale: Any, dq: Any, dv: Any
 ) -> tuple[int, float, float, int]:
@@ -63,8 +59,7 @@ def return_to_motion(
         if not size < 1e6:
             return -1, first, np.inf, iterations
         largest = max(1.0, largest_ratio(q, scale))
-        for i in range(q.size):
-            q[i] += dq[i]
+        axpy(1.0, dq, q)
         if size <= 4e-16 * largest or (iterations > 1 and size <= 1e-9 and size > 0.25 * previous):
             break
         if iterations == _ITERATIONS:
@@ -77,8 +72,7 @@ def return_to_motion(
             return int(weak), first, np.inf, iterations
         if turn == 0:
             first_v = largest_ratio(dv, scale)
-        for i in range(v.size):
-            v[i] += dv[i]
+        axpy(1.0, dv, v)
     return 0, first, first_v, iterations
 
 
@@ -122,9 +116,8 @@ def advance(kernels: Any, times: Any, s: Any, r: Any) -> int:
     while r.mark < len(times):
         target, t = times[r.mark], r.t
         if t == target:
-            for i in range(q.size):
-                s.q_out[r.mark, i] = s.q[i]
-                s.v_out[r.mark, i] = s.v[i]
+            copy_vector(s.q, s.q_out[r.mark])
+            copy_vector(s.v, s.v_out[r.mark])
             r.mark += 1
             continue
         if t == r.barrier:

@@ -29,25 +29,13 @@ _DRIVER_NOTE = "A driver may ask for more than the joints permit; `kinematics` n
 
 
 def simulate(
-    mechanism: Mechanism,
-    t_end: float,
-    t_eval: npt.ArrayLike | None = None,
-    *,
-    t_start: float = 0.0,
-    method: str = "dop853",
-    rtol: float = 1e-8,
-    atol: float | None = None,
-    parameters: Values | None = None,
-    guess: Values | None = None,
-    start: Assembly | None = None,
-    correction: Correction = "step",
-    formulation: Formulation = "cartesian",
-    time_scale: float | None = None,
-    first_step: float | None = None,
-    max_step: float | None = None,
-    max_steps: int = 100_000_000,
-    progress: Progress = silent,
-) -> Result:
+    mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | None = None, *,
+    t_start: float = 0.0, method: str = "dop853", rtol: float = 1e-8, atol: float | None = None,
+    parameters: Values | None = None, guess: Values | None = None, start: Assembly | None = None,
+    correction: Correction = "step", formulation: Formulation = "cartesian",
+    time_scale: float | None = None, first_step: float | None = None,
+    max_step: float | None = None, max_steps: int = 100_000_000, progress: Progress = silent,
+) -> Result:  # fmt: skip
     """Integrate the equations of motion from the assembled start; see `Machine.simulate`."""
     began = clock.perf_counter()
     ready = PreparedSimulation(
@@ -56,17 +44,10 @@ def simulate(
     coordinates = formulate(ready, formulation, method, correction)
     # An unknown method is refused by the integrator, together with all else that is wrong.
     options = Options(
-        method=method,
-        rtol=rtol,
-        atol_q=atol,
-        atol_v=atol,
-        t_eval=None if t_eval is None else instants(t_eval),
-        correction=coordinates.correction,
-        time_scale=time_scale,
-        first_step=first_step,
-        h_max=max_step,
-        max_steps=max_steps,
-    )
+        method=method, rtol=rtol, atol_q=atol, atol_v=atol,
+        t_eval=None if t_eval is None else instants(t_eval), correction=coordinates.correction,
+        time_scale=time_scale, first_step=first_step, h_max=max_step, max_steps=max_steps,
+    )  # fmt: skip
     return finish_simulation(ready, coordinates, options, began, progress)
 
 
