@@ -27,6 +27,9 @@ Length = int | tuple[int, int | None]
 """A slot that holds a length; or a factor and such a slot, or a factor alone and None."""
 
 
+_Fetch = Callable[[Integers], Integers]
+
+
 class ArraySlot(NamedTuple):
     """An array in a table: its slot, its element type and its lengths."""
 
@@ -73,7 +76,7 @@ class TableLayout:
 
     def integers(self, name: str, *lengths: Length, **form: Any) -> Callable[[Integers], Integers]:
         """As `floats`, of int64."""
-        return cast(Any, self.floats(name, *lengths, item=types.int64, **form))
+        return cast(_Fetch, self.floats(name, *lengths, item=types.int64, **form))
 
     def integer_matrix(
         self, name: str, *lengths: Length, **form: Any
