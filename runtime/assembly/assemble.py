@@ -89,15 +89,10 @@ def assemble(
     _require_magnitude(equations, t, start.q, {**(guess or {}), **(parameters or {})})
     size, matrix = equations.size(t, start.q), equations.jacobian(t, start.q)
     task = Task(
-        equations=equations,
-        t=t,
-        scale=equations.scale(size),
-        row_scale=np.where(equations.length_rows(matrix), size, 1.0),
-        row_units=equations.row_units(matrix),
-        rows=np.ones(equations.m, dtype=np.bool_),
-        free=~start.fixed_q,
-        weight=np.where(start.given_q, 1.0, _UNNAMED_WEIGHT),
-    )
+        equations, t, equations.scale(size), np.where(equations.length_rows(matrix), size, 1.0),
+        equations.row_units(matrix), rows=np.ones(equations.m, dtype=np.bool_),
+        free=~start.fixed_q, weight=np.where(start.given_q, 1.0, _UNNAMED_WEIGHT),
+    )  # fmt: skip
     closing = close(task, start.q)
     if not closing.closed:
         raise _why_open(task, start, closing, drivers)
@@ -107,8 +102,9 @@ def assemble(
     v, velocity_gaps = _velocities(task, start, closing.q)
     near = None if findings.lasting else start_on_branch(task, closing.q, v, start.fixed_v)
     if near is not None:
-        closing, v = Closing(near.q, equations.constraints(t, near.q), closing.gap), near.v
-        velocity_gaps = equations.jacobian(t, near.q) @ v - equations.velocity_rhs(t, near.q)
+        q, v = near
+        closing = Closing(q, equations.constraints(t, q), closing.gap)
+        velocity_gaps = equations.jacobian(t, q) @ v - equations.velocity_rhs(t, q)
     return _report(task, start, closing, v, velocity_gaps, findings)
 
 
@@ -251,7 +247,7 @@ def _report(
 ) -> Assembly:  # fmt: skip
     description = task.equations.description
     coordinates, table = description.coordinates, description.constraints
-    moved = []
+    moved: list[Moved] = []
     for k, row in enumerate(coordinates):
         pair = (
             Moved(row.name, float(start.q[k]), float(closing.q[k]), row.unit),
@@ -259,23 +255,18 @@ def _report(
         )
         small = _MOVED * task.scale[k]
         moved += [one for one in pair if abs(one.by) > small * max(1.0, abs(one.reached))]
-    redundant = []
-    for dependent, sources in findings.lasting:
-        elements = tuple(sorted({table[k].element for k in sources}))
-        redundant.append(Redundant(table[dependent].name, table[dependent].element, elements))
-    lost = {dependency.row for dependency in findings.lasting}
+    redundant = {}
+    for k, sources in findings.lasting:
+        origins = tuple(sorted({table[source].element for source in sources}))
+        redundant[k] = Redundant(table[k].name, table[k].element, origins)
     shares = redundancy.undetermined_rows(task, closing.q) if redundant else ()
+    elements = [row.element for row in table]
     return Assembly(
-        t=task.t,
-        q=closing.q,
-        v=v,
-        residual=_largest((row.element for row in table), closing.phi),
-        velocity_residual=_largest((row.element for row in table), velocity_gaps),
-        moved=tuple(moved),
-        degrees_of_freedom=len(coordinates) - findings.rank,
-        singular=tuple(table[dependency.row].name for dependency in findings.here_only),
-        redundant=tuple(redundant),
-        not_unique=tuple(dict.fromkeys(table[row].element for row in shares)),
-        independent=tuple(row for row in range(len(table)) if row not in lost),
+        task.t, closing.q, v, _largest(elements, closing.phi), _largest(elements, velocity_gaps),
+        tuple(moved), degrees_of_freedom=len(coordinates) - findings.rank,
+        singular=tuple(table[k].name for k, _ in findings.here_only),
+        redundant=tuple(redundant.values()),
+        not_unique=tuple(dict.fromkeys(elements[k] for k in shares)),
+        independent=tuple(k for k in range(len(table)) if k not in redundant),
         coordinates=coordinates,
-    )
+    )  # fmt: skip

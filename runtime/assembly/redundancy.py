@@ -132,21 +132,16 @@ def undetermined_rows(task: Task, q: FloatArray) -> list[int]:
 def _neighbours(task: Task, q: FloatArray, drivers: BoolArray, v: FloatArray) -> list[FloatArray]:
     """Assembled positions a little way off, along the motion that the joints leave."""
     joints = task._replace(rows=~drivers, free=np.ones(len(q), dtype=np.bool_))
-    matrix = joints.slopes(q)
-    if matrix.shape[0]:
-        _, values, right = np.linalg.svd(matrix)
-        count = int(np.sum(values > LOST * max(1.0, float(values.max(initial=0.0)))))
-        motions = right[count:]
-    else:
-        motions = np.eye(len(q))
+    _, values, right = np.linalg.svd(joints.slopes(q))
+    motions = right[int(np.sum(values > LOST * max(1.0, float(values.max(initial=0.0))))) :]
+    if not len(motions):
+        return []
     neighbours = []
     random = np.random.default_rng(3)
     along = motions.T @ (motions @ (v / task.scale))
     tried = [along, along] if np.linalg.norm(along) > 0.0 else []
     tried += [random.normal(size=len(motions)) @ motions for _ in _SIZES[2:]]
     for direction, size in zip(tried, _SIZES, strict=False):
-        if not len(motions):
-            break
         begin = q + size * direction / np.linalg.norm(direction) * task.scale
         # Newton's method may fall back into q where motions cross; the nearest point does not.
         for moved in (refine(joints, begin), refine(joints, nearest(joints, begin))):

@@ -119,7 +119,7 @@ class ContinuationState:
         """Restart the predictor-corrector at the present state."""
         r = self.record
         r.t, r.step, r.least, r.barrier, r.travel, r.best = t, step, -1.0, np.nan, 0.0, 0.0
-        self.a[:] = self.equations.motion(t, self.q, self.v, self.modes).a
+        self.a[:] = self.equations.motion(t, self.q, self.v, self.modes)[0]
 
     def sample(self) -> None:
         """Store the state if the next instant is the present one, so that `ahead` has a sign."""

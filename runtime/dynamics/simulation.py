@@ -117,17 +117,10 @@ def _result(
         for t, chosen in zip(run.partitions.t, run.partitions.independent, strict=True)
     ]
     return Result(
-        mechanism.description,
-        samples,
-        p,
-        analysis="simulation",
-        outcome=run.outcome,
-        message=_message(mechanism, run) + redundancy_note(begin),
-        stats=stats,
-        events=events,
-        partitions=partitions,
-        not_unique=begin.not_unique,
-    )
+        mechanism.description, samples, p, analysis="simulation", outcome=run.outcome,
+        message=_message(mechanism, run) + redundancy_note(begin), stats=stats, events=events,
+        partitions=partitions, not_unique=begin.not_unique,
+    )  # fmt: skip
 
 
 def _methods_note(run: Trajectory) -> str:
@@ -169,15 +162,13 @@ def _message(mechanism: Mechanism, run: Trajectory) -> str:
         )
     description = mechanism.description
     where = ""
-    if run.index >= 0:
-        if run.outcome.of_switch:
-            switch = description.switches[run.index]
-            where = f", condition {switch.condition} of {switch.name}"
-        else:
-            row = description.constraints[run.index]
-            where = f", {'driver' if row.element in description.drivers else 'joint'} {row.name}"
-    note = f" {run.note}" if run.note else ""
-    advice = f" {run.outcome.advice}"
+    if run.index >= 0 and run.outcome.of_switch:
+        switch = description.switches[run.index]
+        where = f", condition {switch.condition} of {switch.name}"
+    elif run.index >= 0:
+        row = description.constraints[run.index]
+        where = f", {'driver' if row.element in description.drivers else 'joint'} {row.name}"
+    note, advice = f" {run.note}" if run.note else "", f" {run.outcome.advice}"
     if run.outcome is Outcome.SINGULAR and run.note:
         advice = ""  # the note has its own
     elif run.outcome is Outcome.SINGULAR and description.drivers:

@@ -56,8 +56,6 @@ class Mechanism:
         parameters = len(description.parameters)
         return replace(
             common_system(description, kernels, rows, columns, n, m),
-            reactions=kernels.reactions,
-            switched_reactions=kernels.switched_reactions,
             reaction_rows=len(description.reactions),
             limits=description.friction_limits,
             stiction=tuple((k, parameters + i) for i, k in enumerate(description.stiction)),

@@ -107,22 +107,13 @@ class Reduced:
 
 def gather_reduced(module: ModuleType, description: Description) -> Reduced:
     """Take the equations out of a loaded module."""
-
-    def indices(name: str) -> IntArray:
-        return np.array(getattr(module, name), dtype=np.int64)
-
+    names = ["KEPT", "ANGLES", "JACOBIAN_ROWS", "JACOBIAN_COLUMNS", "MASS_ROWS", "MASS_COLUMNS"]
+    indices = (np.array(getattr(module, name), dtype=np.int64) for name in names)
+    kept, angles, rows, columns, mass_rows, mass_columns = indices
     return Reduced(
-        description=description,
-        kernels=kernels.gather(module),
-        tangents=gather_tangents(module),
-        expand=module.expand,
-        sides=module.branches,
-        dead_centres=module.dead_centres,
-        kept=indices("KEPT"),
-        closures=tuple(module.CLOSURES),
-        angles=indices("ANGLES"),
-        branches=tuple(module.BRANCHES),
-        jacobian=(indices("JACOBIAN_ROWS"), indices("JACOBIAN_COLUMNS")),
-        mass=(indices("MASS_ROWS"), indices("MASS_COLUMNS")),
+        description=description, kernels=kernels.gather(module), tangents=gather_tangents(module),
+        expand=module.expand, sides=module.branches, dead_centres=module.dead_centres, kept=kept,
+        closures=tuple(module.CLOSURES), angles=angles, branches=tuple(module.BRANCHES),
+        jacobian=(rows, columns), mass=(mass_rows, mass_columns),
         slots=len(description.parameters) + len(module.BRANCHES) + len(module.CONSTANTS),
-    )
+    )  # fmt: skip
