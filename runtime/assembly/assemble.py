@@ -164,8 +164,7 @@ def _contradiction(
 def _why_open(task: Task, start: Start, closing: Closing, drivers: BoolArray) -> AssemblyError:
     """The error of joints that do not close."""
     description = task.equations.description
-    doubled = redundancy.structural_redundancy(task, closing.q, drivers)
-    doubled = doubled or redundancy.overdetermined_rows(task, closing.q, drivers)
+    doubled = redundancy.dependent_joints(task, closing.q, drivers)
     if doubled:
         rank = len(task.rows) - int(drivers.sum()) - len(doubled)
         return _redundancy(description, doubled, rank, "contradictory", closing.phi)

@@ -58,17 +58,13 @@ def close(task: Task, start: FloatArray) -> Closing:
     """Close the joints from `start`; retries move only coordinates without a given start value."""
     best = _attempt(task, start)
     unknown = task.free & (task.weight < 1.0)
-    if best.closed or not unknown.any():
-        return best
     random = np.random.default_rng(1)
-    for _ in range(_RESTARTS):
-        moved = start.copy()
-        moved[unknown] += random.normal(size=int(unknown.sum())) * task.scale[unknown]
-        closing = _attempt(task, moved)
-        if closing.gap < best.gap:
-            best = closing
+    for _ in range(_RESTARTS if unknown.any() else 0):
         if best.closed:
             break
+        moved = start.copy()
+        moved[unknown] += random.normal(size=int(unknown.sum())) * task.scale[unknown]
+        best = min(best, _attempt(task, moved), key=lambda closing: closing.gap)
     return best
 
 

@@ -6,8 +6,7 @@ import numpy as np
 
 from runtime.continuation.arclength import Curve, Piece
 from runtime.continuation.motion_across_branch_point import Zone
-from runtime.continuation.pivot_monitor import RECORD, Workspace
-from runtime.continuation.predictor_corrector import advance
+from runtime.continuation.predictor_corrector import RECORD, Workspace, advance
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.results.assembled_state import Assembly

@@ -25,8 +25,6 @@ from runtime.results.samples import Partition
 from runtime.validation.arguments import instants
 from runtime.validation.scene_support import driven_note
 
-_DRIVER_NOTE = "A driver may ask for more than the joints permit; `kinematics` names the lock-up."
-
 
 def simulate(
     mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | None = None, *,
@@ -65,8 +63,7 @@ def finish_simulation(
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
     result = _result(mechanism, run, ready.p, began, begin)
     if works:
-        times = None if options.t_eval is None else np.asarray(options.t_eval, dtype=np.float64)
-        integrate_works(result, len(run.t), times)
+        integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
     result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)
     result.message += driven_note(mechanism, begin.degrees_of_freedom)
@@ -172,7 +169,7 @@ def _message(mechanism: Mechanism, run: Trajectory) -> str:
     if run.outcome is Outcome.SINGULAR and run.note:
         advice = ""  # the note has its own
     elif run.outcome is Outcome.SINGULAR and description.drivers:
-        note = f" {_DRIVER_NOTE}"
+        note = " A driver may ask for more than the joints permit; `kinematics` names the lock-up."
     if run.outcome in {Outcome.SINGULAR, Outcome.NEWTON_FAILED} and run.statistics.steps == 0:
         fixed = ", ".join(row.name for row in description.start if row.role == "fixed")
         return (

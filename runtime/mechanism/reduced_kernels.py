@@ -86,8 +86,8 @@ class Reduced:
         return found
 
     def expanded(
-        self, t: FloatArray, q: FloatArray, v: FloatArray, p: FloatArray, start: tuple[float,
-        FloatArray], sizes: FloatArray,
+        self, t: FloatArray, q: FloatArray, v: FloatArray, p: FloatArray,
+        start: tuple[float, FloatArray], sizes: FloatArray,
     ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
         """All coordinates and velocities, (k, n) each, at k instants in order.
 
