@@ -138,10 +138,9 @@ def _velocities(task: Task, start: Start, q: FloatArray) -> tuple[FloatArray, Fl
     if np.abs(gaps / task.row_scale).max(initial=0.0) > _VELOCITY_CLOSED * speed:
         misses = _misses(task, gaps, _VELOCITY_CLOSED * speed, "/s")
         if start.fixed_v.any():
-            units = [row.velocity_unit for row in equations.description.coordinates]
-            names = [row.velocity for row in equations.description.coordinates]
-            said = zip(names, start.v, units, start.fixed_v, strict=True)
-            raise _contradiction(task, "velocities contradict the joints", said, misses)
+            fault = "velocities contradict the joints"
+            names = [(row.velocity, row.velocity_unit) for row in equations.description.coordinates]
+            raise _contradiction(task, fault, names, start.v, start.fixed_v, misses)
         raise AssemblyError(
             f"{equations.description.title}: no velocities satisfy joints and drivers at "
             f"t = {t:g} s: {misses}. The position is singular for this motion; start elsewhere."
@@ -150,13 +149,14 @@ def _velocities(task: Task, start: Start, q: FloatArray) -> tuple[FloatArray, Fl
 
 
 def _contradiction(
-    task: Task, fault: str, said: Iterable[tuple[str, float, str, bool]], misses: str
-) -> AssemblyError:
-    """The error of start values that the joints do not allow: names, values, units, if fixed."""
-    fixed = (f"{name} = {value:g} {unit}" for name, value, unit, is_fixed in said if is_fixed)
+    task: Task, fault: str, names: list[tuple[str, str]], values: FloatArray, fixed: BoolArray,
+    misses: str,
+) -> AssemblyError:  # fmt: skip
+    """The error of start values that the joints do not allow; their `names` with their units."""
+    said = (f"{names[k][0]} = {values[k]:g} {names[k][1]}" for k in np.flatnonzero(fixed))
     return AssemblyError(
         f"{task.equations.description.title}: the fixed start {fault}. Start says "
-        f"{', '.join(fixed)}; with these {misses}. "
+        f"{', '.join(said)}; with these {misses}. "
         f'Give one of them the role "guess", or correct its value.'
     )
 
@@ -171,10 +171,9 @@ def _why_open(task: Task, start: Start, closing: Closing, drivers: BoolArray) ->
     gaps = _misses(task, closing.phi, CLOSED)
     released = task._replace(free=np.ones_like(task.free))
     if start.fixed_q.any() and close(released, start.q).closed:
-        names, units = description.coordinates.names, [r.unit for r in description.coordinates]
-        said = zip(names, start.q, units, start.fixed_q, strict=True)
+        names = [(row.name, row.unit) for row in description.coordinates]
         fault = f"values contradict the joints at t = {task.t:g} s"
-        return _contradiction(task, fault, said, gaps)
+        return _contradiction(task, fault, names, start.q, start.fixed_q, gaps)
     if drivers.any():
         joints = close(released._replace(rows=~drivers), start.q)
         if joints.closed:
