@@ -54,15 +54,9 @@ def _undefined_gamma(t: Any, q: Any, v: Any, p: Any, gamma: Any) -> None:
     gamma[:] = np.nan
 
 
-def _undefined_motion(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
-    a[:] = np.nan
-    lam[:] = np.nan
-    return 0
-
-
-def _undefined_correction(t: Any, q: Any, v: Any, p: Any, w: Any, dq: Any, dv: Any) -> int:
-    dq[:] = np.nan
-    dv[:] = np.nan
+def _undefined_pair(t: Any, q: Any, v: Any, p: Any, modes: Any, first: Any, second: Any) -> int:
+    first[:] = np.nan
+    second[:] = np.nan
     return 0
 
 
@@ -109,8 +103,8 @@ class Kernels:
     acceleration_rhs: Kernel = _kernel("acceleration_rhs", "t q v p gamma", _undefined_gamma)
     mass: Kernel = _kernel("mass", "q p values", _skip_3)
     applied_forces: Kernel = _kernel("applied_forces", "t q v p modes force", _no_forces)
-    accelerations: Kernel = _kernel("accelerations", "t q v p modes a lam", _undefined_motion, i8)
-    correction: Kernel = _kernel("correction", "t q v p w dq dv", _undefined_correction, i8)
+    accelerations: Kernel = _kernel("accelerations", "t q v p modes a lam", _undefined_pair, i8)
+    correction: Kernel = _kernel("correction", "t q v p w dq dv", _undefined_pair, i8)
     potential: Kernel = _kernel("potential", "t q p modes", _no_potential, f8)
     potential_gradient: Kernel = _kernel("potential_gradient", "t q p modes gradient", _no_gradient)
     kinetic_energy: Kernel = _kernel("kinetic_energy", "q v p", _no_energy, f8)

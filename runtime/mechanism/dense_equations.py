@@ -21,13 +21,10 @@ class Equations:
     """Kernels of a machine with its parameter values bound."""
 
     def __init__(self, mechanism: Mechanism, p: FloatArray) -> None:
-        self.description = mechanism.description
-        self.kernels = mechanism.kernels
-        self.table = mechanism.kernel_table
-        self.p = p
+        self.description, self.p = mechanism.description, p
+        self.kernels, self.table = mechanism.kernels, mechanism.kernel_table
         self.independent = np.array(mechanism.independent, dtype=np.int64)
-        self.n = len(mechanism.description.coordinates)
-        self.m = len(mechanism.description.constraints)
+        self.n, self.m = len(self.description.coordinates), len(self.description.constraints)
 
     def scaled(self, scale: FloatArray, independent: IntArray) -> ScaledConstraints:
         """The constraints in units of `scale`, of which `independent` follow from no others."""
