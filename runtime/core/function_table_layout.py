@@ -25,9 +25,7 @@ _tools: Any = cgutils
 
 Length = int | tuple[int, int | None]
 """A slot that holds a length; or a factor and such a slot, or a factor alone and None."""
-
-
-_Fetch = Callable[[Integers], Integers]
+_OfIntegers = Callable[[Integers], Integers]
 
 
 class ArraySlot(NamedTuple):
@@ -76,7 +74,7 @@ class TableLayout:
 
     def integers(self, name: str, *lengths: Length, **form: Any) -> Callable[[Integers], Integers]:
         """As `floats`, of int64."""
-        return cast(_Fetch, self.floats(name, *lengths, item=types.int64, **form))
+        return cast(_OfIntegers, self.floats(name, *lengths, item=types.int64, **form))
 
     def integer_matrix(
         self, name: str, *lengths: Length, **form: Any
@@ -96,10 +94,10 @@ class TableLayout:
         numbers, end, starts = table.tolist(), 0, {}
         for name, array in self.arrays.items():
             if array.allotted:
-                size = 1
-                for factor, count in array.lengths:
-                    size *= factor if count is None else factor * numbers[count]
                 starts[name] = end
+                size = prod(
+                    f if count is None else f * numbers[count] for f, count in array.lengths
+                )
                 end += -(-size // _ALIGNED) * _ALIGNED
         block = np.zeros(end, np.int64)
         address = block.ctypes.data
