@@ -94,10 +94,10 @@ class TableLayout:
         numbers, end, starts = table.tolist(), 0, {}
         for name, array in self.arrays.items():
             if array.allotted:
+                size = 1
+                for factor, count in array.lengths:
+                    size *= factor if count is None else factor * numbers[count]
                 starts[name] = end
-                size = prod(
-                    f if count is None else f * numbers[count] for f, count in array.lengths
-                )
                 end += -(-size // _ALIGNED) * _ALIGNED
         block = np.zeros(end, np.int64)
         address = block.ctypes.data
