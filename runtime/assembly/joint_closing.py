@@ -18,6 +18,9 @@ _PENALTIES = 10.0 ** np.arange(0, 9, 2)
 _RESTARTS = 6  # safety: random starts after the given one has failed
 
 
+Selection = npt.NDArray[np.bool_ | np.int64]  # a mask, or indices where joints are refined only
+
+
 class Closing(NamedTuple):
     """Result of closing the joints: q, Φ there, and the largest scaled gap."""
 
@@ -39,8 +42,8 @@ class Task(NamedTuple):
     scale: FloatArray
     row_scale: FloatArray
     row_units: list[str]  # for messages
-    rows: npt.NDArray[np.bool_]
-    free: npt.NDArray[np.bool_]
+    rows: Selection
+    free: Selection
     weight: FloatArray
 
     def gaps(self, q: FloatArray) -> FloatArray:

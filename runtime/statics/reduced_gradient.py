@@ -69,11 +69,12 @@ class StaticEquations:
         """
         if len(part.dependent) == 0:
             return q
-        equations, (m, n) = self.equations, (self.equations.m, self.equations.n)
+        equations, rows = self.equations, part.rows
         sizes = np.abs(equations.jacobian(self.t, q) * self.scale).max(axis=1)
         sizes = np.where(sizes > 0.0, sizes, 1.0)
-        rows, free = np.isin(range(m), part.rows), np.isin(range(n), part.dependent)
-        closed = refine(Task(equations, self.t, self.scale, sizes, [], rows, free, np.ones(n)), q)
+        weight = np.ones_like(q)
+        task = Task(equations, self.t, self.scale, sizes, [], rows, part.dependent, weight)
+        closed = refine(task, q)
         gaps = np.abs(equations.constraints(self.t, closed) / sizes)
         if not (gaps[rows].max() <= CLOSED and gaps.max() <= _REDUNDANT_GAP):
             return None
