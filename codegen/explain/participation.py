@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from codegen.declare.element import Constraint, Effect, friction_law
+from codegen.declare.element import Constraint
 from codegen.declare.scene import Scene
 from codegen.derive.equations import active_joints
 from codegen.model import Model
-from codegen.model.coupler_rods import FORMS
+from codegen.model.bodies import FORMS
 from codegen.model.fidelities import NONE
 from codegen.model.outputs import ALL, GROUPS, TRACKED
 
@@ -98,8 +98,7 @@ class _Inventory:
         """Why an effect or driver does not act."""
         element = self.model.effects.get(name) or self.model.drivers[name]
         owners = [body.name for body in element.bodies if not body.fixed]
-        law = friction_law(element) if isinstance(element, Effect) else None
-        owners += [law.joint] if law else []
+        owners += [element.friction().joint] if hasattr(element, "friction") else []
         lacking = [o for o in owners if o not in (*self.scene.bodies, *self.joints)]
         if reason := self._other_choice(name):
             return reason
