@@ -29,6 +29,7 @@ _AttributeTemplate: Any = templates.AttributeTemplate
 
 Length = int | tuple[int, int | None]
 """A slot that holds a length; or a factor and such a slot, or a factor alone and None."""
+_OfIntegers = Callable[[Integers], Integers]
 
 
 class ArraySlot(NamedTuple):
@@ -57,48 +58,40 @@ class TableLayout:
         return slot
 
     def function(self, name: str, signature: Any) -> Callable[[Integers], Callable[..., Any]]:
-        """What takes the function `name` out of a table."""
+        """Take the function `name` out of a table."""
         return at(types.FunctionType(signature), self.number(name))
 
     def floats(
-        self, names: str, *lengths: Length, allotted: bool = True
-    ) -> Callable[[Integers], Vector]:
-        """What takes a flat array of float64, as long as the product of `lengths`, out of a table.
+        self, names: str, *lengths: Length, allotted: bool = True, flat: bool = True,
+        item: Any = types.float64,
+    ) -> Callable[[Integers], Vector]:  # fmt: skip
+        """Take an array of float64 out of a table: flat, or with `lengths` as its shape.
 
-        An array that is not `allotted` is made elsewhere. Of several `names` it takes the first.
+        One that is not `allotted` is made elsewhere. Of several `names` the first is taken.
         """
-        return self._arrays(names, types.float64, lengths, True, allotted)
-
-    def integers(
-        self, names: str, *lengths: Length, allotted: bool = True
-    ) -> Callable[[Integers], Integers]:
-        """As `floats`, for int64."""
-        return self._arrays(names, types.int64, lengths, True, allotted)
-
-    def matrix(
-        self, name: str, rows: Length, columns: Length, allotted: bool = True
-    ) -> Callable[[Integers], Matrix]:
-        """What takes a matrix of float64 out of a table."""
-        return self._arrays(name, types.float64, (rows, columns), False, allotted)
-
-    def integer_matrix(
-        self, name: str, rows: Length, columns: Length, allotted: bool = True
-    ) -> Callable[[Integers], IntegerMatrix]:
-        """As `matrix`, for int64."""
-        return self._arrays(name, types.int64, (rows, columns), False, allotted)
-
-    def flat(self, name: str, matrix: str) -> Callable[[Integers], Vector]:
-        """The array `matrix`, flat, by a name of its own."""
-        return self._fetcher(name, self.arrays[matrix]._replace(flat=True))
-
-    def _arrays(
-        self, names: str, item: Any, lengths: tuple[Length, ...], flat: bool, allotted: bool
-    ) -> Callable[[Integers], Any]:
         pairs = tuple(length if isinstance(length, tuple) else (1, length) for length in lengths)
         for name in names.split():
             self.arrays[name] = ArraySlot(self.number(name), item, pairs, flat, allotted)
         fetchers = [self._fetcher(name, self.arrays[name]) for name in names.split()]
         return fetchers[0]
+
+    def matrix(self, names: str, *lengths: Length, **form: Any) -> Callable[[Integers], Matrix]:
+        """As `floats`, of two dimensions."""
+        return self.floats(names, *lengths, flat=False, **form)
+
+    def integers(self, names: str, *lengths: Length, **form: Any) -> Callable[[Integers], Integers]:
+        """As `floats`, of int64."""
+        return cast(_OfIntegers, self.floats(names, *lengths, item=types.int64, **form))
+
+    def integer_matrix(
+        self, names: str, *lengths: Length, **form: Any
+    ) -> Callable[[Integers], IntegerMatrix]:
+        """As `matrix`, of int64."""
+        return self.integers(names, *lengths, flat=False, **form)
+
+    def flat(self, name: str, matrix: str) -> Callable[[Integers], Vector]:
+        """The array `matrix`, flat, by a name of its own."""
+        return self._fetcher(name, self.arrays[matrix]._replace(flat=True))
 
     def _fetcher(self, name: str, array: ArraySlot) -> Callable[[Integers], Any]:
         """An intrinsic that makes an array, not owned, of what lies at an address in a table."""

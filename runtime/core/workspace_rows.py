@@ -56,10 +56,14 @@ FLIGHT = IMPACT_AT + 1  # time between its last two impacts
 SWITCH_ROWS = FLIGHT + 1
 
 
-def _fetch(array: str, count: int, factor: int, part: int | None) -> Any:
-    """What an intrinsic takes out of the table: a row of an array, or a part of it.
+_Row = Callable[[Integers, int], Vector]
+
+
+def _row(array: str, count: int, factor: int, part: int | None, **named: int) -> _Row:
+    """An intrinsic that takes a row out of an array in the table, or a part of it.
 
     Rows have `factor` parts, each as long as the number in slot `count`.
+    The rows `named` become attributes of `context`.
     """
 
     def fetch(typing_context: Any, context: Any, index: Any) -> Any:
@@ -79,26 +83,20 @@ def _fetch(array: str, count: int, factor: int, part: int | None) -> Any:
 
         return signature, codegen
 
-    return fetch
+    for name, row in named.items():
+        declare_attribute(name, fetch, row)
+    return cast(_Row, intrinsic(fetch))
 
 
-_Row = Callable[[Integers, int], Vector]
-_whole, _first, _second = (_fetch("workspace", COORDINATES, 2, part) for part in (None, 0, 1))
-_switching = _fetch("switching_rows", SWITCHES, 1, None)
-
-row_of: _Row = cast(Any, intrinsic(_whole))  # row of the workspace, (2 n,)
-first_half: _Row = cast(Any, intrinsic(_first))  # first half of such a row, (n,)
-second_half: _Row = cast(Any, intrinsic(_second))  # its second half, (n,)
+row_of = _row("workspace", COORDINATES, 2, None)  # row of the workspace, (2 n,)
+# The first and the second half of such a row, (n,).
+first_half = _row("workspace", COORDINATES, 2, 0, q0=Y0, q1=Y1, dq=DELTA, partition=PARTITION)
+second_half = _row("workspace", COORDINATES, 2, 1, v0=Y0, v1=Y1, dv=DELTA, scale=PARTITION)
 positions, velocities = first_half, second_half  # q and v of a row that holds a state
 position_rates, velocity_rates = first_half, second_half  # of a row that holds a derivative
-switch_row: _Row = cast(Any, intrinsic(_switching))  # of the switching one, (s,)
-
-# Attributes of `context`: rows of the switching workspace, and halves of those of the other one.
-_NAMED = "g0 r0 g1 r1 largest band suspect trial reserve now rate_now preferred struck impact_at"
-for _name in (*_NAMED.split(), "flight"):
-    declare_attribute(_name, _switching, globals()[_name.upper()])
-for _q, _v, _index in (("q0", "v0", Y0), ("q1", "v1", Y1), ("dq", "dv", DELTA)):
-    declare_attribute(_q, _first, _index)
-    declare_attribute(_v, _second, _index)
-declare_attribute("partition", _first, PARTITION)
-declare_attribute("scale", _second, PARTITION)
+# Row of the switching workspace, (s,).
+switch_row = _row(
+    "switching_rows", SWITCHES, 1, None, g0=G0, r0=R0, g1=G1, r1=R1, largest=LARGEST, band=BAND,
+    suspect=SUSPECT, trial=TRIAL, reserve=RESERVE, now=NOW, rate_now=RATE_NOW, preferred=PREFERRED,
+    struck=STRUCK, impact_at=IMPACT_AT, flight=FLIGHT,
+)  # fmt: skip
