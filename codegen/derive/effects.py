@@ -71,9 +71,8 @@ def effect_terms(effect: el.Effect, bodies: tuple[Body, ...]) -> EffectTerms:
     forces = sorted(effect.forces(bodies).items(), key=lambda pair: pair[0].name)
     loads = tuple((q, f) for q, f in ((q, _pieces(force)) for q, force in forces) if f != 0)
     pulls = tuple((s, _pull(s, f)) for s, f in el.pulling(effect, bodies) if f != 0)
-    components = tuple(
-        (part, unit, _pieces(value)) for part, unit, value in el.reported(effect, bodies)
-    )
+    reported = el.reported(effect, bodies)
+    components = tuple((part, unit, _pieces(value)) for part, unit, value in reported)
     law = el.hold(effect, bodies)
     weights = effect.weights(bodies) if hasattr(effect, "weights") else ()
     return EffectTerms(potential, loads, pulls, _friction(effect, law), law, components, weights)
@@ -91,11 +90,6 @@ def _pull(s: sympy.Expr, f: sympy.Expr) -> sympy.Expr:
     pieces = continue_powers(as_pieces(f))
     turns = pieces.atoms(Relational)
     return pieces.xreplace({c: c.xreplace({SPEED: rate(s)}) for c in turns if c.has(SPEED)})
-
-
-def derived_effects() -> int:
-    """How many different potentials and forces have been worked on in this process."""
-    return _pieces.cache_info().misses
 
 
 def _friction(

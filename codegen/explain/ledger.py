@@ -1,6 +1,7 @@
 """The ledger: the parts of a machine that a scene contains, why, and the cost of each."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from codegen.declare.scene import Scene
@@ -68,23 +69,19 @@ def _ledger(
     counts = costs.operations_by_part(programs)
     totals = costs.operations_of(programs[-1])
     parts = []
-    for e in inventory(model, scene):
-        added = counts.get(e.name, {}) if e.acts else {}
-        is_effect = e.acts and e.role == "effect"
-        own = costs.marginal_operations(programs[-1], e.name) if is_effect else {}
-        events = tuple(s.text for s in equations.switches if s.effect == e.name)
-        parts.append(Part(e.name, e.kind, e.role, e.acts, e.why, added, own, events=events))
-    shared = [name for name in counts if name not in {part.name for part in parts}]
+    for part in inventory(model, scene):
+        effect = part.acts and part.role == "effect"
+        own = costs.marginal_operations(programs[-1], part.name) if effect else {}
+        events = tuple(s.text for s in equations.switches if s.effect == part.name)
+        added = counts.get(part.name, {}) if part.acts else {}
+        parts.append(replace(part, operations=added, own=own, events=events))
+    declared = {part.name for part in parts}
     parts += [
-        Part(name or "sums", SHARED.get(name, "shared"), "shared", True, "shared", counts[name])
-        for name in shared
+        Part(name or "sums", SHARED.get(name, "shared"), "shared", True, "shared", operations)
+        for name, operations in counts.items()
+        if name not in declared
     ]
-    whole, run = None, None
-    if measure or runs is not None:
-        from codegen.explain.element_times import with_times  # numba only where something is timed
-
-        parts, whole, run = with_times(programs, parts, runs, progress)
-    return Ledger(
+    ledger = Ledger(
         equations.model,
         scene.name,
         tuple(k for k in totals if totals[k]),
@@ -92,6 +89,9 @@ def _ledger(
         totals,
         equations.left_out,
         output_inventory(model, scene),
-        whole,
-        run,
     )
+    if measure or runs is not None:
+        from codegen.explain.element_times import with_times  # numba only where something is timed
+
+        ledger = with_times(ledger, programs, runs, progress)
+    return ledger

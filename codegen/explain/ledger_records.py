@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass, field
 
-from codegen.explain.participation import OutputEntry
-
 
 @dataclass(frozen=True)
 class Part:
@@ -34,6 +32,15 @@ class Part:
     def total(self) -> int:
         """Its operations in all kernels."""
         return sum(self.operations.values())
+
+
+@dataclass(frozen=True)
+class OutputEntry:
+    """A word of ``outputs=``, whether the scene has it, and why."""
+
+    name: str
+    asked: bool
+    why: str
 
 
 @dataclass(frozen=True)

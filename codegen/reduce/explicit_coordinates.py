@@ -11,6 +11,7 @@ constraints that close loops remain. The rates follow from the same elimination 
 with the coordinates c that remain.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -78,10 +79,7 @@ class ExplicitCoordinates:
 
     def _pivot(self) -> tuple[int, int] | None:
         """Row and column of the pivot with the least fill-in."""
-        counts: dict[int, int] = {}
-        for row in self.rows.values():
-            for k in row.entries:
-                counts[k] = counts.get(k, 0) + 1
+        counts = Counter(k for row in self.rows.values() for k in row.entries)
         candidates = []
         for i, row in self.rows.items():
             sizes = {k: abs(self.graph.number(entry) or 0.0) for k, entry in row.entries.items()}
@@ -109,22 +107,17 @@ class ExplicitCoordinates:
             graph.neg(graph.mul(inverse, row.gamma)),
         )
         self.substitutions.append(Substitution(k, formula, rates))
-        for other in self.rows.values():
-            if k in other.entries:
-                self._substitute_in(other, k, formula, rates)
-
-    def _substitute_in(self, row: Row, k: int, formula: int, rates: Rates) -> None:
-        graph = self.graph
-        (row.value,) = substitute(graph, [row.value], {self.q[k]: formula})
-        factor = row.entries.pop(k)
-        for j, slope in rates.slopes.items():
-            before, product = row.entries.pop(j, graph.zero), graph.mul(factor, slope)
-            changed = graph.add(before, product)
-            number, was = graph.number(changed), graph.number(before)
-            if number is None or abs(number) > ROUNDING * abs(was or 0.0):
-                row.entries[j] = changed
-        row.nu = graph.sub(row.nu, graph.mul(factor, rates.velocity))
-        row.gamma = graph.sub(row.gamma, graph.mul(factor, rates.acceleration))
+        for other in (row for row in self.rows.values() if k in row.entries):
+            (other.value,) = substitute(graph, [other.value], {self.q[k]: formula})
+            factor = other.entries.pop(k)
+            for j, slope in rates.slopes.items():
+                before, product = other.entries.pop(j, graph.zero), graph.mul(factor, slope)
+                changed = graph.add(before, product)
+                number, was = graph.number(changed), graph.number(before)
+                if number is None or abs(number) > ROUNDING * abs(was or 0.0):
+                    other.entries[j] = changed
+            other.nu = graph.sub(other.nu, graph.mul(factor, rates.velocity))
+            other.gamma = graph.sub(other.gamma, graph.mul(factor, rates.acceleration))
 
     # -- in the coordinates that remain -------------------------------------------------------
 
