@@ -1,7 +1,6 @@
 """Ledgers on a terminal: a part a row, no wider than a person reads; or as one JSON object."""
 
 import json
-import shutil
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 
@@ -11,9 +10,8 @@ from rich.table import Table
 
 from codegen.explain.ledger_records import Ledger, Part, RunCosts
 from codegen.explain.scene_comparison import Comparison
+from codegen.presentation import terminal_width
 
-NARROW, WIDE, UNKNOWN = 80, 140, 120
-"""Columns that a table has at least and at most, and where nothing says how wide the screen is."""
 PAPER = 1000  # columns of a table that is as wide as its content, whatever the terminal
 
 
@@ -27,7 +25,7 @@ def show(
             answer["differences"] = [asdict(row) for row in (*comparison.rows, comparison.total)]
         typer.echo(json.dumps(answer))
         return
-    screen = Console(width=width(), highlight=False)
+    screen = Console(width=terminal_width(), highlight=False)
     if comparison is not None:
         screen.print(comparison_table(comparison))
     for ledger in ledgers:
@@ -40,11 +38,6 @@ def show(
         scene = f"{ledger.scene}: " if comparison is not None else ""
         for line in notes(ledger):
             screen.print(f"  {scene}{line}", markup=False)
-
-
-def width() -> int:
-    """Columns of the terminal, within what a table is made for."""
-    return min(max(shutil.get_terminal_size((UNKNOWN, 24)).columns, NARROW), WIDE)
 
 
 def part_table(ledger: Ledger) -> Table:
