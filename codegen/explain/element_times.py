@@ -50,25 +50,26 @@ class Measured(NamedTuple):
 def with_times(
     ledger: Ledger,
     programs: tuple[Lowered, ...],
-    runs: tuple[Path, float] | None,
+    file: Path | None,
+    t_end: float | None,
     progress: Callable[[str], None],
 ) -> Ledger:
     """The ledger with the nanoseconds of its parts and of the whole kernel, and a run's costs.
 
-    `programs` as from `operation_costs.cumulative_programs`; `runs` is the model's file and the
-    run's length in s, if a run is requested.
+    `programs` as from `operations_by_part.cumulative_programs`; `t_end`, in s, requests a run of
+    the model of a file.
     """
     whole = programs[-1]
     equations = whole.scene.equations
     scene, parts, run = equations.scene, ledger.parts, None
-    if runs is not None:
+    if file is not None and t_end is not None:
         if scene.analysis != "dynamics":
             raise InputError(
                 f"--run: scene '{scene.name}' is for {scene.analysis}, so "
                 "there is no run under forces; leave --run out."
             )
         progress(f"{ledger.title}: running")
-        run = _simulate(runs[0], scene.name, runs[1])
+        run = _simulate(file, scene.name, t_end)
     progress(f"{ledger.title}: measuring")
     states = about_the_start(whole) if run is None else at(whole, *run.samples[:3])
     measured = measure(equations, timing_stages(programs), states)

@@ -11,6 +11,7 @@ from codegen.errors import InputError
 from codegen.explain import operations_by_part as costs
 from codegen.explain.ledger_records import Ledger, Part
 from codegen.explain.participation import inventory, output_inventory
+from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.model import Model
 from codegen.model_file import read_model
 
@@ -49,21 +50,22 @@ def explain(
     ledgers = []
     for chosen in valid_scenes(file.model, scene):
         progress(f"{file.model.name}, scene {chosen.name}: deriving")
-        runs = None
-        if t_end is not None:
-            if file.path is None or chosen.root is not None:
-                raise InputError(
-                    f"scene '{chosen.name}' is not declared in a file, and a run needs the names "
-                    "of both; declare the scene, or explain it without a run."
-                )
-            runs = file.path, t_end
-        ledgers.append(_ledger(file.model, chosen, measure, runs, progress))
+        if t_end is not None and (file.path is None or chosen.root is not None):
+            raise InputError(
+                f"scene '{chosen.name}' is not declared in a file, and a run needs the names of "
+                "both; declare the scene, or explain it without a run."
+            )
+        ledger, programs = _ledger(file.model, chosen)
+        if measure or t_end is not None:
+            from codegen.explain.element_times import with_times  # numba only to time something
+
+            ledger = with_times(ledger, programs, file.path, t_end, progress)
+        ledgers.append(ledger)
     return tuple(ledgers)
 
 
-def _ledger(
-    model: Model, scene: Scene, measure: bool, runs: tuple[Path, float] | None, progress: Progress
-) -> Ledger:
+def _ledger(model: Model, scene: Scene) -> tuple[Ledger, tuple[Lowered, ...]]:
+    """A ledger without times, and the programs that it is made from."""
     equations = derive(model, scene)
     programs = costs.cumulative_programs(equations)
     counts = costs.operations_by_part(programs)
@@ -90,8 +92,4 @@ def _ledger(
         equations.left_out,
         output_inventory(model, scene),
     )
-    if measure or runs is not None:
-        from codegen.explain.element_times import with_times  # numba only where something is timed
-
-        ledger = with_times(ledger, programs, runs, progress)
-    return ledger
+    return ledger, programs
