@@ -168,8 +168,8 @@ def explain(
 ) -> None:  # fmt: skip
     """Explain a scene: the parts compiled into it or left out, why, and the cost of each."""
     from codegen.explain.ledger import explain as ledgers_of
+    from codegen.explain.ledger_records import compare as compare_ledgers
     from codegen.explain.picture import write
-    from codegen.explain.scene_comparison import compare as compare_ledgers
     from codegen.explain.terminal_table import show
 
     if scene is not None and compare is not None:
@@ -207,8 +207,7 @@ def elements(
 ) -> None:
     """Joints, drivers and forces: a list, the page of one kind, or all pages as files."""
     from codegen.model_file import read_model
-    from codegen.reference.page import page
-    from codegen.reference.pages import chosen_kinds, find_kind, write
+    from codegen.reference.pages import chosen_kinds, find_kind, page, write
 
     declared = read_model(model).model if model else None
     only = find_kind(" ".join(kind)) if kind else None

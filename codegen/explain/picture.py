@@ -5,6 +5,8 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from codegen.errors import InputError
 from codegen.explain.ledger_records import Ledger, Part
 from codegen.presentation import (
@@ -90,38 +92,30 @@ def _weight(part: Part) -> float:
 
 def _stack(axes: "Axes", colours: dict[str, str], rows: Rows) -> None:
     """Stacked bars, the first on top; what takes less than nothing is drawn left of zero."""
-    labels = list(rows)
-    for height, row in enumerate(rows.values()):
-        ends = [0.0, 0.0]
-        others = sum(length for name, length in row.items() if name not in colours)
-        for name, length in (*((n, row.get(n, 0.0)) for n in colours), ("others", others)):
-            side = int(length < 0.0)
+    count = len(rows)
+    heights = np.arange(count)
+    ends = np.zeros((2, count))  # of the bars right of zero, and left of it
+    small = [sum(x for part, x in row.items() if part not in colours) for row in rows.values()]
+    stacked = {part: [row.get(part, 0.0) for row in rows.values()] for part in colours}
+    for part, lengths in (stacked | {"others": small}).items():
+        if any(lengths):
+            side = np.less(lengths, 0.0).astype(int)
             axes.barh(
-                height, length, left=ends[side], height=0.7, linewidth=0.4, edgecolor="white",
-                color=colours.get(name, REST),
+                heights, lengths, left=ends[side, heights], height=0.7, linewidth=0.4,
+                edgecolor="white", color=colours.get(part, REST), label=part,
             )  # fmt: skip
-            ends[side] += length
-        axes.text(ends[0], height, f"  {_short(sum(row.values()))}", va="center", fontsize=8)
-    axes.set_yticks(range(len(labels)), labels, fontsize=8)
-    axes.set_ylim(len(labels) - 0.4, -0.6)
+            ends[side, heights] += lengths
+    for height, row in enumerate(rows.values()):
+        axes.text(
+            ends[0, height], height, f"  {_short(sum(row.values()))}", va="center", fontsize=8
+        )
+    axes.set_yticks(heights, list(rows), fontsize=8)
+    axes.set_ylim(count - 0.4, -0.6)
     axes.tick_params(axis="x", labelsize=8)
     finish_axes(axes, axis="x", alpha=0.3, linewidth=0.4)
-    above = [sum(x for x in row.values() if x > 0.0) for row in rows.values()]
-    below = [sum(x for x in row.values() if x < 0.0) for row in rows.values()]
-    axes.set_xlim(1.05 * min(below, default=0.0), 1.08 * max(above, default=1.0) or 1.0)
-    _legend(axes, colours, rows)
-
-
-def _legend(axes: "Axes", colours: dict[str, str], rows: Rows) -> None:
-    from matplotlib.patches import Patch
-
-    drawn = {name for row in rows.values() for name, length in row.items() if length}
-    patches = [Patch(color=colour, label=name) for name, colour in colours.items() if name in drawn]
-    if drawn - set(colours):
-        patches.append(Patch(color=REST, label="others"))
-    columns = 1 if len(rows) > 4 else 2
+    axes.set_xlim(1.05 * ends[1].min(initial=0.0), 1.08 * ends[0].max(initial=0.0) or 1.0)
     axes.legend(
-        handles=patches, frameon=False, fontsize=8, ncols=columns, loc="center left",
+        frameon=False, fontsize=8, ncols=1 if count > 4 else 2, loc="center left",
         bbox_to_anchor=(1.0, 0.5), handlelength=1.0,
     )  # fmt: skip
 

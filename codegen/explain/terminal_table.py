@@ -1,15 +1,14 @@
 """Ledgers on a terminal: a part a row, no wider than a person reads; or as one JSON object."""
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
 
 import typer
 from rich.console import Console
 from rich.table import Table
 
-from codegen.explain.ledger_records import Ledger, Part, RunCosts
-from codegen.explain.scene_comparison import Comparison
+from codegen.explain.ledger_records import Comparison, Ledger, Part, RunCosts
 from codegen.presentation import terminal_width
 
 PAPER = 1000  # columns of a table that is as wide as its content, whatever the terminal
@@ -49,7 +48,13 @@ def part_table(ledger: Ledger) -> Table:
     columns = _columns(ledger)
     for title, *_ in columns:
         table.add_column(title, justify="right", no_wrap=True)
-    for section in _sections(ledger):
+    inside = [part for part in ledger.parts if part.acts]
+    sections = (
+        [part for part in inside if part.role != "shared"],
+        [part for part in inside if part.role == "shared"],
+        [part for part in ledger.parts if not part.acts],
+    )
+    for section in sections:
         for part in section:
             texts = (text(part) for _, text, _ in columns)
             reason = part.kind if part.role == "shared" else f"{part.kind}; {part.why}"
@@ -170,10 +175,3 @@ def _number(value: float | None, sign: str = "") -> str:
 
 def _count(number: int) -> str:
     return str(number) if number else ""
-
-
-def _sections(ledger: Ledger) -> Iterator[Sequence[Part]]:
-    inside = [part for part in ledger.parts if part.acts]
-    yield [part for part in inside if part.role != "shared"]
-    yield [part for part in inside if part.role == "shared"]
-    yield [part for part in ledger.parts if not part.acts]

@@ -41,7 +41,10 @@ def origin(
     builds the file.
     """
     base = path.resolve().parent.parent
-    named = [(_relative(source, base), digest) for source, digest in file.sources]
+    named = [
+        ((path.relative_to(base) if path.is_relative_to(base) else path).as_posix(), digest)
+        for path, digest in file.sources
+    ]
     options = "".join(f" --set {name}={value!r}" for name, value in sorted(settings.items())) + more
     varied = equations.scene.root is not None  # by without() or with_(): not declared in a file
     scene = equations.scene.expression if varied else f"'{equations.scene.name}'"
@@ -50,10 +53,6 @@ def origin(
         command = f"python -m codegen build {named[0][0]} --scene {equations.scene.name}{options}"
     engine = f"SymPy {sympy.__version__}"
     return Origin(generator, tuple(named), fingerprint(equations), command, engine)
-
-
-def _relative(source: Path, base: Path) -> str:
-    return (source.relative_to(base) if source.is_relative_to(base) else source).as_posix()
 
 
 _SCENE = (

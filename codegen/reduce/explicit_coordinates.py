@@ -87,11 +87,11 @@ class ExplicitCoordinates:
             candidates += [
                 (k in self.preferred, (len(sizes) - 1) * (counts[k] - 1), len(sizes), i, k)
                 for k, size in sizes.items()
-                if size > 0.0 and size >= least and k not in self.kept and self._affine(row, k)
+                if size > 0.0 and size >= least and k not in self.kept and self._is_affine(row, k)
             ]
         return min(candidates)[3:] if candidates else None
 
-    def _affine(self, row: Row, k: int) -> bool:
+    def _is_affine(self, row: Row, k: int) -> bool:
         """Whether the derivative of the constraint itself is that in its Jacobian."""
         (slope,) = differentiate(self.graph, [row.value], {self.q[k]: self.graph.one})
         return self.graph.number(slope) == self.graph.number(row.entries[k])
