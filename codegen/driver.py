@@ -28,13 +28,7 @@ from codegen.emit.module import module_text, operation_table
 from codegen.errors import ModelError, ParameterError, SceneError
 from codegen.generated_files.build_report import BuildReport, report
 from codegen.generated_files.companions import COMPANIONS
-from codegen.generated_files.generated_file import (
-    Clock,
-    File,
-    Progress,
-    is_current,
-    write_if_changed,
-)
+from codegen.generated_files.generated_file import Clock, File, Progress
 from codegen.generated_files.machine_code import compile_modules
 from codegen.generated_files.provenance import default_folder, file_name, origin
 from codegen.lower.kernels.scene_kernels import Lowered, lower
@@ -114,8 +108,7 @@ def build(
     ]
     every = [f for main in files for f in (main, *main.companions.values())]
     for f in every:
-        stale = not is_current(f.path, f.text)
-        f.changed = stale if check else write_if_changed(f.path, f.text)
+        f.bring_up_to_date(check)
     if compile and not check:
         progress(f"{declared.name}: compile")
         for f, seconds in zip(every, compile_modules([f.path for f in every]), strict=True):

@@ -50,6 +50,11 @@ class File:
         """SHA-256 of the text."""
         return hashlib.sha256(self.text.encode()).hexdigest()
 
+    def bring_up_to_date(self, check: bool) -> None:
+        """Write the file unless it is current or this is a check; note whether it was stale."""
+        stale = not is_current(self.path, self.text)
+        self.changed = stale if check else write_if_changed(self.path, self.text)
+
 
 class Written(NamedTuple):
     """The files of a folder, and those among them that were missing, old, or of nothing."""
