@@ -10,7 +10,7 @@ from codegen.driver import valid_scenes
 from codegen.errors import InputError
 from codegen.explain import operations_by_part as costs
 from codegen.explain.ledger_records import Ledger, Part
-from codegen.explain.participation import inventory, output_inventory
+from codegen.explain.participation import Inventory, output_inventory
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.model import Model
 from codegen.model_file import read_model
@@ -71,7 +71,7 @@ def _ledger(model: Model, scene: Scene) -> tuple[Ledger, tuple[Lowered, ...]]:
     counts = costs.operations_by_part(programs)
     totals = costs.operations_of(programs[-1])
     parts = []
-    for part in inventory(model, scene):
+    for part in Inventory(model, scene).parts():
         effect = part.acts and part.role == "effect"
         own = costs.marginal_operations(programs[-1], part.name) if effect else {}
         events = tuple(s.text for s in equations.switches if s.effect == part.name)

@@ -12,13 +12,8 @@ from codegen.model.fidelities import NONE
 from codegen.model.outputs import ALL, GROUPS, TRACKED
 
 
-def inventory(model: Model, scene: Scene) -> tuple[Part, ...]:
-    """Joints, drivers, effects and fidelities of `model` as declared, without their costs."""
-    return tuple(_Inventory(model, scene).entries())
-
-
-class _Inventory:
-    """The reasons of one scene."""
+class Inventory:
+    """The parts of a model, and why each takes part in a scene or does not."""
 
     def __init__(self, model: Model, scene: Scene) -> None:
         self.model, self.scene = model, scene
@@ -27,8 +22,8 @@ class _Inventory:
         self.choices = {g: model.choice(g, self.how, named) for g in model.groups}
         self.joints = active_joints(model, scene)
 
-    def entries(self) -> Iterator[Part]:
-        """Joints, drivers, effects, then the fidelities."""
+    def parts(self) -> Iterator[Part]:
+        """Joints, drivers, effects, then the fidelities, without their costs."""
         yield from map(self._joint, self.model.joints.values())
         for name, driver in self.model.drivers.items():
             acts = name in self.scene.drivers

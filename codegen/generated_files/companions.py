@@ -95,6 +95,7 @@ def _reduced(lowered: Lowered, provenance: Origin, module: str) -> tuple[Program
     return reduced.program, reduced_text(lowered, reduced, provenance, module)
 
 
-TANGENTS = Companion("tangents", "differentiate", "derivatives", _tangents_missing, _tangents)
-REDUCED = Companion("reduced", "reduce", "reduced", _reduced_missing, _reduced)
-COMPANIONS = (TANGENTS, REDUCED)
+COMPANIONS = (
+    Companion("tangents", "differentiate", "derivatives", _tangents_missing, _tangents),
+    Companion("reduced", "reduce", "reduced", _reduced_missing, _reduced),
+)

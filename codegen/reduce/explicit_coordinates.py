@@ -40,14 +40,6 @@ class Row:
     gamma: int
 
 
-class Substitution(NamedTuple):
-    """A coordinate and its formula, in the coordinates that remained when it was found."""
-
-    column: int
-    formula: int
-    rates: Rates
-
-
 @dataclass
 class ExplicitCoordinates:
     """The constraints of a scene, its explicit coordinates substituted."""
@@ -61,7 +53,8 @@ class ExplicitCoordinates:
     preferred: frozenset[int]  # columns that are kept where there is a choice
     kept: frozenset[int]  # columns that are kept in any case
     rows: dict[int, Row] = field(default_factory=dict, init=False)
-    substitutions: list[Substitution] = field(default_factory=list, init=False)
+    # column → formula and rates, in the coordinates that remained when it was substituted
+    substitutions: dict[int, tuple[int, Rates]] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
         for i, value in enumerate(self.phi):
@@ -74,8 +67,7 @@ class ExplicitCoordinates:
     @property
     def coordinates(self) -> list[int]:
         """Columns of the coordinates that remain."""
-        gone = {one.column for one in self.substitutions}
-        return [k for k in range(len(self.q)) if k not in gone]
+        return [k for k in range(len(self.q)) if k not in self.substitutions]
 
     def _pivot(self) -> tuple[int, int] | None:
         """Row and column of the pivot with the least fill-in."""
@@ -106,7 +98,7 @@ class ExplicitCoordinates:
             graph.neg(graph.mul(inverse, row.nu)),
             graph.neg(graph.mul(inverse, row.gamma)),
         )
-        self.substitutions.append(Substitution(k, formula, rates))
+        self.substitutions[k] = formula, rates
         for other in (row for row in self.rows.values() if k in row.entries):
             (other.value,) = substitute(graph, [other.value], {self.q[k]: formula})
             factor = other.entries.pop(k)
@@ -124,18 +116,18 @@ class ExplicitCoordinates:
     def formulas(self) -> dict[int, int]:
         """Column of each explicit coordinate → its formula in those that remain."""
         known: dict[int, int] = {}
-        for one in reversed(self.substitutions):
-            reachable = dependencies(self.graph, [one.formula])
+        for column, (formula, _) in reversed(self.substitutions.items()):
+            reachable = dependencies(self.graph, [formula])
             inner = {self.q[k]: value for k, value in known.items() if self.q[k] in reachable}
-            (known[one.column],) = substitute(self.graph, [one.formula], inner)
+            (known[column],) = substitute(self.graph, [formula], inner)
         return known
 
     def rates(self) -> dict[int, Rates]:
         """Column of every coordinate → its rates by those of the coordinates that remain."""
         graph = self.graph
         known = {k: Rates({k: graph.one}, graph.zero, graph.zero) for k in self.coordinates}
-        for one in reversed(self.substitutions):
-            known[one.column] = combined(graph, one.rates, known)
+        for column, (_, rates) in reversed(self.substitutions.items()):
+            known[column] = combined(graph, rates, known)
         return known
 
 

@@ -11,34 +11,17 @@ _SHOWN = 12  # events, before it says how many more there are
 
 def summary(result: Result, saved: Path | None) -> dict[str, Any]:
     """The JSON object of a run."""
-    description = result.description
-    last = result.samples
-    names = description.coordinates
-    some = len(result.t) > 0
-    summary: dict[str, Any] = {
+    names, last, some = result.description.coordinates, result.samples, len(result.t) > 0
+    return {
         "ok": not result.failed,
-        "model": description.model,
-        "scene": description.scene,
-        "analysis": result.analysis,
-        "outcome": result.outcome.name,
-        "message": result.message,
+        **result.facts(),
         "instants": len(result.t),
         "t": [float(result.t[0]), float(result.t[-1])] if some else [],
         "q": {row.name: plain(last.q[-1, i]) for i, row in enumerate(names)} if some else {},
         "v": {row.velocity: plain(last.v[-1, i]) for i, row in enumerate(names)} if some else {},
-        "parameters": result.parameters,
-        "stats": {name: plain(value) for name, value in result.stats.items()},
         "events": [{"t": e.time, "name": e.name, "what": e.what} for e in result.events],
-        "singular": [row.facts() for row in getattr(result, "singular", ())],
         "saved": None if saved is None else str(saved),
     }
-    if result.accuracy is not None:
-        summary["accuracy"] = result.accuracy.facts()
-    stability = getattr(result, "stability", None)
-    if stability is not None:
-        summary["stability"] = str(stability)
-        summary["frequencies"] = [plain(value) for value in getattr(result, "frequencies", ())]
-    return summary
 
 
 def last_values(result: Result) -> list[str]:
