@@ -11,7 +11,7 @@ from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Description
 from codegen.lower.program import Op
 from codegen.lower.substitution import dependencies, substitute
-from codegen.reduce.closed_form_loops import Angle, Loop, find_loops
+from codegen.reduce.closed_form_loops import Loop, find_loops
 from codegen.reduce.explicit_coordinates import ExplicitCoordinates, Rates, combined
 
 EVENT_KERNELS = ("switching", "switching_rates", "gap_accelerations", "holds", "restitution")
@@ -35,35 +35,23 @@ class CoordinateMap:
             graph, scene.q, scene.phi, scene.jacobian, scene.nu, scene.gamma, fixed, massless
         )
         self.formulas = self.explicit.formulas()
-        self.loops = self._loops()  # solved in closed form
-        closed = {k for loop in self.loops for k in loop.columns}
+        self.loops = self._loops()
+        self.angles = [angle for loop in self.loops for angle in loop.angles]  # in closed form
+        self.branching = [angle for angle in self.angles if angle.branch is not None]
+        closed = {angle.column for angle in self.angles}
         solved = {i for loop in self.loops for i in loop.rows}
         # columns of the coordinates that are left
         self.kept = tuple(k for k in self.explicit.coordinates if k not in closed)
         # rows of the constraints between them
         self.closures = tuple(i for i in self.explicit.rows if i not in solved)
+        rows = (self.description.constraints[i] for i in self.closures)
+        self.row_names = [f"{element}_{row}" for element, _, row in rows]
         self.slots = {k: slot for slot, k in enumerate(self.kept)}
         self.substitutes: dict[int, int] = {}  # value → its substitute in the kept coordinates
         self.slopes: dict[int, dict[int, int]] = {}  # column → its row of T, by kept columns
         self.bias: dict[int, int] = {}  # column → its γ
         self._substitute()
         self._differentiate()
-
-    @property
-    def angles(self) -> list[Angle]:
-        """The angles in closed form."""
-        return [angle for loop in self.loops for angle in loop.angles]
-
-    @property
-    def branching(self) -> list[Angle]:
-        """The angles with two branches."""
-        return [angle for angle in self.angles if angle.branch is not None]
-
-    @property
-    def row_names(self) -> list[str]:
-        """Names of the constraints that are left."""
-        rows = [self.description.constraints[i] for i in self.closures]
-        return [f"{element}_{row}" for element, _, row in rows]
 
     def substituted(self, values: Iterable[int]) -> list[int]:
         """Values of the scene, in the coordinates that are kept."""
