@@ -83,6 +83,13 @@ class Ledger:
         """Sum of the times of the parts."""
         return sum(part.nanoseconds or 0.0 for part in self.parts)
 
+    @property
+    def whole(self) -> Part:
+        """All parts as one."""
+        time = None if self.nanoseconds is None else self.parts_nanoseconds
+        events = tuple(event for part in self.parts for event in part.events)
+        return Part("total", "", "", True, "", self.totals, nanoseconds=time, events=events)
+
 
 @dataclass(frozen=True)
 class Row:
@@ -112,14 +119,8 @@ def compare(first: Ledger, second: Ledger) -> Comparison:
     shared = {name for side in sides for name, part in side.items() if part.role == "shared"}
     ordered = sorted(names, key=lambda name: name in shared)
     rows = tuple(_row(name, *(side.get(name) for side in sides)) for name in ordered)
-    whole = (_whole(ledger) for ledger in (first, second))
-    return Comparison(first, second, rows, replace(_row("total", *whole), acts=(None, None)))
-
-
-def _whole(ledger: Ledger) -> Part:
-    """All parts as one."""
-    time = None if ledger.nanoseconds is None else ledger.parts_nanoseconds
-    return Part("total", "", "", True, "", ledger.totals, nanoseconds=time)
+    total = replace(_row("total", first.whole, second.whole), acts=(None, None))
+    return Comparison(first, second, rows, total)
 
 
 def _row(name: str, one: Part | None, other: Part | None) -> Row:

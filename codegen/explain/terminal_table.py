@@ -1,7 +1,7 @@
 """Ledgers on a terminal: a part a row, no wider than a person reads; or as one JSON object."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict
 
 import typer
@@ -45,9 +45,14 @@ def part_table(ledger: Ledger) -> Table:
     table.add_column("part", no_wrap=True, max_width=24)
     table.add_column("", no_wrap=True)
     table.add_column("why", overflow="fold", ratio=1)
-    columns = _columns(ledger)
-    for title, *_ in columns:
+    timed = ledger.nanoseconds is not None
+    for title in ("acc.", "all", *(["ns"] if timed else []), "events"):
         table.add_column(title, justify="right", no_wrap=True)
+
+    def numbers(part: Part) -> list[float | None]:
+        time = [part.nanoseconds] if timed else []
+        return [part.solving, part.total, *time, len(part.events)]
+
     inside = [part for part in ledger.parts if part.acts]
     sections = (
         [part for part in inside if part.role != "shared"],
@@ -56,26 +61,12 @@ def part_table(ledger: Ledger) -> Table:
     )
     for section in sections:
         for part in section:
-            texts = (text(part) for _, text, _ in columns)
+            texts = (_number(number or None) for number in numbers(part))
             reason = part.kind if part.role == "shared" else f"{part.kind}; {part.why}"
             table.add_row(part.name, "in" if part.acts else "out", reason, *texts)
         table.add_section()
-    table.add_row("total", "", "", *(total for *_, total in columns))
+    table.add_row("total", "", "", *map(_number, numbers(ledger.whole)))
     return table
-
-
-def _columns(ledger: Ledger) -> list[tuple[str, Callable[[Part], str], str]]:
-    """(title, text of a part, total) of each column of numbers."""
-    solving, every = ledger.totals.get("accelerations", 0), sum(ledger.totals.values())
-    events = sum(len(part.events) for part in ledger.parts)
-    time = f"{ledger.parts_nanoseconds:.1f}"
-    columns: list[tuple[str, Callable[[Part], str], str]] = [
-        ("acc.", lambda part: _count(part.solving), str(solving)),
-        ("all", lambda part: _count(part.total), str(every)),
-        ("ns", lambda part: _number(part.nanoseconds or None), time),
-        ("events", lambda part: _count(len(part.events)), str(events)),
-    ]
-    return [column for column in columns if column[0] != "ns" or ledger.nanoseconds is not None]
 
 
 def run_table(ledger: Ledger, run: RunCosts) -> Table:
@@ -90,8 +81,9 @@ def run_table(ledger: Ledger, run: RunCosts) -> Table:
 
     spent = [part for part in ledger.parts if part.run_seconds or part.run_events]
     for part in spent:
-        again = _count(round(part.run_retakes or 0.0))
-        table.add_row(part.name, _count(part.run_events or 0), again, *costs(part.run_seconds or 0))
+        again = _number(round(part.run_retakes or 0.0) or None)
+        events = _number(part.run_events or None)
+        table.add_row(part.name, events, again, *costs(part.run_seconds or 0))
     table.add_section()
     rest = run.seconds - sum(part.run_seconds or 0.0 for part in spent)
     table.add_row("all other work of the run", "", "", *costs(rest))
@@ -171,7 +163,3 @@ def _number(value: float | None, sign: str = "") -> str:
     if value is None:
         return ""
     return f"{value:{sign}d}" if isinstance(value, int) else f"{value:{sign}.1f}"
-
-
-def _count(number: int) -> str:
-    return str(number) if number else ""
