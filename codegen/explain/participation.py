@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator
 
-from codegen.declare.element import Constraint, Effect, friction_law
+from codegen.declare.element import Constraint
 from codegen.declare.scene import Scene
 from codegen.derive.equations import active_joints
 from codegen.explain.ledger_records import OutputEntry, Part
 from codegen.model import Model
-from codegen.model.coupler_rods import FORMS
+from codegen.model.bodies import FORMS
 from codegen.model.fidelities import NONE
 from codegen.model.outputs import ALL, GROUPS, TRACKED
 
@@ -82,8 +82,7 @@ class Inventory:
         """Why an effect or driver does not act."""
         element = self.model.effects.get(name) or self.model.drivers[name]
         owners = [body.name for body in element.bodies if not body.fixed]
-        if isinstance(element, Effect) and (law := friction_law(element)):
-            owners.append(law.joint)
+        owners += [element.friction().joint] if hasattr(element, "friction") else []
         lacking = [o for o in owners if o not in (*self.scene.bodies, *self.joints)]
         if reason := self._other_choice(name):
             return reason

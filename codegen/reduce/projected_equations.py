@@ -9,7 +9,6 @@ MultiBody System SIMulation, 1999). The multipliers of the constraints that are 
 the machine itself.
 """
 
-from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.differentiation.program_tangents import differentiate
 from codegen.lower.linear.factorization import Elimination, Strategy
 from codegen.lower.operation_count import cost
@@ -40,12 +39,7 @@ class ProjectedEquations:
         if not self.mapping.scene.frictions and not massless:
             strategies: tuple[Strategy, ...] = ("schur", "mixed", "substitute")
             trials += [self._eliminated(s) for s in strategies[: 3 if self.jacobian else 1]]
-
-        def price(kernel: Kernel) -> int:
-            program = with_constants(self.graph, (kernel,), 0)
-            return cost(program, program.kernels[-1])
-
-        return min(trials, key=price)
+        return min(trials, key=lambda kernel: cost(self.graph, kernel))
 
     # -- equations ---------------------------------------------------------------------------
 
