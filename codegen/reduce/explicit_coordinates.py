@@ -18,7 +18,8 @@ from typing import NamedTuple
 from codegen.lower.differentiation.program_tangents import differentiate
 from codegen.lower.graph import Graph
 from codegen.lower.linear.sparse_rows import LEAST_PIVOT, ROUNDING
-from codegen.lower.substitution import dependencies, substitute
+from codegen.lower.program import dependencies
+from codegen.lower.substitution import substitute
 
 
 class Rates(NamedTuple):
@@ -132,7 +133,7 @@ class ExplicitCoordinates:
         """Column of each explicit coordinate → its formula in those that remain."""
         known: dict[int, int] = {}
         for one in reversed(self.substitutions):
-            reachable = dependencies(self.graph, [one.formula])
+            reachable = dependencies(self.graph.values, [one.formula])
             inner = {self.q[k]: value for k, value in known.items() if self.q[k] in reachable}
             (known[one.column],) = substitute(self.graph, [one.formula], inner)
         return known

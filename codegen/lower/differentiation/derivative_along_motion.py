@@ -13,8 +13,7 @@ from typing import NamedTuple
 from codegen.lower.differentiation.program_tangents import slopes_of
 from codegen.lower.factored_sums import PLAIN, Parts
 from codegen.lower.graph import Graph
-from codegen.lower.program import LOGICAL, Op
-from codegen.lower.substitution import dependencies
+from codegen.lower.program import LOGICAL, Op, dependencies
 
 Terms = Callable[[], Iterable[tuple[float, Parts]]]
 
@@ -42,10 +41,10 @@ class Direction:
     def jet(self, number: int) -> Jet:
         """Both derivatives of a value."""
         if number not in self._known:
-            for k in sorted(dependencies(self.graph, [number], self._known)):
-                if k not in self._known:
-                    with self.graph.serving(self.graph.values[k].serves):
-                        self._known[k] = self._differentiate(k)
+            values = self.graph.values
+            for k in sorted(dependencies(values, [number], self._known) - self._known.keys()):
+                with self.graph.serving(values[k].serves):
+                    self._known[k] = self._differentiate(k)
         return self._known[number]
 
     def _plain(self, value: int) -> Parts:

@@ -14,8 +14,17 @@ of its next derivative, and its third, constant between two knots, has none.
 from collections.abc import Callable, Mapping, Sequence
 
 from codegen.lower.graph import Graph
-from codegen.lower.program import LOGICAL, STATE, Input, Kernel, Lookup, Op, Program, Value
-from codegen.lower.substitution import dependencies
+from codegen.lower.program import (
+    LOGICAL,
+    STATE,
+    Input,
+    Kernel,
+    Lookup,
+    Op,
+    Program,
+    Value,
+    dependencies,
+)
 
 TINY = 1e-300  # safety: added under a root that divides: √(vᵀv) has the slope 0 at v = 0, not 0/0
 
@@ -29,7 +38,7 @@ def differentiate(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]
 def tangents(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]) -> dict[int, int]:
     """Value → its tangent, of all values that the outputs depend on along the seeds."""
     known = dict(seeds)
-    for number in sorted(dependencies(graph, outputs, seeds) - seeds.keys()):
+    for number in sorted(dependencies(graph.values, outputs, seeds) - seeds.keys()):
         value = graph.values[number]
         if value.args and value.op not in LOGICAL:
             with graph.serving(value.serves):
