@@ -200,7 +200,7 @@ class Elimination:
         graph, sizes = self.graph, {}
         for _, c, watched in self.located:
             entries = [self._at(j, c) for j in sorted(self._neighbours[c])] if watched else []
-            sizes[c] = graph.total([graph.mul(entry, entry) for entry in entries])
+            sizes[c] = graph.dot(entries, entries)
         for k, c, watched in self.located:
             pivot = graph.mul(self._at(k, c), self._at(k, c)) if watched else graph.zero
             if graph.number(pivot) is None:
