@@ -36,7 +36,8 @@ def augmented(
     graph: Graph, mass: Entries, jacobian: Entries, n: int
 ) -> tuple[Entries, dict[int, int]]:
     """[M Φ_qᵀ; Φ_q 0] of n coordinates, and by unknown the diagonal of Φ_q M⁻¹ Φ_qᵀ."""
-    entries, references = {place: m for place, m in mass.items() if m != graph.zero}, {}
+    entries = {place: m for place, m in mass.items() if m != graph.zero}
+    references: dict[int, int] = {}
     for (i, k), entry in jacobian.items():
         entries[n + i, k] = entries[k, n + i] = entry
         if (k, k) in entries:
