@@ -1,8 +1,9 @@
 """Values built from values, folding constants and structural zeros on the way."""
 
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, suppress
+from functools import reduce
 
 from codegen.cubic_spline import Table
 from codegen.lower.program import Lookup, Op
@@ -22,17 +23,12 @@ class Graph(Numbering):
 
     _cancelling = False
 
-    @contextmanager
-    def cancelling(self, on: bool = True) -> Iterator[None]:
+    def cancelling(self, on: bool = True) -> AbstractContextManager[None]:
         """Sums that are formed inside leave out a term that they would add and take back.
 
         Where the sum with that term is needed as well this may cost more than it saves.
         """
-        before, self._cancelling = self._cancelling, on
-        try:
-            yield
-        finally:
-            self._cancelling = before
+        return self._during(_cancelling=on)
 
     # -- arithmetic --------------------------------------------------------------------------
 
@@ -213,10 +209,17 @@ class Graph(Numbering):
 
     def total(self, terms: list[int]) -> int:
         """The sum of `terms`, from the left."""
-        result = self.zero
-        for term in terms:
-            result = self.add(result, term)
-        return result
+        return reduce(self.add, terms, self.zero)
+
+    def dot(self, xs: Iterable[int], ys: Iterable[int]) -> int:
+        """Σ x y."""
+        return self.total([self.mul(x, y) for x, y in zip(xs, ys, strict=True)])
+
+    def less(self, start: int, row: Mapping[int, int], x: Mapping[int, int]) -> int:
+        """start - Σ factor x, of a row of factors."""
+        for j, factor in row.items():
+            start = self.sub(start, self.mul(factor, x[j]))
+        return start
 
     def indicates(self, a: int) -> bool:
         """Whether `a` is ±1 where a condition holds and 0 where not, or the other way round."""

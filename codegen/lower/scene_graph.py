@@ -249,10 +249,8 @@ class SceneGraph:
 
     def along(self, entry: dict[int, int], multipliers: list[int]) -> int:
         """The sum of factors times multipliers."""
-        graph = self.graph
-        return graph.total([graph.mul(factor, multipliers[row]) for row, factor in entry.items()])
+        return self.graph.dot(entry.values(), [multipliers[row] for row in entry])
 
     def size(self, vector: list[int]) -> int:
         """√(vᵀv)."""
-        squares = [self.graph.mul(entry, entry) for entry in vector]
-        return self.graph.power(self.graph.total(squares), 0.5)
+        return self.graph.power(self.graph.dot(vector, vector), 0.5)

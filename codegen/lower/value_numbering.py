@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import reduce
 from operator import or_
 from typing import Self
@@ -36,13 +36,18 @@ class Numbering:
         return graph
 
     @contextmanager
-    def serving(self, name: str) -> Iterator[None]:
-        """Values first needed inside are credited to `name`."""
-        before, self._serves = self._serves, name
+    def _during(self, **settings: object) -> Iterator[None]:
+        """Attributes with other values inside."""
+        before = {name: getattr(self, name) for name in settings}
+        vars(self).update(settings)
         try:
             yield
         finally:
-            self._serves = before
+            vars(self).update(before)
+
+    def serving(self, name: str) -> AbstractContextManager[None]:
+        """Values first needed inside are credited to `name`."""
+        return self._during(_serves=name)
 
     def _add(
         self,

@@ -4,7 +4,7 @@ from codegen.declare.symbols import Parameter
 from codegen.derive.inertia import neutral
 from codegen.lower.kernels.corrections import solutions
 from codegen.lower.kernels.reaction_friction import with_friction
-from codegen.lower.linear.factorization import Elimination, Strategy
+from codegen.lower.linear.factorization import Elimination, Strategy, augmented
 from codegen.lower.linear.labels import Labels
 from codegen.lower.linear.sparse_rows import Task
 from codegen.lower.operation_count import cost
@@ -49,31 +49,20 @@ def dynamics_kernel(
 ) -> Kernel:
     """The fused kernel by one order of elimination, with a step of refinement or without."""
     n, graph = scene.n, scene.graph
-    entries = {place: mass for place, mass in scene.mass.items() if mass != graph.zero}
-    references: dict[int, int] = {}
     lengths = {k for k, q in enumerate(scene.equations.coordinates) if q.unit == "m"}
     with_lengths = {i for i, k in scene.jacobian if k in lengths}
     located = [(k, n + i, i not in with_lengths) for i, k in scene.massless]
     labels = _labels(scene)
     labels.step("Sizes that the pivots are compared with: the diagonal of Φ_q M⁻¹ Φ_qᵀ")
     with graph.serving("factorization"):
-        for (i, k), entry in scene.jacobian.items():
-            entries[n + i, k] = entries[k, n + i] = entry
-            if (k, k) not in entries:
-                continue
-            part = graph.div(graph.mul(entry, entry), scene.mass[k, k])
-            references[n + i] = graph.add(references.get(n + i, graph.zero), part)
+        entries, references = augmented(graph, scene.mass, scene.jacobian, n)
         for i, size in references.items():
             labels.add(size, labels.of("size", i))
-        system = Elimination(
-            graph,
-            entries,
-            [scene.forces + scene.gamma, *_pushes(scene)],
-            frozenset(range(n, n + scene.m)),
-            references,
-            located,
-            labels,
-        )
+        right, duals = [scene.forces + scene.gamma], frozenset(range(n, n + scene.m))
+        for friction in scene.frictions:  # a unit force of it
+            push = [friction.direction.get(k, graph.zero) for k in range(n)]
+            right.append([*push, *[graph.zero] * scene.m])
+        system = Elimination(graph, entries, right, duals, references, located, labels)
         columns = system.solve(strategy)
         if refine:
             columns = system.refined(columns)
@@ -108,15 +97,6 @@ def _labels(scene: SceneGraph) -> Labels:
         [[name + tail for name in right] for tail in tails],
         [[name + tail for name in solution] for tail in tails],
     )
-
-
-def _pushes(scene: SceneGraph) -> list[list[int]]:
-    """Right sides of unit forces of friction."""
-    zero = scene.graph.zero
-    return [
-        [*(f.direction.get(k, zero) for k in range(scene.n)), *[zero] * scene.m]
-        for f in scene.frictions
-    ]
 
 
 def _kinematics(scene: SceneGraph) -> Kernel:
