@@ -14,6 +14,8 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np import arrayobj
 
+from runtime.core.array_types import tuple_type
+
 _arrays: Any = arrayobj  # numba leaves these untyped
 _tools: Any = cgutils
 
@@ -56,7 +58,7 @@ def _view(typing_context: Any, base: Any, start: Any, shape: Any) -> Any:
         return None
     pair = isinstance(shape, types.BaseTuple)
     result = types.Array(base.dtype, 2 if pair else 1, "C")
-    signature = result(base, types.intp, types.UniTuple(types.intp, 2) if pair else types.intp)
+    signature = result(base, types.intp, tuple_type((types.intp,) * 2) if pair else types.intp)
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         source = open_array(context, builder, signature, arguments)

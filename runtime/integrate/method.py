@@ -16,7 +16,7 @@ from codegen.module_signature import import_generated
 if TYPE_CHECKING:
     from runtime.core.array_types import Integers
 
-    Stages = Callable[[Integers, float, float], int]
+    Step = Callable[[Integers, float, float], int]  # context t h
     Error = Callable[[Integers, float, float], float]
     Propose = Callable[[Integers, float], float]
 
@@ -88,12 +88,12 @@ class Method:
     grow: float  # largest
     # Take the step from Y0 with derivative K to Y1, not yet returned onto the constraints. Answers
     # the Newton iterations that took, negative where one failed.
-    stages: "Stages"
+    stages: "Step"
     error: "Error"  # estimated, of the step over its tolerance, root mean square over q and v
-    dense: "Stages"  # fills the coefficient rows of the dense output; answers as `stages`
+    dense: "Step"  # fills the coefficient rows of the dense output; answers as `stages`
     propose: "Propose"  # ratio of the next step's length to that of the step just accepted
-    accepted: "Stages"  # is called after each accepted step; answers 1 where another method is due
-    restart: "Stages"  # and where the motion goes on under other equations, or after another method
+    accepted: "Step"  # called after each accepted step; answers 1 where another method is due
+    restart: "Step"  # called where the motion goes on by other equations, or after another method
     # Evaluations of the right-hand side in `stages` and in `dense`, for the statistics. The first
     # is 0 in implicit methods, which count their own, and only in them.
     stage_calls: int = 0
