@@ -6,7 +6,7 @@ from pathlib import Path
 from codegen.declare.scene import Scene
 from codegen.driver import valid_scenes
 from codegen.model import Model
-from codegen.model.coupler_rods import FORMS
+from codegen.model.bodies import FORMS
 from codegen.model.fidelities import NONE
 from codegen.model.outputs import TRACKED
 from codegen.model_file import read_model

@@ -1,56 +1,79 @@
 """Compilation of the runtime into numba's cache: `python -m runtime.precompile [METHOD ...]`.
 
 The first run after an installation would otherwise wait for one processor. Here several processes
-import the modules with compiled code, each the next one that none has begun; the lock of a function
-(`runtime.core.jit`) keeps two of them from compiling it both.
+import the modules with compiled code, each module after those that it imports, so that none waits
+for what another compiles.
 """
 
+import ast
 import os
 import sys
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from graphlib import TopologicalSorter
 from importlib import import_module
 from multiprocessing import get_context
 from pathlib import Path
 
 from runtime.core.jit import ROOMS
-from runtime.integrate.method import METHODS, find_method
+from runtime.integrate.method import METHODS, REGISTER, find_method
 
 _PROCESSES = 4  # safety: each takes half a GB
 _OUTSIDE = ("dynamics", "continuation", "statics", "mechanism")
 """Rooms with some compiled code beside those that consist of it."""
+_LIBRARY = Path(__file__).parents[1]
+_METHOD_OF = {registration.module: name for name, registration in REGISTER.items()}
 
 
 def precompile(*methods: str) -> None:
     """Compile what runs with these methods need; without names, with any."""
-    context = get_context("spawn")
+    order = TopologicalSorter(import_graph(methods or METHODS))
+    order.prepare()
     processes = min(_PROCESSES, os.cpu_count() or 1)
-    with ProcessPoolExecutor(processes, mp_context=context) as pool:
-        # The methods first: what compiles longest should not begin last.
-        list(pool.map(_import, [*(methods or METHODS)[::-1], *_modules()]))
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+        pending: dict[Future[None], str] = {}
+        while order.is_active():
+            pending |= {pool.submit(_compile, module): module for module in order.get_ready()}
+            for future in wait(pending, return_when=FIRST_COMPLETED).done:
+                future.result()
+                order.done(pending.pop(future))
 
 
-def _import(name: str) -> None:
-    """Import a module, or load a method."""
-    if name in METHODS:
-        find_method(name)
-    else:
-        import_module(name)
-
-
-def _modules() -> list[str]:
-    """Names of modules with compiled code but those of methods, the lower rooms first."""
-    package = Path(__file__).parent
-    files = [
-        path.relative_to(package.parent)
+def import_graph(methods: tuple[str, ...]) -> dict[str, set[str]]:
+    """Module → the modules that it imports, for all with compiled code that the methods need."""
+    rest = [REGISTER[name].module for name in methods]
+    rest += [
+        ".".join(path.relative_to(_LIBRARY).with_suffix("").parts)
         for room in (*ROOMS, *_OUTSIDE)
-        for path in sorted((package / room).rglob("*.py"))
-        if b"runtime.core.jit" in path.read_bytes()
+        for path in sorted((_LIBRARY / "runtime" / room).rglob("*.py"))
+        if b"runtime.core.jit" in path.read_bytes() and "implicit" not in path.parts
     ]
-    return [
-        ".".join(path.with_suffix("").parts)
-        for path in files
-        if not {"explicit", "implicit"}.intersection(path.parts)
-    ]
+    graph: dict[str, set[str]] = {}
+    while rest:
+        if (module := rest.pop()) not in graph:
+            graph[module] = _imports(module)
+            rest += graph[module]
+    return graph
+
+
+def _imports(module: str) -> set[str]:
+    """Modules of the runtime that a module imports."""
+    tree = ast.parse(_path(module).read_bytes())
+    lines = [line for line in tree.body if isinstance(line, ast.ImportFrom) and line.module]
+    names = {f"{line.module}.{alias.name}" for line in lines for alias in line.names}
+    names |= {str(line.module) for line in lines}
+    return {name for name in names if name.startswith("runtime.") and _path(name).is_file()}
+
+
+def _path(module: str) -> Path:
+    return _LIBRARY.joinpath(*module.split(".")).with_suffix(".py")
+
+
+def _compile(module: str) -> None:
+    """Import a module; a method is loaded as runs load it."""
+    if module in _METHOD_OF:
+        find_method(_METHOD_OF[module])
+    else:
+        import_module(module)
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ them are reported together.
 
 import re
 from collections.abc import Iterable, Iterator
+from itertools import chain
 
 import sympy
 
@@ -202,8 +203,8 @@ def _needed(model: Model, scene: Scene, name: str) -> list[str]:
     element: Constraint | Effect = model.drivers.get(name) or model.acting(scene)[name]
     needed = [body.name for body in element.bodies if not body.fixed]
     if isinstance(element, Effect):
-        if law := elements.friction_law(element):
-            needed.append(law.joint)
+        if hasattr(element, "friction"):
+            needed.append(element.friction().joint)
         bodies = tuple(model.bodies[b] for b in scene.bodies)
         for expression in _effect_expressions(element, bodies):
             needed += [s.name.rpartition("_")[0] for s in kinds(expression, Coordinate, Velocity)]
@@ -213,12 +214,11 @@ def _needed(model: Model, scene: Scene, name: str) -> list[str]:
 def _effect_expressions(effect: Effect, bodies: tuple[Body, ...]) -> list[sympy.Basic]:
     forces = effect.forces(bodies)
     expressions: list[sympy.Basic | None] = [*forces, *forces.values(), effect.potential(bodies)]
-    expressions += [e for pair in elements.pulling(effect, bodies) for e in pair]
-    expressions += [value for _, _, value in elements.reported(effect, bodies)]
-    if hold := elements.hold(effect, bodies):
-        expressions += vars(hold).values()
-    if law := elements.friction_law(effect):
-        expressions += (law.strength, law.creep, law.along)
+    law, hold, pulls, reported = elements.optional_answers(effect, bodies)
+    expressions += chain.from_iterable(pulls)
+    expressions += [value for _, _, value in reported]
+    expressions += vars(hold).values() if hold else ()
+    expressions += (law.strength, law.creep, law.along) if law else ()
     return [e for e in expressions if e is not None]
 
 

@@ -56,7 +56,7 @@ def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Itera
     slowest = min(range(len(points)), key=speeds.__getitem__)
     if speeds[slowest] <= TOLERANCE * size:
         yield (
-            f"the profile has a cusp: at α = {_angle(slowest)} rad its tangent is "
+            f"the profile has a cusp: at α = {ALPHAS[slowest]:.4g} rad its tangent is "
             f"{speeds[slowest]:.3g} m per rad; give a smooth profile."
         )
     elif convex:
@@ -66,7 +66,7 @@ def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Itera
         if turn * bends[least] <= TOLERANCE * size * size:
             curvature = turn * bends[least] / speeds[least] ** 3
             yield (
-                f"the profile is not convex: at α = {_angle(least)} rad its curvature is "
+                f"the profile is not convex: at α = {ALPHAS[least]:.4g} rad its curvature is "
                 f"{curvature:.3g} 1/m, and a flat face needs a positive one everywhere; enlarge "
                 "the base circle, or use a roller."
             )
@@ -115,7 +115,3 @@ def _sampled(
     tables["Interpolant"] = lambda table, order, at: table(at, order)
     everything = sympy.lambdify(alpha, expressions, [tables, "math"])
     return [tuple(map(float, everything(value))) for value in at]
-
-
-def _angle(k: int) -> str:
-    return f"{ALPHAS[k]:.4g}"

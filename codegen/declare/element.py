@@ -3,15 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import chain
-from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
+from typing import Any, ClassVar, NamedTuple, Protocol, runtime_checkable
 
 import sympy
 
 from codegen.declare.body import Body, Curve, Point, Pose
 from codegen.declare.symbols import KINDS, Coordinate, given
 from codegen.errors import ModelError
-
-Answer = TypeVar("Answer")
 
 
 @dataclass(frozen=True)
@@ -81,15 +79,10 @@ class JointReaction:
 
 @dataclass(frozen=True)
 class ConjugateReaction:
-    """Each multiplier as the generalized force -λ along the expression that its row constrains.
-
-    Attributes
-    ----------
-    components
-        One (name, unit) a row.
-    """
+    """Each multiplier as the generalized force -λ along the expression that its row constrains."""
 
     components: tuple[tuple[str, str], ...]
+    """(name, unit), one a row."""
 
     @classmethod
     def along(cls, letter: str) -> "ConjugateReaction":
@@ -148,29 +141,14 @@ class FrictionLaw:
     """A force that follows from a joint's reaction, f = -strength · N · tanh(ṡ / creep).
 
     Without creep it is f = -strength · N · σ, with σ the side of the effect's `Sticking`.
-
-    Attributes
-    ----------
-    joint
-        Name of the joint that rubs.
-    strength
-        μ, or μ times an arm in m.
-    creep
-        The speed below which the joint creeps instead of sticking; None where it sticks.
-    along
-        The slip s(q), m or rad; the force acts along it.
-    contacts
-        The loads whose sizes add up to N.
-    unit
-        Of f.
     """
 
-    joint: str
-    strength: sympy.Expr
-    creep: sympy.Expr | None
-    along: sympy.Expr
-    contacts: tuple[Pressing, ...]
-    unit: str
+    joint: str  # name of the joint that rubs
+    strength: sympy.Expr  # μ, or μ times an arm in m
+    creep: sympy.Expr | None  # speed below which the joint creeps; None where it sticks
+    along: sympy.Expr  # the slip s(q), m or rad; the force acts along it
+    contacts: tuple[Pressing, ...]  # the loads whose sizes add up to N
+    unit: str  # of f
 
 
 @dataclass(frozen=True)
@@ -179,18 +157,11 @@ class Sticking:
 
     The effect writes its force with the symbol ``side(name)``, σ = 1 where ṡ > 0 and σ = -1 where
     not. At ṡ = 0 it exerts whatever keeps ṡ there, up to μ_s/μ times its force in sliding.
-
-    Attributes
-    ----------
-    slip
-        ṡ(t, q, q̇), m/s or rad/s.
-    kinetic, static
-        μ and μ_s, of numbers and parameters; None: μ_s = μ.
     """
 
-    slip: sympy.Expr
-    kinetic: sympy.Expr
-    static: sympy.Expr | None = None
+    slip: sympy.Expr  # ṡ(t, q, q̇), m/s or rad/s
+    kinetic: sympy.Expr  # μ, of numbers and parameters, as is μ_s
+    static: sympy.Expr | None = None  # μ_s; None: μ
 
 
 @dataclass(frozen=True)
@@ -199,20 +170,11 @@ class Rigid:
 
     The effect writes its force with the symbol ``side(name)``, σ = 0 where g > 0 and σ = 1 where
     not, as that of the reaction `scale`; a run determines the multiple that keeps the gap closed.
-
-    Attributes
-    ----------
-    gap
-        g(t, q), m.
-    restitution
-        e = -ġ⁺/ġ⁻ of an impact, from 0 to 1, of numbers and parameters.
-    scale
-        F0, N, positive, of numbers and parameters.
     """
 
-    gap: sympy.Expr
-    restitution: sympy.Expr
-    scale: sympy.Expr
+    gap: sympy.Expr  # g(t, q), m
+    restitution: sympy.Expr  # e = -ġ⁺/ġ⁻ of an impact, from 0 to 1, of numbers and parameters
+    scale: sympy.Expr  # F0, N, positive, of numbers and parameters
 
 
 class Element(Protocol):
@@ -231,9 +193,11 @@ class Element(Protocol):
     def bodies(self) -> tuple[Body, ...]:
         """The bodies that the element takes hold of; empty: all of the scene (gravity).
 
-        Those of its fields that are points, curves, bodies or tuples of them, in their order.
+        Those of its fields that are points, curves, bodies or tuples of them, in their order, but
+        for `instead_of`, the body that a joint stands for.
         """
-        values = (v if isinstance(v, tuple) else (v,) for v in vars(self).values())
+        fields = (value for word, value in vars(self).items() if word != "instead_of")
+        values = (v if isinstance(v, tuple) else (v,) for v in fields)
         places = (v for v in chain.from_iterable(values) if isinstance(v, Body | Point | Curve))
         return tuple(v if isinstance(v, Body) else v.body for v in places)
 
@@ -287,9 +251,34 @@ Reported = tuple[tuple[str, str, sympy.Expr], ...]
 """(component, unit, value) of the forces that an effect reports."""
 
 
+class OptionalAnswers(NamedTuple):
+    """The answers that not every effect gives."""
+
+    friction: FrictionLaw | None
+    hold: Sticking | Rigid | None
+    pulls: Pulls
+    reported: Reported
+
+
 def label(element: Element) -> str:
     """``revolute 'A'``: the element in messages."""
     return f"{element.kind} '{element.name}'"
+
+
+def sign_problems(
+    where: str,
+    *values: tuple[str, sympy.Expr | None, str],
+    positive: bool = False,
+    advice: str = "",
+) -> list[str]:
+    """Values, each with its word and unit, that are numbers of the wrong sign."""
+    needed = f"a {'positive number' if positive else 'number that is not negative'}{advice}"
+    return [
+        f"{where}: the {word} is {float(value):g}{unit and f' {unit}'}; give {needed}."
+        for word, value, unit in values
+        if value is not None and value.is_number and value.is_extended_real is not False
+        if value.is_extended_negative or (positive and not value.is_extended_positive)
+    ]
 
 
 def own_coordinates(constraint: Constraint) -> tuple[Coordinate, ...]:
@@ -297,28 +286,15 @@ def own_coordinates(constraint: Constraint) -> tuple[Coordinate, ...]:
     return () if constraint.problems() else tuple(q for _, q in constraint.statement().own)
 
 
-def friction_law(effect: Effect) -> FrictionLaw | None:
-    """The law of an effect that follows from a joint's reaction."""
-    return _optional(effect, "friction", None)
+def optional_answers(effect: Effect, bodies: tuple[Body, ...]) -> OptionalAnswers:
+    """The answers of the methods that an effect has, and those of one without them."""
 
+    def answer(word: str, otherwise: Any, *arguments: Any) -> Any:
+        return getattr(effect, word)(*arguments) if hasattr(effect, word) else otherwise
 
-def hold(effect: Effect, bodies: tuple[Body, ...]) -> Sticking | Rigid | None:
-    """How an effect keeps its switching function at zero, if it does."""
-    return _optional(effect, "hold", None, bodies)
-
-
-def pulling(effect: Effect, bodies: tuple[Body, ...]) -> Pulls:
-    """The forces of an effect along scalars."""
-    return _optional(effect, "pulls", (), bodies)
-
-
-def reported(effect: Effect, bodies: tuple[Body, ...]) -> Reported:
-    """The forces that an effect reports."""
-    return _optional(effect, "reported", (), bodies)
-
-
-def _optional(effect: Effect, word: str, otherwise: Answer, *arguments: Any) -> Answer:
-    """The answer of a method that not every effect has."""
-    method = getattr(effect, word, None)
-    answer: Answer = otherwise if method is None else method(*arguments)
-    return answer
+    return OptionalAnswers(
+        answer("friction", None),
+        answer("hold", None, bodies),
+        answer("pulls", (), bodies),
+        answer("reported", (), bodies),
+    )

@@ -9,17 +9,12 @@ ANALYSES = ("dynamics", "kinematics", "equilibrium")
 Pairs = tuple[tuple[str, float], ...]
 
 
-@dataclass(frozen=True)
-class Request:
-    """The request of a scene, by name and unresolved; an extension builds on it.
-
-    The fields are those of `Scene`; `without` names bodies, joints, effects and drivers that
-    do not take part, and `fidelity` may name groups of alternatives too.
-    """
+@dataclass(frozen=True, kw_only=True)
+class Choices:
+    """The fields that a scene shares with its request."""
 
     effects: tuple[str, ...] = ()
     drivers: tuple[str, ...] = ()
-    without: tuple[str, ...] = ()
     fidelity: tuple[tuple[str, str], ...] = ()
     start: Pairs = ()
     guess: Pairs = ()
@@ -27,6 +22,17 @@ class Request:
     frozen: bool = False
     analysis: Analysis = "dynamics"
     outputs: tuple[str, ...] | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request(Choices):
+    """The request of a scene, by name and unresolved; an extension builds on it.
+
+    `without` names bodies, joints, effects and drivers that do not take part; `fidelity` may name
+    groups of alternatives too.
+    """
+
+    without: tuple[str, ...] = ()
 
     def extended(self, by: "Request", explicit: frozenset[str]) -> "Request":
         """The request, overridden by that of an extension.
@@ -58,8 +64,8 @@ class Owner(Protocol):
         """The scene with elements out and in, and other words changed."""
 
 
-@dataclass(frozen=True)
-class Scene:
+@dataclass(frozen=True, kw_only=True)
+class Scene(Choices):
     """The elements that are compiled together, by name.
 
     Attributes
@@ -94,16 +100,7 @@ class Scene:
 
     name: str
     bodies: tuple[str, ...]
-    effects: tuple[str, ...]
-    drivers: tuple[str, ...]
     inactive_joints: tuple[str, ...]
-    fidelity: tuple[tuple[str, str], ...]
-    start: Pairs
-    guess: Pairs
-    parameters: Pairs
-    frozen: bool
-    analysis: Analysis
-    outputs: tuple[str, ...] | None = None
     request: Request = field(default=Request(), repr=False, compare=False)
     owner: Owner | None = field(default=None, repr=False, compare=False)
     expression: str = field(default="", repr=False, compare=False)
@@ -144,26 +141,24 @@ class Scene:
         how = dict(self.fidelity)
         acting = [f"{e} ({how[e]})" if e in how else e for e in self.effects]
         forms = [f"{name} as {word}" for name, word in how.items() if name not in self.effects]
-        lines = [
-            f"{self.name}: {self.analysis}{machine}",
-            f"  bodies      {', '.join(self.bodies) or 'none'}",
-            f"  acting      {', '.join(acting) or 'nothing'}",
-            f"  driven by   {', '.join(self.drivers) or 'nothing'}",
-        ]
-        lines += [f"  taken       {', '.join(forms)}"] if forms else []
-        before = self.root or self
-        gone = [
-            n for n in (*before.effects, *before.drivers) if n not in self.effects + self.drivers
-        ]
-        gone += [n for n in self.request.without if n not in gone]
-        lines += [f"  left out    {', '.join(gone)}"] if gone else []
-        lines += [f"  start       {_values(self.start)}"] if self.start else []
-        lines += [f"  near        {_values(self.guess)}"] if self.guess else []
-        lines += [f"  parameters  {_values(self.parameters)}"] if self.parameters else []
-        lines += ["  parameters are fixed"] if self.frozen else []
-        outputs = "all that there is" if self.outputs is None else ", ".join(self.outputs)
-        return "\n".join([*lines, f"  reported    {outputs or 'the motion alone'}"])
+        before, acts = self.root or self, {*self.effects, *self.drivers}
+        gone = [n for n in (*before.effects, *before.drivers) if n not in acts]
+        outputs = ["all that there is"] if self.outputs is None else self.outputs
+        rows = {
+            "bodies": self.bodies or ["none"],
+            "acting": acting or ["nothing"],
+            "driven by": self.drivers or ["nothing"],
+            "taken": forms,
+            "left out": dict.fromkeys((*gone, *self.request.without)),
+            "start": _values(self.start),
+            "near": _values(self.guess),
+            "parameters": _values(self.parameters),
+            "parameters are fixed": [""] if self.frozen else [],
+            "reported": outputs or ["the motion alone"],
+        }
+        shown = (f"  {word:<11} {', '.join(row)}".rstrip() for word, row in rows.items() if row)
+        return "\n".join((f"{self.name}: {self.analysis}{machine}", *shown))
 
 
-def _values(pairs: Pairs) -> str:
-    return ", ".join(f"{name} = {value:g}" for name, value in pairs)
+def _values(pairs: Pairs) -> list[str]:
+    return [f"{name} = {value:g}" for name, value in pairs]

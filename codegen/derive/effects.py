@@ -70,13 +70,12 @@ def effect_terms(effect: el.Effect, bodies: tuple[Body, ...]) -> EffectTerms:
         potential = _pieces(potential)
     forces = sorted(effect.forces(bodies).items(), key=lambda pair: pair[0].name)
     loads = tuple((q, f) for q, f in ((q, _pieces(force)) for q, force in forces) if f != 0)
-    pulls = tuple((s, _pull(s, f)) for s, f in el.pulling(effect, bodies) if f != 0)
-    components = tuple(
-        (part, unit, _pieces(value)) for part, unit, value in el.reported(effect, bodies)
-    )
-    law = el.hold(effect, bodies)
+    law, hold, along_scalars, reported = el.optional_answers(effect, bodies)
+    pulls = tuple((s, _pull(s, f)) for s, f in along_scalars if f != 0)
+    components = tuple((part, unit, _pieces(value)) for part, unit, value in reported)
+    friction = None if law is None else _friction(effect.name, law, hold)
     weights = effect.weights(bodies) if hasattr(effect, "weights") else ()
-    return EffectTerms(potential, loads, pulls, _friction(effect, law), law, components, weights)
+    return EffectTerms(potential, loads, pulls, friction, hold, components, weights)
 
 
 @cache
@@ -93,20 +92,12 @@ def _pull(s: sympy.Expr, f: sympy.Expr) -> sympy.Expr:
     return pieces.xreplace({c: c.xreplace({SPEED: rate(s)}) for c in turns if c.has(SPEED)})
 
 
-def derived_effects() -> int:
-    """How many different potentials and forces have been worked on in this process."""
-    return _pieces.cache_info().misses
-
-
 def _friction(
-    effect: el.Effect, law_at_rest: el.Sticking | el.Rigid | None
-) -> FrictionTerms | None:
-    law = el.friction_law(effect)
-    if law is None:
-        return None
+    effect: str, law: el.FrictionLaw, law_at_rest: el.Sticking | el.Rigid | None
+) -> FrictionTerms:
     direction = tuple((q, derivative(law.along, q)) for q in kinds(law.along, Coordinate))
     slip = sympy.Add(*(slope * q.rate for q, slope in direction), derivative(law.along, t))
-    direction_of_slip = side(effect.name) if law.creep is None else sympy.tanh(slip / law.creep)
+    direction_of_slip = side(effect) if law.creep is None else sympy.tanh(slip / law.creep)
     grip, limit = law.strength * direction_of_slip, None
     if isinstance(law_at_rest, el.Sticking) and law.creep is None:
         more = 1 if law_at_rest.static is None else law_at_rest.static / law_at_rest.kinetic

@@ -153,19 +153,9 @@ def _problems(cls: type[Any]) -> list[str]:
             f"{where} lacks {', '.join(missing)}; a joint or driver answers "
             f"{', '.join(CONSTRAINT)}, a force {', '.join(EFFECT)}."
         )
-    registered = _KINDS.get(kind)
-    if (
-        registered
-        and not (registered.is_user_defined and not _of_library(cls))
-        and not _same(registered.element, cls)
-    ):
-        problems.append(
-            f"{where}: the kind '{kind}' is that of {registered.element.__module__}."
-            f"{registered.element.__qualname__}; give another."
-        )
+    taken = _KINDS.get(kind)
+    if taken and (_of_library(cls) or not taken.is_user_defined):
+        home = f"{taken.element.__module__}.{taken.element.__qualname__}"
+        if home != f"{cls.__module__}.{cls.__qualname__}":  # not the same definition, met again
+            problems.append(f"{where}: the kind '{kind}' is that of {home}; give another.")
     return problems
-
-
-def _same(one: type[Any], other: type[Any]) -> bool:
-    """Whether two classes are one definition, met again."""
-    return (one.__module__, one.__qualname__) == (other.__module__, other.__qualname__)

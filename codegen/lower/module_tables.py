@@ -1,10 +1,10 @@
 """The tables of a generated module: plain values, for the runtime and for readers."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from codegen.derive.equations import Equations
-from codegen.lower.scene_graph import SceneGraph
+from codegen.lower.scene_graph import Reaction, SceneGraph
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def describe(
     equations: Equations,
     scene: SceneGraph,
     powers: list[tuple[str, str, int]],
-    reported: tuple[int, ...],
+    reported: Sequence[Reaction],
     recovered: tuple[int, ...],
 ) -> Description:
     """The tables of a scene, with its powers, its reported reactions and recovered multipliers."""
@@ -98,7 +98,7 @@ def describe(
         ),
         rigid=tuple((contact.effect, contact.switch) for contact in equations.contacts),
         stiction=equations.stiction,
-        reactions=tuple(scene.reactions[k][:3] for k in reported),
+        reactions=tuple(row[:3] for row in reported),
         powers=tuple((source, kind) for source, kind, _ in powers),
         start=tuple(start),
         jacobian=Pattern.of(scene.jacobian),

@@ -2,6 +2,8 @@
 
 from collections import Counter
 
+from codegen.lower.constant_hoisting import with_constants
+from codegen.lower.graph import Graph
 from codegen.lower.program import FUNCTIONS, LEAVES, LOGICAL, Kernel, Op, Program
 
 WEIGHTS = {Op.DIV: 5, Op.SQRT: 5, Op.NEG: 0, Op.SELECT: 1}
@@ -21,13 +23,12 @@ def by_element(program: Program, kernel: Kernel) -> Counter[str]:
     return counts
 
 
-def cost(program: Program, kernel: Kernel) -> int:
-    """Operations weighted by their time, to compare two programs for the same question."""
-    total = 0
-    for number in _computed(program, kernel):
-        op = program.values[number].op
-        total += 20 if op in FUNCTIONS and op is not Op.SQRT else WEIGHTS.get(op, 1)
-    return total + 2 * len(kernel.checks)
+def cost(graph: Graph, kernel: Kernel) -> int:
+    """Operations weighted by their time, to compare two kernels for the same question."""
+    program = with_constants(graph, (kernel,), declared=0)
+    ops = (program.values[number].op for number in _computed(program, kernel))
+    slow = FUNCTIONS - {Op.SQRT}
+    return sum(20 if op in slow else WEIGHTS.get(op, 1) for op in ops) + 2 * len(kernel.checks)
 
 
 def _computed(program: Program, kernel: Kernel) -> list[int]:

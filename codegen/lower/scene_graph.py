@@ -19,9 +19,22 @@ class Friction(NamedTuple):
     coefficient: int
     direction: dict[int, int]  # column → generalized force of a unit force
     # one a contact: a vector, each entry a sum over row → factor of the multiplier
-    loads: tuple[tuple[dict[int, int], ...], ...]
-    is_stuck: int | None = None  # whether it sticks
-    stiction: int | None = None  # its force along `direction`; None: no run determines it
+    loads: list[list[dict[int, int]]]
+    is_stuck: int | None  # whether it sticks by a force that a run determines; None: never
+    stiction: int  # that force along `direction`
+
+    def choice(self, graph: Graph, sticking: int, sliding: int) -> int:
+        """One value while the friction sticks, another while it slides."""
+        return sliding if self.is_stuck is None else graph.select(self.is_stuck, sticking, sliding)
+
+
+class Reaction(NamedTuple):
+    """A component of a force that an element transmits or exerts."""
+
+    element: str
+    component: str
+    unit: str
+    value: int
 
 
 class SceneGraph:
@@ -30,30 +43,37 @@ class SceneGraph:
     def __init__(self, equations: Equations) -> None:
         self.equations = equations
         self.n = len(equations.coordinates)
-        self.m = sum(len(c.terms.phi) for c in equations.constraints)
+        self.names = [q.name for q in equations.coordinates]
+        self.rates = [q.rate.name for q in equations.coordinates]  # names of the velocities
+        self.owners: list[str] = []  # the element of each constraint
+        self.rows: list[str] = []  # names of the constraints
+        for c in equations.constraints:
+            several = len(c.statement.rows) > 1
+            self.owners += [c.name] * len(c.statement.rows)
+            self.rows += [f"{c.name}_{row}" if several else c.name for row in c.statement.rows]
+        self.m = len(self.rows)
         # whether a kinematic scene has as many constraints as coordinates
         self.driven = self.m == self.n > 0 and equations.scene.analysis == "kinematics"
         self.graph = graph = Graph()
         self.columns = {q: k for k, q in enumerate(equations.coordinates)}
-        self.w = self._inputs("w", [f"w_{q.name}" for q in equations.coordinates])
-        self.q = self._inputs("q", [q.name for q in equations.coordinates])
-        self.v = self._inputs("v", [q.rate.name for q in equations.coordinates])
-        self.lam = self._inputs("lam", [f"lambda_{name}" for name in self.row_names()])
+        self.w = self._inputs("w", [f"w_{name}" for name in self.names])
+        self.q = self._inputs("q", self.names)
+        self.v = self._inputs("v", self.rates)
+        self.lam = self._inputs("lam", [f"lambda_{name}" for name in self.rows])
+        self.time = graph.input("t", 0, "t")
         switches = enumerate(equations.switches)
         modes = {switch.g: k for k, switch in switches if switch.kind != "contact"}
         self.translate = Translator(graph, self._environment(), modes)
-        self.translate.environment |= self._sides()
         self.phi: list[int] = []  # Φ, as ν and γ one value a constraint
         self.nu: list[int] = []
         self.gamma: list[int] = []
         self.jacobian: dict[tuple[int, int], int] = {}  # (row, column) → value, non-zeros in order
         # (row, column) of the constraints that determine a coordinate without mass
         self.massless: list[tuple[int, int]] = []
-        self.reactions: list[tuple[str, str, str, int]] = []  # (element, component, unit, value)
+        self.reactions: list[Reaction] = []
         laws = (e.terms.friction for e in equations.effects)
         self._rubbing = {law.joint for law in laws if law}
         self._pressing: dict[tuple[str, str], dict[int, int]] = {}
-        self.time = graph.input("t", 0, "t")
         self.slopes = Slopes(graph, (*self.q, self.time))  # by q and t
         velocities = dict(zip(self.q, self.v, strict=True))
         self.moving = Direction(graph, velocities, order=1)  # along q̇ with t held
@@ -61,27 +81,13 @@ class SceneGraph:
         self._constraints()
         self._effects()
 
-    @property
-    def owners(self) -> list[str]:
-        """The element of each constraint."""
-        return [c.name for c in self.equations.constraints for _ in c.statement.rows]
-
-    # -- inputs ------------------------------------------------------------------------------
-
-    def row_names(self) -> list[str]:
-        """A name for each constraint."""
-        return [
-            f"{c.name}_{row}" if len(c.statement.rows) > 1 else c.name
-            for c in self.equations.constraints
-            for row in c.statement.rows
-        ]
-
     def _inputs(self, array: str, names: list[str]) -> list[int]:
         return [self.graph.input(array, k, name) for k, name in enumerate(names)]
 
     def _environment(self) -> dict[sympy.Symbol, int]:
+        """The value of each symbol; where one says on which side an effect acts, by its mode."""
         graph, equations = self.graph, self.equations
-        environment: dict[sympy.Symbol, int] = {t: graph.input("t", 0, "t")}
+        environment: dict[sympy.Symbol, int] = {t: self.time}
         for k, p in enumerate(equations.parameters):
             frozen = equations.scene.frozen
             number = graph.constant(p.value) if frozen else graph.input("p", k, p.name)
@@ -90,44 +96,35 @@ class SceneGraph:
             environment[q], environment[q.rate] = self.q[k], self.v[k]
             rate = Acceleration(f"{q.rate.name}_rate", real=True)
             environment[rate] = graph.input("a", k, rate.name)
+        for side in equations.sides:
+            values = (graph.constant(float(x)) for x in (side.above, side.below))
+            environment[side.symbol] = graph.select(graph.mode(side.switch), *values)
         return environment
 
-    def _sides(self) -> dict[sympy.Symbol, int]:
-        """A choice by its mode for each symbol that says on which side an effect acts."""
-        graph = self.graph
-        return {
-            side.symbol: graph.select(
-                graph.mode(side.switch),
-                graph.constant(float(side.above)),
-                graph.constant(float(side.below)),
-            )
-            for side in self.equations.sides
-        }
+    def credited(self, element: str, *expressions: sympy.Expr) -> list[int]:
+        """The values of expressions that serve an element."""
+        with self.graph.serving(element):
+            return [self.translate(expression) for expression in expressions]
 
     # -- equations ---------------------------------------------------------------------------
 
     def _constraints(self) -> None:
-        still = self.equations.scene.analysis == "equilibrium"  # at rest γ vanishes
         for element in self.equations.constraints:
-            terms, bindings = element.terms, dict(element.statement.bindings)
-            inner: dict[sympy.Symbol, sympy.Expr | int] = dict(bindings)
-            for place, meaning in bindings.items():
+            terms, statement, first = element.terms, element.statement, len(self.phi)
+            inner: dict[sympy.Symbol, sympy.Expr | int] = dict(statement.bindings)
+            for place, meaning in statement.bindings.items():
                 if place in terms.coordinates:
                     inner[place.rate] = meaning.rate if meaning in self.columns else sympy.S.Zero
-            first = len(self.phi)
-            rows = element.statement.rows
-            self.massless += [
-                (first + rows.index(row), self.columns[q]) for row, q in element.statement.own
-            ]
-            for k, multiplier in enumerate(terms.multipliers):
-                inner[multiplier] = self.lam[first + k]
+            for row, q in statement.own:
+                self.massless.append((first + statement.rows.index(row), self.columns[q]))
+            inner |= zip(terms.multipliers, self.lam[first:], strict=False)
             with self.graph.serving(element.name):
                 translate = self.translate.scoped(inner)
                 for phi in terms.phi:
-                    self._row(translate(phi), still)
+                    self._row(translate(phi))
                 for component, unit, reaction in terms.reactions:
                     value = translate(reaction)
-                    self.reactions.append((element.name, component, unit, value))
+                    self.reactions.append(Reaction(element.name, component, unit, value))
                     if element.name in self._rubbing:
                         self._pressing[element.name, component] = {
                             first + k: translate(sympy.diff(reaction, lam))
@@ -135,15 +132,16 @@ class SceneGraph:
                         }
         self.jacobian = dict(sorted(self.jacobian.items()))
 
-    def _row(self, phi: int, still: bool) -> None:
+    def _row(self, phi: int) -> None:
         """Add Φ, Φ_q, ν and γ of one constraint."""
-        graph = self.graph
+        graph, resting = self.graph, self.equations.scene.analysis == "equilibrium"
         slopes = self.slopes.gradient({phi: graph.one})
         for k, q in enumerate(self.q):
             if q in slopes:
                 self.jacobian[len(self.phi), k] = slopes[q]
         self.nu.append(graph.neg(slopes.get(self.time, graph.zero)))
-        bend = graph.zero if still else self.motion.jet(phi).second.scaled(-1.0).value()
+        # at rest γ vanishes
+        bend = graph.zero if resting else self.motion.jet(phi).second.scaled(-1.0).value()
         self.gamma.append(bend)
         self.phi.append(phi)
 
@@ -174,7 +172,8 @@ class SceneGraph:
                     stored = self.moving.jet(energy).first.value()
                     self.working[effect.name] = graph.sub(power, stored)
                 for part, unit, value in terms.reported:
-                    self.reactions.append((effect.name, part, unit, self.translate(value)))
+                    reaction = Reaction(effect.name, part, unit, self.translate(value))
+                    self.reactions.append(reaction)
                 if terms.friction:
                     self._friction(effect.name, terms.friction)
         with graph.serving("masses"):
@@ -217,34 +216,27 @@ class SceneGraph:
         graph = self.graph
         coefficient = self.translate(terms.grip)
         direction = {self.columns[q]: self.translate(slope) for q, slope in terms.direction}
-        loads = tuple(
-            tuple(self._load(terms.joint, entry) for entry in contact) for contact in terms.contacts
-        )
-        is_stuck, stiction = self._stiction(name)
-        self.frictions.append(Friction(coefficient, direction, loads, is_stuck, stiction))
+        loads = [[self._load(terms.joint, entry) for entry in c] for c in terms.contacts]
+        is_stuck, stiction = None, graph.zero
+        for place, (effect, switch) in enumerate(self.equations.stiction):
+            if effect == name:
+                is_stuck = graph.is_sliding(switch)
+                stiction = graph.input("stiction", place, f"stiction_{name}")
+        friction = Friction(coefficient, direction, loads, is_stuck, stiction)
+        self.frictions.append(friction)
         sizes = [self.size([self.along(entry, self.lam) for entry in load]) for load in loads]
         pressing = graph.total(sizes)
-        force = graph.neg(graph.mul(coefficient, pressing))
-        if is_stuck is not None and stiction is not None:
-            force = graph.select(is_stuck, stiction, force)
-        self.reactions.append((name, "force" if terms.unit == "N" else "torque", terms.unit, force))
+        force = friction.choice(graph, stiction, graph.neg(graph.mul(coefficient, pressing)))
+        kind = "force" if terms.unit == "N" else "torque"
+        self.reactions.append(Reaction(name, kind, terms.unit, force))
         if terms.sticks:
-            self.reactions.append((name, "normal", "N", pressing))
+            self.reactions.append(Reaction(name, "normal", "N", pressing))
         if terms.limit is not None:
             limit = graph.mul(self.translate(terms.limit), pressing)
-            self.reactions.append((name, "limit", terms.unit, limit))
+            self.reactions.append(Reaction(name, "limit", terms.unit, limit))
         power = graph.mul(force, self.translate(terms.slip))
         self.powers.append((name, power))
         self.working[name] = power
-
-    def _stiction(self, name: str) -> tuple[int, int] | tuple[None, None]:
-        """Whether the friction `name` sticks, and its stiction force, if a run determines that."""
-        for place, (effect, switch) in enumerate(self.equations.stiction):
-            if effect == name:
-                return self.graph.is_sliding(switch), self.graph.input(
-                    "stiction", place, f"stiction_{name}"
-                )
-        return None, None
 
     def _load(self, joint: str, entry: tuple[tuple[str, sympy.Expr], ...]) -> dict[int, int]:
         """Row → factor of a sum of components of a joint's reaction."""

@@ -6,22 +6,17 @@ from typing import Any, TypeVar
 
 import sympy
 
-from codegen.declare.body import Body, Ground, Point
+from codegen.declare import symbols as sy
+from codegen.declare.body import Body, Ground, Particle, Point
 from codegen.declare.element import Constraint, Effect, own_coordinates
 from codegen.declare.names import name_problem
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import (
-    Coordinate,
-    Parameter,
-    ParameterDeclaration,
-    SignRule,
-    Velocity,
-    kinds,
-)
 from codegen.declare.value_reader import Reader
+from codegen.elements.registry import role
 
-JointType = TypeVar("JointType", bound=Constraint)
-EffectType = TypeVar("EffectType", bound=Effect)
+Declared = TypeVar("Declared", bound=Constraint | Effect | Body)
+Place = Point | Body  # a body means its centre of mass
+Pair = tuple[Any, Any]
 Ends = tuple[Point, Point]
 
 
@@ -33,7 +28,7 @@ class Declarations:
         self.token = object()
         self.ground = Ground("ground", None, None, self.token)
         self.bodies: dict[str, Body] = {}
-        self.parameters: dict[str, ParameterDeclaration] = {}
+        self.parameters: dict[str, sy.ParameterDeclaration] = {}
         self.joints: dict[str, Constraint] = {}
         self.drivers: dict[str, Constraint] = {}
         self.effects: dict[str, Effect] = {}
@@ -43,6 +38,7 @@ class Declarations:
         self.couplers: dict[str, tuple[Body, ...]] = {}
         self.files: list[Path] = []
         self._read = Reader()
+        self._note = self._read.note
         self._kinds: dict[str, str] = {"ground": "body"}
         if problem := name_problem("model", name):
             self._note(problem)
@@ -62,19 +58,16 @@ class Declarations:
         """All bodies, joints, effects and drivers by name."""
         return {**self.bodies, **self.joints, **self.effects, **self.drivers}
 
-    def _note(self, problem: str) -> None:
-        self._read.note(problem)
-
-    def _value(self, value: Any, unit: str, where: str, sign: SignRule = "") -> Any:
+    def _value(self, value: Any, unit: str, where: str, sign: sy.SignRule = "") -> Any:
         """An expression in `unit`; a parameter that stands alone obeys the sign rule henceforth."""
         read = self._read.value(value, unit, where)
-        if sign and isinstance(read, Parameter) and read.name in self.parameters:
+        if sign and isinstance(read, sy.Parameter) and read.name in self.parameters:
             declared = self.parameters[read.name]
             if declared.sign != "positive":
                 self.parameters[declared.name] = replace(declared, sign=sign)
         return read
 
-    def _optional(self, value: Any, unit: str, where: str, sign: SignRule = "") -> Any:
+    def _optional(self, value: Any, unit: str, where: str, sign: sy.SignRule = "") -> Any:
         """The same of a value that may be left out, None."""
         return None if value is None else self._value(value, unit, where, sign)
 
@@ -96,24 +89,23 @@ class Declarations:
         self._kinds[name] = kind
         return True
 
-    def _joint(self, element: JointType) -> JointType:
-        if self._claim("joint", element.name):
-            self.joints[element.name] = element
-        return element
-
-    def _driver(self, element: JointType) -> JointType:
-        if self._claim("driver", element.name):
-            self.drivers[element.name] = element
-        return element
-
-    def _effect(
-        self, element: EffectType, forms: dict[str, Effect | str] | None = None
-    ) -> EffectType:
-        """Declare an effect; `forms`: fidelity → its effect, or why it has none."""
-        if self._claim("effect", element.name):
-            self.effects[element.name] = element
-            if forms:
-                self.fidelities[element.name] = forms
+    def _declare(self, element: Declared) -> Declared:
+        """Declare an element among those of its role."""
+        tables: dict[str, dict[str, Any]] = {
+            "body": self.bodies,
+            "particle": self.bodies,
+            "joint": self.joints,
+            "driver": self.drivers,
+            "effect": self.effects,
+        }
+        if isinstance(element, Body):
+            word = "particle" if isinstance(element, Particle) else "body"
+        elif isinstance(element, Constraint):
+            word = "driver" if role(element.kind) == "driver" else "joint"
+        else:
+            word = "effect"
+        if self._claim(word, element.name):
+            tables[word][element.name] = element
         return element
 
     def _point(self, name: str, place: Any) -> Point:
@@ -134,16 +126,15 @@ class Declarations:
     def _pair(self, name: str, i: Any, j: Any) -> Ends:
         return self._point(name, i), self._point(name, j)
 
-    def _coordinates(self) -> tuple[Coordinate, ...]:
+    def _coordinates(self) -> tuple[sy.Coordinate, ...]:
         """Those of all bodies, and those that joints bring."""
         of_bodies = (q for body in self.bodies.values() for q in body.coordinates)
         of_joints = (q for joint in self.joints.values() for q in own_coordinates(joint))
         return (*of_bodies, *of_joints)
 
     def _bodies_in(self, *expressions: Any) -> tuple[Body, ...]:
-        owners = {
-            s.name.rpartition("_")[0] for e in expressions for s in kinds(e, Coordinate, Velocity)
-        }
+        symbols = (s for e in expressions for s in sy.kinds(e, sy.Coordinate, sy.Velocity))
+        owners = {s.name.rpartition("_")[0] for s in symbols}
         for name in owners & {*self.joints}:
             owners |= {body.name for body in self.joints[name].bodies}
         return tuple(body for name, body in self.bodies.items() if name in owners)

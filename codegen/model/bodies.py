@@ -1,55 +1,112 @@
-"""The bodies of a declaration."""
+"""The bodies of a declaration: rigid bodies, particles, and couplers.
 
-from typing import Any
+A coupler is a rod between two pins, taken as heavy as a question needs it (Haug 8.1): as a body, as
+a massless link, or as a link with its mass at the pins.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Literal
 
 import sympy
 
-from codegen.declare.body import Body, Particle
-from codegen.model.base import Declarations
+from codegen.declare.body import Body, Particle, Point
+from codegen.declare.value_reader import Reader
+from codegen.model.base import Place
+from codegen.model.joints import Joints
+
+Form = Literal["body", "link", "lumped"]
+FORMS = ("body", "link", "lumped")
 
 
-class Bodies(Declarations):
-    """The bodies and particles of a declaration."""
+class Bodies(Joints):
+    """The bodies, particles and couplers of a declaration."""
 
     def body(self, name: str, mass: Any = None, inertia: Any = None) -> Body:
         """A rigid body with its centre of mass at its origin.
 
         Parameters
         ----------
-        name
-            An identifier.
         mass, inertia
             Numbers in kg and kg m², pint quantities, parameters or expressions of them; may be
             left out where only kinematic scenes use the body.
         """
         m = self._positive(mass, "kg", f"mass of body '{name}'")
         j = self._positive(inertia, "kg m^2", f"inertia of body '{name}'")
-        body = Body(str(name), m, j, self.token)
-        if self._claim("body", name):
-            self.bodies[name] = body
-        return body
+        return self._declare(Body(name, m, j, self.token))
 
     def particle(self, name: str, mass: Any = None) -> Particle:
-        """A point mass, with two coordinates and no orientation.
+        """A point mass, with two coordinates and no orientation; its `mass` is as in `body`."""
+        m = self._positive(mass, "kg", f"mass of particle '{name}'")
+        return self._declare(Particle(name, m, None, self.token))
+
+    def coupler(
+        self, name: str, i: Place, j: Place, length: Any, mass: Any = None, inertia: Any = None
+    ) -> Body:
+        """A rod of `length` from a pin at `i` to a pin at `j`; scenes choose how heavy it is.
+
+        The body `name` has its centre of mass midway, the pins at x' = ±length/2, and the
+        revolute joints ``{name}_i`` and ``{name}_j``. In a scene with ``couplers={name: "link"}``
+        the massless link ``{name}_link`` takes its place; with ``"lumped"`` this link and half the
+        mass at either pin, the particles ``{name}_half_i`` and ``{name}_half_j``. A body of
+        the inertia m L²/4 moves as the lumped one does.
 
         Parameters
         ----------
-        name
-            An identifier.
-        mass
-            A number in kg, a pint quantity, a parameter or an expression of them; may be left out
-            where only kinematic scenes use the particle.
+        i, j
+            Points of two bodies; a body means its centre of mass.
+        length
+            L, m.
+        mass, inertia
+            As in `body`; the inertia about the centre of mass.
         """
-        m = self._positive(mass, "kg", f"mass of particle '{name}'")
-        particle = Particle(str(name), m, None, self.token)
-        if self._claim("particle", name):
-            self.bodies[name] = particle
-        return particle
+        span = self._value(length, "m", f"length of '{name}'")
+        rod = self.body(name, mass, inertia)
+        ends = self._pair(name, i, j)
+        self.revolute(f"{name}_i", ends[0], Point(rod, -span / 2, 0))
+        self.revolute(f"{name}_j", Point(rod, span / 2, 0), ends[1])
+        self.revolute_revolute(f"{name}_link", *ends, span, instead_of=rod)
+        half = None if rod.mass is None else rod.mass / 2
+        halves = tuple(self.particle(f"{name}_half_{end}", half) for end in "ij")
+        for point, particle in zip(ends, halves, strict=True):
+            if point.body.fixed:
+                self.absolute(f"{particle.name}_x", particle, "x", point.sx)
+                self.absolute(f"{particle.name}_y", particle, "y", point.sy)
+            else:
+                self.revolute(f"{particle.name}_pin", point, particle.at(0, 0))
+        self.couplers[rod.name] = (rod, *halves)
+        return rod
+
+    def _absent_bodies(
+        self, read: Reader, where: str, without: tuple[str, ...], forms: Mapping[str, str]
+    ) -> tuple[str, ...]:
+        """Bodies that the forms of the couplers leave out of a scene."""
+        absent: list[str] = []
+        for name, (rod, *halves) in self.couplers.items():
+            form = forms.get(name, "body")
+            carried = self.joints.get(f"{name}_link")
+            ends = [] if carried is None else [body.name for body in carried.bodies]
+            if form != "body":
+                absent.append(rod.name)
+                read.problems += self._lost_joints(where, rod, form, without)
+            if form != "lumped" or any(end in without for end in ends):
+                absent += [half.name for half in halves]
+        return tuple(absent)
+
+    def _lost_joints(
+        self, where: str, rod: Body, form: str, without: tuple[str, ...]
+    ) -> Iterator[str]:
+        """Joints on a coupler that is no body: they would come apart in silence."""
+        for joint in self.joints.values():
+            its_own = joint.name in (f"{rod.name}_i", f"{rod.name}_j")
+            pinned = any(body is rod for body in joint.bodies)
+            if pinned and not its_own and joint.name not in without:
+                yield (
+                    f"{where}: joint '{joint.name}' holds '{rod.name}', which is no body as "
+                    f"'{form}'; take it as 'body', or leave the joint out."
+                )
 
     def _positive(self, value: Any, unit: str, where: str) -> sympy.Expr | None:
         """A mass or inertia, if given; a parameter that is one must be positive from now on."""
-        if value is None:
-            return None
         before = len(self.problems)
-        read = self._value(value, unit, where, "positive")
+        read = self._optional(value, unit, where, "positive")
         return read if len(self.problems) == before else None

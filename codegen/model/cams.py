@@ -8,14 +8,14 @@ from typing import Any
 import sympy
 
 from codegen.cubic_spline import fit
-from codegen.declare.body import Body, Curve, Point
+from codegen.declare.body import Body, Curve
 from codegen.declare.cam_profile_checks import pace, profile_problems
 from codegen.declare.symbols import alpha
 from codegen.declare.table_function import FEWEST, TableFunction
 from codegen.elements.joints.cam_flat_follower import CamFlatFollower
 from codegen.elements.joints.cam_follower import CamFollower
 from codegen.elements.joints.point_follower import PointFollower
-from codegen.model.base import Declarations
+from codegen.model.base import Declarations, Pair, Place
 
 # accuracy: first and last point of a path that agree to this part of its size are one
 ROUNDING = 1e-9
@@ -25,7 +25,7 @@ class Cams(Declarations):
     """Cams and followers; the parameter at the contact, `alpha`, is a coordinate of the joint."""
 
     def cam_flat_follower(
-        self, name: str, cam: Curve, face: Point | Body, axis: tuple[Any, Any] = (1, 0)
+        self, name: str, cam: Curve, face: Place, axis: Pair = (1, 0)
     ) -> CamFlatFollower:
         """The closed convex profile `cam` touches the flat face of a follower.
 
@@ -44,7 +44,7 @@ class Cams(Declarations):
         """
         profile = self._curve(name, cam, closed=True, convex=True)
         line = self._read.axis(axis, name)
-        return self._joint(CamFlatFollower(name, profile, self._point(name, face), line))
+        return self._declare(CamFlatFollower(name, profile, self._point(name, face), line))
 
     def cam_follower(self, name: str, cam: Curve, follower: Curve) -> CamFollower:
         """Two closed profiles touch; a roller is ``body.circle(radius)``.
@@ -53,11 +53,13 @@ class Cams(Declarations):
         outside; for a roller inside a ring, give start guesses of both.
         """
         curves = (self._curve(name, curve, closed=True) for curve in (cam, follower))
-        return self._joint(CamFollower(name, *curves))
+        return self._declare(CamFollower(name, *curves))
 
-    def point_follower(self, name: str, curve: Curve, point: Point | Body) -> PointFollower:
+    def point_follower(self, name: str, curve: Curve, point: Place) -> PointFollower:
         """A point of one body moves along a curve of another, open or closed."""
-        return self._joint(PointFollower(name, self._curve(name, curve), self._point(name, point)))
+        return self._declare(
+            PointFollower(name, self._curve(name, curve), self._point(name, point))
+        )
 
     def curve_through(
         self, name: str, body: Body, points: Sequence[tuple[Any, Any]], closed: bool = True
@@ -66,8 +68,6 @@ class Cams(Declarations):
 
         Parameters
         ----------
-        name
-            An identifier.
         points
             (x', y') in m or as quantities; at least four, no two that follow each other the same.
         closed

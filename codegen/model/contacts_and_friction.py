@@ -1,11 +1,11 @@
 """The effects between surfaces: contact, and friction in joints and on belts."""
 
-from collections.abc import Callable
-from typing import Any, Literal, TypeAlias
+from dataclasses import replace
+from typing import Any, Literal
 
 import sympy
 
-from codegen.declare.body import Body, Point
+from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.symbols import SignRule
 from codegen.elements.forces.contact import Contact, gap_between
@@ -13,10 +13,8 @@ from codegen.elements.forces.given_load_friction import DryFriction
 from codegen.elements.forces.joint_friction import JointFriction
 from codegen.elements.forces.rigid_contact import RigidContact
 from codegen.elements.forces.scalar_measures import rate
-from codegen.model.base import Declarations, Ends
+from codegen.model.base import Declarations, Ends, Pair, Place
 
-Optional: TypeAlias = "sympy.Expr | None"
-Law = Callable[[Optional, Optional], Effect]  # (creep speed, static coefficient) → friction
 FrictionLaw = Literal["sticking", "regularised"]
 
 
@@ -24,21 +22,11 @@ class Contacts(Declarations):
     """Contacts and friction of a declaration."""
 
     def contact(
-        self,
-        name: str,
-        i: Point | Body | None = None,
-        j: Point | Body | None = None,
-        *,
-        stiffness: Any = None,
-        damping: Any = None,
-        free_length: Any = 0,
-        direction: tuple[Any, Any] | None = None,
-        gap: Any = None,
-        may_pull: bool = True,
-        restitution: Any = None,
-        typical_force: Any = None,
+        self, name: str, i: Place | None = None, j: Place | None = None, *, stiffness: Any = None,
+        damping: Any = None, free_length: Any = 0, direction: Pair | None = None, gap: Any = None,
+        may_pull: bool = True, restitution: Any = None, typical_force: Any = None,
         fidelity: Literal["penalty", "rigid"] | None = None,
-    ) -> Effect:
+    ) -> Effect:  # fmt: skip
         """A contact while a gap is closed: by a spring and damper (Haug 8.4.2), or rigid.
 
         Parameters
@@ -102,16 +90,9 @@ class Contacts(Declarations):
         )
 
     def friction(
-        self,
-        name: str,
-        joint: Constraint,
-        coefficient: Any,
-        creep: Any = None,
-        radius: Any = None,
-        length: Any = None,
-        static: Any = None,
-        fidelity: FrictionLaw | None = None,
-    ) -> Effect:
+        self, name: str, joint: Constraint, coefficient: Any, creep: Any = None, radius: Any = None,
+        length: Any = None, static: Any = None, fidelity: FrictionLaw | None = None,
+    ) -> Effect:  # fmt: skip
         """Coulomb friction in a joint, from the joint's reaction.
 
         Parameters
@@ -141,26 +122,14 @@ class Contacts(Declarations):
             self._optional(size, "m", f"{word} of {where}", "positive")
             for size, word in ((radius, "radius"), (length, "length"))
         )
-
-        def law(creep: Optional, static: Optional) -> Effect:
-            return JointFriction(name, joint, mu, creep, pin, bearing, static)
-
-        return self._friction_law(where, law, speed, mu_s, fidelity)
+        law = JointFriction(name, joint, mu, speed, pin, bearing, mu_s)
+        return self._friction_law(where, law, fidelity)
 
     def dry_friction(
-        self,
-        name: str,
-        i: Point | Body | None = None,
-        j: Point | Body | None = None,
-        *,
-        coefficient: Any,
-        normal: Any,
-        axis: tuple[Any, Any] = (1, 0),
-        slip: Any = None,
-        static: Any = None,
-        creep: Any = None,
+        self, name: str, i: Place | None = None, j: Place | None = None, *, coefficient: Any,
+        normal: Any, axis: Pair = (1, 0), slip: Any = None, static: Any = None, creep: Any = None,
         fidelity: FrictionLaw | None = None,
-    ) -> Effect:
+    ) -> Effect:  # fmt: skip
         """Coulomb friction under a normal force that is known: a block on a belt, a brake.
 
         Parameters
@@ -198,11 +167,8 @@ class Contacts(Declarations):
             ends, bodies = self._surfaces(name, i, j, missing)
             along = self._direction(where, "axis", axis) or (sympy.S.One, sympy.S.Zero)
             s = rate(gap_between(*ends, along, sympy.S.Zero))
-
-        def law(creep: Optional, static: Optional) -> Effect:
-            return DryFriction(name, s, load, mu, bodies, static, creep)
-
-        return self._friction_law(where, law, speed, mu_s, fidelity)
+        law = DryFriction(name, s, load, mu, bodies, mu_s, speed)
+        return self._friction_law(where, law, fidelity)
 
     def _chosen_form(self, where: str, word: str, forms: dict[str, Effect | str]) -> Effect:
         """Declare an effect of several fidelities, of which `word` is the default."""
@@ -210,27 +176,30 @@ class Contacts(Declarations):
         if isinstance(chosen, str):
             self._note(f"{where}: the fidelity '{word}' {chosen}")
             chosen = next(form for form in forms.values() if not isinstance(form, str))
-        return self._effect(chosen, forms)
+        if self._declare(chosen) is self.effects.get(chosen.name):
+            self.fidelities[chosen.name] = forms
+        return chosen
 
     def _friction_law(
-        self, where: str, law: Law, creep: Optional, static: Optional, fidelity: str | None
+        self, where: str, law: JointFriction | DryFriction, fidelity: str | None
     ) -> Effect:
-        """Declare a friction from its law of the creep speed and the static coefficient."""
+        """Declare a friction in each fidelity that it has the numbers for."""
         words = ("", "sticking", "regularised")
         chosen = self._read.choice(fidelity or "", words, f"{where}, fidelity")
-        missing = "needs creep= in its declaration."
+        creeps = law.creep is not None
+        if not chosen and creeps and law.static is not None:
+            return self._declare(law)  # two laws at once, as its check says
         forms: dict[str, Effect | str] = {
-            "sticking": law(None, static),
-            "regularised": missing if creep is None else law(creep, None),
+            "sticking": replace(law, creep=None),
+            "regularised": "needs creep= in its declaration.",
         }
-        if not chosen and creep is not None and static is not None:
-            return self._effect(law(creep, static))  # two laws at once, as its check says
-        default = "sticking" if creep is None else "regularised"
-        return self._chosen_form(where, chosen or default, forms)
+        if creeps:
+            forms["regularised"] = replace(law, static=None)
+        return self._chosen_form(where, chosen or ("regularised" if creeps else "sticking"), forms)
 
     def _coefficients(
         self, where: str, coefficient: Any, static: Any, creep: Any, unit: str
-    ) -> tuple[sympy.Expr, Optional, Optional]:
+    ) -> tuple[sympy.Expr, sympy.Expr | None, sympy.Expr | None]:
         """μ, μ_s and the creep speed."""
         sign: SignRule = "nonnegative" if static is None else "positive"
         return (

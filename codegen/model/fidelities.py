@@ -7,18 +7,18 @@ from codegen.declare.element import Effect
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
 from codegen.declare.value_reader import Reader, name_of
-from codegen.model.coupler_rods import FORMS, Couplers
+from codegen.model.bodies import FORMS, Bodies
 
 NONE = "none"  # the fidelity of an effect that a scene does without
 
 
-class Fidelities(Couplers):
+class Fidelities(Bodies):
     """Effects with several laws, couplers, and groups of alternatives."""
 
     def alternatives(
         self, name: str, choices: Mapping[str, Iterable[Any]], default: str | None = None
     ) -> str:
-        """Elements that stand for one another: a scene takes those of one choice.
+        """Elements that stand for one another, of which a scene takes one choice; returns `name`.
 
         A cam's follower that is held to the cam or may leave it, a spring of six masses or of
         fifty: each choice names the bodies, joints, effects and drivers that only it has. In a
@@ -27,17 +27,10 @@ class Fidelities(Couplers):
 
         Parameters
         ----------
-        name
-            An identifier.
         choices
             Choice, a word → elements, by name or by the objects that their declarations returned.
         default
             The first choice unless given.
-
-        Returns
-        -------
-        str
-            The name.
         """
         where = f"alternatives '{name}'"
         known = self.elements

@@ -7,15 +7,15 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect
-from codegen.declare.symbols import Coordinate
+from codegen.declare.symbols import SPEED, Coordinate
 from codegen.elements.forces.applied import AppliedForce, AppliedTorque
 from codegen.elements.forces.bushing import AXES, Bushing, Triple
 from codegen.elements.forces.gravity import Gravity
-from codegen.elements.forces.scalar_measures import Line, rate, relative_angle
+from codegen.elements.forces.scalar_measures import distance, relative_angle
 from codegen.elements.forces.spring import Spring
 from codegen.elements.forces.torsion_spring import TorsionSpring
 from codegen.elements.forces.user_expression import GeneralizedForce, Potential
-from codegen.model.base import Declarations
+from codegen.model.base import Declarations, Place
 
 Characteristic = Callable[[sympy.Expr, sympy.Expr], Any]  # (ℓ, ℓ̇) or (θ, θ̇) → force or torque
 
@@ -26,32 +26,27 @@ class Forces(Declarations):
     def gravity(self, name: str, g: tuple[Any, Any]) -> Effect:
         """Uniform gravity (g_x, g_y), m/s², on every body of the scene."""
         gx, gy = self._read.pair(g, "m/s^2", f"gravity '{name}'")
-        return self._effect(Gravity(name, gx, gy))
+        return self._declare(Gravity(name, gx, gy))
 
     def force(
-        self,
-        name: str,
-        on: Point | Body,
-        fx: Any = 0,
-        fy: Any = 0,
-        when: Any = None,
+        self, name: str, on: Place, fx: Any = 0, fy: Any = 0, when: Any = None,
         frame: Literal["ground", "body"] = "ground",
-    ) -> Effect:
+    ) -> Effect:  # fmt: skip
         """A force (fx, fy) in N at a point, while the condition `when` holds."""
         fx, fy = (self._read.gated(f, "N", f"force '{name}'", when) for f in (fx, fy))
         point = self._point(name, on)
         frame = self._read.choice(frame, ("ground", "body"), f"force '{name}', frame")
-        return self._effect(AppliedForce(name, point, fx, fy, frame))
+        return self._declare(AppliedForce(name, point, fx, fy, frame))
 
     def torque(self, name: str, on: Body, value: Any, when: Any = None) -> Effect:
         """A torque in N m on a body, while the condition `when` holds."""
         gated = self._read.gated(value, "N m", f"torque '{name}'", when)
-        return self._effect(AppliedTorque(name, on, gated))
+        return self._declare(AppliedTorque(name, on, gated))
 
     def potential(self, name: str, energy: Any) -> Effect:
         """A potential energy V(q) in J, as a plain expression."""
         v = self._value(energy, "J", f"potential '{name}'")
-        return self._effect(Potential(name, v, self._bodies_in(v)))
+        return self._declare(Potential(name, v, self._bodies_in(v)))
 
     def generalized_force(
         self, name: str, components: Mapping[Any, Any], when: Any = None
@@ -65,19 +60,12 @@ class Forces(Declarations):
             unit = coordinate.measure.force_unit
             pairs.append((coordinate, self._read.gated(force, unit, f"force '{name}'", when)))
         bodies = self._bodies_in(*(coordinate for coordinate, _ in pairs))
-        return self._effect(GeneralizedForce(name, tuple(pairs), bodies))
+        return self._declare(GeneralizedForce(name, tuple(pairs), bodies))
 
     def spring(
-        self,
-        name: str,
-        i: Point | Body,
-        j: Point | Body,
-        stiffness: Any = 0,
-        free_length: Any = None,
-        damping: Any = 0,
-        actuator: Any = 0,
-        force: Characteristic | None = None,
-    ) -> Effect:
+        self, name: str, i: Place, j: Place, stiffness: Any = 0, free_length: Any = None,
+        damping: Any = 0, actuator: Any = 0, force: Characteristic | None = None,
+    ) -> Effect:  # fmt: skip
         """A spring, damper and actuator between two points: f = k (ℓ - ℓ0) + c ℓ̇ + F (Haug 6.1).
 
         Parameters
@@ -97,26 +85,18 @@ class Forces(Declarations):
         if free_length is None and not (isinstance(stiffness, int | float) and stiffness == 0):
             self._note(f"{where} has a stiffness but no free length; give free_length= in m.")
         ends = self._pair(name, i, j)
-        line = Line(*ends)
         pull = self._value(actuator, "N", f"actuator of {where}")
-        pull += self._characteristic(force, line.length, line.rate, "force", "N", where)
+        pull += self._characteristic(force, distance(*ends), "force", "N", where)
         stiff = self._value(stiffness, "N/m", f"stiffness of {where}")
         rest = 0 if free_length is None else free_length
         free = self._value(rest, "m", f"free length of {where}")
         damp = self._value(damping, "N s/m", f"damping of {where}")
-        return self._effect(Spring(name, *ends, stiff, free, damp, pull))
+        return self._declare(Spring(name, *ends, stiff, free, damp, pull))
 
     def torsion_spring(
-        self,
-        name: str,
-        i: Body,
-        j: Body,
-        stiffness: Any = 0,
-        free_angle: Any = 0,
-        damping: Any = 0,
-        actuator: Any = 0,
-        torque: Characteristic | None = None,
-    ) -> Effect:
+        self, name: str, i: Body, j: Body, stiffness: Any = 0, free_angle: Any = 0,
+        damping: Any = 0, actuator: Any = 0, torque: Characteristic | None = None,
+    ) -> Effect:  # fmt: skip
         """A spring, damper and actuator about the normal: n = k (θ - θ0) + c θ̇ + N (Haug 6.1).
 
         Parameters
@@ -135,21 +115,16 @@ class Forces(Declarations):
         first, second = self._whole(where, i), self._whole(where, j)
         turning = self._value(actuator, "N m", f"actuator of {where}")
         angle = relative_angle(first, second)
-        turning += self._characteristic(torque, angle, rate(angle), "torque", "N m", where)
+        turning += self._characteristic(torque, angle, "torque", "N m", where)
         stiff = self._value(stiffness, "N m/rad", f"stiffness of {where}")
         free = self._value(free_angle, "rad", f"free angle of {where}")
         damp = self._value(damping, "N m s/rad", f"damping of {where}")
-        return self._effect(TorsionSpring(name, first, second, stiff, free, damp, turning))
+        return self._declare(TorsionSpring(name, first, second, stiff, free, damp, turning))
 
     def bushing(
-        self,
-        name: str,
-        i: Point | Body,
-        j: Point | Body,
-        stiffness: tuple[Any, Any, Any] = (0, 0, 0),
-        damping: tuple[Any, Any, Any] = (0, 0, 0),
-        free_angle: Any = 0,
-    ) -> Effect:
+        self, name: str, i: Place, j: Place, stiffness: tuple[Any, Any, Any] = (0, 0, 0),
+        damping: tuple[Any, Any, Any] = (0, 0, 0), free_angle: Any = 0,
+    ) -> Effect:  # fmt: skip
         """Springs and dampers between two points along the axes of body `i`, and about the normal.
 
         Parameters
@@ -168,7 +143,7 @@ class Forces(Declarations):
         stiff = self._along_axes(stiffness, tuple(row[1] for row in AXES), f"stiffness of {where}")
         damp = self._along_axes(damping, tuple(row[2] for row in AXES), f"damping of {where}")
         free = self._value(free_angle, "rad", f"free angle of {where}")
-        return self._effect(Bushing(name, *ends, stiff, damp, free))
+        return self._declare(Bushing(name, *ends, stiff, damp, free))
 
     def _along_axes(self, values: Any, units: tuple[str, ...], where: str) -> Triple:
         """Three values, one an axis."""
@@ -179,9 +154,9 @@ class Forces(Declarations):
         return x, y, phi
 
     def _characteristic(
-        self, law: Any, s: sympy.Expr, speed: sympy.Expr, word: str, unit: str, where: str
+        self, law: Any, s: sympy.Expr, word: str, unit: str, where: str
     ) -> sympy.Expr:
-        """The value of a user's function of a length or angle and its rate."""
+        """The value of a user's function of a length or angle and its rate, `SPEED`."""
         if law is None:
             return sympy.S.Zero
         if not callable(law):
@@ -190,7 +165,7 @@ class Forces(Declarations):
                 "give an expression as actuator=."
             )
             return sympy.S.Zero
-        return self._value(law(s, speed), unit, f"{word} of {where}")
+        return self._value(law(s, SPEED), unit, f"{word} of {where}")
 
     def _whole(self, where: str, body: Any) -> Body:
         """A body, where a point means nothing."""

@@ -17,7 +17,7 @@ from codegen.elements.joints.revolute_translational import RevoluteTranslational
 from codegen.elements.joints.translational import Translational
 from codegen.elements.joints.user_expression import ExpressionConstraint
 from codegen.elements.joints.weld import Weld
-from codegen.model.base import Declarations
+from codegen.model.base import Declarations, Pair, Place
 
 
 class Joints(Declarations):
@@ -25,15 +25,10 @@ class Joints(Declarations):
 
     def revolute(self, name: str, i: Point, j: Point) -> Constraint:
         """Points `i` and `j` of two bodies coincide."""
-        return self._joint(Revolute(name, *self._pair(name, i, j)))
+        return self._declare(Revolute(name, *self._pair(name, i, j)))
 
     def translational(
-        self,
-        name: str,
-        i: Point | Body,
-        j: Point | Body,
-        axis: tuple[Any, Any] = (1, 0),
-        angle: Any = 0,
+        self, name: str, i: Place, j: Place, axis: Pair = (1, 0), angle: Any = 0
     ) -> Constraint:
         """Body `j` slides along `axis` of body `i`.
 
@@ -48,7 +43,7 @@ class Joints(Declarations):
         """
         line = self._read.axis(axis, name)
         offset = self._value(angle, "rad", f"angle of '{name}'")
-        return self._joint(Translational(name, *self._pair(name, i, j), line, offset))
+        return self._declare(Translational(name, *self._pair(name, i, j), line, offset))
 
     def revolute_revolute(
         self, name: str, i: Point, j: Point, length: Any, instead_of: Body | None = None
@@ -58,17 +53,12 @@ class Joints(Declarations):
         With `instead_of`, the link acts in those scenes that leave this body out.
         """
         span = self._value(length, "m", f"length of '{name}'", "positive")
-        return self._joint(RevoluteRevolute(name, *self._pair(name, i, j), span, instead_of))
+        return self._declare(RevoluteRevolute(name, *self._pair(name, i, j), span, instead_of))
 
     def revolute_translational(
-        self,
-        name: str,
-        i: Point | Body,
-        j: Point | Body,
-        axis: tuple[Any, Any] = (1, 0),
-        distance: Any = 0,
+        self, name: str, i: Place, j: Place, axis: Pair = (1, 0), distance: Any = 0,
         instead_of: Body | None = None,
-    ) -> Constraint:
+    ) -> Constraint:  # fmt: skip
         """Point `j`, a pin, slides along a line of body `i`; both bodies may turn.
 
         Parameters
@@ -88,21 +78,15 @@ class Joints(Declarations):
         line = self._read.axis(axis, name)
         offset = self._value(distance, "m", f"distance of '{name}'")
         pair = self._pair(name, i, j)
-        return self._joint(RevoluteTranslational(name, *pair, line, offset, instead_of))
+        return self._declare(RevoluteTranslational(name, *pair, line, offset, instead_of))
 
-    def weld(self, name: str, i: Point | Body, j: Point | Body, angle: Any = 0) -> Constraint:
+    def weld(self, name: str, i: Place, j: Place, angle: Any = 0) -> Constraint:
         """Points `i` and `j` coincide and φ_j - φ_i keeps `angle`, rad: two bodies move as one."""
         offset = self._value(angle, "rad", f"angle of '{name}'")
-        return self._joint(Weld(name, *self._pair(name, i, j), offset))
+        return self._declare(Weld(name, *self._pair(name, i, j), offset))
 
     def gear(
-        self,
-        name: str,
-        i: Point | Body,
-        j: Point | Body,
-        radius_i: Any,
-        radius_j: Any,
-        line: Any = None,
+        self, name: str, i: Place, j: Place, radius_i: Any, radius_j: Any, line: Any = None
     ) -> Constraint:
         """Two gears mesh: pinned to one frame, or on a carrier that turns.
 
@@ -121,17 +105,12 @@ class Joints(Declarations):
         ri, rj = (self._value(r, "m", f"radius of '{name}'") for r in (radius_i, radius_j))
         angle = self._optional(line, "rad", f"line of centres of '{name}'")
         joints = MappingProxyType(self.joints)
-        return self._joint(Gear(name, *self._pair(name, i, j), ri, rj, angle, joints))
+        return self._declare(Gear(name, *self._pair(name, i, j), ri, rj, angle, joints))
 
     def rack_and_pinion(
-        self,
-        name: str,
-        pinion: Point | Body,
-        rack: Point | Body,
-        radius: Any,
-        axis: tuple[Any, Any] = (1, 0),
+        self, name: str, pinion: Place, rack: Place, radius: Any, axis: Pair = (1, 0),
         offset: Any = 0,
-    ) -> Constraint:
+    ) -> Constraint:  # fmt: skip
         """A pinion rolls along a rack, at its pitch radius from the rack's pitch line.
 
         Parameters
@@ -151,29 +130,27 @@ class Joints(Declarations):
         line = self._read.axis(axis, name)
         start = self._value(offset, "m", f"offset of '{name}'")
         pair = self._pair(name, pinion, rack)
-        return self._joint(RackAndPinion(name, *pair, size, line, start))
+        return self._declare(RackAndPinion(name, *pair, size, line, start))
 
-    def absolute(self, name: str, on: Point | Body, letter: Letter, value: Any) -> Constraint:
+    def absolute(self, name: str, on: Place, letter: Letter, value: Any) -> Constraint:
         """A point's global x or y, or a body's φ, keeps `value`."""
         letter = self._read.choice(letter, LETTERS, f"absolute '{name}'")
         number = self._value(value, KINDS[letter].unit, f"value of '{name}'")
         point = self._point(name, on)
-        return self._joint(Absolute(name, self.ground, point, letter, number))
+        return self._declare(Absolute(name, self.ground, point, letter, number))
 
-    def relative(
-        self, name: str, i: Point | Body, j: Point | Body, letter: Letter, value: Any
-    ) -> Constraint:
+    def relative(self, name: str, i: Place, j: Place, letter: Letter, value: Any) -> Constraint:
         """Global x or y of point `j`, or φ of its body, minus that of `i` keeps `value`."""
         letter = self._read.choice(letter, LETTERS, f"relative '{name}'")
         number = self._value(value, KINDS[letter].unit, f"value of '{name}'")
-        return self._joint(Relative(name, *self._pair(name, i, j), letter, number))
+        return self._declare(Relative(name, *self._pair(name, i, j), letter, number))
 
-    def distance(self, name: str, i: Point | Body, j: Point | Body, value: Any) -> Constraint:
+    def distance(self, name: str, i: Place, j: Place, value: Any) -> Constraint:
         """Points `i` and `j` keep the distance `value`, m; either may be on the ground."""
         span = self._value(value, "m", f"distance of '{name}'", "positive")
-        return self._joint(Distance(name, *self._pair(name, i, j), span))
+        return self._declare(Distance(name, *self._pair(name, i, j), span))
 
     def constraint(self, name: str, *phi: Any) -> Constraint:
         """Plain equations: each expression of coordinates, parameters and t is kept at zero."""
         equations = tuple(self._value(e, "", f"constraint '{name}'") for e in phi)
-        return self._joint(ExpressionConstraint(name, equations, self._bodies_in(*equations)))
+        return self._declare(ExpressionConstraint(name, equations, self._bodies_in(*equations)))

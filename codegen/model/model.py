@@ -4,19 +4,17 @@ A declaration never raises for a wrong element: every problem is noted, and `bui
 of them at once (`codegen.check.declaration`).
 """
 
-from typing import Any, TypeVar
+from typing import Any
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
-from codegen.elements.registry import role
+from codegen.model.base import Declared
 from codegen.model.cams import Cams
 from codegen.model.contacts_and_friction import Contacts
 from codegen.model.drivers import Drivers
 from codegen.model.forces import Forces
 from codegen.model.parameters_and_tables import Values
 from codegen.model.scene_variations import Variations
-
-Element = TypeVar("Element", bound=Constraint | Effect | Body)
 
 
 class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
@@ -25,7 +23,8 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
     Parameters
     ----------
     name
-        An identifier; begins the names of the generated files.
+        Begins the names of the generated files. Like every `name` that the methods take it is an
+        identifier: ASCII letters, digits and underscores, a letter first.
     gravity
         (g_x, g_y) in m/s²; declares the effect ``"gravity"``. Other gravities: `Model.gravity`.
 
@@ -42,22 +41,14 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
         if gravity is not None:
             self.gravity("gravity", gravity)
 
-    def add(self, element: Element) -> Element:
+    def add(self, element: Declared) -> Declared:
         """Declare a user-defined element: a `Constraint`, an `Effect` or a kind of `Body`.
 
         A body takes ``model.token`` as its `model`.
         """
-        if isinstance(element, Body):
-            if self._claim("body", element.name):
-                self.bodies[element.name] = element
-            return element
-        if isinstance(element, Constraint):
-            is_driver = role(element.kind) == "driver"
-            return self._driver(element) if is_driver else self._joint(element)
         candidate: object = element
-        if isinstance(candidate, Effect):
-            self._effect(candidate)
-            return element
+        if isinstance(candidate, Body | Constraint | Effect):
+            return self._declare(element)
         self._note(
             f"model.add({element!r}): neither a Body, a Constraint nor an Effect; it needs kind, "
             "name, bodies, problems(), and statement() or potential() and forces()."

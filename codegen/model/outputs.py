@@ -9,7 +9,7 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Reported, label
 from codegen.declare.names import nearest
 from codegen.declare.value_reader import Reader
-from codegen.model.base import Declarations
+from codegen.model.base import Declarations, Place
 
 ALL = ("reactions", "energy", "powers")  # outputs of a scene that names none
 GROUPS = (*ALL, "paths", "works")
@@ -39,7 +39,7 @@ class TrackedPoint(Effect):
 class Outputs(Declarations):
     """Reads the outputs that a scene asks for."""
 
-    def track(self, name: str, point: Point | Body) -> TrackedPoint:
+    def track(self, name: str, point: Place) -> TrackedPoint:
         """A point whose path a scene may ask for, by ``outputs=["path(NAME)"]`` or ``"paths"``.
 
         Parameters
@@ -47,7 +47,7 @@ class Outputs(Declarations):
         point
             A point of a body; a body means its centre of mass.
         """
-        return self._effect(TrackedPoint(name, self._point(name, point)))
+        return self._declare(TrackedPoint(name, self._point(name, point)))
 
     def _tracked(self) -> list[str]:
         """Names of the tracked points."""

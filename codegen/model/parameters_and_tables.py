@@ -28,8 +28,6 @@ class Values(Declarations):
 
         Parameters
         ----------
-        name
-            An identifier.
         value
             The default: a number in `unit`, or a pint quantity that converts to it.
         unit
@@ -66,8 +64,6 @@ class Values(Declarations):
 
         Parameters
         ----------
-        name
-            An identifier.
         x, y
             At least four points, x strictly ascending: numbers in `units`, or pint quantities.
         periodic

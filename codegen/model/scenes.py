@@ -10,34 +10,27 @@ from codegen.declare.element import Located, own_coordinates
 from codegen.declare.names import name_problem, nearest
 from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values, dotted
-from codegen.model.coupler_rods import Form
+from codegen.model.bodies import Form
 from codegen.model.fidelities import NONE, Fidelities
 from codegen.model.outputs import Outputs
 
 DEFAULTS = {"frozen": False, "analysis": "dynamics", "outputs": None}
 """Keywords of a scene that an extension inherits unless it names them."""
+UNCHANGED = ("start", "parameters", *DEFAULTS)
+"""Fields that a scene takes from its request as they are."""
 
 
 class Scenes(Fidelities, Outputs):
     """The scenes of a declaration."""
 
     def scene(
-        self,
-        name: str,
-        effects: Names = (),
-        drivers: Names = (),
-        *,
-        extends: str | Scene | None = None,
-        without: Names = (),
+        self, name: str, effects: Names = (), drivers: Names = (), *,
+        extends: str | Scene | None = None, without: Names = (),
         couplers: Mapping[str | Body, Form] | None = None,
-        fidelity: Mapping[Any, str] | None = None,
-        start: Values | None = None,
-        guess: Values | None = None,
-        parameters: Values | None = None,
-        frozen: bool | None = None,
-        analysis: Analysis | None = None,
-        outputs: Names | None = None,
-    ) -> Scene:
+        fidelity: Mapping[Any, str] | None = None, start: Values | None = None,
+        guess: Values | None = None, parameters: Values | None = None, frozen: bool | None = None,
+        analysis: Analysis | None = None, outputs: Names | None = None
+    ) -> Scene:  # fmt: skip
         """Declare a scene: the elements that take part in a question.
 
         With the name alone it answers the scene that was declared under it, to be varied:
@@ -45,8 +38,6 @@ class Scenes(Fidelities, Outputs):
 
         Parameters
         ----------
-        name
-            An identifier.
         effects, drivers
             Elements that act, by name or by the object that their declaration returned.
         extends
@@ -180,14 +171,10 @@ class Scenes(Fidelities, Outputs):
             drivers=tuple(d for d in self.drivers if d in driving),
             inactive_joints=tuple(n for n in dict.fromkeys(absent) if n in self.joints),
             fidelity=tuple((n, w) for n, w in how.items() if n in acting or n not in self.effects),
-            start=request.start,
             guess=self._locate_contacts(request.start, absent, request.guess),
-            parameters=request.parameters,
-            frozen=request.frozen,
-            analysis=request.analysis,
-            outputs=request.outputs,
             request=request,
             owner=cast(Owner, self),
+            **{key: getattr(request, key) for key in UNCHANGED},
             **about,
         )
 

@@ -25,6 +25,7 @@ _tools: Any = cgutils
 
 Length = int | tuple[int, int | None]
 """A slot that holds a length; or a factor and such a slot, or a factor alone and None."""
+_OfIntegers = Callable[[Integers], Integers]
 
 
 class ArraySlot(NamedTuple):
@@ -52,48 +53,38 @@ class TableLayout:
         return slot
 
     def function(self, name: str, signature: Any) -> Callable[[Integers], Callable[..., Any]]:
-        """What takes the function `name` out of a table."""
+        """Take the function `name` out of a table."""
         return at(types.FunctionType(signature), self.number(name))
 
     def floats(
-        self, name: str, *lengths: Length, allotted: bool = True
-    ) -> Callable[[Integers], Vector]:
-        """What takes a flat array of float64, as long as the product of `lengths`, out of a table.
+        self, name: str, *lengths: Length, allotted: bool = True, flat: bool = True,
+        item: Any = types.float64,
+    ) -> Callable[[Integers], Vector]:  # fmt: skip
+        """Take an array of float64 out of a table: flat, or with `lengths` as its shape.
 
-        An array that is not `allotted` is made elsewhere.
+        One that is not `allotted` is made elsewhere.
         """
-        return self._array(name, types.float64, lengths, True, allotted)
+        pairs = tuple(length if isinstance(length, tuple) else (1, length) for length in lengths)
+        array = self.arrays[name] = ArraySlot(self.number(name), item, pairs, flat, allotted)
+        return _fetcher(array)
 
-    def integers(
-        self, name: str, *lengths: Length, allotted: bool = True
-    ) -> Callable[[Integers], Integers]:
-        """As `floats`, for int64."""
-        return self._array(name, types.int64, lengths, True, allotted)
+    def matrix(self, name: str, *lengths: Length, **form: Any) -> Callable[[Integers], Matrix]:
+        """As `floats`, of two dimensions."""
+        return self.floats(name, *lengths, flat=False, **form)
 
-    def matrix(
-        self, name: str, rows: Length, columns: Length, allotted: bool = True
-    ) -> Callable[[Integers], Matrix]:
-        """What takes a matrix of float64 out of a table."""
-        return self._array(name, types.float64, (rows, columns), False, allotted)
+    def integers(self, name: str, *lengths: Length, **form: Any) -> Callable[[Integers], Integers]:
+        """As `floats`, of int64."""
+        return cast(_OfIntegers, self.floats(name, *lengths, item=types.int64, **form))
 
     def integer_matrix(
-        self, name: str, rows: Length, columns: Length, allotted: bool = True
+        self, name: str, *lengths: Length, **form: Any
     ) -> Callable[[Integers], IntegerMatrix]:
-        """As `matrix`, for int64."""
-        return self._array(name, types.int64, (rows, columns), False, allotted)
+        """As `matrix`, of int64."""
+        return self.integers(name, *lengths, flat=False, **form)
 
     def flat(self, name: str) -> Callable[[Integers], Vector]:
         """The matrix `name` as a flat array."""
-        array = self.arrays[name]
-        return _fetcher(array._replace(flat=True))
-
-    def _array(
-        self, name: str, item: Any, lengths: tuple[Length, ...], flat: bool, allotted: bool
-    ) -> Callable[[Integers], Any]:
-        pairs = tuple(length if isinstance(length, tuple) else (1, length) for length in lengths)
-        array = ArraySlot(self.number(name), item, pairs, flat, allotted)
-        self.arrays[name] = array
-        return _fetcher(array)
+        return _fetcher(self.arrays[name]._replace(flat=True))
 
     def allot(self, table: Integers) -> dict[str, Any]:
         """Arrays of zeros for a table whose numbers are set, their addresses written into it.

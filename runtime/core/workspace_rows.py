@@ -56,7 +56,10 @@ FLIGHT = IMPACT_AT + 1  # time between its last two impacts
 SWITCH_ROWS = FLIGHT + 1
 
 
-def _row(array: str, count: int, factor: int, part: int | None) -> Any:
+_Row = Callable[[Integers, int], Vector]
+
+
+def _row(array: str, count: int, factor: int, part: int | None) -> _Row:
     """An intrinsic that takes a row out of an array in the table, or a part of it.
 
     Rows have `factor` parts, each as long as the number in slot `count`.
@@ -79,16 +82,12 @@ def _row(array: str, count: int, factor: int, part: int | None) -> Any:
 
         return signature, codegen
 
-    return intrinsic(fetch)
+    return cast(_Row, intrinsic(fetch))
 
 
-_Row = Callable[[Integers, int], Vector]
-
-row_of: _Row = cast(Any, _row("workspace", COORDINATES, 2, None))  # row of the workspace, (2 n,)
-first_half: _Row = cast(Any, _row("workspace", COORDINATES, 2, 0))  # first half of such a row, (n,)
-second_half: _Row = cast(Any, _row("workspace", COORDINATES, 2, 1))  # its second half, (n,)
+row_of = _row("workspace", COORDINATES, 2, None)  # row of the workspace, (2 n,)
+first_half = _row("workspace", COORDINATES, 2, 0)  # first half of such a row, (n,)
+second_half = _row("workspace", COORDINATES, 2, 1)  # its second half, (n,)
 positions, velocities = first_half, second_half  # q and v of a row that holds a state
 position_rates, velocity_rates = first_half, second_half  # of a row that holds a derivative
-switch_row: _Row = cast(
-    Any, _row("switching_rows", SWITCHES, 1, None)
-)  # of the switching one, (s,)
+switch_row = _row("switching_rows", SWITCHES, 1, None)  # row of the switching workspace, (s,)

@@ -121,7 +121,7 @@ Declare = Callable[[Model], object]
         (lambda m: (m.particle("p", 1.0), m.scene("s", couplers={"p": "link"})),
          "there is no coupler 'p'"),
         (lambda m: m.coupler("c", m.ground.at(0, 0), m.body("b", 1.0, 1.0), -1.0, 1.0, 1.0),
-         "the length -1"),
+         "the length is -1 m"),
         (lambda m: (m.coupler("c", m.ground.at(0, 0), m.body("b", 1.0, 1.0), 1.0, 1.0, 1.0),
                     m.scene("s", couplers={"c": "heavy"})), "'heavy' is none of 'body', 'link'"),
         (lambda m: m.torsion_spring("t", m.body("b", 1.0, 1.0), m.particle("p", 1.0), 1.0, 0.0),

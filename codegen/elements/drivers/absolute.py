@@ -3,16 +3,15 @@
 import sympy
 
 from codegen.declare.body import Point
-from codegen.declare.element import ConjugateReaction, Constraint, J, Statement, label
+from codegen.declare.element import ConjugateReaction, J, Statement, label
 from codegen.declare.symbols import Letter
-from codegen.elements.drivers.user_expression import law_problems
+from codegen.elements.drivers.user_expression import Driver
+from codegen.elements.joints.absolute import LEFT_SIDE
 from codegen.elements.registry import element
-
-DRIVEN = {"x": J.point[0], "y": J.point[1], "phi": J.phi}
 
 
 @element(driver=True)
-class PointDriver(Constraint):
+class PointDriver(Driver):
     """x_j^P - C(t) = 0, y_j^P - C(t) = 0 or φ_j - C(t) = 0.
 
     The reaction is the force at the point along the global axis, N, or the torque, N m, that the
@@ -28,12 +27,12 @@ class PointDriver(Constraint):
     def statement(self) -> Statement:
         """One equation, m or rad."""
         reaction = ConjugateReaction.along(self.letter)
-        phi = (DRIVEN[self.letter] - self.law,)
+        phi = (LEFT_SIDE[self.letter] - self.law,)
         return Statement(phi, (self.letter,), reaction, J.bind(self.point))
 
     def problems(self) -> list[str]:
         """The law is one of time, and the ground stays where it is."""
-        problems = law_problems(self, self.law)
+        problems = super().problems()
         if self.point.body.fixed:
             problems.append(
                 f"{label(self)} moves a point of the ground; give one of a moving body."

@@ -3,9 +3,9 @@
 import sympy
 
 from codegen.declare.body import Point
-from codegen.declare.element import ConjugateReaction, Constraint, I, J, Statement, label
+from codegen.declare.element import ConjugateReaction, I, J, Statement, label
 from codegen.declare.symbols import t
-from codegen.elements.drivers.user_expression import law_problems
+from codegen.elements.drivers.user_expression import Driver
 from codegen.elements.registry import element
 
 # safety: (1e-90 m)² is lost in the rounding of any distance, and keeps d / |d| and its derivative
@@ -17,7 +17,7 @@ DISTANCE = sympy.sqrt(SPAN.dot(SPAN) + NOTHING)
 
 
 @element(driver=True)
-class DistanceDriver(Constraint):
+class DistanceDriver(Driver):
     """sqrt(dᵀ d) - C(t) = 0 with d = r_j^P - r_i^P: a cylinder or a winch between two points.
 
     Haug squares both sides. Here the distance itself is driven, so that the multiplier is a force,
@@ -43,7 +43,7 @@ class DistanceDriver(Constraint):
 
     def problems(self) -> list[str]:
         """The law is one of time, and positive as far as can be told: always, or at t = 0."""
-        problems = law_problems(self, self.law)
+        problems = super().problems()
         first = self.law.subs(t, 0)
         if not problems and first.is_number and first.is_nonpositive:
             problems.append(

@@ -3,15 +3,15 @@
 import sympy
 
 from codegen.declare.body import Point
-from codegen.declare.element import ConjugateReaction, Constraint, I, J, Statement
+from codegen.declare.element import ConjugateReaction, I, J, Statement
 from codegen.declare.symbols import Letter
-from codegen.elements.drivers.user_expression import law_problems
+from codegen.elements.drivers.user_expression import Driver
 from codegen.elements.joints.relative import DIFFERENCE
 from codegen.elements.registry import element
 
 
 @element(driver=True)
-class RelativeDriver(Constraint):
+class RelativeDriver(Driver):
     """x_j^P - x_i^P - C(t) = 0, y_j^P - y_i^P - C(t) = 0 or φ_j - φ_i - C(t) = 0, in global axes.
 
     With φ it is the revolute-rotational driver: the motor in a revolute joint. The reaction is
@@ -31,7 +31,3 @@ class RelativeDriver(Constraint):
         reaction = ConjugateReaction.along(self.letter)
         phi = (DIFFERENCE[self.letter] - self.law,)
         return Statement(phi, (self.letter,), reaction, I.bind(self.i) | J.bind(self.j))
-
-    def problems(self) -> list[str]:
-        """The law is one of time."""
-        return law_problems(self, self.law)

@@ -3,14 +3,14 @@
 import sympy
 
 from codegen.declare.body import Point
-from codegen.declare.element import ConjugateReaction, Constraint, I, J, Statement
-from codegen.elements.drivers.user_expression import law_problems
+from codegen.declare.element import ConjugateReaction, I, J, Statement
+from codegen.elements.drivers.user_expression import Driver
 from codegen.elements.joints.body_line import ALONG, Axis, axis_problems, bind_axis
 from codegen.elements.registry import element
 
 
 @element(driver=True)
-class TranslationDriver(Constraint):
+class TranslationDriver(Driver):
     """u_iᵀ d_ij - C(t) = 0: how far point j is ahead of point i along an axis of body i.
 
     The driver of a translational joint between the two points; it may pass through 0, and holds
@@ -33,4 +33,4 @@ class TranslationDriver(Constraint):
 
     def problems(self) -> list[str]:
         """The law is one of time, and the axis has a direction."""
-        return law_problems(self, self.law) + axis_problems(self, self.axis)
+        return super().problems() + axis_problems(self, self.axis)

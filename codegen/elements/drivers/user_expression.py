@@ -8,8 +8,22 @@ from codegen.declare.symbols import Coordinate, kinds, t
 from codegen.elements.registry import element
 
 
+class Driver(Constraint):
+    """A driver: driven - law(t) = 0."""
+
+    law: sympy.Expr
+
+    def problems(self) -> list[str]:
+        """A law that contains coordinates is no law of time."""
+        return [
+            f"{label(self)}: the law {self.law} contains the coordinate {s.name}; "
+            f"a motion law depends on {t} and parameters only."
+            for s in kinds(self.law, Coordinate)
+        ]
+
+
 @element(driver=True)
-class Motion(Constraint):
+class Motion(Driver):
     """driven - law(t) = 0; its reaction is the force that the driver exerts along `driven`."""
 
     kind = "driver"
@@ -28,16 +42,5 @@ class Motion(Constraint):
 
     def problems(self) -> list[str]:
         """The law must be one of time alone, twice differentiable, and something must be driven."""
-        problems = law_problems(self, self.law)
-        if not self.bodies:
-            problems.insert(0, f"{label(self)}: {self.driven} names no coordinate of a body.")
-        return problems
-
-
-def law_problems(driver: Constraint, law: sympy.Expr) -> list[str]:
-    """A law that contains coordinates is no law of time."""
-    return [
-        f"{label(driver)}: the law {law} contains the coordinate {s.name}; "
-        f"a motion law depends on {t} and parameters only."
-        for s in kinds(law, Coordinate)
-    ]
+        missing = f"{label(self)}: {self.driven} names no coordinate of a body."
+        return [*([] if self.bodies else [missing]), *super().problems()]

@@ -3,14 +3,9 @@
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Pulls, label
+from codegen.declare.element import Effect, Pulls, label, sign_problems
 from codegen.declare.symbols import SPEED
-from codegen.elements.forces.scalar_measures import (
-    angle_problems,
-    is_constant,
-    negative_problems,
-    relative_angle,
-)
+from codegen.elements.forces import scalar_measures as measures
 from codegen.elements.registry import element
 
 Triple = tuple[sympy.Expr, sympy.Expr, sympy.Expr]
@@ -23,17 +18,6 @@ class Bushing(Effect):
 
     The springs have the potential V = Σ k s² / 2; the dampers are forces. The axes turn with body
     i, so a displaced bushing has a moment about it: all of this follows from s.
-
-    Attributes
-    ----------
-    i, j
-        Points that coincide where the bushing is at rest.
-    stiffness
-        (k_x, k_y, k_φ) in N/m, N/m, N m/rad.
-    damping
-        (c_x, c_y, c_φ) in N s/m, N s/m, N m s/rad.
-    free_angle
-        θ0 in rad.
     """
 
     kind = "bushing"
@@ -49,7 +33,7 @@ class Bushing(Effect):
         """Along x' and y' of body i, m, and about the normal, rad."""
         (x, y), (c, s) = self.i.body.position, self.i.body.rotation
         dx, dy = self.j.x - x, self.j.y - y  # from the centre: point i is fixed in its axes
-        angle = relative_angle(self.i.body, self.j.body) - self.free_angle
+        angle = measures.relative_angle(self.i.body, self.j.body) - self.free_angle
         return c * dx + s * dy - self.i.sx, c * dy - s * dx - self.i.sy, angle
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
@@ -67,17 +51,15 @@ class Bushing(Effect):
 
     def problems(self) -> list[str]:
         """A body against itself, and numbers that no bushing has."""
-        body = self.i.body
-        problems = angle_problems(self, body, self.j.body)
-        if body is self.j.body:
-            problems.append(f"{label(self)} connects body '{body.name}' with itself; give two.")
+        problems = measures.angle_problems(self, *self.bodies)
+        problems += measures.same_body(label(self), self.bodies)
         if not any((*self.stiffness, *self.damping)):
             problems.append(f"{label(self)}: stiffness and damping are all 0; give at least one.")
         for (axis, *units), *values in zip(AXES, self.stiffness, self.damping, strict=True):
             words = (f"{word} along {axis}" for word in ("stiffness", "damping"))
-            problems += negative_problems(self, *zip(words, values, units, strict=True))
+            problems += sign_problems(label(self), *zip(words, values, units, strict=True))
         return problems
 
     @property
     def _conservative(self) -> bool:
-        return is_constant(*self.stiffness, self.free_angle)
+        return measures.is_constant(*self.stiffness, self.free_angle)

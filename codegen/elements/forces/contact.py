@@ -3,9 +3,9 @@
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Pulls, label
+from codegen.declare.element import Effect, Pulls, label, sign_problems
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
-from codegen.elements.forces.scalar_measures import Line, is_constant, negative_problems
+from codegen.elements.forces.scalar_measures import distance, is_constant, same_body
 from codegen.elements.registry import element
 
 
@@ -19,7 +19,7 @@ def gap_between(
     discs whose radii add up to ℓ0.
     """
     if direction is None:
-        return Line(i, j).length - free_length
+        return distance(i, j) - free_length
     ux, uy = direction
     size = sympy.sqrt(ux**2 + uy**2)
     ux, uy = ux / size, uy / size
@@ -44,13 +44,6 @@ def gap_problems(where: str, gap: sympy.Expr, bodies: tuple[Body, ...]) -> list[
     ]
 
 
-def same_body(where: str, bodies: tuple[Body, ...]) -> list[str]:
-    """Two surfaces of one body."""
-    if len(bodies) == 2 and bodies[0] is bodies[1]:
-        return [f"{where} is between body '{bodies[0].name}' and itself; give two."]
-    return []
-
-
 @element
 class Contact(Effect):
     """f = k g + c ġ along the gap g while g < 0, and no force while it is not (Haug 8.4.2).
@@ -58,16 +51,8 @@ class Contact(Effect):
     The switching is located: g = 0 is an event of a run, and between events every step is smooth.
     The spring has the potential V = k g² / 2 while g < 0; the damper is a force. With damping the
     force jumps where the contact begins, and at its end, where c ġ outweighs k g, it pulls.
-    With `may_pull` False it is cut off there: f = min(k g + c ġ, 0).
-
-    Attributes
-    ----------
-    gap
-        g(q, t) in m. One that depends on the time is a moving wall, whose spring has no potential.
-    stiffness, damping
-        k in N/m, c in N s/m.
-    may_pull
-        Whether the damper may hold the bodies together.
+    With `may_pull` False it is cut off there: f = min(k g + c ġ, 0). A gap that depends on the time
+    is a moving wall, whose spring has no potential.
     """
 
     kind = "contact"
@@ -102,7 +87,7 @@ class Contact(Effect):
         if self.stiffness == 0 and self.damping == 0:
             problems.append(f"{label(self)}: stiffness and damping are both 0; give one of them.")
         values = (("stiffness", self.stiffness, "N/m"), ("damping", self.damping, "N s/m"))
-        return [*problems, *negative_problems(self, *values)]
+        return problems + sign_problems(label(self), *values)
 
     @property
     def _conservative(self) -> bool:

@@ -3,10 +3,9 @@
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import Effect, Reported, Sticking, label
+from codegen.declare.element import Effect, Reported, Sticking, label, sign_problems
 from codegen.declare.symbols import Coordinate, Velocity, kinds, side
-from codegen.elements.forces.contact import same_body
-from codegen.elements.forces.scalar_measures import is_constant, is_negative, negative_problems
+from codegen.elements.forces.scalar_measures import is_constant, same_body
 from codegen.elements.registry import element
 
 
@@ -15,9 +14,8 @@ def coefficient_problems(
 ) -> list[str]:
     """Numbers that no friction has, and two laws at once."""
     where = label(effect)
-    problems = [*negative_problems(effect, ("coefficient of friction", kinetic, ""))]
-    if creep is not None and creep.is_number and not creep > 0:
-        problems.append(f"{where}: the creep speed is {float(creep):g}; give a positive number.")
+    problems = sign_problems(where, ("coefficient of friction", kinetic, ""))
+    problems += sign_problems(where, ("creep speed", creep, ""), positive=True)
     if static is None:
         return problems
     if creep is not None:
@@ -49,18 +47,8 @@ class DryFriction(Effect):
     bodies, Q·q̇: a belt that carries a block along does work.
 
     With a creep speed v_c the law is smooth instead, f = -μ N tanh(ṡ/v_c), and creeps where it
-    would stick, at ṡ = v_c f/(μ N) nearly.
-
-    Attributes
-    ----------
-    slip
-        ṡ in m/s, an expression of q̇, q, t and parameters.
-    normal
-        N in newton, of the same; where one that varies is negative, nothing presses.
-    coefficient, static
-        μ in sliding, and μ_s ≥ μ at rest; None: μ_s = μ.
-    creep
-        v_c in m/s; None: the friction sticks.
+    would stick, at ṡ = v_c f/(μ N) nearly. Where a normal force that varies is negative, nothing
+    presses.
     """
 
     kind = "dry friction"
@@ -110,9 +98,7 @@ class DryFriction(Effect):
                 f"{where}: the slip {self.slip} is not linear in {curved[0].name}; write the "
                 "velocity itself, such as block.vx - speed."
             )
-        if is_negative(self.normal):
-            problems.append(
-                f"{where}: the normal force is {float(self.normal):g} N; give the force that "
-                "presses, which is not negative."
-            )
+        problems += sign_problems(
+            where, ("normal force", self.normal, "N"), advice=", as it presses"
+        )
         return problems + coefficient_problems(self, self.coefficient, self.static, self.creep)

@@ -4,10 +4,10 @@ from typing import Any
 
 import sympy
 
+from codegen.declare import element as el
 from codegen.declare.body import Body
-from codegen.declare.element import Constraint, Effect, FrictionLaw, Sticking, label
 from codegen.elements.forces.given_load_friction import coefficient_problems
-from codegen.elements.forces.scalar_measures import Line, angle_problems, rate, relative_angle
+from codegen.elements.forces.scalar_measures import angle_problems, rate, relative_angle, span
 from codegen.elements.joints.revolute import Revolute
 from codegen.elements.joints.revolute_translational import RevoluteTranslational
 from codegen.elements.joints.translational import Translational
@@ -17,7 +17,7 @@ JOINTS = (Revolute, Translational, RevoluteTranslational)
 
 
 @element
-class JointFriction(Effect):
+class JointFriction(el.Effect):
     """f = -μ N sign(ṡ) along the slip s, N being the size of the joint's reaction (Coulomb).
 
     In a revolute joint of radius R the slip is the angle between the bodies, and f the torque
@@ -42,17 +42,6 @@ class JointFriction(Effect):
     The reaction depends on the friction in turn: both are solved together, and where no reaction
     agrees with the friction that it causes, a joint that slides jams: accelerations and reactions
     are not a number there, and a run ends.
-
-    Attributes
-    ----------
-    joint
-        The joint that rubs.
-    coefficient, static
-        μ in sliding, and μ_s ≥ μ at rest; None: μ_s = μ.
-    creep
-        v_c in m/s, or ω_c in rad/s; None: the joint sticks.
-    radius, length
-        R of a revolute joint's pin in m; b of a translational joint's bearing in m, or None.
     """
 
     kind = "friction"
@@ -70,35 +59,37 @@ class JointFriction(Effect):
         pair: tuple[Body, ...] = self.joint.bodies if isinstance(self.joint, JOINTS) else ()
         return pair
 
-    def friction(self) -> FrictionLaw:
+    def friction(self) -> el.FrictionLaw:
         """The slip along which it acts, and the normal force."""
         joint, mu = self.joint, self.coefficient
         if isinstance(joint, Revolute):
             pressing: tuple[Any, ...] = ((("fx", sympy.S.One),), (("fy", sympy.S.One),))
             along = relative_angle(joint.i.body, joint.j.body)
-            return FrictionLaw(joint.name, mu * self.radius, self.creep, along, (pressing,), "N m")
+            return el.FrictionLaw(
+                joint.name, mu * self.radius, self.creep, along, (pressing,), "N m"
+            )
         ux, uy = joint.axis
         c, s = joint.i.body.rotation
-        dx, dy = Line(joint.i, joint.j).d
+        dx, dy = span(joint.i, joint.j)
         size = sympy.sqrt(ux**2 + uy**2)
         along = ((ux * c - uy * s) * dx + (ux * s + uy * c) * dy) / size
         ends: tuple[Any, ...] = (((("fy", sympy.S.One),),),)
         if self.length is not None:
             half = sympy.Rational(1, 2)
             ends = tuple(((("fy", half), ("torque", sign / self.length)),) for sign in (1, -1))
-        return FrictionLaw(joint.name, mu, self.creep, along, ends, "N")
+        return el.FrictionLaw(joint.name, mu, self.creep, along, ends, "N")
 
-    def hold(self, bodies: tuple[Body, ...]) -> Sticking | None:
+    def hold(self, bodies: tuple[Body, ...]) -> el.Sticking | None:
         """Where it sticks, if it does."""
         if self.creep is not None:
             return None
-        return Sticking(rate(self.friction().along), self.coefficient, self.static)
+        return el.Sticking(rate(self.friction().along), self.coefficient, self.static)
 
     def problems(self) -> list[str]:
         """Joints that do not rub, and numbers that no friction has."""
-        where, joint = label(self), self.joint
+        where, joint = el.label(self), self.joint
         if not isinstance(joint, JOINTS):
-            name = f"'{joint.name}'" if isinstance(joint, Constraint) else repr(joint)
+            name = f"'{joint.name}'" if isinstance(joint, el.Constraint) else repr(joint)
             advice = "give a revolute, a translational or a revolute-translational joint."
             return [f"{where}: {name} is no joint that rubs; {advice}"]
         pin = isinstance(joint, Revolute)
@@ -114,8 +105,5 @@ class JointFriction(Effect):
                 f"{where}: joint '{joint.name}' has no long bearing; leave out length=."
             )
         problems += coefficient_problems(self, self.coefficient, self.static, self.creep)
-        return problems + [
-            f"{where}: the {word} is {float(value):g}; give a positive number."
-            for word, value in (("radius", self.radius), ("length", self.length))
-            if value is not None and value.is_number and not value > 0
-        ]
+        sizes = (("radius", self.radius, "m"), ("length", self.length, "m"))
+        return problems + el.sign_problems(where, *sizes, positive=True)

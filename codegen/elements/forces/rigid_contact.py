@@ -3,7 +3,7 @@
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import Effect, Pulls, Reported, Rigid
+from codegen.declare.element import Effect, Pulls, Reported, Rigid, sign_problems
 from codegen.declare.symbols import side
 from codegen.elements.forces.contact import gap_problems
 from codegen.elements.registry import element
@@ -25,14 +25,8 @@ class RigidContact(Effect):
     typical force; accelerations are linear in it, so that a run finds by which multiple of it the
     gap stays closed, and reports F0 times this multiple.
 
-    Attributes
-    ----------
-    gap
-        g(q, t) in m, smooth. One that depends on the time is a moving wall, which does work.
-    restitution
-        e, from 0, an impact that does not rebound, to 1, one that loses no energy.
-    typical_force
-        F0 in N; None: the weight of the bodies of the scene.
+    The gap is smooth; one that depends on the time is a moving wall, which does work. e goes from
+    0, an impact that does not rebound, to 1, one that loses no energy.
     """
 
     kind = "rigid contact"
@@ -58,18 +52,16 @@ class RigidContact(Effect):
         """A gap that is none, and numbers that no impact has."""
         where = f"contact '{self.name}'"
         problems = gap_problems(where, self.gap, self.bodies)
-        e, scale = self.restitution, self.typical_force
+        e = self.restitution
         if e.is_number and not 0 <= e <= 1:
             problems.append(
                 f"{where}: the restitution is {float(e):g}; give a number from 0 (no rebound) to 1 "
                 "(no loss)."
             )
-        if scale is not None and scale.is_number and not scale > 0:
-            problems.append(
-                f"{where}: the typical force is {float(scale):g} N; give a positive number, or "
-                "leave it out for the weight of the bodies."
-            )
-        return problems
+        scale, advice = self.typical_force, ", or leave it out for the weight of the bodies"
+        return problems + sign_problems(
+            where, ("typical force", scale, "N"), positive=True, advice=advice
+        )
 
     def _scale(self, bodies: tuple[Body, ...]) -> sympy.Expr:
         if self.typical_force is not None:

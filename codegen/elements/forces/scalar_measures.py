@@ -1,38 +1,21 @@
 """Scalars s(q, t) along which forces act, such as lengths, angles and gaps, and their checks."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Element, Pulls, label
+from codegen.declare.element import Effect, Element, Pulls, label, sign_problems
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds, t
 
 
-@dataclass(frozen=True)
-class Line:
-    """d = r_j^P - r_i^P in the global frame, and its length ℓ = √(dᵀd) (Haug 6.1)."""
+def span(i: Point, j: Point) -> tuple[sympy.Expr, sympy.Expr]:
+    """d = r_j^P - r_i^P in the global frame, m."""
+    return j.x - i.x, j.y - i.y
 
-    i: Point
-    j: Point
 
-    @property
-    def d(self) -> tuple[sympy.Expr, sympy.Expr]:
-        """The vector from point i to point j, m."""
-        return self.j.x - self.i.x, self.j.y - self.i.y
-
-    @property
-    def length(self) -> sympy.Expr:
-        """ℓ, m."""
-        dx, dy = self.d
-        return sympy.sqrt(dx**2 + dy**2)
-
-    @property
-    def rate(self) -> sympy.Expr:
-        """dℓ/dt = dᵀ ḋ / ℓ, m/s."""
-        (dx, dy), i, j = self.d, self.i, self.j
-        return (dx * (j.vx - i.vx) + dy * (j.vy - i.vy)) / self.length
+def distance(i: Point, j: Point) -> sympy.Expr:
+    """ℓ = √(dᵀd), m (Haug 6.1)."""
+    dx, dy = span(i, j)
+    return sympy.sqrt(dx**2 + dy**2)
 
 
 def relative_angle(i: Body, j: Body) -> sympy.Expr:
@@ -52,9 +35,11 @@ def is_constant(*expressions: sympy.Expr) -> bool:
     return not any(kinds(e, Coordinate, Velocity, Time) for e in expressions)
 
 
-def is_negative(expression: sympy.Expr) -> bool:
-    """Whether an expression is a number, and less than zero."""
-    return bool(expression.is_number and expression.is_real and expression < 0)
+def same_body(where: str, bodies: tuple[Body, ...]) -> list[str]:
+    """Two ends on one body."""
+    if len(bodies) == 2 and bodies[0] is bodies[1]:
+        return [f"{where} is between body '{bodies[0].name}' and itself; give two."]
+    return []
 
 
 def angle_problems(element: Element, *bodies: Body) -> list[str]:
@@ -69,18 +54,6 @@ def angle_problems(element: Element, *bodies: Body) -> list[str]:
         for body in bodies
         if not body.turns
     ]
-
-
-def negative_problems(
-    element: Element, *values: tuple[str, sympy.Expr, str], otherwise: str = ""
-) -> Iterator[str]:
-    """Values, each with its word and unit, that must not be negative numbers."""
-    for word, value, unit in values:
-        if is_negative(value):
-            yield (
-                f"{label(element)}: the {word} is {float(value):g}{unit and f' {unit}'}; give a "
-                f"number that is not negative{otherwise}."
-            )
 
 
 class SpringDamper(Effect):
@@ -116,6 +89,6 @@ class SpringDamper(Effect):
         """A law that exerts nothing, and numbers that no spring has."""
         idle = self.stiffness == 0 and self.damping == 0 and self.actuator == 0
         advice = f"give it a stiffness, a damping, an actuator or a {keyword}."
-        otherwise = f", and write other characteristics with {keyword}="
         problems = [f"{label(self)} does nothing; {advice}"] if idle else []
-        return [*problems, *negative_problems(self, *values, otherwise=otherwise)]
+        other = f", and write other characteristics with {keyword}="
+        return problems + sign_problems(label(self), *values, advice=other)

@@ -4,7 +4,7 @@ import sympy
 
 from codegen.declare.body import Point
 from codegen.declare.element import label
-from codegen.elements.forces.scalar_measures import Line, SpringDamper
+from codegen.elements.forces.scalar_measures import SpringDamper, distance
 from codegen.elements.registry import element
 
 
@@ -20,13 +20,6 @@ class Spring(SpringDamper):
     goes straight through it meets a force that turns about in an instant, which no event locates.
     Only a spring with ℓ0 = 0, and neither damper nor actuator, passes smoothly; for a passage along
     a known line, write a contact or a potential along it.
-
-    Attributes
-    ----------
-    i, j
-        The two points.
-    stiffness, free_length, damping, actuator
-        k in N/m, ℓ0 in m, c in N s/m, F in N.
     """
 
     kind = "spring"
@@ -41,7 +34,7 @@ class Spring(SpringDamper):
     @property
     def scalar(self) -> tuple[sympy.Expr, sympy.Expr]:
         """ℓ and ℓ0."""
-        return Line(self.i, self.j).length, self.free_length
+        return distance(self.i, self.j), self.free_length
 
     def problems(self) -> list[str]:
         """Two points that keep their distance, and numbers that no spring has."""

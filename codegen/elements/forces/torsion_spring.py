@@ -4,23 +4,16 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import label
-from codegen.elements.forces.scalar_measures import SpringDamper, angle_problems, relative_angle
+from codegen.elements.forces import scalar_measures as measures
 from codegen.elements.registry import element
 
 
 @element
-class TorsionSpring(SpringDamper):
+class TorsionSpring(measures.SpringDamper):
     """n = k (θ - θ0) + c θ̇ + N with θ = φ_j - φ_i; n acts on body i, -n on body j.
 
     The elastic part has the potential V = k (θ - θ0)² / 2; the damper and the actuator are forces.
     Where k or θ0 varies in a run, the elastic part is booked with them.
-
-    Attributes
-    ----------
-    i, j
-        The two bodies.
-    stiffness, free_angle, damping, actuator
-        k in N m/rad, θ0 in rad, c in N m s/rad, N in N m.
     """
 
     kind = "torsion spring"
@@ -35,15 +28,12 @@ class TorsionSpring(SpringDamper):
     @property
     def scalar(self) -> tuple[sympy.Expr, sympy.Expr]:
         """θ and θ0."""
-        return relative_angle(self.i, self.j), self.free_angle
+        return measures.relative_angle(self.i, self.j), self.free_angle
 
     def problems(self) -> list[str]:
         """A body against itself, and numbers that no spring has."""
-        problems = angle_problems(self, self.i, self.j)
-        if self.i is self.j:
-            problems.append(
-                f"{label(self)} turns body '{self.i.name}' against itself; give two bodies."
-            )
+        problems = measures.angle_problems(self, *self.bodies)
+        problems += measures.same_body(label(self), self.bodies)
         return problems + self.characteristic_problems(
             "torque",
             ("stiffness", self.stiffness, "N m/rad"),

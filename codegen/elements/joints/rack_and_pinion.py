@@ -3,7 +3,7 @@
 import sympy
 
 from codegen.declare.body import Point
-from codegen.declare.element import Constraint, I, J, JointReaction, Statement, label
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement, label, sign_problems
 from codegen.declare.symbols import given
 from codegen.elements.joints import body_line as line
 from codegen.elements.registry import element
@@ -43,10 +43,8 @@ class RackAndPinion(Constraint):
 
     def problems(self) -> list[str]:
         """A rack needs a direction, and a pinion a radius."""
-        problems = line.axis_problems(self, self.axis)
-        if self.radius.is_number and not self.radius.is_positive:
-            problems.append(
-                f"{label(self)}: the radius {self.radius} m is not positive; a pinion on the "
-                "other side of the rack has its radius positive and the rack's axis reversed."
-            )
-        return problems
+        advice = "; for a pinion on the other side of the rack reverse the rack's axis"
+        value = ("radius", self.radius, "m")
+        return line.axis_problems(self, self.axis) + sign_problems(
+            label(self), value, positive=True, advice=advice
+        )

@@ -3,7 +3,7 @@
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Constraint, I, J, JointReaction, Statement, label
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement, label, sign_problems
 from codegen.declare.symbols import given
 from codegen.elements.registry import element
 
@@ -27,11 +27,6 @@ class RevoluteRevolute(Constraint):
     length: sympy.Expr
     instead_of: Body | None = None
 
-    @property
-    def bodies(self) -> tuple[Body, ...]:
-        """The two that it connects."""
-        return (self.i.body, self.j.body)
-
     def statement(self) -> Statement:
         """One equation: the squared distance of the two points."""
         bindings = I.bind(self.i) | J.bind(self.j) | {LENGTH: self.length}
@@ -39,7 +34,5 @@ class RevoluteRevolute(Constraint):
 
     def problems(self) -> list[str]:
         """A link of length 0 is a revolute joint, and singular as a distance."""
-        if self.length.is_number and not self.length > 0:
-            where = f"{label(self)}: the length {self.length} m"
-            return [f"{where} is not positive; use a revolute joint."]
-        return []
+        value = ("length", self.length, "m")
+        return sign_problems(label(self), value, positive=True, advice=", or use a revolute joint")

@@ -7,49 +7,28 @@ solved by the null space of Φ_q (`lower.linear.least_change_by_null_space`) or 
 Φ_q W Φ_qᵀ, whichever costs less.
 """
 
-from dataclasses import dataclass
-
-from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.graph import Graph
-from codegen.lower.linear.labels import Labels
-from codegen.lower.linear.least_change_by_multipliers import NormalEquations, prefixed
+from codegen.lower.linear.least_change_by_multipliers import NormalEquations
 from codegen.lower.linear.least_change_by_null_space import NullSpace
+from codegen.lower.linear.sparse_rows import SparseRows, Task, prefixed
 from codegen.lower.linear.square_systems import Square
 from codegen.lower.operation_count import cost
-from codegen.lower.program import STATE, Check, Kernel, store
+from codegen.lower.program import STATE, Kernel, store
 from codegen.lower.scene_graph import SceneGraph
 
-Entries = dict[tuple[int, int], int]  # (row, column) → value, structural non-zeros of Φ_q
-
-Solution = tuple[list[list[int]], list[Check], Labels]
-"""The unknowns, one list a right side, the pivots to watch, and names for the text."""
-
-
-@dataclass(frozen=True)
-class Task:
-    """Φ_q d = r for several r, d least in the norm dᵀ W⁻¹ d."""
-
-    graph: Graph
-    jacobian: Entries  # Φ_q by (row, column)
-    right: list[list[int]]  # one list of rows a right side
-    weights: list[int]  # one a column
-    names: list[str]  # of the coordinates
-    rows: list[str]  # names of the constraints
-    stems: list[str]  # how names of each right side begin
-    unknowns: list[list[str]]  # names of each solution's entries
+Solution = tuple[list[list[int]], SparseRows]
+"""The unknowns, one list a right side, and the solver, with its pivots and names."""
 
 
 def correction(scene: SceneGraph) -> Kernel:
     """The kernel of a scene in all its coordinates."""
-    names = [q.name for q in scene.equations.coordinates]
-    return least_correction(
-        scene.graph, scene.jacobian, scene.phi, scene.nu, scene.v, scene.w, names, scene.row_names()
-    )
+    equations = scene.graph, scene.jacobian, scene.phi, scene.nu
+    return least_correction(*equations, scene.v, scene.w, scene.names, scene.rows)
 
 
 def least_correction(
     graph: Graph,
-    jacobian: Entries,
+    jacobian: dict[tuple[int, int], int],
     phi: list[int],
     nu: list[int],
     v: list[int],
@@ -68,53 +47,28 @@ def least_correction(
         task = Task(graph, jacobian, right, w, names, rows, stems, unknowns)
         for cancels in (True, False):
             with graph.cancelling(cancels):
-                trials += [_kernel(names, solution) for solution in _solutions(task)]
-    programs = (with_constants(graph, (kernel,), declared=0) for kernel in trials)
-    costs = [cost(program, program.kernels[-1]) for program in programs]
-    return trials[costs.index(min(costs))]
+                trials += [_kernel(names, *solution) for solution in solutions(task)]
+    return min(trials, key=lambda kernel: cost(graph, kernel))
 
 
-def _kernel(names: list[str], solution: Solution) -> Kernel:
-    (dq, dv), checks, labels = solution
+def _kernel(names: list[str], changes: list[list[int]], solver: SparseRows) -> Kernel:
+    dq, dv = changes
     return Kernel(
         "correction",
         "W Φ_qᵀ (Φ_q W Φ_qᵀ)⁻¹ times -Φ and -(Φ_q q̇ + Φ_t): w = 0 holds a coordinate.",
         (*STATE, "w", "dq", "dv"),
         store("dq", dq, names) + store("dv", dv, names),
-        tuple(checks),
+        tuple(solver.checks),
         watched=True,
-        **labels.text,
+        **solver.labels.text,
     )
 
 
-def least_changes(
-    scene: SceneGraph, right: list[list[int]], stems: list[str], unknowns: list[list[str]]
-) -> Solution:
-    """Solutions d of Φ_q d = right, the least where the constraints leave a choice."""
-    names = [q.name for q in scene.equations.coordinates]
-    weights = [scene.graph.one] * scene.n
-    rows = scene.row_names()
-    task = Task(scene.graph, scene.jacobian, right, weights, names, rows, stems, unknowns)
-    return _solutions(task)[0]
-
-
-def _solutions(task: Task) -> list[Solution]:
-    """The solutions to compare, the most accurate first."""
-    graph, right = task.graph, task.right
-    if len(right[0]) == len(task.weights) > 0:
-        labels = Labels(task.rows, prefixed(task.stems, task.rows), task.unknowns)
-        square = Square(graph, task.jacobian, right, labels, task.names)
-        solutions = square.solve()
-        if solutions is not None:
-            return [(solutions, square.checks, labels)]
-    candidates: list[Solution] = []
-    labels = Labels(task.names, prefixed(task.stems, task.rows), task.unknowns)
-    weights, rows = task.weights, task.rows
-    space = NullSpace(graph, task.jacobian, right, labels, weights=weights, rows=rows)
-    changes = space.solve()
-    if changes is not None:
-        candidates.append((changes, space.checks, labels))
-    normal = NormalEquations(
-        graph, task.jacobian, right, weights=weights, rows=rows, stems=task.stems
-    )
-    return [*candidates, (normal.solve(), normal.checks, normal.text)]
+def solutions(task: Task) -> list[Solution]:
+    """The solutions to compare, the most accurate first; the least where there is a choice."""
+    if len(task.right[0]) == len(task.weights) > 0:
+        square = Square(task)
+        if (unknowns := square.solve()) is not None:
+            return [(unknowns, square)]
+    solvers = (NullSpace(task), NormalEquations(task))
+    return [(changes, one) for one in solvers if (changes := one.solve()) is not None]

@@ -2,11 +2,11 @@
 
 from codegen.declare.symbols import Parameter
 from codegen.derive.inertia import neutral
-from codegen.lower.constant_hoisting import with_constants
-from codegen.lower.kernels.corrections import least_changes
+from codegen.lower.kernels.corrections import solutions
 from codegen.lower.kernels.reaction_friction import with_friction
 from codegen.lower.linear.factorization import Elimination, Strategy
 from codegen.lower.linear.labels import Labels
+from codegen.lower.linear.sparse_rows import Task
 from codegen.lower.operation_count import cost
 from codegen.lower.program import STATE, Kernel, Output, store
 from codegen.lower.scene_graph import SceneGraph
@@ -25,12 +25,8 @@ def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Str
     if not scene.mass:
         return _kinematics(scene), "schur"
     strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
-    trials = []
-    for strategy in strategies:
-        kernel = dynamics_kernel(scene, strategy, rows)
-        program = with_constants(scene.graph, (kernel,), len(scene.equations.parameters))
-        trials.append((cost(program, program.kernels[-1]), kernel, strategy))
-    _, kernel, strategy = min(trials, key=lambda trial: trial[0])
+    trials = [(dynamics_kernel(scene, strategy, rows), strategy) for strategy in strategies]
+    kernel, strategy = min(trials, key=lambda trial: cost(scene.graph, trial[0]))
     if _spread(scene) >= FAR:
         kernel = dynamics_kernel(scene, strategy, rows, refine=True)
     return kernel, strategy
@@ -80,16 +76,15 @@ def dynamics_kernel(
         )
         columns = system.solve(strategy)
         if refine:
-            columns = [system.substitution.refined(k, x) for k, x in enumerate(columns)]
+            columns = system.refined(columns)
             labels.step("Refine by what the equations as stated still lack")
             labels.solved(columns)
         if scene.frictions:
             labels.step("Friction: its forces, and what they change")
         solution, rubbing = with_friction(scene, columns)
         labels.solved([solution])
-    outputs = store("a", solution[:n], [q.rate.name for q in scene.equations.coordinates])
-    names = scene.row_names()
-    outputs += tuple(Output("lam", row, solution[n + row], names[row]) for row in rows)
+    outputs = store("a", solution[:n], scene.rates)
+    outputs += tuple(Output("lam", row, solution[n + row], scene.rows[row]) for row in rows)
     checks = tuple(check._replace(constraint=check.constraint - n) for check in system.checks)
     checks += rubbing
     return Kernel(
@@ -105,15 +100,11 @@ def dynamics_kernel(
 
 def _labels(scene: SceneGraph) -> Labels:
     """Names of the equations of motion: without friction, and for a unit force of each friction."""
-    coordinates = [q.name for q in scene.equations.coordinates]
-    rates = [f"{q.rate.name}_rate" for q in scene.equations.coordinates]
-    rows = scene.row_names()
-    right = [*(f"Q_{name}" for name in coordinates), *(f"gamma_{name}" for name in rows)]
-    solution = [*rates, *(f"lambda_{name}" for name in rows)]
-    frictions = [e.name for e in scene.equations.effects if e.terms.friction]
-    tails = ["", *(f"_{name}" for name in frictions)]
+    right = [f"Q_{name}" for name in scene.names] + [f"gamma_{name}" for name in scene.rows]
+    solution = [f"{rate}_rate" for rate in scene.rates] + [f"lambda_{name}" for name in scene.rows]
+    tails = ["", *(f"_{e.name}" for e in scene.equations.effects if e.terms.friction)]
     return Labels(
-        [*coordinates, *rows],
+        [*scene.names, *scene.rows],
         [[name + tail for name in right] for tail in tails],
         [[name + tail for name in solution] for tail in tails],
     )
@@ -129,18 +120,19 @@ def _pushes(scene: SceneGraph) -> list[list[int]]:
 
 
 def _kinematics(scene: SceneGraph) -> Kernel:
-    """Accelerations that the constraints alone determine."""
-    names = [q.rate.name for q in scene.equations.coordinates]
-    with scene.graph.serving("factorization"):
-        (solution,), checks, labels = least_changes(
-            scene, [scene.gamma], ["gamma"], [[f"{name}_rate" for name in names]]
-        )
+    """Accelerations that the constraints alone determine, the least where they leave a choice."""
+    graph, rates = scene.graph, scene.rates
+    ones, unknowns = [graph.one] * scene.n, [[f"{rate}_rate" for rate in rates]]
+    right, stems = [scene.gamma], ["gamma"]
+    with graph.serving("factorization"):
+        task = Task(graph, scene.jacobian, right, ones, scene.names, scene.rows, stems, unknowns)
+        (solution,), solver = solutions(task)[0]
     return Kernel(
         "accelerations",
         "q̈ of Φ_q q̈ = γ (of least norm while drivers are missing).",
         (*STATE, "modes", "a", "lam"),
-        store("a", solution, names),
-        tuple(checks),
+        store("a", solution, rates),
+        tuple(solver.checks),
         watched=True,
-        **labels.text,
+        **solver.labels.text,
     )

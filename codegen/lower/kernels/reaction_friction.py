@@ -19,7 +19,7 @@ the steps did not suffice; it is reported with the joint's name.
 """
 
 from codegen.lower.program import Check
-from codegen.lower.scene_graph import Friction, SceneGraph
+from codegen.lower.scene_graph import SceneGraph
 
 ALONE, SWEEPS = 6, 12  # steps for a single friction; sweeps over several
 AGREED = 1e-7  # accuracy: accepted remainder of the equation of the loads, in parts of the loads
@@ -37,59 +37,42 @@ def with_friction(
     base, *units = solutions
     if not scene.frictions:
         return base, ()
-    coefficients = [
-        graph.neg(f.coefficient)
-        if f.is_stuck is None or f.stiction is None
-        else graph.select(f.is_stuck, f.stiction, graph.neg(f.coefficient))
-        for f in scene.frictions
-    ]
+    coefficients = [f.choice(graph, f.stiction, graph.neg(f.coefficient)) for f in scene.frictions]
     changes = [
         [graph.mul(coefficient, x) for x in unit[n:]]
         for coefficient, unit in zip(coefficients, units, strict=True)
     ]
-    loads = [_loads(scene, friction, base[n:], changes) for friction in scene.frictions]
+
+    def pressed(entry: dict[int, int]) -> tuple[int, list[int]]:
+        return scene.along(entry, base[n:]), [scene.along(entry, change) for change in changes]
+
+    loads = [[[pressed(e) for e in contact] for contact in f.loads] for f in scene.frictions]
     sums = [graph.zero] * len(loads)
-    if len(loads) > 1:
-        sums = [_one_if_stuck(scene, friction, graph.zero) for friction in scene.frictions]
-    for _ in range(ALONE if len(loads) == 1 else SWEEPS):
-        for i, contacts in enumerate(loads):
+    alone = len(loads) == 1
+    if not alone:
+        sums = [friction.choice(graph, graph.one, graph.zero) for friction in scene.frictions]
+    for _ in range(ALONE if alone else SWEEPS):
+        for i, (friction, contacts) in enumerate(zip(scene.frictions, loads, strict=True)):
             rest, slope = _remainder(scene, contacts, sums, i)
             sums[i] = graph.sub(sums[i], graph.div(rest, slope))
-            if len(loads) > 1:
-                sums[i] = _one_if_stuck(scene, scene.frictions[i], sums[i])
+            if not alone:
+                sums[i] = friction.choice(graph, graph.one, sums[i])
     checks: list[Check] = []
     for i, (friction, contacts) in enumerate(zip(scene.frictions, loads, strict=True)):
         row = min(row for load in friction.loads for entry in load for row in entry)
         rest, slope = _remainder(scene, contacts, sums, i)
         allowed = graph.mul(graph.constant(AGREED), graph.add(sums[i], graph.constant(TINY)))
-        checks.append(Check(_one_if_stuck(scene, friction, slope), graph.one, row))
+        checks.append(Check(friction.choice(graph, graph.one, slope), graph.one, row))
         root = graph.power(slope, 0.5)  # nan where the joint jams: no number there means anything
         total = graph.div(graph.mul(sums[i], graph.mul(root, root)), slope)
-        sums[i] = _one_if_stuck(scene, friction, total)
-        left = _one_if_stuck(scene, friction, graph.sub(allowed, scene.size([rest])))
-        checks.append(Check(left, graph.zero, row))
+        sums[i] = friction.choice(graph, graph.one, total)
+        left = graph.sub(allowed, scene.size([rest]))
+        checks.append(Check(friction.choice(graph, graph.one, left), graph.zero, row))
     result = list(base)
     for total, coefficient, unit in zip(sums, coefficients, units, strict=True):
         force = graph.mul(coefficient, total)
         result = [graph.add(x, graph.mul(force, y)) for x, y in zip(result, unit, strict=True)]
     return result, tuple(checks)
-
-
-def _one_if_stuck(scene: SceneGraph, friction: Friction, value: int) -> int:
-    """`value`, but 1 while the friction sticks."""
-    if friction.is_stuck is None:
-        return value
-    return scene.graph.select(friction.is_stuck, scene.graph.one, value)
-
-
-def _loads(
-    scene: SceneGraph, friction: Friction, base: list[int], changes: list[list[int]]
-) -> Loads:
-    along = scene.along
-    return [
-        [(along(entry, base), [along(entry, change) for change in changes]) for entry in load]
-        for load in friction.loads
-    ]
 
 
 def _remainder(scene: SceneGraph, contacts: Loads, sums: list[int], i: int) -> tuple[int, int]:

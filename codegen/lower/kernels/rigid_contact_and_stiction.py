@@ -1,21 +1,42 @@
 """Kernels of sticking frictions and rigid contacts: bounds of α, gaps, restitution."""
 
 import sys
+from collections.abc import Sequence
 
 from codegen.lower.program import STATE, Kernel, Op, Output, store, storing
-from codegen.lower.scene_graph import SceneGraph
+from codegen.lower.scene_graph import Reaction, SceneGraph
 from codegen.lower.substitution import dependencies
 
 UNBOUNDED = sys.float_info.max  # an infinite bound, which is no literal of a generated text
 
+CONTACT_KERNELS = (
+    (
+        "gap_accelerations",
+        "d²g/dt² of the gaps of the rigid contacts, in the order of RIGID.",
+        "t q v a p out",
+    ),
+    ("restitution", "e of ġ⁺ = -e ġ⁻, of the rigid contacts.", "p out"),
+    (
+        "contact_scale",
+        "F0, N: the reaction that a rigid contact exerts in mode 0, before it is scaled.",
+        "p out",
+    ),
+)
 
-def hold_kernels(scene: SceneGraph, reported: tuple[int, ...]) -> list[Kernel]:
+
+def hold_kernels(scene: SceneGraph, reported: Sequence[Reaction]) -> list[Kernel]:
     """The kernels of sticking frictions and rigid contacts that a scene needs."""
-    kernels = []
+    kernels, contacts = [], scene.equations.contacts
     if any(s.kind == "contact" or s.ratio is not None for s in scene.equations.switches):
         kernels.append(_holds(scene))
-    if scene.equations.contacts:
-        kernels += _contacts(scene)
+    if contacts:
+        columns = zip(
+            *(scene.credited(c.effect, c.acceleration, c.restitution, c.scale) for c in contacts),
+            strict=True,
+        )
+        names = [contact.effect for contact in contacts]
+        for row, values in zip(CONTACT_KERNELS, columns, strict=True):
+            kernels.append(storing(*row, values, names))
     if outputs := reaction_outputs(scene, reported, switched=True):
         summary = "The rows of REACTIONS that a mode decides; `reactions` fills the others."
         arguments = (*STATE, "modes", "lam", "out")
@@ -24,18 +45,13 @@ def hold_kernels(scene: SceneGraph, reported: tuple[int, ...]) -> list[Kernel]:
 
 
 def reaction_outputs(
-    scene: SceneGraph, reported: tuple[int, ...], switched: bool
+    scene: SceneGraph, reported: Sequence[Reaction], switched: bool
 ) -> tuple[Output, ...]:
     """The reported rows of REACTIONS whose values depend on a mode, or on none."""
-    values = scene.graph.values
-    depends: dict[int, bool] = {}
-    for number in sorted(dependencies(scene.graph, [scene.reactions[k][3] for k in reported])):
-        operation = values[number]
-        depends[number] = operation.op is Op.MODE or any(depends[a] for a in operation.args)
-    outputs = []
-    for row, k in enumerate(reported):
-        element, part, unit, value = scene.reactions[k]
-        if depends[value] is switched:
+    values, outputs = scene.graph.values, []
+    for row, (element, part, unit, value) in enumerate(reported):
+        depends = (values[k].op is Op.MODE for k in dependencies(scene.graph, [value]))
+        if any(depends) is switched:
             note = f"{element} {part}, {unit}" if unit else f"{element} {part}"
             outputs.append(Output("out", row, value, note))
     return tuple(outputs)
@@ -62,29 +78,3 @@ def _holds(scene: SceneGraph) -> Kernel:
         ("p", "low", "high"),
         store("low", low, notes) + store("high", high, notes),
     )
-
-
-def _contacts(scene: SceneGraph) -> list[Kernel]:
-    gaps, restitution, scales, names = [], [], [], []
-    for contact in scene.equations.contacts:
-        with scene.graph.serving(contact.effect):
-            gaps.append(scene.translate(contact.acceleration))
-            restitution.append(scene.translate(contact.restitution))
-            scales.append(scene.translate(contact.scale))
-        names.append(contact.effect)
-    rows = (
-        (
-            "gap_accelerations",
-            "d²g/dt² of the gaps of the rigid contacts, in the order of RIGID.",
-            "t q v a p out",
-            gaps,
-        ),
-        ("restitution", "e of ġ⁺ = -e ġ⁻, of the rigid contacts.", "p out", restitution),
-        (
-            "contact_scale",
-            "F0, N: the reaction that a rigid contact exerts in mode 0, before it is scaled.",
-            "p out",
-            scales,
-        ),
-    )
-    return [storing(*row, names) for row in rows]

@@ -7,7 +7,7 @@ from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.kernels.corrections import correction
 from codegen.lower.kernels.linear_solves import accelerations
 from codegen.lower.kernels.rigid_contact_and_stiction import hold_kernels, reaction_outputs
-from codegen.lower.kernels.selection import Selection, recovered
+from codegen.lower.kernels.selection import Selection
 from codegen.lower.linear.factorization import Strategy
 from codegen.lower.module_tables import Description, describe
 from codegen.lower.program import STATE, Folded, Kernel, Output, Program, storing
@@ -32,44 +32,41 @@ class Lowered:
 def lower(equations: Equations) -> Lowered:
     """Translate every equation into one graph, and arrange its values in kernels."""
     scene, selection = SceneGraph(equations), Selection(equations)
-    rows, names = recovered(scene, selection), scene.row_names()
-    coordinates = [q.name for q in equations.coordinates]
-    entries = [f"{names[i]}, {coordinates[k]}" for i, k in scene.jacobian]
+    entries = [f"{scene.rows[i]}, {scene.names[k]}" for i, k in scene.jacobian]
+    sparse = "Structural non-zeros of Φ_q, at JACOBIAN_ROWS, JACOBIAN_COLUMNS."
     kernels = [
-        storing("constraints", "Φ(q, t).", "t q p phi", scene.phi, names),
-        storing(
-            "jacobian",
-            "Structural non-zeros of Φ_q, at JACOBIAN_ROWS, JACOBIAN_COLUMNS.",
-            "t q p values",
-            list(scene.jacobian.values()),
-            entries,
-        ),
-        storing("velocity_rhs", "ν = -Φ_t, so that Φ_q q̇ = ν.", "t q p nu", scene.nu, names),
+        storing("constraints", "Φ(q, t).", "t q p phi", scene.phi, scene.rows),
+        storing("jacobian", sparse, "t q p values", list(scene.jacobian.values()), entries),
+        storing("velocity_rhs", "ν = -Φ_t, so that Φ_q q̇ = ν.", "t q p nu", scene.nu, scene.rows),
     ]
     resting = equations.scene.analysis == "equilibrium"
     if not resting:
         summary = "γ = -(Φ_q q̇)_q q̇ - 2 Φ_qt q̇ - Φ_tt, so that Φ_q q̈ = γ."
-        kernels.append(storing("acceleration_rhs", summary, "t q v p gamma", scene.gamma, names))
+        gamma = storing("acceleration_rhs", summary, "t q v p gamma", scene.gamma, scene.rows)
+        kernels.append(gamma)
     strategy: Strategy | None = None
-    if rows or not resting:
-        fused, strategy = accelerations(scene, rows)
+    recovered, reported = selection.multipliers(scene), selection.reactions(scene)
+    if recovered or not resting:
+        fused, strategy = accelerations(scene, recovered)
         kernels.append(fused)
     if not resting:
         kernels.append(correction(scene))
     powers: list[tuple[str, str, int]] = []
-    reported = selection.reported(scene)
     if equations.mass:
-        powers = [row for row in _powers(scene) if selection.power(row[0])]
-        powers += _works(scene, selection)
+        powers = _powers(scene, selection)
         kernels += _dynamic_kernels(scene, selection, powers)
     if reported or (equations.mass and selection.outputs is None):
-        kernels.append(_reactions(scene, reported))
+        summary = (
+            "Reactions: joint forces on the second body in the joint's axes, and forces of drivers."
+        )
+        outputs = reaction_outputs(scene, reported, switched=False)
+        kernels.append(Kernel("reactions", summary, (*STATE, "lam", "out"), outputs))
     if equations.switches:
         kernels += _switching_kernels(scene, resting)
         kernels += hold_kernels(scene, reported)
     _note_weights(scene)
     program = with_constants(scene.graph, tuple(kernels), len(equations.parameters))
-    description = describe(equations, scene, powers, reported, rows)
+    description = describe(equations, scene, powers, reported, recovered)
     return Lowered(program, description, strategy, scene)
 
 
@@ -92,20 +89,15 @@ def _note_weights(scene: SceneGraph) -> None:
 def _dynamic_kernels(
     scene: SceneGraph, selection: Selection, powers: list[tuple[str, str, int]]
 ) -> list[Kernel]:
-    names, resting = [q.name for q in scene.equations.coordinates], not selection.moves
+    names, resting = scene.names, not selection.moves
     entries = [names[i] if i == k else f"{names[i]}, {names[k]}" for i, k in scene.mass]
-    forces = "Generalized forces Q = ΣQ_e - ∂V/∂q"
-    forces += "" if scene.equations.inertia_force else " of the effects"
-    forces += ", without friction from reactions"
-    forces += ", and of inertia, Q_v." if scene.equations.inertia_force else "."
+    sparse = "Structural non-zeros of M, at MASS_ROWS, MASS_COLUMNS."
+    of, end = " of the effects", "."
+    if scene.equations.inertia_force:
+        of, end = "", ", and of inertia, Q_v."
+    forces = f"Generalized forces Q = ΣQ_e - ∂V/∂q{of}, without friction from reactions{end}"
     kernels = [
-        storing(
-            "mass",
-            "Structural non-zeros of M, at MASS_ROWS, MASS_COLUMNS.",
-            "q p values",
-            list(scene.mass.values()),
-            entries,
-        ),
+        storing("mass", sparse, "q p values", list(scene.mass.values()), entries),
         storing("applied_forces", forces, "t q v p modes Q", scene.forces, names),
     ]
     if resting or selection.energy():
@@ -118,15 +110,9 @@ def _dynamic_kernels(
         energy = (Output("return", 0, _kinetic_energy(scene)),)
         kernels.append(Kernel("kinetic_energy", "T = q̇ᵀ M q̇ / 2, J.", ("q", "v", "p"), energy))
     if powers or (selection.outputs is None and not resting):
-        kernels.append(
-            storing(
-                "powers",
-                "Power in W: Q_eᵀ q̇ of each effect without a potential, λᵀ Φ_t of each driver.",
-                "t q v p modes lam out",
-                [w for *_, w in powers],
-                [source for source, *_ in powers],
-            )
-        )
+        summary = "Power in W: Q_eᵀ q̇ of each effect without a potential, λᵀ Φ_t of each driver."
+        values, sources = [w for *_, w in powers], [source for source, *_ in powers]
+        kernels.append(storing("powers", summary, "t q v p modes lam out", values, sources))
     return kernels
 
 
@@ -140,23 +126,11 @@ def _kinetic_energy(scene: SceneGraph) -> int:
     return graph.mul(graph.constant(0.5), graph.total(terms))
 
 
-def _reactions(scene: SceneGraph, reported: tuple[int, ...]) -> Kernel:
-    return Kernel(
-        "reactions",
-        "Reactions: joint forces on the second body in the joint's axes, and forces of drivers.",
-        (*STATE, "lam", "out"),
-        reaction_outputs(scene, reported, switched=False),
-    )
-
-
 def _switching_kernels(scene: SceneGraph, resting: bool) -> list[Kernel]:
     switches = scene.equations.switches
     notes = [f"{switch.effect}: {switch.text}" for switch in switches]
-    g, rates = [], []
-    for switch in switches:
-        with scene.graph.serving(switch.effect):
-            g.append(scene.translate(switch.g))
-            rates.append(scene.translate(switch.rate))
+    values = (scene.credited(switch.effect, switch.g, switch.rate) for switch in switches)
+    g, rates = zip(*values, strict=True)
     summary = "Switching functions g: a condition holds where its g > 0."
     kernels = [storing("switching", summary, "t q v p g", g, notes)]
     if not resting:
@@ -165,25 +139,22 @@ def _switching_kernels(scene: SceneGraph, resting: bool) -> list[Kernel]:
     return kernels
 
 
-def _powers(scene: SceneGraph) -> list[tuple[str, str, int]]:
+def _powers(scene: SceneGraph, selection: Selection) -> list[tuple[str, str, int]]:
     """Q·q̇ of each effect; λ Φ_t of each driver (its force -Φ_qᵀ λ on velocities Φ_q q̇ = ν).
 
-    A user's equation that contains the time does work as a driver does.
+    A user's equation that contains the time does work as a driver does. Behind them stand the
+    powers whose integrals are outputs; those of effects include their potential.
     """
+    graph = scene.graph
     powers = [(name, "effect", power) for name, power in scene.powers]
     row = 0
     for element in scene.equations.constraints:
         rows = range(row, row + len(element.terms.phi))
         row = rows.stop
-        if element.driver or any(scene.nu[k] != scene.graph.zero for k in rows):
-            terms = [scene.graph.mul(scene.nu[k], scene.lam[k]) for k in rows]
-            powers.append((element.name, "driver", scene.graph.neg(scene.graph.total(terms))))
-    return powers
-
-
-def _works(scene: SceneGraph, selection: Selection) -> list[tuple[str, str, int]]:
-    """The powers whose integrals are outputs; those of effects include their potential."""
-    whole = [(name, value) for name, _, value in _powers(scene) if name not in scene.working]
-    pairs = [*scene.working.items(), *whole]
-    return [(f"work({name})", "work", value) for name, value in pairs if selection.work(name)
-            and value != scene.graph.zero]  # fmt: skip
+        if element.driver or any(scene.nu[k] != graph.zero for k in rows):
+            terms = [graph.mul(scene.nu[k], scene.lam[k]) for k in rows]
+            powers.append((element.name, "driver", graph.neg(graph.total(terms))))
+    working = scene.working | {name: w for name, _, w in powers if name not in scene.working}
+    works = ((name, w) for name, w in working.items() if selection.work(name) and w != graph.zero)
+    selected = [row for row in powers if selection.power(row[0])]
+    return [*selected, *((f"work({name})", "work", value) for name, value in works)]

@@ -2,7 +2,7 @@
 
 from codegen.derive.equations import Equations, tracked_points
 from codegen.lower.program import Input
-from codegen.lower.scene_graph import SceneGraph
+from codegen.lower.scene_graph import Reaction, SceneGraph
 from codegen.lower.substitution import dependencies
 
 
@@ -14,21 +14,14 @@ class Selection:
         # whether the scene asks how the machine moves under forces, and not only where it rests
         self.moves = equations.scene.analysis == "dynamics"
         # A run holds a friction in a joint that sticks against its limit in each position.
-        self._needed = {e.name for e in equations.effects if _limited(e.terms.friction)}
+        laws = ((e.name, e.terms.friction) for e in equations.effects)
+        self._needed = {name for name, law in laws if law and law.limit is not None}
         self._needed |= set(tracked_points(equations))
         self._massive = bool(equations.mass)
 
     def energy(self) -> bool:
         """Whether kinetic and potential energy are."""
         return self.outputs is None or "energy" in self.outputs
-
-    def reaction(self, element: str) -> bool:
-        """Whether the forces that an element transmits are."""
-        return element in self._needed or (self._massive and self._one("reaction", element))
-
-    def reported(self, scene: SceneGraph) -> tuple[int, ...]:
-        """Numbers of the reactions that the scene reports, in order."""
-        return tuple(k for k, (name, *_) in enumerate(scene.reactions) if self.reaction(name))
 
     def power(self, source: str) -> bool:
         """Whether the power of an effect or driver is."""
@@ -38,28 +31,25 @@ class Selection:
         """Whether the work of an effect or driver is, which has to be named."""
         return self.moves and self.outputs is not None and self._one("work", source)
 
-    def _one(self, group: str, element: str) -> bool:
+    def reactions(self, scene: SceneGraph) -> list[Reaction]:
+        """The forces that are, of elements that transmit them."""
+        every = {row.element for row in scene.reactions}
+        named = {name for name in every if self._massive and self._one("reaction", name)}
+        return [row for row in scene.reactions if row.element in named | self._needed]
+
+    def multipliers(self, scene: SceneGraph) -> tuple[int, ...]:
+        """Constraints on whose multipliers an output depends; all where none is named."""
         if self.outputs is None:
-            return True
-        return f"{group}s" in self.outputs or f"{group}({element})" in self.outputs
+            return tuple(range(scene.m))
+        values = [row.value for row in self.reactions(scene)]
+        values += [value for name, value in scene.powers if self.power(name) or self.work(name)]
+        literals = (scene.graph.values[k].literal for k in dependencies(scene.graph, values))
+        needed = {x.slot for x in literals if isinstance(x, Input) and x.array == "lam"}
+        for row, name in enumerate(scene.owners):
+            if scene.nu[row] != scene.graph.zero and (self.power(name) or self.work(name)):
+                needed.add(row)
+        return tuple(sorted(needed))
 
-
-def _limited(friction: object) -> bool:
-    return friction is not None and getattr(friction, "limit", None) is not None
-
-
-def recovered(scene: SceneGraph, selection: Selection) -> tuple[int, ...]:
-    """Constraints whose multipliers an output depends on; all rows where `outputs` is None."""
-    rows = range(scene.m)
-    if selection.outputs is None:
-        return tuple(rows)
-    values = [value for name, *_, value in scene.reactions if selection.reaction(name)]
-    values += [
-        value for name, value in scene.powers if selection.power(name) or selection.work(name)
-    ]
-    literals = (scene.graph.values[k].literal for k in dependencies(scene.graph, values))
-    needed = {x.slot for x in literals if isinstance(x, Input) and x.array == "lam"}
-    for row, name in enumerate(scene.owners):
-        if scene.nu[row] != scene.graph.zero and (selection.power(name) or selection.work(name)):
-            needed.add(row)
-    return tuple(row for row in rows if row in needed)
+    def _one(self, group: str, element: str) -> bool:
+        names = self.outputs
+        return names is None or f"{group}s" in names or f"{group}({element})" in names

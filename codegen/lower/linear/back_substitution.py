@@ -1,18 +1,40 @@
-"""Forward and back substitution through the pivots of an elimination."""
+"""The pivots of an elimination: forward through a right side, and back to its unknowns."""
 
 from dataclasses import dataclass
 
 from codegen.lower.graph import Graph
 
 
+def _less(graph: Graph, start: int, row: dict[int, int], x: dict[int, int]) -> int:
+    """start - Σ factor x."""
+    for j, factor in row.items():
+        start = graph.sub(start, graph.mul(factor, x[j]))
+    return start
+
+
 @dataclass(frozen=True)
 class Single:
-    """An eliminated unknown: x = inverse · right - Σ scaled · x_j."""
+    """An eliminated unknown i: x_i = inverse · right_i - Σ across · x_j."""
 
-    unknown: int
+    i: int
     inverse: int
-    scaled: dict[int, int]
-    right: tuple[int, ...]
+    along: dict[int, int]  # the row
+    across: dict[int, int]  # inverse · along
+
+    def update(self, graph: Graph, j: int, k: int) -> int:
+        """The number that the entry (j, k) loses with the unknown."""
+        return graph.mul(self.across[j], self.along[k])
+
+    def prepare(self, graph: Graph, right: list[int]) -> None:
+        """Nothing: the right side of the row stays."""
+
+    def forward(self, graph: Graph, right: list[int], j: int) -> None:
+        """Take the unknown out of the right side of row j."""
+        right[j] = graph.sub(right[j], graph.mul(self.across[j], right[self.i]))
+
+    def back(self, graph: Graph, right: list[int], x: dict[int, int]) -> None:
+        """Find the unknown from those eliminated later."""
+        x[self.i] = _less(graph, graph.mul(self.inverse, right[self.i]), self.across, x)
 
 
 @dataclass(frozen=True)
@@ -25,13 +47,37 @@ class Pair:
     over_b: int
     along: dict[int, int]
     across: dict[int, int]
-    right_k: tuple[int, ...]
-    right_c: tuple[int, ...]
+    rest: dict[int, int]  # along - a across
+
+    def update(self, graph: Graph, i: int, j: int) -> int:
+        """The number that the entry (i, j) loses with both unknowns."""
+        first = graph.mul(self.along[i], self.across[j])
+        return graph.add(first, graph.mul(self.across[i], self.rest[j]))
+
+    def prepare(self, graph: Graph, right: list[int]) -> None:
+        """Divide the right side of row c by b."""
+        right[self.c] = graph.mul(self.over_b, right[self.c])
+
+    def forward(self, graph: Graph, right: list[int], j: int) -> None:
+        """Take both unknowns out of the right side of row j."""
+        inner = graph.sub(right[self.k], graph.mul(self.a, right[self.c]))
+        both = graph.mul(self.along[j], right[self.c]), graph.mul(self.across[j], inner)
+        right[j] = graph.sub(right[j], graph.add(*both))
+
+    def back(self, graph: Graph, right: list[int], x: dict[int, int]) -> None:
+        """Find both unknowns from those eliminated later."""
+        x[self.k] = _less(graph, right[self.c], self.across, x)
+        force = graph.sub(right[self.k], graph.mul(self.a, x[self.k]))
+        x[self.c] = graph.mul(self.over_b, _less(graph, force, self.along, x))
 
 
 @dataclass(frozen=True)
 class Loop:
-    """Two coordinates and the constraint that closes a loop: entries, minors, 1 / determinant."""
+    """Two coordinates and the constraint that closes a loop, the last that is left.
+
+    [[a, b, u], [b, d, v], [u, v, 0]] is solved by its adjugate: one division instead of three. The
+    determinant is minus the positive definite form a v² - 2 b u v + d u².
+    """
 
     i: int
     j: int
@@ -41,10 +87,10 @@ class Loop:
     minor_i: int
     minor_j: int
     area: int
-    inverse: int
+    inverse: int  # of the form
 
-    def solve(self, graph: Graph, right: list[int]) -> dict[int, int]:
-        """The three unknowns."""
+    def back(self, graph: Graph, right: list[int], x: dict[int, int]) -> None:
+        """Find the three unknowns."""
         mul, sub = graph.mul, graph.sub
         r_i, r_j, r_c = right[self.i], right[self.j], right[self.c]
         across = sub(mul(self.v, r_i), mul(self.u, r_j))
@@ -52,74 +98,5 @@ class Loop:
         x_j = sub(mul(self.minor_j, r_c), mul(self.u, across))
         force = graph.add(mul(self.minor_i, r_i), mul(self.minor_j, r_j))
         force = sub(force, mul(self.area, r_c))
-        unknowns = {self.i: x_i, self.j: x_j, self.c: force}
-        return {unknown: mul(self.inverse, value) for unknown, value in unknowns.items()}
-
-
-@dataclass(frozen=True)
-class Substitution:
-    """A symmetric system before elimination, and the pivots that solve it."""
-
-    graph: Graph
-    entries: dict[tuple[int, int], int]  # (i, j) → value, both triangles
-    right: list[list[int]]  # one list a column
-    steps: list[Single | Pair]  # the pivots in order
-    loop: Loop | None  # the loop that closed the system
-
-    def back(self, column: int, x: dict[int, int]) -> list[int]:
-        """All unknowns of a right side, from those of the loop in `x`."""
-        rights: list[tuple[int, ...]] = [
-            (step.right[column],) if isinstance(step, Single)
-            else (step.right_k[column], step.right_c[column])
-            for step in self.steps
-        ]  # fmt: skip
-        return self._back(rights, x)
-
-    def refined(self, column: int, x: list[int]) -> list[int]:
-        """The unknowns after one step of iterative refinement with the original equations.
-
-        One step makes an elimination whose order ignores the sizes of masses as accurate as the
-        equations themselves (R. D. Skeel, Mathematics of Computation 35, 1980).
-        """
-        graph, lack = self.graph, list(self.right[column])
-        for (i, j), entry in self.entries.items():
-            lack[i] = graph.sub(lack[i], graph.mul(entry, x[j]))
-        change = self._solve(lack)
-        return [graph.add(value, more) for value, more in zip(x, change, strict=True)]
-
-    def _solve(self, right: list[int]) -> list[int]:
-        """The unknowns of another right side, which is overwritten."""
-        graph = self.graph
-        mul, sub = graph.mul, graph.sub
-        rights: list[tuple[int, ...]] = []
-        for step in self.steps:
-            if isinstance(step, Single):
-                r = right[step.unknown]
-                for j, factor in step.scaled.items():
-                    right[j] = sub(right[j], mul(factor, r))
-                rights.append((r,))
-                continue
-            r_k, r_c = right[step.k], mul(step.over_b, right[step.c])
-            inner = sub(r_k, mul(step.a, r_c))
-            for j, along in step.along.items():
-                both = graph.add(mul(along, r_c), mul(step.across[j], inner))
-                right[j] = sub(right[j], both)
-            rights.append((r_k, r_c))
-        return self._back(rights, {} if self.loop is None else self.loop.solve(graph, right))
-
-    def _back(self, rights: list[tuple[int, ...]], x: dict[int, int]) -> list[int]:
-        graph = self.graph
-        for step, right in zip(reversed(self.steps), reversed(rights), strict=True):
-            if isinstance(step, Single):
-                first = graph.mul(step.inverse, right[0])
-                x[step.unknown] = self._less(first, step.scaled, x)
-            else:
-                x[step.k] = self._less(right[1], step.across, x)
-                force = graph.sub(right[0], graph.mul(step.a, x[step.k]))
-                x[step.c] = graph.mul(step.over_b, self._less(force, step.along, x))
-        return [x[i] for i in range(len(x))]
-
-    def _less(self, start: int, row: dict[int, int], x: dict[int, int]) -> int:
-        for j, factor in row.items():
-            start = self.graph.sub(start, self.graph.mul(factor, x[j]))
-        return start
+        for unknown, value in ((self.i, x_i), (self.j, x_j), (self.c, force)):
+            x[unknown] = mul(self.inverse, value)

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from codegen.lower.graph import Graph
-from codegen.lower.linear.back_substitution import Loop, Pair, Single, Substitution
+from codegen.lower.linear.back_substitution import Loop, Pair, Single
 from codegen.lower.linear.labels import Labels
 from codegen.lower.linear.sparse_rows import LEAST_PIVOT
 from codegen.lower.program import Check
@@ -48,9 +48,11 @@ class Elimination:
     located: list[tuple[int, int, bool]] = field(default_factory=list)
     labels: Labels = field(default_factory=Labels)  # of entries, pivots, right sides and unknowns
     checks: list[Check] = field(default_factory=list, init=False)
-    substitution: Substitution = field(init=False)
 
     def __post_init__(self) -> None:
+        self._stated = dict(self.entries), [list(right) for right in self.right]
+        self._pivots: list[Single | Pair] = []
+        self._loop: list[Loop] = []  # the loop that closes the system, where one does
         self._neighbours: dict[int, set[int]] = {i: set() for i in range(len(self.right[0]))}
         for i, j in self.entries:
             if i != j:
@@ -58,30 +60,53 @@ class Elimination:
 
     def solve(self, strategy: Strategy) -> list[list[int]]:
         """Values of the unknowns, one list a right side."""
-        original = dict(self.entries), [list(right) for right in self.right]
-        steps: list[Single | Pair] = []
-        loop: Loop | None = None
         known: list[dict[int, int]] = [{} for _ in self.right]
         sizes = {c: self._row_size(c) for _, c, watched in self.located if watched}
         for k, c, watched in self.located:
             if watched:
                 self._watch_pair(k, c, sizes[c])
-            steps.append(self._pair(k, c))
-        while self._neighbours:
+            self._pair(k, c)
+        while self._neighbours and not self._loop:
             if last := self._last_loop():
-                loop = self._close_loop(*last)
-                known = [loop.solve(self.graph, right) for right in self.right]
+                self._close_loop(*last)
+                for right, x in zip(self.right, known, strict=True):
+                    self._loop[0].back(self.graph, right, x)
                 for names, x in zip(self.labels.solution, known, strict=False):
                     for i, value in x.items():
                         self.labels.add(value, names[i])
-                break
-            step = self._cheapest(strategy)
-            steps.append(self._pair(*step) if len(step) == 2 else self._single(*step))
-        self.substitution = Substitution(self.graph, *original, steps, loop)
+            elif len(step := self._cheapest(strategy)) == 2:
+                self._pair(*step)
+            else:
+                self._single(*step)
         self.labels.step("Substitute back")
-        columns = [self.substitution.back(n, x) for n, x in enumerate(known)]
+        columns = [self._back(right, x) for right, x in zip(self.right, known, strict=True)]
         self.labels.solved(columns)
         return columns
+
+    def refined(self, solution: list[list[int]]) -> list[list[int]]:
+        """The unknowns after one step of iterative refinement with the original equations.
+
+        One step makes an elimination whose order ignores the sizes of masses as accurate as the
+        equations themselves (R. D. Skeel, Mathematics of Computation 35, 1980).
+        """
+        graph, (entries, sides) = self.graph, self._stated
+        columns = []
+        for right, x in zip(sides, solution, strict=True):
+            lack = list(right)
+            for (i, j), entry in entries.items():
+                lack[i] = graph.sub(lack[i], graph.mul(entry, x[j]))
+            for pivot in self._pivots:
+                pivot.prepare(graph, lack)
+                for j in pivot.across:
+                    pivot.forward(graph, lack, j)
+            columns.append(list(map(graph.add, x, self._back(lack, {}))))
+        return columns
+
+    def _back(self, right: list[int], x: dict[int, int]) -> list[int]:
+        """The unknowns of a right side through which the pivots have gone forward."""
+        for pivot in reversed([*self._pivots, *self._loop]):
+            pivot.back(self.graph, right, x)
+        return [x[i] for i in range(len(x))]
 
     # -- order -------------------------------------------------------------------------------
 
@@ -144,29 +169,21 @@ class Elimination:
             self._neighbours[j] -= {*unknowns}
         return sorted(around)
 
-    def _single(self, i: int) -> Single:
-        graph, pivot = self.graph, self._at(i, i)
+    def _single(self, i: int) -> None:
+        graph, labels, pivot = self.graph, self.labels, self._at(i, i)
         if i in self.references:
             size = graph.neg(pivot) if i in self.duals else pivot
             known = graph.number(size) is not None and graph.number(self.references[i]) is not None
             if not known:  # two numbers are compared before the build
                 self.checks.append(Check(size, self.references[i], i))
         inverse = graph.div(graph.one, pivot)
-        labels = self.labels
         labels.step(f"Eliminate {labels.titles(i)}")
         labels.pivot(pivot, inverse, i)
-        around = self._detach(i)
-        row = {j: self._at(i, j) for j in around}
-        scaled = {j: graph.mul(inverse, row[j]) for j in around}
-        for j in around:
-            labels.add(scaled[j], labels.of("L", j, i))
-        for n, j in enumerate(around):
-            for k in around[n:]:
-                self._subtract(j, k, graph.mul(scaled[j], row[k]))
-            for right in self.right:
-                right[j] = graph.sub(right[j], graph.mul(scaled[j], right[i]))
-            labels.sides(self.right, j)
-        return Single(i, inverse, scaled, tuple(right[i] for right in self.right))
+        along = {j: self._at(i, j) for j in self._detach(i)}
+        across = {j: graph.mul(inverse, entry) for j, entry in along.items()}
+        for j, entry in across.items():
+            labels.add(entry, labels.of("L", j, i))
+        self._eliminate(Single(i, inverse, along, across))
 
     def _row_size(self, c: int) -> int:
         """Sum of the squares of a row's entries."""
@@ -179,31 +196,31 @@ class Elimination:
         if self.graph.number(pivot) is None:
             self.checks.append(Check(pivot, size, c))
 
-    def _pair(self, k: int, c: int) -> Pair:
-        graph = self.graph
+    def _pair(self, k: int, c: int) -> None:
+        graph, labels = self.graph, self.labels
         a, over_b = self._at(k, k), graph.div(graph.one, self._at(k, c))
-        labels = self.labels
         labels.step(f"Eliminate {labels.titles(k)} with {labels.titles(c)}")
         labels.pivot(self._at(k, c), over_b, c)
-        around = self._detach(k, c)
-        along = {j: self._at(k, j) for j in around}
-        across = {j: graph.mul(over_b, self._at(c, j)) for j in around}
-        rest = {j: graph.sub(along[j], graph.mul(a, across[j])) for j in around}
-        for j in around:
+        along = {j: self._at(k, j) for j in self._detach(k, c)}
+        across = {j: graph.mul(over_b, self._at(c, j)) for j in along}
+        rest = {j: graph.sub(along[j], graph.mul(a, across[j])) for j in along}
+        for j in along:
             labels.add(across[j], labels.of("L", c, j))
             labels.entry(rest[j], k, j, self.duals)
-        right_k = tuple(right[k] for right in self.right)
-        right_c = tuple(graph.mul(over_b, right[c]) for right in self.right)
+        self._eliminate(Pair(k, c, a, over_b, along, across, rest))
+
+    def _eliminate(self, pivot: Single | Pair) -> None:
+        """Take the unknowns of a pivot out of the rows that they were coupled with."""
+        self._pivots.append(pivot)
+        for right in self.right:
+            pivot.prepare(self.graph, right)
+        around = list(pivot.across)
         for n, i in enumerate(around):
             for j in around[n:]:
-                both = graph.mul(along[i], across[j]), graph.mul(across[i], rest[j])
-                self._subtract(i, j, graph.add(*both))
-            for right, r_k, r_c in zip(self.right, right_k, right_c, strict=True):
-                inner = graph.sub(r_k, graph.mul(a, r_c))
-                both = graph.mul(along[i], r_c), graph.mul(across[i], inner)
-                right[i] = graph.sub(right[i], graph.add(*both))
-            labels.sides(self.right, i)
-        return Pair(k, c, a, over_b, along, across, right_k, right_c)
+                self._subtract(i, j, pivot.update(self.graph, i, j))
+            for right in self.right:
+                pivot.forward(self.graph, right, i)
+            self.labels.sides(self.right, i)
 
     def _last_loop(self) -> tuple[int, int, int] | None:
         """Two coordinates and the constraint that closes a loop, where nothing else is left."""
@@ -214,11 +231,7 @@ class Elimination:
         coupled = c in self._neighbours[i] and c in self._neighbours[j]
         return (i, j, c) if coupled and self._at(c, c) == self.graph.zero else None
 
-    def _close_loop(self, i: int, j: int, c: int) -> Loop:
-        """Solve [[a, b, u], [b, d, v], [u, v, 0]] by its adjugate: one division instead of three.
-
-        The determinant is minus the positive definite form a v² - 2 b u v + d u².
-        """
+    def _close_loop(self, i: int, j: int, c: int) -> None:
         graph, labels = self.graph, self.labels
         mul, sub = graph.mul, graph.sub
         a, b, d = self._at(i, i), self._at(i, j), self._at(j, j)
@@ -236,4 +249,4 @@ class Elimination:
         labels.add(area, labels.of("det_M", i, j))
         labels.add(minor_i, labels.of("minor", i))
         labels.add(minor_j, labels.of("minor", j))
-        return Loop(i, j, c, u, v, minor_i, minor_j, area, inverse)
+        self._loop.append(Loop(i, j, c, u, v, minor_i, minor_j, area, inverse))

@@ -1,46 +1,36 @@
 """The least change by the multipliers of the constraints: d = W Φ_qᵀ μ with Φ_q W Φ_qᵀ μ = r."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from itertools import combinations_with_replacement
 
 from codegen.lower.graph import Graph
 from codegen.lower.linear.factorization import Elimination
 from codegen.lower.linear.labels import Labels
-from codegen.lower.linear.sparse_rows import Row, SparseRows
+from codegen.lower.linear.sparse_rows import Row, SparseRows, prefixed
 from codegen.lower.program import Check
 
 
-@dataclass
 class NormalEquations(SparseRows):
-    """Φ_q d = r for several right sides, d least in the norm dᵀ W⁻¹ d."""
-
-    weights: Sequence[int] = ()  # one value a column
-    rows: Sequence[str] = ()  # names of the constraints
-    stems: Sequence[str] = ()  # how names of the right sides begin
-    text: Labels = field(default_factory=Labels, init=False)
+    """The least change by multipliers."""
 
     def solve(self) -> list[list[int]]:
         """The changes, one list a right side."""
-        graph = self.graph
+        graph, task = self.graph, self.task
         while (alone := self._determined_coordinate()) is not None:
             i, k, number = alone  # the weights do not matter there
-            self.checks.append(Check(self.weights[k], graph.zero, i))
+            self.checks.append(Check(task.weights[k], graph.zero, i))
             del self._rows[i]
             self._eliminate(k, {}, [graph.div(column[i], number) for column in self.right])
         left = list(self._rows)
-        names = [self.rows[i] for i in left]
-        self.text = Labels(
-            names,
-            prefixed(self.stems, names),
-            prefixed([stem.replace("rhs", "mu") for stem in self.stems], names),
-            "S",
-        )
-        self.text.step("The matrix and the right sides")
-        sides = [[column[i] for i in left] for column in self.right]
-        weights = dict(enumerate(self.weights))
+        names = [task.rows[i] for i in left]
+        multipliers = [stem.replace("rhs", "mu") for stem in task.stems]
+        sides, unknowns = prefixed(task.stems, names), prefixed(multipliers, names)
+        self.labels = Labels(names, sides, unknowns, "S")
+        self.labels.step("The matrix and the right sides")
+        right = [[column[i] for i in left] for column in self.right]
+        weights = dict(enumerate(task.weights))
         matrix = [self._rows[i] for i in left]
-        solved, checks = solve_by_multipliers(graph, matrix, weights, sides, self.text)
+        solved, checks = solve_by_multipliers(graph, matrix, weights, right, self.labels)
         self.checks += [check._replace(constraint=left[check.constraint]) for check in checks]
         changes = []
         for column, sums in enumerate(solved):
@@ -56,11 +46,6 @@ class NormalEquations(SparseRows):
                 if self.graph.number(coefficient) is not None:
                     return i, k, coefficient
         return None
-
-
-def prefixed(stems: Sequence[str], names: Sequence[str]) -> list[list[str]]:
-    """Each name with each stem before it."""
-    return [[f"{stem}_{name}" for name in names] for stem in stems]
 
 
 def solve_by_multipliers(

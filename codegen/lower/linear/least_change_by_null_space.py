@@ -14,25 +14,21 @@ takes back from its pivots what a heavy weight added to them, and loses as many 
 weights lie apart. With more than one degree of freedom in a loop that elimination is taken.
 """
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
 
-from codegen.lower.linear.sparse_rows import Row, SparseRows
+from codegen.lower.linear.sparse_rows import Row, SparseRows, Task
 from codegen.lower.program import Check
 
 TINY = 1e-100  # safety: added to weights before they are inverted; w = 0 holds a coordinate
 LARGEST = 2  # closures that are solved together
 
 
-@dataclass
 class NullSpace(SparseRows):
-    """Φ_q d = r for several right sides, d least in the norm dᵀ W⁻¹ d."""
+    """The least change by base solutions and a null space."""
 
-    weights: Sequence[int] = ()  # one value a column
-    rows: Sequence[str] = ()  # names of the constraints; those of the labels are the coordinates'
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def __init__(self, task: Task) -> None:
+        super().__init__(task)
+        self.labels, self.weights = task.labels(task.columns), task.weights
         self._unknowns = dict.fromkeys(range(len(self.weights)))
         self._determined: set[int] = set()
 
@@ -70,8 +66,8 @@ class NullSpace(SparseRows):
         self._eliminate(k, coefficients, base)
 
     def _step(self, title: str, *rows: int) -> None:
-        if self.rows:
-            self.labels.step(f"{title} {', '.join(self.rows[i] for i in rows)}")
+        if self.task.rows:
+            self.labels.step(f"{title} {', '.join(self.task.rows[i] for i in rows)}")
 
     def _name_all(self, unknowns: Iterable[int], values: Iterable[int], stem: str) -> None:
         """Name values of unknowns, as far as these are coordinates."""
@@ -127,8 +123,8 @@ class NullSpace(SparseRows):
             terms = [graph.mul(weights[k], graph.mul(x, x)) for k, x in row.items() if k in weights]
             reference = graph.mul(reference, graph.total(terms))
         self.checks.append(Check(pivot, reference, max(chosen)))
-        if self.rows:
-            names = "_".join(self.rows[i] for i in chosen)
+        if self.task.rows:
+            names = "_".join(self.task.rows[i] for i in chosen)
             self.labels.add(pivot, f"det_{names}")
             self.labels.add(reference, f"size_{names}")
 

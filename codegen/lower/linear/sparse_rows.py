@@ -5,7 +5,7 @@ come first, whichever way the rows that are left are solved.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import combinations
 
 from codegen.lower.graph import Graph
@@ -18,22 +18,33 @@ SEARCHED = 30  # safety: rows among which small sets are searched for
 Row = dict[int, int]  # unknown → coefficient
 
 
-@dataclass
-class SparseRows:
-    """Rows of graph values, for several right sides."""
+@dataclass(frozen=True)
+class Task:
+    """Φ_q d = r for several r, d least in the norm dᵀ W⁻¹ d; names for the text, if any."""
 
     graph: Graph
-    entries: dict[tuple[int, int], int]  # (row, column) → value, structural non-zeros only
-    right: list[list[int]]  # right sides, one list of rows each
-    labels: Labels = field(default_factory=Labels)
-    columns: Sequence[str] = ()  # names of the unknowns where the entries are named
-    # pivots to watch; the constraint of a check is a row
-    checks: list[Check] = field(default_factory=list, init=False)
+    jacobian: dict[tuple[int, int], int]  # (row, column) → value, structural non-zeros of Φ_q
+    right: list[list[int]]  # one list of rows a right side
+    weights: Sequence[int] = ()  # one a column
+    columns: Sequence[str] = ()  # names of the coordinates
+    rows: Sequence[str] = ()  # names of the constraints
+    stems: Sequence[str] = ()  # how names of each right side begin
+    unknowns: Sequence[Sequence[str]] = ()  # names of each solution's entries
 
-    def __post_init__(self) -> None:
-        self.right = [list(column) for column in self.right]
+    def labels(self, names: Sequence[str]) -> Labels:
+        """Names for a solution whose steps are called after coordinates or constraints."""
+        return Labels(names, prefixed(self.stems, self.rows), self.unknowns)
+
+
+class SparseRows:
+    """The rows of a task, from which unknowns are eliminated."""
+
+    def __init__(self, task: Task) -> None:
+        self.task, self.graph, self.labels = task, task.graph, Labels()
+        self.right = [list(column) for column in task.right]
+        self.checks: list[Check] = []  # pivots to watch; the constraint of a check is a row
         self._rows: dict[int, Row] = {i: {} for i in range(len(self.right[0]))}
-        for (i, k), entry in sorted(self.entries.items()):
+        for (i, k), entry in sorted(task.jacobian.items()):
             self._rows[i][k] = entry
         self._original = {i: dict(row) for i, row in self._rows.items()}
         self._eliminated: list[tuple[int, Row, list[int]]] = []
@@ -98,5 +109,9 @@ class SparseRows:
         return [[row.get(k, self.graph.zero) for k in columns] for row in rows]
 
     def _name(self, value: int, stem: str, row: int, column: int) -> None:
-        if self.columns:
-            self.labels.add(value, f"{self.labels.of(stem, row)}_{self.columns[column]}")
+        """Name an entry, where a solution does."""
+
+
+def prefixed(stems: Sequence[str], names: Sequence[str]) -> list[list[str]]:
+    """Each name with each stem before it."""
+    return [[f"{stem}_{name}" for name in names] for stem in stems]

@@ -9,20 +9,22 @@ product of the rows' squares, as the pivots of Φ_q Φ_qᵀ are against its diag
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from codegen.lower.linear.labels import Labels
 from codegen.lower.linear.least_change_by_multipliers import solve_by_multipliers
-from codegen.lower.linear.sparse_rows import SparseRows
+from codegen.lower.linear.sparse_rows import SparseRows, Task
 from codegen.lower.program import Check
 
 LARGEST = 3  # measured: rows of the largest set that is solved by its adjugate
 SHARPER = 1e-6  # accuracy: part of the product of the rows' squares that det² is compared with
 
 
-@dataclass
 class Square(SparseRows):
     """As many rows as unknowns."""
+
+    def __init__(self, task: Task) -> None:
+        super().__init__(task)
+        self.labels = task.labels(task.rows)
 
     def solve(self) -> list[list[int]] | None:
         """The unknowns, one list a right side; None where no position determines them all."""
@@ -58,9 +60,13 @@ class Square(SparseRows):
         self._eliminate(k, coefficients, [graph.mul(inverse, column[i]) for column in self.right])
 
     def _step(self, rows: Sequence[int], columns: Sequence[int]) -> None:
-        if self.columns:
-            unknowns = ", ".join(self.columns[k] for k in columns)
+        if self.task.columns:
+            unknowns = ", ".join(self.task.columns[k] for k in columns)
             self.labels.step(f"Solve {self.labels.titles(*rows)} for {unknowns}")
+
+    def _name(self, value: int, stem: str, row: int, column: int) -> None:
+        if self.task.columns:
+            self.labels.add(value, f"{self.labels.of(stem, row)}_{self.task.columns[column]}")
 
     # -- loops -------------------------------------------------------------------------------
 

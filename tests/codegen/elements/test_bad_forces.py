@@ -44,7 +44,7 @@ from tests.codegen.complaints import check, complaints
             "model.spring('s', a, b, force=lambda length, rate: 'strong')",
             ["force of spring 's': 'strong' is neither a number nor", "spring 's' does nothing"],
         ),
-        ("model.torsion_spring('s', a, a, 3)", ["torsion spring 's' turns body 'a' against itse"]),
+        ("model.torsion_spring('s', a, a, 3)", ["torsion spring 's' is between body 'a' and itse"]),
         (
             "model.torsion_spring('s', a, b.at(0, 0), -3)",
             [
@@ -81,7 +81,7 @@ from tests.codegen.complaints import check, complaints
         ("model.contact('c', a, b, stiffness=0)", ["stiffness and damping are both 0"]),
         ("model.bushing('r', a, b)", ["bushing 'r': stiffness and damping are all 0"]),
         ("model.bushing('r', a, b, 3)", ["stiffness of bushing 'r': 3 must be three", "all 0"]),
-        ("model.bushing('r', a, a, (1, 2, 3))", ["bushing 'r' connects body 'a' with itself"]),
+        ("model.bushing('r', a, a, (1, 2, 3))", ["bushing 'r' is between body 'a' and itself"]),
         (
             "model.bushing('r', a, b, (1, 2, 3), (0, -1, 0))",
             ["bushing 'r': the damping along y is -1 N s/m"],

@@ -14,7 +14,7 @@ from tests.codegen.complaints import check, complaints
     ("text", "expected"),
     [
         ("normal=1, coefficient=-0.1, slip=a.vx", ["dry friction 'f': the coefficient .* is -0.1"]),
-        ("normal=-2, coefficient=0.1, slip=a.vx", ["the normal force is -2 N; give the force"]),
+        ("normal=-2, coefficient=0.1, slip=a.vx", ["the normal force is -2 N; give a number"]),
         ("normal=1, coefficient=0.3, static=0.2, slip=a.vx",
          ["the static coefficient 0.2 is below the kinetic one, 0.3"]),
         ("normal=1, coefficient=0, static=0.2, slip=a.vx",

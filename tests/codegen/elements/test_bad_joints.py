@@ -33,9 +33,12 @@ model.revolute('B', b, c.at(2, 0))
             "model.relative('A', a, b, 'x', units().Quantity(1, 's'))",
             ["value of 'A': 1 second has the dimension .time., but m is needed"],
         ),
-        ("model.distance('A', a, b, 0)", ["distance 'A': the distance 0 m is not positive; use a"]),
-        ("model.distance('A', a, b, -1.5)", [r"distance 'A': the distance -1\.50* m is not posi"]),
-        ("model.distance('A', a, b, float('nan'))", ["distance 'A': the distance nan m is not"]),
+        (
+            "model.distance('A', a, b, 0)",
+            ["distance 'A': the length is 0 m; give a positive number, or use"],
+        ),
+        ("model.distance('A', a, b, -1.5)", [r"distance 'A': the length is -1\.5 m; give a posi"]),
+        ("model.distance('A', a, b, float('nan'))", ["distance 'A': the length is nan m; give"]),
         (
             "model.revolute_translational('A', a, b, axis=(0, 0))",
             ["revolute-translational 'A': the axis .0, 0. has no direction"],
@@ -51,7 +54,10 @@ model.revolute('B', b, c.at(2, 0))
         ("model.weld('A', a, b, angle=a.phi)", ["weld 'A': a_phi depends on a_phi, but points"]),
         (
             "model.rack_and_pinion('A', a, b, 0, axis=(0, 0))",
-            ["rack-and-pinion 'A': the axis", "rack-and-pinion 'A': the radius 0 m is not positi"],
+            [
+                "rack-and-pinion 'A': the axis",
+                "rack-and-pinion 'A': the radius is 0 m; give a positive",
+            ],
         ),
         ("model.gear('A', a, b, 0, 1)", [r"gear 'A': the radii \(0, 1\) m contain a 0"]),
         ("model.gear('A', a, b, -1, -2)", [r"gear 'A': the radii \(-1, -2\) m are those of two"]),

@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
 from codegen.lower.linear.least_change_by_null_space import NullSpace
+from codegen.lower.linear.sparse_rows import Task
 from codegen.lower.operation_count import operations
 from codegen.model_file import read_model
 from tests.codegen.workbench import Interpreted, State, plain, python_functions
@@ -102,4 +103,4 @@ def test_a_coordinate_that_follows_two_is_left_to_the_elimination() -> None:
     graph = Graph()
     w = [graph.input("w", k, f"w_{k}") for k in range(3)]
     entries = {(0, k): graph.one for k in range(3)}
-    assert NullSpace(graph, entries, [[graph.one]], weights=w).solve() is None
+    assert NullSpace(Task(graph, entries, [[graph.one]], w)).solve() is None

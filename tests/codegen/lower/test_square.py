@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 from codegen import Model, build
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
+from codegen.lower.linear.sparse_rows import Task
 from codegen.lower.linear.square_systems import Square
 from codegen.lower.program import Kernel, Program, store
 
@@ -26,7 +27,7 @@ def solved(
         for k in range(n)
         if numbers[i, k]
     }
-    system = Square(graph, entries, sides)
+    system = Square(Task(graph, entries, sides))
     x = system.solve()
     names = [f"x_{k}" for k in range(2 * n)]
     outputs = store("x", x[0] + x[1], names)
@@ -91,7 +92,7 @@ def test_rows_that_never_determine_all_are_left_to_others(numbers: list[list[flo
     entries = {
         (i, k): graph.constant(x) for i, row in enumerate(numbers) for k, x in enumerate(row) if x
     }
-    assert Square(graph, entries, [[graph.one] * len(numbers)]).solve() is None
+    assert Square(Task(graph, entries, [[graph.one] * len(numbers)])).solve() is None
 
 
 def test_redundant_kinematic_scene_is_told() -> None:

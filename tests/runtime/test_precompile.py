@@ -1,0 +1,33 @@
+"""Which modules are compiled ahead of the first run, and in which order."""
+
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+from runtime.core.jit import ROOMS
+from runtime.integrate.method import EXPLICIT, METHODS, REGISTER
+from runtime.precompile import import_graph
+
+RUNTIME = Path(__file__).parents[2] / "runtime"
+
+
+def test_all_compiled_modules_are_compiled_after_what_they_import():
+    graph = import_graph(METHODS)
+    compiled = {
+        ".".join(path.relative_to(RUNTIME.parent).with_suffix("").parts)
+        for room in ROOMS
+        for path in (RUNTIME / room).rglob("*.py")
+        if "from runtime.core.jit import" in path.read_text()
+    }
+    assert compiled <= graph.keys()
+    assert {method.module for method in REGISTER.values()} <= graph.keys()
+    assert "runtime.core.jit" in graph["runtime.integrate.loop"]
+    order = list(TopologicalSorter(graph).static_order())
+    assert order.index("runtime.integrate.step") < order.index("runtime.integrate.loop")
+
+
+def test_explicit_methods_compile_nothing_of_implicit_ones():
+    graph = import_graph(EXPLICIT)
+    assert not [module for module in graph if ".implicit." in module]
+    assert REGISTER["bdf"].module not in graph
+    assert REGISTER[EXPLICIT[0]].module in graph
+    assert REGISTER[EXPLICIT[1]].module not in import_graph(EXPLICIT[:1])
