@@ -7,7 +7,7 @@ import pytest
 from numba import njit
 
 from runtime.core.outcomes import Outcome
-from runtime.core.workspace_rows import ROWS, Y0, Y1, K
+from runtime.core.workspace_rows import ATOL, ROWS, Y0, Y1, K
 from runtime.integrate import loop as driver
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit.bdf import accepted
@@ -89,16 +89,16 @@ def test_step_satisfies_the_formula(order):
 
 @pytest.mark.parametrize("order", [1, 2, 3, 4, 5])
 def test_errors_of_the_orders_beside(order):
-    # In units of the tolerance, which hardly changes: h^(k+1), and one power less and more.
-    lengths, errors = np.array([0.05, 0.07, 0.1]), []
-    for h in lengths:
-        stepper = Stepper(order, h)
-        arrays = stepper.run.state.wiring.arrays
-        arrays["method_integers"][mem.EQUAL] = order
-        stepper.run.state.record["rtol"] = 1e-6
-        stepper.step()
-        errors.append(arrays["method_floats"][[mem.LOWER, mem.STEP_ERROR, mem.HIGHER]])
-    powers = [np.polyfit(np.log(lengths), np.log(e), 1)[0] for e in np.transpose(errors) if e.all()]
+    # In units of a tolerance that stays: h^(k+1), and one power less and more.
+    counts, errors = np.array([20, 28, 40]), []
+    for count in counts:
+        stepper = Stepper(order, 2.0 / count)
+        stepper.run.state.record["rtol"], stepper.run.state.rows[ATOL] = 1e-6, 1e-6
+        for _ in range(count):
+            stepper.step()
+        numbers = stepper.run.state.wiring.arrays["method_floats"]
+        errors.append(numbers[[mem.LOWER, mem.STEP_ERROR, mem.HIGHER]])
+    powers = [-np.polyfit(np.log(counts), np.log(e), 1)[0] for e in np.transpose(errors) if e.all()]
     expected = [order, order + 1, order + 2][order == 1 : 2 + (order < 5)]
     assert powers == pytest.approx(expected, abs=0.4)
 
