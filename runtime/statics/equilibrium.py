@@ -15,6 +15,7 @@ from runtime.mechanism.loaded_mechanism import Mechanism, Values
 from runtime.mechanism.module_tables import Description
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
+from runtime.results.samples import plain
 from runtime.statics.energy_minimisation import RestPosition, evaluate_position, minimise, polish
 from runtime.statics.reduced_gradient import StaticEquations
 from runtime.statics.stability import Judgement, Stability, judge
@@ -58,9 +59,10 @@ class Equilibrium(Result):
         """Value of a coordinate by name."""
         return float(self.q(name)[0])
 
-    def about(self) -> dict[str, str]:
+    def facts(self) -> dict[str, Any]:
         """As of any result, and the stability."""
-        return super().about() | {"stability": str(self.stability)}
+        frequencies = plain(list(self.frequencies))
+        return super().facts() | {"stability": str(self.stability), "frequencies": frequencies}
 
 
 def equilibrium(

@@ -13,9 +13,9 @@ from typer.testing import CliRunner
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
 from codegen.one_change_scenes import declared, variants
+from codegen.presentation import terminal_width
 from runtime import Result, load, matters
 from runtime.cli.app import app
-from runtime.show.terminal_table import width
 from runtime.studies.effect_ranking import Matters, Verdict
 from runtime.studies.effect_ranking import picture as matters_picture
 from runtime.studies.effect_ranking import terminal_table as matters_table
@@ -292,7 +292,7 @@ def test_table_fits_a_terminal(
     from rich.console import Console
 
     monkeypatch.setenv("COLUMNS", str(columns))
-    screen = Console(width=width(), highlight=False, record=True)
+    screen = Console(width=terminal_width(), highlight=False, record=True)
     with screen.capture() as capture:
         screen.print(matters_table.table(swing))
     lines = capture.get().splitlines()
