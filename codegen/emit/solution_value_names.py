@@ -6,9 +6,14 @@ unknowns. A value without a label belongs to the first step that needs it.
 
 from codegen.lower.program import LEAVES, Kernel, Op, Program
 
-BESIDE_ELEMENTS = frozenset({"factorization", "correction", "reduction", "masses", ""})
-"""What a value serves if not an element; the others are called after their element."""
-
+BESIDE_ELEMENTS = {
+    "factorization": "Factorization of M, Φ_q",
+    "correction": "Factorization of Φ_q W Φ_qᵀ",
+    "masses": "Masses",
+    "reduction": "Coordinates by those that are left",
+    "": "Sums",
+}
+"""The heading of values that serve no element; the others are called after their element."""
 
 LONGEST = 36  # characters of a name; values with longer ones are numbered
 

@@ -228,6 +228,10 @@ class Graph(Numbering):
             return self.indicates(value.args[0])
         return value.op is Op.SELECT and set(value.args[1:]) == {self.zero, self.one}
 
+    def unsigned(self, a: int) -> int:
+        """`a` without the sign outside."""
+        return self.values[a].args[0] if self.values[a].op is Op.NEG else a
+
     def has_product(self, a: int, b: int) -> bool:
         """Whether a b is there already."""
         return (Op.MUL, tuple(sorted((a, b))), None) in self._numbers

@@ -119,15 +119,12 @@ class Slopes:
     def _product(self, weight: int, slope: int) -> int:
         """Weight times slope, by a product of the slope that is there: a force's component."""
         graph = self.graph
-        value, sign = graph.values[weight], 1
-        if value.op is Op.NEG:
-            value, sign = graph.values[value.args[0]], -1
-        bare = graph.values[slope].args[0] if graph.values[slope].op is Op.NEG else slope
-        if value.op is Op.MUL:
-            for one, other in (value.args, value.args[::-1]):
-                if graph.has_product(one, bare):
-                    product = graph.mul(graph.mul(one, slope), other)
-                    return product if sign > 0 else graph.neg(product)
+        front = graph.unsigned(weight)
+        factors = graph.values[front].args
+        for one, other in (factors, factors[::-1]) if graph.values[front].op is Op.MUL else ():
+            if graph.has_product(one, graph.unsigned(slope)):
+                product = graph.mul(graph.mul(one, slope), other)
+                return product if front == weight else graph.neg(product)
         return graph.mul(weight, slope)
 
     def _back(self, queue: dict[int, Parts], number: int, share: Parts) -> None:

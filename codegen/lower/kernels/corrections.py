@@ -8,6 +8,7 @@ solved by the null space of Φ_q (`lower.linear.least_change_by_null_space`) or 
 """
 
 from codegen.lower.graph import Graph
+from codegen.lower.linear.factorization import Entries
 from codegen.lower.linear.least_change_by_multipliers import NormalEquations
 from codegen.lower.linear.least_change_by_null_space import NullSpace
 from codegen.lower.linear.sparse_rows import SparseRows, Task, prefixed
@@ -27,15 +28,9 @@ def correction(scene: SceneGraph) -> Kernel:
 
 
 def least_correction(
-    graph: Graph,
-    jacobian: dict[tuple[int, int], int],
-    phi: list[int],
-    nu: list[int],
-    v: list[int],
-    w: list[int],
-    names: list[str],
-    rows: list[str],
-) -> Kernel:
+    graph: Graph, jacobian: Entries, phi: list[int], nu: list[int], v: list[int], w: list[int],
+    names: list[str], rows: list[str],
+) -> Kernel:  # fmt: skip
     """The kernel for constraints, named `rows`, of a graph with or without its scene."""
     rates = [graph.neg(one) for one in nu]
     trials = []
