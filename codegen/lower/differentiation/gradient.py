@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from codegen.lower.differentiation.derivative_along_motion import Direction
 from codegen.lower.differentiation.program_tangents import slopes_of
 from codegen.lower.factored_sums import PLAIN, Parts
-from codegen.lower.graph import Graph
+from codegen.lower.graph import SUMS, Graph
 from codegen.lower.program import Op, dependencies
 
 PLANE = frozenset({Op.CONST, Op.INPUT, Op.ADD, Op.SUB, Op.NEG, Op.MUL, Op.SIN, Op.COS})
@@ -135,12 +135,9 @@ class Slopes:
                 self._accumulate(queue, angle, share.times(slope))
                 for part, factor in parts:
                     self._accumulate(queue, part, share.times(factor))
-            case Op.ADD | Op.SUB:
-                one, two = value.args
-                self._accumulate(queue, one, share)
-                self._accumulate(queue, two, share if value.op is Op.ADD else share.scaled(-1.0))
-            case Op.NEG:
-                self._accumulate(queue, value.args[0], share.scaled(-1.0))
+            case Op.ADD | Op.SUB | Op.NEG:
+                for argument, sign in zip(value.args, SUMS[value.op], strict=True):
+                    self._accumulate(queue, argument, share.scaled(sign))
             case Op.MUL if value.args[0] == value.args[1]:
                 self._accumulate(queue, value.args[0], share.scaled(2.0).times(value.args[0]))
             case Op.DIV:
