@@ -29,7 +29,7 @@ class Slopes:
         self.inputs = frozenset(inputs)
         self._bits = {1 << graph.place_of(k): k for k in self.inputs}
         self._all = sum(self._bits)
-        self._alone: dict[int, Direction] = {}
+        self._alone = {k: Direction(graph, {k: graph.one}, order=1) for k in self.inputs}
 
     def gradient(self, weights: Mapping[int, int]) -> dict[int, int]:
         """Input → Σ weight ∂value/∂input, where it is not zero; `weights` maps value → weight."""
@@ -105,8 +105,6 @@ class Slopes:
         if number == mover:
             return share
         graph = self.graph
-        if mover not in self._alone:
-            self._alone[mover] = Direction(graph, {mover: graph.one}, order=1)
         slope = self._alone[mover].jet(number).first.plain()
         if not slope:
             return slope

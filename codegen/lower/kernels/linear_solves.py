@@ -20,10 +20,9 @@ ratio has.
 
 def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Strategy]:
     """The fused kernel, by the order that costs least; it returns the multipliers of `rows`."""
-    if scene.driven:
-        return _kinematics(scene), "square"
     if not scene.mass:
-        return _kinematics(scene), "schur"
+        driven = scene.equations.scene.analysis == "kinematics" and scene.m == scene.n > 0
+        return _kinematics(scene), "square" if driven else "schur"
     strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
     trials = [(dynamics_kernel(scene, strategy, rows), strategy) for strategy in strategies]
     kernel, strategy = min(trials, key=lambda trial: cost(scene.graph, trial[0]))
