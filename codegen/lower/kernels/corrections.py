@@ -14,7 +14,7 @@ from codegen.lower.linear.least_change_by_null_space import NullSpace
 from codegen.lower.linear.sparse_rows import SparseRows, Task, prefixed
 from codegen.lower.linear.square_systems import Square
 from codegen.lower.operation_count import cost
-from codegen.lower.program import STATE, Kernel, store
+from codegen.lower.program import Kernel, store
 from codegen.lower.scene_graph import SceneGraph
 
 Solution = tuple[list[list[int]], SparseRows]
@@ -48,15 +48,9 @@ def least_correction(
 
 def _kernel(names: list[str], changes: list[list[int]], solver: SparseRows) -> Kernel:
     dq, dv = changes
-    return Kernel(
-        "correction",
-        "W Φ_qᵀ (Φ_q W Φ_qᵀ)⁻¹ times -Φ and -(Φ_q q̇ + Φ_t): w = 0 holds a coordinate.",
-        (*STATE, "w", "dq", "dv"),
-        store("dq", dq, names) + store("dv", dv, names),
-        tuple(solver.checks),
-        watched=True,
-        **solver.labels.text,
-    )
+    outputs = store("dq", dq, names) + store("dv", dv, names)
+    summary = "W Φ_qᵀ (Φ_q W Φ_qᵀ)⁻¹ times -Φ and -(Φ_q q̇ + Φ_t): w = 0 holds a coordinate."
+    return solver.labels.kernel("correction", summary, "t q v p w dq dv", outputs, solver.checks)
 
 
 def solutions(task: Task) -> list[Solution]:
