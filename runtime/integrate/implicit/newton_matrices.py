@@ -21,7 +21,7 @@ def factor_real(context: Integers, c: float) -> int:
         for j in range(f):
             at = i * f + j
             a[at] = (1.0 if i == j else 0.0) - c * (by_rate[at] + c * by_u[at])
-    return int(factor(a, f, mem.pivots(context, mem.REAL)))
+    return int(factor(a, f, mem.pivots(context, mem.REAL), 0.0))
 
 
 @inner
@@ -39,7 +39,7 @@ def factor_complex(context: Integers, c: float, d: float) -> int:
             a[i * 2 * f + f + j] = -imaginary
             a[(f + i) * 2 * f + j] = imaginary
             a[(f + i) * 2 * f + f + j] = real
-    return int(factor(a, 2 * f, mem.pivots(context, mem.COMPLEX)))
+    return int(factor(a, 2 * f, mem.pivots(context, mem.COMPLEX), 0.0))
 
 
 @inner
