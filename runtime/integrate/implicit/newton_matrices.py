@@ -20,7 +20,7 @@ def factor_real(context: Integers, c: float) -> int:
     for i in range(f):
         for j in range(f):
             a[i * f + j] = (1.0 if i == j else 0.0) - c * (by_rate[i, j] + c * by_u[i, j])
-    return int(factor(a, f, mem.pivots(context, mem.REAL)))
+    return int(factor(a, f, mem.pivots(context, mem.REAL), 0.0))
 
 
 @inner
@@ -36,7 +36,7 @@ def factor_complex(context: Integers, c: float, d: float) -> int:
             imaginary = -d * by_rate[i, j] - 2.0 * c * d * by_u[i, j]
             a[at], a[at + f] = real, -imaginary
             a[at + 2 * f * f], a[at + 2 * f * f + f] = imaginary, real
-    return int(factor(a, 2 * f, mem.pivots(context, mem.COMPLEX)))
+    return int(factor(a, 2 * f, mem.pivots(context, mem.COMPLEX), 0.0))
 
 
 @inner
