@@ -8,6 +8,7 @@ from codegen.emit.line_wrapping import PAGE, comments, quantity, wrap_pieces, wr
 from codegen.emit.placement import Path, Placement
 from codegen.emit.readable_formula import formula
 from codegen.emit.sincos_function import NAME as SIN_COS
+from codegen.emit.solution_value_names import BESIDE_ELEMENTS
 from codegen.emit.table_lookup import lookups
 from codegen.lower.graph import SUMS
 from codegen.lower.operation_count import operations
@@ -30,15 +31,7 @@ WORDS = "math numba and or not if else return in is for def pass del as WEAK_PIV
 RESERVED = {*f"{ARGUMENTS} {WORDS} {SIN_COS}".split(), *dir(builtins)}
 """Names that no value may take: those of any kernel's arguments, of the language and the module."""
 
-TITLES = {
-    "factorization": "Factorization of M, Φ_q",
-    "correction": "Factorization of Φ_q W Φ_qᵀ",
-    "masses": "Masses",
-    "reduction": "Coordinates by those that are left",
-    "": "Sums",
-}
 NOTE_WIDTH = 60
-SHORT = {"factorization": "f", "correction": "c", "reduction": "r", "masses": "m", "": "s"}
 
 
 class KernelText:
@@ -133,7 +126,7 @@ class KernelText:
                 serves = None
             elif depth == 1 and value.serves != serves:
                 serves = value.serves
-                yield f"{indent}# {TITLES.get(serves, serves)}"
+                yield f"{indent}# {BESIDE_ELEMENTS.get(serves, serves)}"
             yield from self._line(number, depth)
 
     def _titles(self, step: int) -> Iterator[str]:
@@ -257,7 +250,8 @@ class KernelText:
             return self._unused(name if counts[name] == 1 else f"{name}_{counts[name]}")
         if value.op in (Op.SIN, Op.COS) and value.args[0] in self.names:
             return self._unused(f"{value.op.value}_{self.names[value.args[0]]}")
-        stem = SHORT.get(value.serves, value.serves)
+        title = BESIDE_ELEMENTS.get(value.serves)
+        stem = value.serves if title is None else (value.serves or title)[0].lower()
         while True:
             counts[stem] = counts.get(stem, 0) + 1
             if (name := f"{stem}_{counts[stem]}") not in self._taken:

@@ -36,12 +36,9 @@ def module_text(lowered: Lowered, origin: Origin) -> str:
 
 
 def assemble_module(
-    program: Program,
-    origin: Origin,
-    docstring: list[str],
-    tables: Mapping[str, Any],
+    program: Program, origin: Origin, docstring: list[str], tables: Mapping[str, Any],
     arguments: Arguments,
-) -> str:
+) -> str:  # fmt: skip
     """A module from its parts: provenance, docstring, tables, kernels; signed."""
     weak = [f"WEAK_PIVOT = {program.weak_pivot!r}"]
     generator = " with ".join(filter(None, (origin.generator, origin.engine)))

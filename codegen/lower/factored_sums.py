@@ -100,7 +100,7 @@ class Parts:
         graph = self.graph
         alike: dict[int, dict[Factors, int]] = {}
         for factors, value in self.parts.items():
-            bare = graph.values[value].args[0] if graph.values[value].op is Op.NEG else value
+            bare = graph.unsigned(value)
             alike.setdefault(bare, {})[factors] = graph.one if bare == value else graph.minus_one
         if any(len(factors) > 1 for factors in alike.values()):
             terms = [graph.mul(_polynomial(graph, f), value) for value, f in alike.items()]

@@ -11,7 +11,7 @@ from codegen.lower.value_numbering import Numbering
 
 ODD = frozenset({Op.SIN, Op.TAN, Op.ASIN, Op.ATAN, Op.SINH, Op.TANH})
 EVEN = frozenset({Op.COS, Op.COSH})
-SUMS = {Op.ADD: 1, Op.SUB: -1, Op.NEG: -1}  # operations of sums → the sign of the last argument
+SUMS = {Op.ADD: (1, 1), Op.SUB: (1, -1), Op.NEG: (-1,)}  # operations → signs of the arguments
 
 
 class Graph(Numbering):
@@ -101,11 +101,9 @@ class Graph(Numbering):
         value = self.values[a]
         if value.op not in SUMS:
             yield a, sign
-        elif value.op is Op.NEG:
-            yield from self._terms(value.args[0], -sign)
-        else:
-            yield from self._terms(value.args[0], sign)
-            yield from self._terms(value.args[1], sign * SUMS[value.op])
+            return
+        for argument, outside in zip(value.args, SUMS[value.op], strict=True):
+            yield from self._terms(argument, sign * outside)
 
     def _without(self, a: int, term: int, sign: int) -> int:
         """A sum without one of its terms."""
@@ -118,7 +116,7 @@ class Graph(Numbering):
         combine = self.add if value.op is Op.ADD else self.sub
         if (term, sign) in self._terms(x):
             return combine(self._without(x, term, sign), y)
-        return combine(x, self._without(y, term, sign * SUMS[value.op]))
+        return combine(x, self._without(y, term, sign * SUMS[value.op][1]))
 
     def mul(self, a: int, b: int) -> int:
         """a b; a structural zero annihilates, a sign moves outside."""
@@ -227,6 +225,10 @@ class Graph(Numbering):
         if value.op is Op.NEG:
             return self.indicates(value.args[0])
         return value.op is Op.SELECT and set(value.args[1:]) == {self.zero, self.one}
+
+    def unsigned(self, a: int) -> int:
+        """`a` without the sign outside."""
+        return self.values[a].args[0] if self.values[a].op is Op.NEG else a
 
     def has_product(self, a: int, b: int) -> bool:
         """Whether a b is there already."""

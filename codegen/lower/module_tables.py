@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from codegen.derive.equations import Equations
 from codegen.lower.scene_graph import Reaction, SceneGraph
 
 
@@ -59,14 +58,12 @@ class Description:
 
 
 def describe(
-    equations: Equations,
-    scene: SceneGraph,
-    powers: list[tuple[str, str, int]],
-    reported: Sequence[Reaction],
+    scene: SceneGraph, powers: list[tuple[str, str, int]], reported: Sequence[Reaction],
     recovered: tuple[int, ...],
-) -> Description:
+) -> Description:  # fmt: skip
     """The tables of a scene, with its powers, its reported reactions and recovered multipliers."""
-    named, coordinates = equations.scene, equations.coordinates
+    equations, named = scene.equations, scene.equations.scene
+    coordinates, constraints = equations.coordinates, equations.constraints
     fixed = dict(named.start)
     start = (
         *(
@@ -78,7 +75,6 @@ def describe(
         *((name, value, "guess") for name, value in named.guess if name not in fixed),
     )
     parameters = tuple((p.name, p.value, p.unit, p.sign) for p in equations.parameters)
-    constraints = equations.constraints
     return Description(
         model=equations.model,
         scene=named.name,

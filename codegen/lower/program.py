@@ -81,6 +81,9 @@ class Folded(NamedTuple):
     note: str = ""
 
 
+Literal = float | int | Input | Lookup | None
+
+
 @dataclass(frozen=True, slots=True)
 class Value:
     """One operation."""
@@ -88,7 +91,7 @@ class Value:
     op: Op
     args: tuple[int, ...] = ()  # numbers of the values that it takes
     # the float of a constant, the slot of an input, the number of a mode, a table's derivative
-    literal: float | int | Input | Lookup | None = None
+    literal: Literal = None
     serves: str = ""  # element for which the value was first needed; a comment in the text
     origin: Folded | None = None  # of a constant computed from others: which; for the text alone
 

@@ -52,8 +52,6 @@ class SceneGraph:
             self.owners += [c.name] * len(c.statement.rows)
             self.rows += [f"{c.name}_{row}" if several else c.name for row in c.statement.rows]
         self.m = len(self.rows)
-        # whether a kinematic scene has as many constraints as coordinates
-        self.driven = self.m == self.n > 0 and equations.scene.analysis == "kinematics"
         self.graph = graph = Graph()
         self.columns = {q: k for k, q in enumerate(equations.coordinates)}
         self.w = self._inputs("w", [f"w_{name}" for name in self.names])

@@ -8,7 +8,7 @@ from operator import or_
 from typing import Self
 
 from codegen.errors import ModelError
-from codegen.lower.program import COMMUTATIVE, Folded, Input, Lookup, Op, Value
+from codegen.lower.program import COMMUTATIVE, Folded, Input, Literal, Op, Value
 
 
 class Numbering:
@@ -50,11 +50,7 @@ class Numbering:
         return self._during(_serves=name)
 
     def _add(
-        self,
-        op: Op,
-        args: tuple[int, ...],
-        literal: float | int | Input | Lookup | None = None,
-        origin: Folded | None = None,
+        self, op: Op, args: tuple[int, ...], literal: Literal = None, origin: Folded | None = None
     ) -> int:
         if op in COMMUTATIVE:
             args = tuple(sorted(args))

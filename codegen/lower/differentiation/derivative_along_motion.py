@@ -59,8 +59,7 @@ class Direction:
             return self._nothing
         match value.op:
             case Op.ADD | Op.SUB | Op.NEG:
-                last = float(SUMS[value.op])
-                return self._sum(parts, (1.0, last) if len(parts) == 2 else (last,))
+                return self._sum(parts, SUMS[value.op])
             case Op.MUL:
                 return self._product(*value.args)
             case Op.DIV:
@@ -73,7 +72,7 @@ class Direction:
                 return self._choice(value.args[0], parts[1], parts[2])
         return self._function(number, parts)
 
-    def _sum(self, jets: list[Jet], signs: tuple[float, ...]) -> Jet:
+    def _sum(self, jets: list[Jet], signs: tuple[int, ...]) -> Jet:
         first, second = self._nothing
         for jet, sign in zip(jets, signs, strict=True):
             first = first.plus(jet.first.scaled(sign))

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from codegen.lower.differentiation.derivative_along_motion import Direction
 from codegen.lower.differentiation.program_tangents import slopes_of
 from codegen.lower.factored_sums import PLAIN, Parts
-from codegen.lower.graph import Graph
+from codegen.lower.graph import SUMS, Graph
 from codegen.lower.program import Op, dependencies
 
 PLANE = frozenset({Op.CONST, Op.INPUT, Op.ADD, Op.SUB, Op.NEG, Op.MUL, Op.SIN, Op.COS})
@@ -29,7 +29,7 @@ class Slopes:
         self.inputs = frozenset(inputs)
         self._bits = {1 << graph.place_of(k): k for k in self.inputs}
         self._all = sum(self._bits)
-        self._alone: dict[int, Direction] = {}
+        self._alone = {k: Direction(graph, {k: graph.one}, order=1) for k in self.inputs}
 
     def gradient(self, weights: Mapping[int, int]) -> dict[int, int]:
         """Input → Σ weight ∂value/∂input, where it is not zero; `weights` maps value → weight."""
@@ -105,8 +105,6 @@ class Slopes:
         if number == mover:
             return share
         graph = self.graph
-        if mover not in self._alone:
-            self._alone[mover] = Direction(graph, {mover: graph.one}, order=1)
         slope = self._alone[mover].jet(number).first.plain()
         if not slope:
             return slope
@@ -119,15 +117,12 @@ class Slopes:
     def _product(self, weight: int, slope: int) -> int:
         """Weight times slope, by a product of the slope that is there: a force's component."""
         graph = self.graph
-        value, sign = graph.values[weight], 1
-        if value.op is Op.NEG:
-            value, sign = graph.values[value.args[0]], -1
-        bare = graph.values[slope].args[0] if graph.values[slope].op is Op.NEG else slope
-        if value.op is Op.MUL:
-            for one, other in (value.args, value.args[::-1]):
-                if graph.has_product(one, bare):
-                    product = graph.mul(graph.mul(one, slope), other)
-                    return product if sign > 0 else graph.neg(product)
+        front = graph.unsigned(weight)
+        factors = graph.values[front].args
+        for one, other in (factors, factors[::-1]) if graph.values[front].op is Op.MUL else ():
+            if graph.has_product(one, graph.unsigned(slope)):
+                product = graph.mul(graph.mul(one, slope), other)
+                return product if front == weight else graph.neg(product)
         return graph.mul(weight, slope)
 
     def _back(self, queue: dict[int, Parts], number: int, share: Parts) -> None:
@@ -138,12 +133,9 @@ class Slopes:
                 self._accumulate(queue, angle, share.times(slope))
                 for part, factor in parts:
                     self._accumulate(queue, part, share.times(factor))
-            case Op.ADD | Op.SUB:
-                one, two = value.args
-                self._accumulate(queue, one, share)
-                self._accumulate(queue, two, share if value.op is Op.ADD else share.scaled(-1.0))
-            case Op.NEG:
-                self._accumulate(queue, value.args[0], share.scaled(-1.0))
+            case Op.ADD | Op.SUB | Op.NEG:
+                for argument, sign in zip(value.args, SUMS[value.op], strict=True):
+                    self._accumulate(queue, argument, share.scaled(sign))
             case Op.MUL if value.args[0] == value.args[1]:
                 self._accumulate(queue, value.args[0], share.scaled(2.0).times(value.args[0]))
             case Op.DIV:

@@ -25,6 +25,7 @@ from codegen.lower.program import (
     Value,
     dependencies,
 )
+from codegen.lower.substitution import ARITHMETIC
 
 TINY = 1e-300  # safety: added under a root that divides: √(vᵀv) has the slope 0 at v = 0, not 0/0
 
@@ -51,12 +52,8 @@ def _tangent(graph: Graph, number: int, value: Value, known: Mapping[int, int]) 
     if all(part == graph.zero for part in parts):
         return graph.zero
     match value.op:
-        case Op.ADD:
-            return graph.add(*parts)
-        case Op.SUB:
-            return graph.sub(*parts)
-        case Op.NEG:
-            return graph.neg(parts[0])
+        case Op.ADD | Op.SUB | Op.NEG:
+            return ARITHMETIC[value.op](graph, *parts)
         case Op.SELECT:
             return graph.select(value.args[0], parts[1], parts[2])
         case Op.DIV:

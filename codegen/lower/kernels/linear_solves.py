@@ -8,9 +8,10 @@ from codegen.lower.linear.factorization import Elimination, Strategy, augmented
 from codegen.lower.linear.labels import Labels
 from codegen.lower.linear.sparse_rows import Task
 from codegen.lower.operation_count import cost
-from codegen.lower.program import STATE, Kernel, Output, store
+from codegen.lower.program import Kernel, Output, store
 from codegen.lower.scene_graph import SceneGraph
 
+ARGUMENTS = "t q v p modes a lam"
 FAR = 1e5
 """accuracy: ratio of the largest to the smallest mass, or moment of inertia, from which on
 solutions are refined: an elimination that divides by the wrong ones loses as many digits as the
@@ -20,10 +21,9 @@ ratio has.
 
 def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Strategy]:
     """The fused kernel, by the order that costs least; it returns the multipliers of `rows`."""
-    if scene.driven:
-        return _kinematics(scene), "square"
     if not scene.mass:
-        return _kinematics(scene), "schur"
+        driven = scene.equations.scene.analysis == "kinematics" and scene.m == scene.n > 0
+        return _kinematics(scene), "square" if driven else "schur"
     strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
     trials = [(dynamics_kernel(scene, strategy, rows), strategy) for strategy in strategies]
     kernel, strategy = min(trials, key=lambda trial: cost(scene.graph, trial[0]))
@@ -74,17 +74,10 @@ def dynamics_kernel(
         labels.solved([solution])
     outputs = store("a", solution[:n], scene.rates)
     outputs += tuple(Output("lam", row, solution[n + row], scene.rows[row]) for row in rows)
-    checks = tuple(check._replace(constraint=check.constraint - n) for check in system.checks)
+    checks = [check._replace(constraint=check.constraint - n) for check in system.checks]
     checks += rubbing
-    return Kernel(
-        "accelerations",
-        "q̈ and λ of M q̈ + Φ_qᵀ λ = Q, Φ_q q̈ = γ.",
-        (*STATE, "modes", "a", "lam"),
-        outputs,
-        checks,
-        watched=True,
-        **labels.text,
-    )
+    summary = "q̈ and λ of M q̈ + Φ_qᵀ λ = Q, Φ_q q̈ = γ."
+    return labels.kernel("accelerations", summary, ARGUMENTS, outputs, checks)
 
 
 def _labels(scene: SceneGraph) -> Labels:
@@ -107,12 +100,6 @@ def _kinematics(scene: SceneGraph) -> Kernel:
     with graph.serving("factorization"):
         task = Task(graph, scene.jacobian, right, ones, scene.names, scene.rows, stems, unknowns)
         (solution,), solver = solutions(task)[0]
-    return Kernel(
-        "accelerations",
-        "q̈ of Φ_q q̈ = γ (of least norm while drivers are missing).",
-        (*STATE, "modes", "a", "lam"),
-        store("a", solution, rates),
-        tuple(solver.checks),
-        watched=True,
-        **solver.labels.text,
-    )
+    outputs = store("a", solution, rates)
+    summary = "q̈ of Φ_q q̈ = γ (of least norm while drivers are missing)."
+    return solver.labels.kernel("accelerations", summary, ARGUMENTS, outputs, solver.checks)

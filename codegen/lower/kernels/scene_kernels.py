@@ -66,7 +66,7 @@ def lower(equations: Equations) -> Lowered:
         kernels += hold_kernels(scene, reported)
     _note_weights(scene)
     program = with_constants(scene.graph, tuple(kernels), len(equations.parameters))
-    description = describe(equations, scene, powers, reported, recovered)
+    description = describe(scene, powers, reported, recovered)
     return Lowered(program, description, strategy, scene)
 
 

@@ -45,12 +45,9 @@ class NormalEquations(SparseRows):
 
 
 def solve_by_multipliers(
-    graph: Graph,
-    rows: Sequence[Row],
-    weights: Mapping[int, int],
-    right: list[list[int]],
+    graph: Graph, rows: Sequence[Row], weights: Mapping[int, int], right: list[list[int]],
     labels: Labels,
-) -> tuple[list[Row], list[Check]]:
+) -> tuple[list[Row], list[Check]]:  # fmt: skip
     """x = W Aᵀ μ, A W Aᵀ μ = r, with positive pivots in any position that is not singular.
 
     Returns column → value, one a right side, and the pivots to watch, by the number of the row.
