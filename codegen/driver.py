@@ -39,17 +39,12 @@ GENERATOR = f"linkwright {codegen.__version__}"
 
 
 def build(
-    model: str | Path | Model,
-    scene: str | Scene | Sequence[str | Scene] | None = None,
-    out: str | Path | None = None,
-    *,
-    settings: Mapping[str, float] | None = None,
-    tangents: bool = False,
-    reduced: bool = False,
-    check: bool = False,
+    model: str | Path | Model, scene: str | Scene | Sequence[str | Scene] | None = None,
+    out: str | Path | None = None, *, settings: Mapping[str, float] | None = None,
+    tangents: bool = False, reduced: bool = False, check: bool = False,
     compile: bool = True,  # noqa: A002 (what it does)
     progress: Progress = lambda message: None,
-) -> BuildReport:
+) -> BuildReport:  # fmt: skip
     """Generate and compile the kernels of a model's scenes.
 
     Parameters
@@ -121,14 +116,9 @@ def build(
 
 
 def _emit(
-    file: ModelFile,
-    equations: Equations,
-    lowered: Lowered,
-    clock: Clock,
-    folder: Path,
-    settings: Mapping[str, float],
-    requested: Mapping[str, bool],
-) -> File:
+    file: ModelFile, equations: Equations, lowered: Lowered, clock: Clock, folder: Path,
+    settings: Mapping[str, float], requested: Mapping[str, bool],
+) -> File:  # fmt: skip
     """The file of a scene, with those companions that are requested or exist."""
     path = folder / file_name(file.stem, equations, settings)
     with clock("emit"):

@@ -141,13 +141,7 @@ def _first_scene(model: Path) -> str | None:
 def _sources_match(path: Path, text: str, model: Path) -> bool:
     """Whether the module comes from this generator, and from `model` and its files as they are."""
     head = ast.parse(_FIRST_KERNEL.split(text, maxsplit=1)[0])
-    assigned = {
-        target.id: statement.value
-        for statement in head.body
-        if isinstance(statement, ast.Assign)
-        for target in statement.targets
-        if isinstance(target, ast.Name)
-    }
+    assigned = {ast.unparse(s.targets[0]): s.value for s in head.body if isinstance(s, ast.Assign)}
     if not {"GENERATOR", "SOURCES"} <= assigned.keys():
         return False
     root = path.resolve().parent.parent

@@ -48,12 +48,9 @@ class Measured(NamedTuple):
 
 
 def with_times(
-    ledger: Ledger,
-    programs: tuple[Lowered, ...],
-    file: Path | None,
-    t_end: float | None,
+    ledger: Ledger, programs: tuple[Lowered, ...], file: Path | None, t_end: float | None,
     progress: Callable[[str], None],
-) -> Ledger:
+) -> Ledger:  # fmt: skip
     """The ledger with the nanoseconds of its parts and of the whole kernel, and a run's costs.
 
     `programs` as from `operations_by_part.cumulative_programs`; `t_end`, in s, requests a run of

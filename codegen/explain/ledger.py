@@ -21,13 +21,9 @@ Progress = Callable[[str], None]
 
 
 def explain(
-    model: str | Path | Model,
-    scene: str | Scene | None = None,
-    *,
-    measure: bool = False,
-    t_end: float | None = None,
-    progress: Progress = lambda message: None,
-) -> tuple[Ledger, ...]:
+    model: str | Path | Model, scene: str | Scene | None = None, *, measure: bool = False,
+    t_end: float | None = None, progress: Progress = lambda message: None,
+) -> tuple[Ledger, ...]:  # fmt: skip
     """Ledgers of one scene of a model, or of all.
 
     Parameters
@@ -83,13 +79,7 @@ def _ledger(model: Model, scene: Scene) -> tuple[Ledger, tuple[Lowered, ...]]:
         for name, operations in counts.items()
         if name not in declared
     ]
-    ledger = Ledger(
-        equations.model,
-        scene.name,
-        tuple(k for k in totals if totals[k]),
-        tuple(parts),
-        totals,
-        equations.left_out,
-        output_inventory(model, scene),
-    )
+    kernels, outputs = tuple(k for k in totals if totals[k]), output_inventory(model, scene)
+    left_out = equations.left_out
+    ledger = Ledger(equations.model, scene.name, kernels, tuple(parts), totals, left_out, outputs)
     return ledger, programs

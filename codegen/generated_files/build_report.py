@@ -93,19 +93,13 @@ def report(
         if kind.name in file.companions
     }
     return SceneReport(
-        **_facts(file),
-        model=equations.model,
-        scene=equations.scene.name,
-        bodies=equations.bodies,
-        coordinates=n,
+        **_facts(file), **companions, model=equations.model, scene=equations.scene.name,
+        bodies=equations.bodies, coordinates=n,
         constraints=sum(len(c.statement.rows) for c in equations.constraints),
-        degrees_of_freedom=n - findings.independent,
+        degrees_of_freedom=n - findings.independent, strategy=strategy, notes=findings.notes,
         effects=tuple(e.name for e in equations.effects),
         left_out=tuple(name for name, _ in equations.left_out),
-        strategy=strategy,
-        notes=findings.notes,
-        **companions,
-    )
+    )  # fmt: skip
 
 
 def _facts(file: File) -> dict[str, Any]:

@@ -28,13 +28,9 @@ def file_name(stem: str, equations: Equations, settings: Mapping[str, float]) ->
 
 
 def origin(
-    generator: str,
-    file: ModelFile,
-    equations: Equations,
-    path: Path,
-    settings: Mapping[str, float],
-    more: str = "",
-) -> Origin:
+    generator: str, file: ModelFile, equations: Equations, path: Path,
+    settings: Mapping[str, float], more: str = "",
+) -> Origin:  # fmt: skip
     """Provenance, with paths relative to the folder that holds the folder of generated files.
 
     `generator` is the name and version of the compiler, `more` further options of the command that

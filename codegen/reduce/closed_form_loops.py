@@ -22,8 +22,8 @@ from typing import NamedTuple
 from codegen.lower.differentiation.program_tangents import differentiate
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
-from codegen.lower.program import Kernel, Op, Program, store
-from codegen.lower.substitution import dependencies, substitute
+from codegen.lower.program import Kernel, Op, Program, dependencies, store
+from codegen.lower.substitution import substitute
 
 POINTS = 4  # measured: random points at which an identity is tested
 AGREED = 1e-9  # accuracy: numbers with a smaller difference, in parts of their sizes, are equal
@@ -83,7 +83,7 @@ class _LoopSearch:
         unknown = {self.q[k]: k for k in angles}
         support = {}
         for i, value in phi.items():
-            reachable = dependencies(self.graph, [value])
+            reachable = dependencies(self.graph.values, [value])
             support[i] = tuple(sorted(unknown[number] for number in unknown if number in reachable))
         for i, columns in support.items():
             if len(columns) == 1 and (form := self._form(phi[i], columns)):
@@ -154,7 +154,7 @@ class _LoopSearch:
         graph = self.graph
         ends = [self._sine_cosine(k) for k in columns]
         still = {number: graph.zero for pair in ends for number in pair}
-        if dependencies(graph, [value], still) & {self.q[k] for k in columns}:
+        if dependencies(graph.values, [value], still) & {self.q[k] for k in columns}:
             return None
         (start,) = substitute(graph, [value], still)
 

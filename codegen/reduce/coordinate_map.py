@@ -9,8 +9,8 @@ from collections.abc import Iterable
 
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Description
-from codegen.lower.program import Op
-from codegen.lower.substitution import dependencies, substitute
+from codegen.lower.program import Op, dependencies
+from codegen.lower.substitution import substitute
 from codegen.reduce.closed_form_loops import Loop, find_loops
 from codegen.reduce.explicit_coordinates import ExplicitCoordinates, Rates, combined
 
@@ -101,7 +101,7 @@ class CoordinateMap:
         if self.description.coordinates[k][2] != "rad":
             return False
         ends = {self.graph.function(op, self.scene.q[k]): None for op in (Op.SIN, Op.COS)}
-        return self.scene.q[k] not in dependencies(self.graph, values, ends)
+        return self.scene.q[k] not in dependencies(self.graph.values, values, ends)
 
     # -- positions ---------------------------------------------------------------------------
 

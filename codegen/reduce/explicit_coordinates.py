@@ -19,7 +19,8 @@ from typing import NamedTuple
 from codegen.lower.differentiation.program_tangents import differentiate
 from codegen.lower.graph import Graph
 from codegen.lower.linear.sparse_rows import LEAST_PIVOT, ROUNDING
-from codegen.lower.substitution import dependencies, substitute
+from codegen.lower.program import dependencies
+from codegen.lower.substitution import substitute
 
 
 class Rates(NamedTuple):
@@ -117,7 +118,7 @@ class ExplicitCoordinates:
         """Column of each explicit coordinate → its formula in those that remain."""
         known: dict[int, int] = {}
         for column, (formula, _) in reversed(self.substitutions.items()):
-            reachable = dependencies(self.graph, [formula])
+            reachable = dependencies(self.graph.values, [formula])
             inner = {self.q[k]: value for k, value in known.items() if self.q[k] in reachable}
             (known[column],) = substitute(self.graph, [formula], inner)
         return known

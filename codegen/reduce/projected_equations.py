@@ -10,7 +10,7 @@ the machine itself.
 """
 
 from codegen.lower.differentiation.program_tangents import differentiate
-from codegen.lower.linear.factorization import Elimination, Strategy
+from codegen.lower.linear.factorization import Elimination, Strategy, augmented
 from codegen.lower.operation_count import cost
 from codegen.lower.program import STATE, Check, Kernel, Output, store
 from codegen.reduce.coordinate_map import CoordinateMap
@@ -95,13 +95,8 @@ class ProjectedEquations:
     def _eliminated(self, strategy: Strategy) -> Kernel:
         """By elimination of the projected equations."""
         graph, n, m = self.graph, len(self.mapping.kept), len(self.mapping.closures)
-        sizes: dict[int, int] = {}
         with graph.serving("factorization"):
-            entries = dict(self.mass)
-            for (i, k), entry in self.jacobian.items():
-                entries[n + i, k] = entries[k, n + i] = entry
-                part = graph.div(graph.mul(entry, entry), self.mass[k, k])
-                sizes[n + i] = graph.add(sizes.get(n + i, graph.zero), part)
+            entries, sizes = augmented(graph, self.mass, self.jacobian, n)
             right = [[*self.force, *self.gamma]]
             duals = frozenset(range(n, n + m))
             system = Elimination(graph, entries, right, duals, sizes)

@@ -69,11 +69,8 @@ def start_on_branch(
             return None
         branch[fixed_v] = v[fixed_v]
     fixed = ~task.free
-    tau = 0.0
-    if fixed.any():
-        square = float(branch[fixed] @ branch[fixed])
-        away = (q - position.q)[fixed]
-        tau = float(away @ branch[fixed]) / square if square > 0.0 else 0.0
+    square = float(branch[fixed] @ branch[fixed])
+    tau = float((q - position.q)[fixed] @ branch[fixed]) / square if square > 0.0 else 0.0
     place = position.q + tau * branch
     if np.abs(((place - q) / task.scale)[fixed]).max(initial=0.0) > _ROUNDING:
         return None

@@ -42,8 +42,7 @@ def repartition(context: Context, t: float, state: int) -> int:
         if (before[j] > 0.0) != (weights[j] > 0.0):
             changed = 1
     if changed != 0:
-        r.ratio_limit = GROWTH_LIMIT
-        r.growth_limit = GROWTH_LIMIT
+        r.ratio_limit = r.growth_limit = GROWTH_LIMIT
         r.probe = 0
         log_partition(context, t)
     else:

@@ -58,11 +58,17 @@ class Continuation:
 
     @cached_property
     def pace(self) -> float:
-        """Fastest pace of the drivers, 1/s, at least 1e-3."""
-        state = self.state
+        """Fastest rate at which the drivers move the constraints, 1/s, at least 1e-3.
+
+        At some instants and one position, since most laws of time do not depend on q.
+        """
+        state, equations = self.state, self.equations
         ends = state.began, float(state.times[0]), float(state.times[-1])
         seen = np.concatenate([np.linspace(*pair, _SEEN) for pair in pairwise(ends)])
-        return max(classification.pace(self.equations, seen, state.q, self.scale), 1e-3)
+        lengths = np.linalg.norm(equations.jacobian(seen[0], state.q) * self.scale, axis=1)
+        lengths[lengths == 0.0] = 1.0
+        rates = [np.linalg.norm(equations.velocity_rhs(t, state.q) / lengths) for t in seen]
+        return max([1e-3, *(float(rate) for rate in rates if np.isfinite(rate))])
 
     def run(self, progress: Progress) -> tuple[Outcome, str]:
         """Continue to the last instant, or to the end of the motion."""

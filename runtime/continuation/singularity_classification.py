@@ -69,17 +69,6 @@ def _drivers_and_joints(
     )
 
 
-def pace(equations: Equations, times: FloatArray, q: FloatArray, scale: FloatArray) -> float:
-    """Fastest rate at which the drivers move the constraints, rows of unit length, 1/s.
-
-    At the instants of a run and one position, since most laws of time do not depend on q.
-    """
-    lengths = np.linalg.norm(equations.jacobian(float(times[0]), q) * scale, axis=1)
-    lengths[lengths == 0.0] = 1.0
-    rates = [np.linalg.norm(equations.velocity_rhs(float(t), q) / lengths) for t in times]
-    return max((float(rate) for rate in rates if np.isfinite(rate)), default=0.0)
-
-
 def driven_instant(equations: Equations, t: float, q: FloatArray) -> float:
     """The instant near t at which the drivers demand the position q."""
     for _ in range(3):

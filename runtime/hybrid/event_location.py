@@ -41,8 +41,7 @@ def sample_function(context: Context, x: float, k: int) -> float:
 def find_dip(context: Context, low: float, high: float, band: float, k: int) -> float:
     """A point between `low` and `high` where function `k` is below -band; golden section."""
     sample = ft.sample_function_of(context)
-    x1 = low + _GOLDEN * (high - low)
-    x2 = high - _GOLDEN * (high - low)
+    x1, x2 = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
     g1, g2 = sample(context, x1, k), sample(context, x2, k)
     for _ in range(40):
         if g1 < -band:

@@ -102,8 +102,7 @@ def initialize_modes(context: Context, first: int, t: float, d: float, state: in
     Arguments and result as of `select_modes`; row G0 is filled here.
     """
     p, modes, g, rates = context.parameters, context.modes, context.g0, context.rate_now
-    largest, rigid, a = context.largest, context.rigid, context.dv
-    s = context[ft.SWITCHES]
+    largest, rigid, a, s = context.largest, context.rigid, context.dv, context[ft.SWITCHES]
     q, v = ws.positions(context, state), ws.velocities(context, state)
     abi.switching_of(context)(t, q, v, p, g)
     for k in range(s):

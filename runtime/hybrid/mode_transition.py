@@ -65,21 +65,6 @@ def predict_flights(context: Context, k: int, t: float, free: float) -> float:
 
 
 @inner
-def reset_modes(context: Context, t: float, crossing: int) -> None:
-    """After an impact, set the mode of every function by its value."""
-    modes = context.modes
-    evaluate_now(context, t)
-    rounding = 1e-12 * largest_magnitude(context.v1)
-    for k in range(context[ft.SWITCHES]):
-        if context.rigid[k] >= 0:
-            if k != crossing and modes[k] == SLIDING and context.rate_now[k] > rounding:
-                modes[k] = 1
-        elif abs(context.now[k]) > ON_SURFACE * max(context.largest[k], context.reserve[k]):
-            modes[k] = 1 if context.now[k] > 0.0 else 0
-    consistency.count_sliding(context, modes)
-
-
-@inner
 def prefer_release(context: Context, t: float, crossing: int) -> None:
     """Let function `crossing`, whose share has reached a bound, go to that side, in row PREFERRED.
 
@@ -106,13 +91,13 @@ def resolve_impact(context: Context, crossing: int, t: float) -> float:
     """Impact of contact `crossing`, and the modes of all others after it; time until it closes.
 
     `run.flight` receives the time of the next flight, row STRUCK the closing rates of open contacts
-    that touch, and 0 of all others.
+    that touch, and 0 of all others. All other modes follow from the values of g, which stay in NOW.
     """
-    r = run_record(context)
+    r, modes = run_record(context), context.modes
     evaluate_now(context, t)
     for k in range(context[ft.SWITCHES]):
         touches = context.rigid[k] >= 0 and abs(context.now[k]) <= ON_SURFACE * context.largest[k]
-        closing = touches and context.modes[k] == 1 and context.rate_now[k] < 0.0
+        closing = touches and modes[k] == 1 and context.rate_now[k] < 0.0
         context.struck[k] = -context.rate_now[k] if closing else 0.0
     flight = ft.impact_of(context)(context, crossing, t, ws.Y1)
     r.flight = flight if flight > 0.0 else np.inf
@@ -121,7 +106,15 @@ def resolve_impact(context: Context, crossing: int, t: float) -> float:
         if k == crossing or context.struck[k] > 0.0:
             context.flight[k] = t - context.impact_at[k]
             context.impact_at[k] = t
-    reset_modes(context, t, crossing)
+    evaluate_now(context, t)
+    rounding = 1e-12 * largest_magnitude(context.v1)
+    for k in range(context[ft.SWITCHES]):
+        if context.rigid[k] >= 0:
+            if k != crossing and modes[k] == SLIDING and context.rate_now[k] > rounding:
+                modes[k] = 1
+        elif abs(context.now[k]) > ON_SURFACE * max(context.largest[k], context.reserve[k]):
+            modes[k] = 1 if context.now[k] > 0.0 else 0
+    consistency.count_sliding(context, modes)
     return last
 
 
@@ -200,17 +193,16 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
     if impact:
         last = resolve_impact(context, crossing, t)
     set_preferences(context)
-    if not impact:
+    if impact:
+        approach, mode = context.struck[crossing], int(modes[crossing])
+        leaves = mode != SLIDING and context.rate_now[crossing] > _STILL * approach
+        context.preferred[crossing] = consistency.decided_entry(mode) if leaves else SLIDING
+    else:
         if modes[crossing] == SLIDING:
             evaluate_accelerations(context, t, context.q1, context.v1, modes, context.dq)
             prefer_release(context, t, crossing)
         prefer_released(context, crossing, t)
-    evaluate_now(context, t)
-    if impact:
-        approach = context.struck[crossing]
-        leaves = modes[crossing] != SLIDING and context.rate_now[crossing] > _STILL * approach
-        mode = int(modes[crossing])
-        context.preferred[crossing] = consistency.decided_entry(mode) if leaves else SLIDING
+        evaluate_now(context, t)
     mark_surfaces(context, t, h, crossing, impact)
     ahead = min(LOOK_AHEAD * h, 0.1 * r.flight)
     r.blamed = ft.select_modes_of(context)(context, crossing, t, ahead, ws.Y1)

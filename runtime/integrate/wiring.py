@@ -73,13 +73,11 @@ def _loop() -> Integers:
 @cache
 def function_table(name: str) -> Integers:
     """Addresses of the functions of the method `name`, in the order of the function table."""
-    return addresses(find_method(name).functions)
+    method = find_method(name)
+    return addresses(getattr(method, part) for part in list(ft.TABLE.slots)[METHOD_SLOTS])
 
 
-@cache
-def _kernels(system: System) -> Integers:
-    """Addresses of a machine's kernels, in the order of the function table."""
-    return system.table()
+_kernels = cache(System.table)  # addresses of a machine's kernels, in the order of the table
 
 
 def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:

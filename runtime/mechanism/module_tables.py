@@ -146,13 +146,6 @@ class ReactionRow(NamedTuple):
         return f"{self.element}.{self.component}"
 
 
-class PowerSource(NamedTuple):
-    """An effect or a driver whose power on the machine is reported."""
-
-    name: str
-    kind: str  # of "work" it is called ``work(NAME)``, its power there to be integrated
-
-
 class StartValue(NamedTuple):
     """A start value of a coordinate or velocity."""
 
@@ -179,7 +172,8 @@ class Description(NamedTuple):
     drivers: tuple[str, ...]
     switches: Table[Switch]
     reactions: Table[ReactionRow]
-    powers: Table[PowerSource]
+    # whose power is reported; of kind "work", ``work(NAME)``, it is there to be integrated
+    powers: Table[Effect]
     start: Table[StartValue]
     jacobian_rows: Indices
     jacobian_columns: Indices

@@ -38,11 +38,10 @@ class ScaledConstraints:
     @cached_property
     def layout(self) -> Layout:
         """The table by which compiled searches reach these arrays and kernels."""
-        kernels = addresses((self.constraints, self.jacobian, self.velocity_rhs))
         (at_row, at_column), layout, n = self.places, st.TABLE, self.scale.size
         table = np.zeros(layout.size, np.int64)
         first = layout.slots["constraints"]
-        table[first : first + len(kernels)] = kernels
+        table[first : first + 3] = addresses((self.constraints, self.jacobian, self.velocity_rhs))
         table[st.COORDINATES], table[st.UNKNOWNS], table[st.CONSTRAINT_COUNT] = n, n + 1, self.m
         table[st.ROWS], table[st.PARAMETER_COUNT] = self.independent.size, self.p.size
         table[st.NONZEROS], table[st.ENTRIES] = self.rows.size, at_row.size

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.core.array_types import Matrix, Vector
+from runtime.core.array_types import Vector
 from runtime.linalg.rank_policy import LOST
 from runtime.singularity.motion_polynomial import Motion, distance, nearest_time
 from runtime.singularity.pivot_sequences import PivotOrders
@@ -100,12 +100,18 @@ class SingularPositions:
 
 def _characterise(search: Search, root: Root, s: float) -> Singularity | None:
     """The singular position at a root; None where the motion does not come near."""
+    # Loaded where something is singular.
+    from runtime.singularity.complement_derivative import find_branch
+
     constraints = search.constraints
     rate = search.path.at(s)[1]
     miss = distance(search.path.series, s, root.z)
     if miss > 0.1 * abs(s) * search.speed + 1e-3:
         return None
-    passing, veer = _passage(search, root, rate)
+    weak, free = root.left.shape[1], root.null.shape[1]
+    passing, x = np.empty((weak, free)), np.empty(free)  # of the complement; towards the branch
+    find_branch(search.table, root.z, rate, root.left, root.null, passing, x)
+    veer = (root.null @ x)[:-1]
     _, rates, right = np.linalg.svd(passing)
     weakest = float(rates[-1])
     direction = (root.null @ right[len(rates) - 1])[:-1]
@@ -155,15 +161,3 @@ def _lost_by_all_rows(search: Search, root: Root, direction: Vector) -> tuple[in
         others = np.linalg.svd(along[None, :])[2][1:] if len(null) > 1 else np.eye(len(null))
         allowed, size = others[0] @ null, 1.0
     return max(constraints.independent.size - rank, 0), allowed / size
-
-
-def _passage(search: Search, root: Root, rate: Vector) -> tuple[Matrix, Vector]:
-    """Rate of the Schur complement along a motion, (k, c), and the branch's dz/ds less its own."""
-    # Loaded where something is singular.
-    from runtime.singularity.complement_derivative import find_branch
-
-    weak, free = root.left.shape[1], root.null.shape[1]
-    passing, x = np.empty((weak, free)), np.empty(free)
-    find_branch(search.table, root.z, rate, root.left, root.null, passing, x)
-    veer: Vector = (root.null @ x)[:-1]
-    return passing, veer
