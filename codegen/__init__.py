@@ -44,27 +44,9 @@ _ROOMS = {
 }
 _HOMES = {name: room for room, names in _ROOMS.items() for name in names}
 
-__all__ = [
-    "Body",
-    "BuildReport",
-    "ConjugateReaction",
-    "Constraint",
-    "Coordinate",
-    "Curve",
-    "Effect",
-    "I",
-    "InputError",
-    "J",
-]
-__all__ += [
-    "JointReaction",
-    "LinkwrightError",
-    "Model",
-    "ModelError",
-    "Point",
-    "Scene",
-    "Statement",
-]
+__all__ = ["Body", "BuildReport", "ConjugateReaction", "Constraint", "Coordinate", "Curve"]
+__all__ += ["Effect", "I", "InputError", "J", "JointReaction", "LinkwrightError", "Model"]
+__all__ += ["ModelError", "Point", "Scene", "Statement"]
 __all__ += ["__version__", "alpha", "build", "coordinate", "element", "given", "t"]
 
 

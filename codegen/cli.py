@@ -24,9 +24,16 @@ app = typer.Typer(
 errors = Console(stderr=True, soft_wrap=True, highlight=False)
 output = Console(soft_wrap=True, highlight=False)
 
+
+def option(text: str, *names: str, **more: Any) -> Any:
+    """An option of a command, with its help."""
+    return typer.Option(*names, help=text, **more)
+
+
 ModelArgument = Annotated[str, typer.Argument(help="Path, or a bare name for models/NAME.py.")]
-SceneOption = Annotated[str | None, typer.Option(help="One scene; all by default.")]
-JsonOption = Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")]
+SceneOption = Annotated[str | None, option("One scene; all by default.")]
+CheckOption = Annotated[bool, option("Write nothing; fail if a file is out of date.", "--check")]
+JsonOption = Annotated[bool, option("One JSON object on stdout.", "--json")]
 
 
 def answers_errors(command: Callable[..., None]) -> Callable[..., None]:
@@ -59,12 +66,10 @@ def parse_settings(settings: list[str]) -> dict[str, float]:
     """``NAME=VALUE`` pairs of ``--set``."""
     values, problems = {}, []
     for setting in settings:
-        name, sign, value = setting.partition("=")
+        name, _, value = setting.partition("=")
         try:
-            values[name.strip()] = float(value)
+            values[name.strip()] = float(value)  # "" where there is no =
         except ValueError:
-            sign = ""
-        if not sign:
             problems.append(f"--set {setting!r}: write NAME=VALUE with a number, like J1=900.")
     if problems:
         raise ParameterError(problems)
@@ -74,47 +79,32 @@ def parse_settings(settings: list[str]) -> dict[str, float]:
 @app.command()
 @answers_errors
 def build(
-    model: ModelArgument,
-    scene: SceneOption = None,
+    model: ModelArgument, scene: SceneOption = None,
     settings: Annotated[
-        list[str] | None, typer.Option("--set", help="NAME=VALUE: another default; repeatable.")
+        list[str] | None, option("NAME=VALUE: another default; repeatable.", "--set")
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for the generated files.")] = None,
+    out: Annotated[Path | None, option("Folder for the generated files.")] = None,
     tangents: Annotated[
         bool,
-        typer.Option(
-            "--tangents",
-            help="Also the exact derivatives that radau5, bdf and auto need, in files of "
-            "their own; without this option only existing ones are updated.",
-        ),
+        option("Also the exact derivatives that radau5, bdf and auto need, in files of their own; "
+               "without this option only existing ones are updated.", "--tangents"),
     ] = False,
     reduced: Annotated[
         bool,
-        typer.Option(
-            "--reduced",
-            help="Also the equations in reduced coordinates for simulate --formulation reduced, in "
-            "files of their own; without this option only existing ones are updated.",
-        ),
+        option("Also the equations in reduced coordinates for simulate --formulation reduced, in "
+               "files of their own; without this option only existing ones are updated.",
+               "--reduced"),
     ] = False,
-    check: Annotated[
-        bool, typer.Option("--check", help="Write nothing; fail if a file is out of date.")
-    ] = False,
-    as_json: JsonOption = False,
-) -> None:
+    check: CheckOption = False, as_json: JsonOption = False,
+) -> None:  # fmt: skip
     """Derive, lower, emit and compile the kernels of a model's scenes."""
     from codegen.driver import build as run
 
     with errors.status("starting", spinner="dots") as status:
         report = run(
-            model,
-            scene,
-            out,
-            settings=parse_settings(settings or []),
-            tangents=tangents,
-            reduced=reduced,
-            check=check,
-            progress=lambda message: status.update(escaped(message)),
-        )
+            model, scene, out, settings=parse_settings(settings or []), tangents=tangents,
+            reduced=reduced, check=check, progress=lambda message: status.update(escaped(message)),
+        )  # fmt: skip
     if as_json:
         answer = {"scenes": [asdict(s) for s in report.scenes], "stale": report.stale}
         typer.echo(json.dumps(answer, default=str))
@@ -133,61 +123,53 @@ def _print_build(report: Any, check: bool) -> None:
 
     for s in report.scenes:
         output.print(f"[bold]{s.model}[/], scene [bold]{s.scene}[/]: {state(s)}")
-        output.print(f"  file          {escaped(str(s.path))}")
-        output.print(f"  bodies        {', '.join(s.bodies)}")
-        output.print(
-            f"  equations     {quantity(s.coordinates, 'coordinate')}, "
-            f"{quantity(s.constraints, 'constraint')}, "
-            f"{quantity(s.degrees_of_freedom, 'degree of freedom')}"
+        unknowns = (
+            f"{quantity(s.coordinates, 'coordinate')}, {quantity(s.constraints, 'constraint')}"
         )
-        output.print(f"  effects       {', '.join(s.effects) or 'none'}")
-        output.print(f"  left out      {', '.join(s.left_out) or 'nothing'}")
-        output.print(f"  operations    {listed(s.operations)}")
+        rows = [
+            ("file", str(s.path)),
+            ("bodies", ", ".join(s.bodies)),
+            ("equations", f"{unknowns}, {quantity(s.degrees_of_freedom, 'degree of freedom')}"),
+            ("effects", ", ".join(s.effects) or "none"),
+            ("left out", ", ".join(s.left_out) or "nothing"),
+            ("operations", listed(s.operations)),
+        ]
         seconds = dict(s.seconds)
         for companion in s.companions:
-            output.print(
-                f"  {companion.title:<13} {escaped(str(companion.path))}: {state(companion)}"
-            )
-            output.print(f"  operations    {listed(companion.operations)}")
+            rows.append((companion.title, f"{companion.path}: {state(companion)}"))
+            rows.append(("operations", listed(companion.operations)))
             seconds |= {f"{k} {companion.title}": x for k, x in companion.seconds.items()}
-        output.print(f"  seconds       {', '.join(f'{k} {x:.2f}' for k, x in seconds.items())}")
-        for note in s.notes:
-            output.print(f"  note          {escaped(note)}")
+        rows.append(("seconds", ", ".join(f"{k} {x:.2f}" for k, x in seconds.items())))
+        for title, text in (*rows, *(("note", note) for note in s.notes)):
+            output.print(f"  {title:<13} {escaped(text)}")
 
 
 @app.command()
 @answers_errors
 def explain(
-    model: ModelArgument,
-    scene: SceneOption = None,
+    model: ModelArgument, scene: SceneOption = None,
     compare: Annotated[
-        tuple[str, str] | None, typer.Option(help="Two scenes side by side.", metavar="A B")
+        tuple[str, str] | None, option("Two scenes side by side.", metavar="A B")
     ] = None,
     measure: Annotated[
         bool | None,
-        typer.Option(
-            help="Compile the parts of accelerations and time them, some seconds a scene; "
-            "the default for one scene or a comparison."
-        ),
+        option("Compile the parts of accelerations and time them, some seconds a scene; the "
+               "default for one scene or a comparison."),
     ] = None,
     run: Annotated[
         float | None,
-        typer.Option(
-            help="Also run the scene for this many seconds; its time is shared among the parts."
-        ),
+        option("Also run the scene for this many seconds; its time is shared among the parts."),
     ] = None,
     kernels: Annotated[
-        bool, typer.Option("--kernels", help="Also the operations of every kernel, a wide table.")
+        bool, option("Also the operations of every kernel, a wide table.", "--kernels")
     ] = False,
-    out: Annotated[
-        Path | None, typer.Option(help="A picture, .png or .svg, or a page, .html.")
-    ] = None,
+    out: Annotated[Path | None, option("A picture, .png or .svg, or a page, .html.")] = None,
     as_json: JsonOption = False,
-) -> None:
+) -> None:  # fmt: skip
     """Explain a scene: the parts compiled into it or left out, why, and the cost of each."""
     from codegen.explain.ledger import explain as ledgers_of
+    from codegen.explain.ledger_records import compare as compare_ledgers
     from codegen.explain.picture import write
-    from codegen.explain.scene_comparison import compare as compare_ledgers
     from codegen.explain.terminal_table import show
 
     if scene is not None and compare is not None:
@@ -200,11 +182,7 @@ def explain(
             ledger
             for name in compare or (scene,)
             for ledger in ledgers_of(
-                model,
-                name,
-                measure=timed,
-                t_end=run,
-                progress=lambda message: status.update(escaped(message)),
+                model, name, measure=timed, t_end=run, progress=lambda m: status.update(escaped(m))
             )
         )
         comparison = compare_ledgers(*ledgers) if compare else None
@@ -223,18 +201,13 @@ def elements(
             "without it, all are listed."
         ),
     ] = None,
-    model: Annotated[str | None, typer.Option(help="A model file with your own elements.")] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Folder to write the pages into, as docs/elements.")
-    ] = None,
-    check: Annotated[
-        bool, typer.Option("--check", help="Write nothing; fail if a page is out of date.")
-    ] = False,
+    model: Annotated[str | None, option("A model file with your own elements.")] = None,
+    out: Annotated[Path | None, option("Folder to write the pages into, as docs/elements.")] = None,
+    check: CheckOption = False,
 ) -> None:
     """Joints, drivers and forces: a list, the page of one kind, or all pages as files."""
     from codegen.model_file import read_model
-    from codegen.reference.page import page
-    from codegen.reference.pages import chosen_kinds, find_kind, write
+    from codegen.reference.pages import chosen_kinds, find_kind, page, write
 
     declared = read_model(model).model if model else None
     only = find_kind(" ".join(kind)) if kind else None
@@ -246,7 +219,7 @@ def elements(
         for name, registered in chosen_kinds(declared).items():
             table.add_row(name, registered.role, escaped(registered.summary))
         Console(width=PAPER, highlight=False).print(table)
-    elif folder is None and only is not None:
+    elif only is not None and folder is None:
         typer.echo(page(only, declared), nl=False)
     elif folder is not None:
         written = write(folder, declared, only, check=check)
@@ -260,10 +233,8 @@ def elements(
 @app.command()
 @answers_errors
 def methods(
-    out: Annotated[Path | None, typer.Option(help="Folder; the runtime's own by default.")] = None,
-    check: Annotated[
-        bool, typer.Option("--check", help="Write nothing; fail if a file is out of date.")
-    ] = False,
+    out: Annotated[Path | None, option("Folder; the runtime's own by default.")] = None,
+    check: CheckOption = False,
 ) -> None:
     """Write the explicit integration methods of the runtime from their tableaus."""
     from codegen.generated_files.runge_kutta_modules import write_methods

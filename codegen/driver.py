@@ -14,6 +14,7 @@ compile   file                  → machine code in numba's cache
 
 from collections.abc import Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
@@ -23,13 +24,12 @@ from codegen.check.redundancy import Findings, examine
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
-from codegen.emit.module import module_text
-from codegen.errors import ModelError, SceneError
+from codegen.emit.module import module_text, operation_table
+from codegen.errors import ModelError, ParameterError, SceneError
 from codegen.generated_files.build_report import BuildReport, report
 from codegen.generated_files.companions import COMPANIONS
 from codegen.generated_files.generated_file import Clock, File, Progress
 from codegen.generated_files.machine_code import compile_modules
-from codegen.generated_files.parameter_overrides import with_settings, without_overridden
 from codegen.generated_files.provenance import default_folder, file_name, origin
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.model import Model
@@ -39,17 +39,12 @@ GENERATOR = f"linkwright {codegen.__version__}"
 
 
 def build(
-    model: str | Path | Model,
-    scene: str | Scene | Sequence[str | Scene] | None = None,
-    out: str | Path | None = None,
-    *,
-    settings: Mapping[str, float] | None = None,
-    tangents: bool = False,
-    reduced: bool = False,
-    check: bool = False,
+    model: str | Path | Model, scene: str | Scene | Sequence[str | Scene] | None = None,
+    out: str | Path | None = None, *, settings: Mapping[str, float] | None = None,
+    tangents: bool = False, reduced: bool = False, check: bool = False,
     compile: bool = True,  # noqa: A002 (what it does)
     progress: Progress = lambda message: None,
-) -> BuildReport:
+) -> BuildReport:  # fmt: skip
     """Generate and compile the kernels of a model's scenes.
 
     Parameters
@@ -114,26 +109,21 @@ def build(
         for f, seconds in zip(every, compile_modules([f.path for f in every]), strict=True):
             f.clock.seconds["compile"] = seconds
     reports = (
-        report(equations, lowered, findings, written)
+        report(equations, lowered.strategy, findings, written)
         for (equations, lowered, findings, _), written in zip(prepared, files, strict=True)
     )
     return BuildReport(tuple(reports), tuple(f.path for f in every if check and f.changed))
 
 
 def _emit(
-    file: ModelFile,
-    equations: Equations,
-    lowered: Lowered,
-    clock: Clock,
-    folder: Path,
-    settings: Mapping[str, float],
-    requested: Mapping[str, bool],
-) -> File:
+    file: ModelFile, equations: Equations, lowered: Lowered, clock: Clock, folder: Path,
+    settings: Mapping[str, float], requested: Mapping[str, bool],
+) -> File:  # fmt: skip
     """The file of a scene, with those companions that are requested or exist."""
     path = folder / file_name(file.stem, equations, settings)
     with clock("emit"):
         text = module_text(lowered, origin(GENERATOR, file, equations, path, settings))
-    main = File(path, text, clock)
+    main = File(path, text, clock, dict(operation_table(lowered.program)))
     for kind in COMPANIONS:
         if kind.is_due(equations, path, requested[kind.name]):
             provenance = origin(GENERATOR, file, equations, path, settings, f" --{kind.name}")
@@ -152,6 +142,34 @@ def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowe
     if findings.problems:
         raise ModelError(findings.problems)
     return equations, lowered, findings
+
+
+def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
+    """A copy of the model with the other defaults of ``--set``, which hold in every scene."""
+    problems = []
+    changed = copy(model)
+    changed.parameters = dict(model.parameters)
+    for name, value in settings.items():
+        if name not in model.parameters:
+            problems.append(
+                f"model '{model.name}' has no parameter '{name}'; {nearest(name, model.parameters)}"
+            )
+        elif problem := model.parameters[name].problem(value):
+            problems.append(problem)
+        else:
+            changed.parameters[name] = replace(model.parameters[name], value=value)
+    if problems:
+        raise ParameterError(problems)
+    changed.scenes = {
+        name: without_overridden(scene, settings) for name, scene in model.scenes.items()
+    }
+    return changed
+
+
+def without_overridden(scene: Scene, settings: Mapping[str, float]) -> Scene:
+    """The scene without its own values of the overridden parameters."""
+    kept = tuple(pair for pair in scene.parameters if pair[0] not in settings)
+    return replace(scene, parameters=kept)
 
 
 def valid_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None) -> list[Scene]:

@@ -28,11 +28,6 @@ def companion_path(path: Path, kind: str) -> Path:
     return path.with_name(f"{path.stem}__{kind}.py")
 
 
-def tangents_path(path: Path) -> Path:
-    """The file of exact derivatives that goes with a scene's generated file."""
-    return companion_path(path, "tangents")
-
-
 def signed(text: str) -> str:
     """`text` with the hash of its content put where ``UNSIGNED`` stands."""
     digest = hashlib.sha256(text.encode()).hexdigest()

@@ -15,7 +15,6 @@ A kind may stay away where nothing is tuned:
 
 - public integers: rows, slots, codes and orders, which other modules share;
 - `EPS`, multiples of π, and names that count 0, 1, 2, … in one assignment;
-- the coefficients of methods in the files ``*_coefficients.py``;
 - lines that say ``layout:``, ``code:`` or ``formula:`` in place of a kind, and every line of a
   group, up to the next empty one, below a comment that begins so;
 - members of classes, enumerations among them.
@@ -69,8 +68,8 @@ the page from the source, and `make check` compares them. The kinds are
 - **accuracy**: a tolerance; it decides how many digits a result has;
 - **measured**: chosen by experiment on the library's machines; it decides how long a run takes.
 
-`EPS` is the unit roundoff of double precision, 2⁻⁵². The coefficients of integration methods are in
-their own modules and tune nothing.
+`EPS` is the unit roundoff of double precision, 2⁻⁵². The coefficients of integration methods tune
+nothing and are left out.
 
 """
 
@@ -201,12 +200,7 @@ def all_constants() -> list[Constant]:
         for room in ("codegen", "generated/methods", "runtime")
         for p in (ROOT / room).rglob("*.py")
     ]
-    return [
-        constant
-        for path in sorted(files)
-        if not path.stem.endswith("_coefficients")
-        for constant in read(path)
-    ]
+    return [constant for path in sorted(files) for constant in read(path)]
 
 
 def without_kind(constants: list[Constant]) -> list[str]:

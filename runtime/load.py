@@ -8,7 +8,7 @@ import hashlib
 import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from codegen import __version__
 from codegen.errors import ModelFileError, SupersededError
@@ -18,16 +18,15 @@ if TYPE_CHECKING:
     from codegen import Model, Scene
     from runtime.machine import Machine
 
+_LIBRARY = Path(__file__).resolve().parent.parent  # the folder of the library's own packages
 _ATTEMPTS = 5
 _FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
 
 
 def load(
-    model: "str | os.PathLike[str] | Model",
-    scene: "str | Scene | None" = None,
-    *,
+    model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     folder: str | os.PathLike[str] | None = None,
-) -> "Machine":
+) -> "Machine":  # fmt: skip
     """Load a machine, building its kernels where they are missing or older than the model.
 
     Parameters
@@ -46,11 +45,9 @@ def load(
     here = (Path(folder) if folder is not None else Path.cwd()).resolve()
     for attempt in range(_ATTEMPTS):
         if isinstance(model, str | os.PathLike):
-            place = _locate(os.fspath(model), here)
-            source: Path | Model = place.model
-            path, digest = _fresh_module(place, scene)
+            file, generated = _locate(os.fspath(model), here)
+            path, digest = _fresh_module(file, generated, scene)
         else:
-            source = model
             path, digest = _build(model, scene, here / "generated")
         try:
             module = import_generated(path, digest)
@@ -66,46 +63,27 @@ def load(
 
     description = describe(module)
     declared = None if scene is None or isinstance(scene, str) else scene
+    source = file if isinstance(model, str | os.PathLike) else model
     origin = Origin(source, declared or description.scene, path, digest)
     return Machine(Mechanism(description, gather(module), path, origin))
 
 
-class _Place(NamedTuple):
-    """A model file and the folder that holds its generated modules."""
-
-    model: Path
-    generated: Path
-
-    def rebuild(self, scene: str | None) -> str:
-        """Command that builds the module anew."""
-        which = f" --scene {scene}" if scene else ""
-        return f"python -m codegen build {self.model}{which} --out {self.generated}"
-
-
-def _library(package: str) -> Path | None:
-    """Folder of one of the library's own packages, without importing it."""
-    folder = Path(__file__).resolve().parent.parent / package
-    return folder if folder.is_dir() else None
-
-
-def _locate(model: str, folder: Path) -> _Place:
-    """Model file and its generated folder, from what the user wrote."""
-    library = _library("models")
+def _locate(model: str, folder: Path) -> tuple[Path, Path]:
+    """Model file and the folder of its generated modules, from what the user wrote."""
+    models, generated = (_LIBRARY / package for package in ("models", "generated"))
     tried = [folder / model] if model.endswith(".py") or len(Path(model).parts) > 1 else []
     if not (model.endswith(".py") or Path(model).is_absolute()):
         tried.append(folder / "models" / f"{model}.py")
-        if library is not None:
-            tried.append(library / f"{model}.py")
+        if models.is_dir():
+            tried.append(models / f"{model}.py")
     found = next((path.resolve() for path in tried if path.is_file()), None)
     if found is None:
         raise ModelFileError(
             f"There is no model {model!r}: looked for {' and '.join(map(str, tried))}."
             + _models_nearby(model, [path.parent for path in tried])
         )
-    generated = _library("generated")
-    if library is not None and generated is not None and found.is_relative_to(library.resolve()):
-        return _Place(found, generated)
-    return _Place(found, folder / "generated")
+    of_library = generated.is_dir() and found.is_relative_to(models)
+    return found, generated if of_library else folder / "generated"
 
 
 def _models_nearby(model: str, folders: list[Path]) -> str:
@@ -118,17 +96,17 @@ def _models_nearby(model: str, folders: list[Path]) -> str:
     return f" Models there: {', '.join(near)}." if near else ""
 
 
-def _fresh_module(place: _Place, scene: "str | Scene | None") -> tuple[Path, str]:
+def _fresh_module(model: Path, generated: Path, scene: "str | Scene | None") -> tuple[Path, str]:
     """A generated module that agrees with the model file, and its hash; built if there is none."""
-    name = scene if scene is not None else _first_scene(place.model)
-    if isinstance(name, str):
-        path = place.generated / f"{place.model.stem}__{name}.py"
-        if path.is_file():
-            text = path.read_text(encoding="utf-8")
-            check_signature(path, text, place.rebuild(name))
-            if _sources_match(path, text, place.model):
-                return path, hashlib.sha256(text.encode()).hexdigest()
-    return _build(place.model, scene, place.generated)
+    name = scene if scene is not None else _first_scene(model)
+    path = generated / f"{model.stem}__{name}.py"
+    if isinstance(name, str) and path.is_file():
+        text = path.read_text(encoding="utf-8")
+        rebuild = f"python -m codegen build {model} --scene {name} --out {generated}"
+        check_signature(path, text, rebuild)
+        if _sources_match(path, text, model):
+            return path, hashlib.sha256(text.encode()).hexdigest()
+    return _build(model, scene, generated)
 
 
 def _build(model: "Path | Model", scene: "str | Scene | None", generated: Path) -> tuple[Path, str]:
@@ -163,13 +141,7 @@ def _first_scene(model: Path) -> str | None:
 def _sources_match(path: Path, text: str, model: Path) -> bool:
     """Whether the module comes from this generator, and from `model` and its files as they are."""
     head = ast.parse(_FIRST_KERNEL.split(text, maxsplit=1)[0])
-    assigned = {
-        target.id: statement.value
-        for statement in head.body
-        if isinstance(statement, ast.Assign)
-        for target in statement.targets
-        if isinstance(target, ast.Name)
-    }
+    assigned = {ast.unparse(s.targets[0]): s.value for s in head.body if isinstance(s, ast.Assign)}
     if not {"GENERATOR", "SOURCES"} <= assigned.keys():
         return False
     root = path.resolve().parent.parent

@@ -24,26 +24,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class Machine(MechanismTables):
-    """A mechanism in one scene, ready to be analysed; `runtime.load` makes one.
-
-    Methods of `simulate`: "dop853" (default), of order 8, "dopri5" and "tsit5", of order 5, are
-    explicit. "radau5" and "bdf" are implicit, for stiff equations: contacts and springs much
-    stiffer than the motion is fast; "radau5" also where these vibrate. "auto" starts with "dop853"
-    and changes to an implicit method where the equations are stiff, and back. The last three take
-    exact derivatives, built when they are first needed.
-
-    Its step has an error below `atol` + `rtol` times the value, for each coordinate and velocity.
-    By default `atol` is `rtol` times a typical size: 1 rad for angles; for lengths that of the
-    machine at its start (its longest arm; without arms its largest distance from the origin, or a
-    fixed length), but not more than 1 m; the same a second for velocities. With an accuracy target
-    in place of tolerances the program chooses these, and method and formulation unless they are
-    given; `Result.accuracy` says what was reached.
-
-    States return onto the constraints once a "step" (dependent coordinates from independent ones),
-    at every "stage", by "projection", by "baumgarte" or "hybrid"; see
-    `runtime.integrate.problem.Options`. The formulation "cartesian" integrates all coordinates,
-    "reduced" those that no constraint gives explicitly, with the same results.
-    """
+    """A mechanism in one scene, ready to be analysed; `runtime.load` makes one."""
 
     @cached_property
     def degrees_of_freedom(self) -> int:
@@ -77,12 +58,9 @@ class Machine(MechanismTables):
         return parameter_values(self.mechanism, overrides)
 
     def initial_modes(
-        self,
-        t: float = 0.0,
-        q: FloatArray | None = None,
-        v: FloatArray | None = None,
+        self, t: float = 0.0, q: FloatArray | None = None, v: FloatArray | None = None,
         parameters: Values | None = None,
-    ) -> npt.NDArray[np.int64]:
+    ) -> npt.NDArray[np.int64]:  # fmt: skip
         """Modes of the switching functions at a state, as the kernels take them.
 
         Parameters
@@ -151,52 +129,51 @@ class Machine(MechanismTables):
         return assemble(self.mechanism, guess, parameters, t)
 
     def simulate(
-        self,
-        t_end: float,
-        t_eval: npt.ArrayLike | None = None,
-        *,
-        accuracy: float | None = None,
-        quantities: Sequence[str] | None = None,
-        t_start: float = 0.0,
-        method: str | None = None,
-        rtol: float | None = None,
-        atol: float | None = None,
-        parameters: Values | None = None,
-        guess: Values | None = None,
-        start: "Assembly | None" = None,
-        correction: "Correction" = "step",
-        formulation: "Formulation | None" = None,
-        time_scale: float | None = None,
-        first_step: float | None = None,
-        max_step: float | None = None,
-        max_steps: int = 100_000_000,
-        progress: bool = True,
-    ) -> "Result":
-        """Integrate the equations of motion from the assembled start; see `Machine` on methods.
+        self, t_end: float, t_eval: npt.ArrayLike | None = None, *, accuracy: float | None = None,
+        quantities: Sequence[str] | None = None, t_start: float = 0.0, method: str | None = None,
+        rtol: float | None = None, atol: float | None = None, parameters: Values | None = None,
+        guess: Values | None = None, start: "Assembly | None" = None,
+        correction: "Correction" = "step", formulation: "Formulation | None" = None,
+        time_scale: float | None = None, first_step: float | None = None,
+        max_step: float | None = None, max_steps: int = 100_000_000, progress: bool = True,
+    ) -> "Result":  # fmt: skip
+        """Integrate the equations of motion from the assembled start.
 
         Parameters
         ----------
         t_end, t_eval
             Last instant in s; output instants in s, increasing, by default the end of every step.
         accuracy, quantities
-            In place of tolerances, the relative global error that the result may have, from 1e-12
-            to 0.1; names of the series whose error is meant, by default the whole state.
+            The relative global error that the result may have, from 1e-12 to 0.1; names of the
+            series whose error is meant, by default the whole state. The program then chooses the
+            tolerances, and method and formulation unless they are given; `Result.accuracy` says
+            what was reached.
         t_start, guess, start
             First instant in s, by default that of `start` or 0; start values by name of coordinate
             (m, rad) or velocity (m/s, rad/s), over those of the scene; or an assembled state, in
             place of the scene's start.
-        method, formulation
-            "dop853" (default), "dopri5", "tsit5": explicit; "radau5", "bdf": implicit, for stiff
-            equations; "auto" changes between these. "cartesian" (default) equations integrate all
-            coordinates, "reduced" those that no constraint gives explicitly.
+        method
+            "dop853" (default), of order 8, "dopri5" and "tsit5", of order 5, are explicit.
+            "radau5" and "bdf" are implicit, for stiff equations: contacts and springs much stiffer
+            than the motion is fast; "radau5" also where these vibrate. "auto" starts with "dop853"
+            and changes to an implicit method where the equations are stiff, and back. The last
+            three take exact derivatives, built when they are first needed.
+        formulation
+            "cartesian" (default) equations integrate all coordinates, "reduced" those that no
+            constraint gives explicitly, with the same results.
         rtol, atol
-            Tolerances of a step: relative, 1e-8 by default; absolute in m, rad, m/s, rad/s, by
-            default `rtol` times a typical size.
+            A step has an error below `atol` + `rtol` times the value, for each coordinate and
+            velocity: `rtol` by default 1e-8; `atol` in m, rad, m/s, rad/s, by default `rtol` times
+            a typical size. That is 1 rad for angles; for lengths that of the machine at its start
+            (its longest arm; without arms its largest distance from the origin, or a fixed length),
+            but not more than 1 m; the same a second for velocities.
         parameters
             Values by name, in the declared units; the others keep their defaults.
         correction, time_scale
-            Return onto the constraints: "step", "stage", "projection", "baumgarte" or "hybrid"; τ
-            of Baumgarte's accelerations in s, by default a thousandth of the run.
+            States return onto the constraints once a "step" (dependent coordinates from independent
+            ones), at every "stage", by "projection", "baumgarte" or "hybrid", for which see
+            `runtime.integrate.problem.Options`; τ of Baumgarte's accelerations in s, by default a
+            thousandth of the run.
         first_step, max_step, max_steps, progress
             Lengths in s, chosen by default; trial steps, 1e8 by default, after which the run ends
             with `Outcome.MAX_STEPS`; whether a terminal shows a bar, once it has taken a second.
@@ -230,14 +207,9 @@ class Machine(MechanismTables):
             return analyse(t_end, t_eval, **given, progress=report)
 
     def kinematics(
-        self,
-        t_eval: npt.ArrayLike,
-        *,
-        parameters: Values | None = None,
-        guess: Values | None = None,
-        t_start: float = 0.0,
-        progress: bool = True,
-    ) -> "Result":
+        self, t_eval: npt.ArrayLike, *, parameters: Values | None = None,
+        guess: Values | None = None, t_start: float = 0.0, progress: bool = True,
+    ) -> "Result":  # fmt: skip
         """Positions, velocities and accelerations of a machine whose drivers leave no freedom.
 
         Where the machine locks up, the result reaches to the last instant before, followed by the
@@ -274,14 +246,9 @@ class Machine(MechanismTables):
             return kinematics(self.mechanism, t_eval, **given, progress=report)
 
     def inverse_dynamics(
-        self,
-        t_eval: npt.ArrayLike,
-        *,
-        parameters: Values | None = None,
-        guess: Values | None = None,
-        t_start: float = 0.0,
-        progress: bool = True,
-    ) -> "Result":
+        self, t_eval: npt.ArrayLike, *, parameters: Values | None = None,
+        guess: Values | None = None, t_start: float = 0.0, progress: bool = True,
+    ) -> "Result":  # fmt: skip
         """Forces and torques that a prescribed motion takes, and the reactions in the joints.
 
         The motion is that of `kinematics`; the reaction of a driver is the force or torque that it
@@ -308,14 +275,9 @@ class Machine(MechanismTables):
             return inverse_dynamics(self.mechanism, t_eval, **given, progress=report)
 
     def equilibrium(
-        self,
-        method: str = "energy",
-        *,
-        guess: Values | None = None,
-        parameters: Values | None = None,
-        t: float = 0.0,
-        progress: bool = True,
-    ) -> "Equilibrium":
+        self, method: str = "energy", *, guess: Values | None = None,
+        parameters: Values | None = None, t: float = 0.0, progress: bool = True,
+    ) -> "Equilibrium":  # fmt: skip
         """A rest position near the start, its stability, and the reactions in it.
 
         Parameters

@@ -4,15 +4,17 @@ All elements of a type state the same placeholder equations, so a machine of a t
 joints differentiates one of them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
 import sympy
 
-from codegen.declare.element import ConjugateReaction, Constraint, Frame, JointReaction, Statement
+from codegen.declare.element import ConjugateReaction, Constraint, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, Multiplier, kinds, t
 from codegen.derive.fast_derivative import derivative
 from codegen.derive.zero_test import is_zero
+
+Reactions = tuple[tuple[str, str, sympy.Expr], ...]  # (component, unit, value in the multipliers)
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,7 @@ class ConstraintTerms:
 
     coordinates: tuple[Coordinate, ...]  # the columns of the Jacobian
     phi: tuple[sympy.Expr, ...]  # Φ, one a row
-    reactions: tuple[tuple[str, str, sympy.Expr], ...]  # (component, unit, value in `multipliers`)
+    reactions: Reactions
     multipliers: tuple[Multiplier, ...]  # λ of the rows
 
     @cached_property
@@ -54,35 +56,25 @@ def constraint_terms(element: Constraint) -> tuple[Statement, ConstraintTerms]:
 def statement_terms(statement: Statement) -> ConstraintTerms:
     """Everything that follows from a statement."""
     reaction = statement.reaction
-    if isinstance(reaction, JointReaction):
-        at = reaction.on.A * reaction.on.s if reaction.arm is None else reaction.arm
-        key = (tuple(reaction.direction), reaction.on, reaction.sign, tuple(at))
-        return _derive(statement.phi, key, None)
-    return _derive(statement.phi, None, reaction)
-
-
-def derived_statements() -> int:
-    """How many different statements have been derived in this process."""
-    return _derive.cache_info().misses
+    if isinstance(reaction, JointReaction):  # in matrices that can be the key of a cache
+        arm = reaction.on.A * reaction.on.s if reaction.arm is None else reaction.arm
+        direction, arm = map(sympy.ImmutableMatrix, (reaction.direction, arm))
+        reaction = replace(reaction, direction=direction, arm=arm)
+    return _derive(statement.phi, reaction)
 
 
 @cache
 def _derive(
-    phi: tuple[sympy.Expr, ...],
-    joint: tuple[tuple[sympy.Expr, ...], Frame, int, tuple[sympy.Expr, ...]] | None,
-    conjugate: ConjugateReaction | None,
+    phi: tuple[sympy.Expr, ...], reaction: JointReaction | ConjugateReaction | None
 ) -> ConstraintTerms:
     coordinates = tuple(kinds(sympy.Tuple(*phi), Coordinate))
     multipliers = tuple(Multiplier(f"lambda_{k}", real=True) for k in range(len(phi)))
-    if joint is not None:
-        reactions = _joint_reaction(phi, multipliers, *joint)
-    elif conjugate is None:
-        reactions = ()
-    else:
-        reactions = tuple(
-            (name, unit, -lam)
-            for (name, unit), lam in zip(conjugate.components, multipliers, strict=True)
-        )
+    reactions: Reactions = ()
+    if isinstance(reaction, JointReaction):
+        reactions = _joint_reaction(phi, multipliers, reaction)
+    elif reaction is not None:
+        pairs = zip(reaction.components, multipliers, strict=True)
+        reactions = tuple((name, unit, -lam) for (name, unit), lam in pairs)
     return ConstraintTerms(coordinates, phi, reactions, multipliers)
 
 
@@ -99,21 +91,18 @@ def _gamma(
 
 
 def _joint_reaction(
-    phi: tuple[sympy.Expr, ...],
-    multipliers: tuple[Multiplier, ...],
-    direction: tuple[sympy.Expr, ...],
-    frame: Frame,
-    sign: int,
-    arm: tuple[sympy.Expr, ...],
-) -> tuple[tuple[str, str, sympy.Expr], ...]:
+    phi: tuple[sympy.Expr, ...], multipliers: tuple[Multiplier, ...], reaction: JointReaction
+) -> Reactions:
     """F = -Φ_rᵀ λ and T = (s'ᵀ Bᵀ Φ_rᵀ - Φ_φᵀ) λ at the joint's point (Haug 6.6.9), in its axes."""
+    assert reaction.arm is not None
+    (ux, uy), on, (sx, sy) = reaction.direction, reaction.on, reaction.arm
+    pairs = tuple(zip(phi, multipliers, strict=True))
     fx, fy, couple = (
-        -sign * sum(derivative(e, c) * lam for e, lam in zip(phi, multipliers, strict=True))
-        for c in (frame.x, frame.y, frame.phi)
+        -reaction.sign * sum(derivative(e, c) * lam for e, lam in pairs)
+        for c in (on.x, on.y, on.phi)
     )
-    torque = couple - (arm[0] * fy - arm[1] * fx)
+    torque = couple - (sx * fy - sy * fx)
     torque = sympy.S.Zero if is_zero(torque) else sympy.expand(torque)
-    ux, uy = direction
     return (
         ("fx", "N", ux * fx + uy * fy),
         ("fy", "N", ux * fy - uy * fx),

@@ -92,11 +92,6 @@ def _pull(s: sympy.Expr, f: sympy.Expr) -> sympy.Expr:
     return pieces.xreplace({c: c.xreplace({SPEED: rate(s)}) for c in turns if c.has(SPEED)})
 
 
-def derived_effects() -> int:
-    """How many different potentials and forces have been worked on in this process."""
-    return _pieces.cache_info().misses
-
-
 def _friction(
     effect: str, law: el.FrictionLaw, law_at_rest: el.Sticking | el.Rigid | None
 ) -> FrictionTerms:

@@ -1,6 +1,6 @@
 """A model and one of its scenes → all equations, element by element, as immutable values."""
 
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, is_dataclass, replace
 
 import sympy
 
@@ -10,7 +10,7 @@ from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration
 from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
-from codegen.derive.effects import EffectTerms, derived_effects, effect_terms
+from codegen.derive.effects import EffectTerms, effect_terms
 from codegen.derive.inertia import inertia
 from codegen.model import Model
 from codegen.model.outputs import TRACKED
@@ -55,13 +55,26 @@ class Equations:
     # (column, Q_v), quadratic in velocities, where M depends on q
     inertia_force: tuple[tuple[int, sympy.Expr], ...]
     constraints: tuple[ConstraintEquations, ...]
-    effects: tuple[EffectEquations, ...]
-    switches: tuple[sf.Switch, ...]
-    sides: tuple[sf.SideValue, ...]  # values, by mode, of the symbols of frictions and contacts
-    stiction: tuple[tuple[str, int], ...]  # (effect, switch): a run determines the stiction force
-    contacts: tuple[sf.RigidContact, ...]
     left_out: tuple[tuple[str, str], ...]
-    unused: tuple[str, ...] = ()  # names of the other parameters
+    unused: tuple[str, ...]  # names of the other parameters
+    effects: tuple[EffectEquations, ...] = ()
+    switches: tuple[sf.Switch, ...] = ()
+    sides: tuple[sf.SideValue, ...] = ()  # values, by mode, of the symbols of frictions, contacts
+    stiction: tuple[tuple[str, int], ...] = ()  # (effect, switch): a run determines the force
+    contacts: tuple[sf.RigidContact, ...] = ()
+
+    def with_effects(self, effects: tuple[EffectEquations, ...]) -> "Equations":
+        """These equations with other effects and their switching functions."""
+        named = tuple((e.name, e.terms) for e in effects)
+        switches = sf.switches(named)
+        return replace(
+            self,
+            effects=effects,
+            switches=switches,
+            sides=sf.side_values(named, switches),
+            stiction=sf.stiction(named, switches) if self.scene.analysis == "dynamics" else (),
+            contacts=sf.rigid_contacts(named, switches),
+        )
 
 
 def tracked_points(equations: Equations) -> tuple[str, ...]:
@@ -112,8 +125,6 @@ def derive(model: Model, scene: Scene) -> Equations:
         for name, effect in model.acting(scene).items()
         if dynamic or effect.kind == TRACKED
     )
-    named = tuple((e.name, e.terms) for e in effects)
-    surfaces = sf.switches(named)
     overrides = dict(scene.parameters)
     mass, force = inertia(bodies, coordinates) if dynamic else ((), ())
     used = _symbols((mass, force), constraints, effects)
@@ -125,7 +136,7 @@ def derive(model: Model, scene: Scene) -> Equations:
     taking_part = {*joints, *drivers, *(e.name for e in effects)}
     everything: list[Element] = [*model.joints.values(), *model.drivers.values()]
     everything += model.effects.values()
-    return Equations(
+    equations = Equations(
         model=model.name,
         scene=scene,
         bodies=scene.bodies,
@@ -134,14 +145,10 @@ def derive(model: Model, scene: Scene) -> Equations:
         mass=mass,
         inertia_force=force,
         constraints=constraints,
-        effects=effects,
-        switches=surfaces,
-        sides=sf.side_values(named, surfaces),
-        stiction=sf.stiction(named, surfaces) if scene.analysis == "dynamics" else (),
-        contacts=sf.rigid_contacts(named, surfaces),
         left_out=tuple((e.name, e.kind) for e in everything if e.name not in taking_part),
         unused=tuple(name for name in model.parameters if name not in used),
     )
+    return equations.with_effects(effects)
 
 
 def _symbols(
@@ -163,8 +170,3 @@ def _symbols(
         elif is_dataclass(part):
             stack += vars(part).values()
     return frozenset(s.name for s in symbols if isinstance(s, Parameter))
-
-
-def derivations() -> int:
-    """Statements, potentials, forces and switching functions that SymPy has worked on so far."""
-    return cs.derived_statements() + derived_effects() + sf.rate.cache_info().misses

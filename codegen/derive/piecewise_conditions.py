@@ -31,12 +31,10 @@ def _alternatives(condition: Boolean, yes: Boolean, no: Boolean) -> Boolean:
 
 def _pieces(function: type[sympy.Function], *arguments: sympy.Expr) -> sympy.Expr:
     first = arguments[0]
-    if function is sympy.Abs:
-        return sympy.Piecewise((first, first > 0), (-first, True))
-    if function is sympy.sign:
-        return sympy.Piecewise((1, first > 0), (-1, True))
-    if function is sympy.Heaviside:
-        return sympy.Piecewise((1, first > 0), (0, True))
+    halves = {sympy.Abs: (first, -first), sympy.sign: (1, -1), sympy.Heaviside: (1, 0)}
+    if function in halves:
+        above, below = halves[function]
+        return sympy.Piecewise((above, first > 0), (below, True))
     *firsts, last = arguments
     pieces: list[tuple[sympy.Expr, Boolean | bool]] = []
     for k, one in enumerate(firsts):

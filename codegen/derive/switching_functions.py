@@ -1,6 +1,6 @@
 """The switching functions of a scene: of conditions, frictions that stick, rigid contacts."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Literal
@@ -62,13 +62,12 @@ def rate(g: sympy.Expr) -> sympy.Expr:
     return sympy.Add(*terms)
 
 
-def switches(effects: Iterable[Named]) -> tuple[Switch, ...]:
+def switches(effects: Sequence[Named]) -> tuple[Switch, ...]:
     """The switching functions of the effects of a scene, (name, terms) each.
 
     One switch a condition: a condition and its opposite share it, and so does a friction whose
     slip changes sign with them. A contact has its own, since a reaction scales its force alone.
     """
-    effects = tuple(effects)
     contacts, others = [], list[Switch]()
     for name, terms in effects:
         hold = terms.hold
@@ -77,7 +76,8 @@ def switches(effects: Iterable[Named]) -> tuple[Switch, ...]:
             contacts.append(Switch(name, f"{g} > 0", g, rate(g), "contact"))
         elif isinstance(hold, Sticking) and _same(hold.slip, others) is None:
             g = hold.slip
-            others.append(Switch(name, f"{g} > 0", g, rate(g), "friction", ratio(hold)))
+            ratio = None if hold.static is None else hold.static / hold.kinetic
+            others.append(Switch(name, f"{g} > 0", g, rate(g), "friction", ratio))
     for name, terms in effects:
         for condition in conditions(_expressions(terms)):
             g = switching_function(condition)
@@ -86,42 +86,30 @@ def switches(effects: Iterable[Named]) -> tuple[Switch, ...]:
     return (*contacts, *others)
 
 
-def ratio(hold: Sticking) -> sympy.Expr | None:
-    """μ_s/μ, or None for 1."""
-    return None if hold.static is None else hold.static / hold.kinetic
-
-
-def side_values(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[SideValue, ...]:
+def side_values(effects: Sequence[Named], among: tuple[Switch, ...]) -> tuple[SideValue, ...]:
     """The sides of the effects that hold, in their order."""
-    sides = []
+    numbers, sides = _of_contacts(among), []
     for name, terms in effects:
         if isinstance(terms.hold, Rigid):
-            number = next(
-                k for k, s in enumerate(among) if s.kind == "contact" and s.effect == name
-            )
-            sides.append(SideValue(side(name), number, 0, 1))
+            sides.append(SideValue(side(name), numbers[name], 0, 1))
         elif isinstance(terms.hold, Sticking):
-            others = [s for s in among if s.kind != "contact"]
-            same = _same(terms.hold.slip, others)
+            same = _same(terms.hold.slip, among)
             assert same is not None
             one = -1 if same[1] else 1
-            sides.append(SideValue(side(name), among.index(others[same[0]]), one, -one))
+            sides.append(SideValue(side(name), same[0], one, -one))
     return tuple(sides)
 
 
-def stiction(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[tuple[str, int], ...]:
+def stiction(effects: Sequence[Named], among: tuple[Switch, ...]) -> tuple[tuple[str, int], ...]:
     """(effect, switch) of the frictions in joints whose stiction force a run determines.
 
     Their switch belongs to them alone: where a condition or another friction changes with the
     same slip, all of them follow Filippov's combination of the two modes.
     """
-    effects = tuple(effects)
-    others = [s for s in among if s.kind != "contact"]
     switching = [s.switch for s in side_values(effects, among)]
     for _, terms in effects:
         functions = (switching_function(c) for c in conditions(_expressions(terms)))
-        same = (_same(g, others) for g in functions)
-        switching += [among.index(others[k[0]]) for k in same if k is not None]
+        switching += [same[0] for g in functions if (same := _same(g, among))]
     rubbing = {name for name, terms in effects if terms.friction and terms.friction.sticks}
     return tuple(
         (s.effect, k)
@@ -130,9 +118,9 @@ def stiction(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[tuple
     )
 
 
-def rigid_contacts(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple[RigidContact, ...]:
+def rigid_contacts(effects: Sequence[Named], among: tuple[Switch, ...]) -> tuple[RigidContact, ...]:
     """The rigid contacts, in the order of the effects."""
-    numbers = {s.effect: k for k, s in enumerate(among) if s.kind == "contact"}
+    numbers = _of_contacts(among)
     return tuple(
         RigidContact(
             name, numbers[name], t in c.gap.free_symbols, rate(rate(c.gap)), c.restitution, c.scale
@@ -142,10 +130,15 @@ def rigid_contacts(effects: Iterable[Named], among: tuple[Switch, ...]) -> tuple
     )
 
 
-def _same(g: sympy.Expr, among: list[Switch]) -> tuple[int, bool] | None:
-    """Place of the switch with g or -g, and whether it is -g."""
+def _of_contacts(among: Sequence[Switch]) -> dict[str, int]:
+    """Rigid contact → number of its switch."""
+    return {s.effect: k for k, s in enumerate(among) if s.kind == "contact"}
+
+
+def _same(g: sympy.Expr, among: Sequence[Switch]) -> tuple[int, bool] | None:
+    """Number of the switch with g or -g that is no contact's, and whether it is -g."""
     for k, switch in enumerate(among):
-        if switch.g in (g, -g):
+        if switch.kind != "contact" and switch.g in (g, -g):
             return k, switch.g != g
     return None
 

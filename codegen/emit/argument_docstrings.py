@@ -52,11 +52,10 @@ class Arguments:
         if kernel.name != "potential_gradient":
             sizes["g"] = counts.get("g", 0)
         texts = {name: self._text(name, sizes) for name in kernel.arguments}
-        written = [name for name in kernel.arguments if name in counts]
-        read = [text for name, text in texts.items() if name not in written or name == "p"]
+        read = [text for name, text in texts.items() if name not in counts or name == "p"]
+        written = [text for name, text in texts.items() if name in counts]
         sentence = f"Reads {', '.join(read)}."
-        if written:
-            sentence += f" Writes {', '.join(texts[name] for name in written)}."
+        sentence += f" Writes {', '.join(written)}." if written else ""
         if kernel.watched:
             sentence += " Returns 0, or 1 + the row of CONSTRAINTS whose pivot is weak."
         yield from wrap(sentence, 94, break_long_words=False, break_on_hyphens=False)

@@ -50,25 +50,19 @@ def reduced_text(lowered: Lowered, reduced: Reduced, origin: Origin, module: str
 
 
 def _companion_text(
-    lowered: Lowered,
-    program: Program,
-    origin: Origin,
-    module: str,
-    about: tuple[str, ...],
-    tables: Mapping[str, Any],
-    arguments: Arguments,
-) -> str:
-    description = lowered.description
-    first, *more = about
+    lowered: Lowered, program: Program, origin: Origin, module: str, about: tuple[str, ...],
+    tables: Mapping[str, Any], arguments: Arguments,
+) -> str:  # fmt: skip
+    model, scene, (first, *more) = lowered.description.model, lowered.description.scene, about
     head: dict[str, Any] = {
         "GENERATOR": origin.generator,
-        "MODEL": description.model,
-        "SCENE": description.scene,
+        "MODEL": model,
+        "SCENE": scene,
         "SOURCES": origin.sources,
         "DECLARATION_SHA256": origin.declaration,
         "MODULE_SHA256": module,
         **tables,
         "OPERATIONS": operation_table(program),
     }
-    title = f'"""Machine {description.model}, scene {description.scene}: {first}'
-    return assemble_module(program, origin, [title, "", *more, '"""'], head, arguments)
+    docstring = [f'"""Machine {model}, scene {scene}: {first}', "", *more, '"""']
+    return assemble_module(program, origin, docstring, head, arguments)

@@ -4,25 +4,20 @@ import builtins
 from collections.abc import Iterator
 
 from codegen.emit.argument_docstrings import Arguments
-from codegen.emit.line_wrapping import (
-    PAGE,
-    assigned_text,
-    comments,
-    note_of,
-    quantity,
-    wrap_pieces,
-    wrap_statement,
-)
-from codegen.emit.placement import Path, Placement, place
+from codegen.emit.line_wrapping import PAGE, comments, quantity, wrap_pieces, wrap_statement
+from codegen.emit.placement import Path, Placement
 from codegen.emit.readable_formula import formula
 from codegen.emit.sincos_function import NAME as SIN_COS
+from codegen.emit.solution_value_names import BESIDE_ELEMENTS
 from codegen.emit.table_lookup import lookups
+from codegen.lower.graph import SUMS
 from codegen.lower.operation_count import operations
 from codegen.lower.program import LEAVES, Input, Kernel, Lookup, Op, Program
 
 NOTHING, EITHER, BOTH, NEGATION, SUM, PRODUCT, SIGN = range(7)
 """How tightly a piece of text holds together; looser pieces inside tighter ones take brackets."""
 
+UNARY = {Op.NOT: ("not ", NEGATION, NEGATION), Op.NEG: ("-", SUM, SIGN)}
 BINARY = {
     Op.ADD: ("+", SUM, 1),
     Op.SUB: ("-", SUM, 1),
@@ -36,15 +31,7 @@ WORDS = "math numba and or not if else return in is for def pass del as WEAK_PIV
 RESERVED = {*f"{ARGUMENTS} {WORDS} {SIN_COS}".split(), *dir(builtins)}
 """Names that no value may take: those of any kernel's arguments, of the language and the module."""
 
-TITLES = {
-    "factorization": "Factorization of M, Φ_q",
-    "correction": "Factorization of Φ_q W Φ_qᵀ",
-    "masses": "Masses",
-    "reduction": "Coordinates by those that are left",
-    "": "Sums",
-}
 NOTE_WIDTH = 60
-SHORT = {"factorization": "f", "correction": "c", "reduction": "r", "masses": "m", "": "s"}
 
 
 class KernelText:
@@ -52,10 +39,9 @@ class KernelText:
 
     def __init__(self, program: Program, kernel: Kernel, arguments: Arguments) -> None:
         self.program, self.kernel, self.arguments = program, kernel, arguments
-        self.plan: Placement = place(program, kernel)
-        hoisted = program.hoisted(kernel)
+        self.plan, self.values = Placement(program, kernel), program.values
         slots = {number: arguments.declared + k for k, number in enumerate(program.constants)}
-        self.constants: dict[int, int] = {n: slots[n] for n in self.plan.numbers if n in hoisted}
+        self.constants = {n: slots[n] for n in self.plan.numbers if n in self.plan.hoisted}
         self.names: dict[int, str] = {}
         self._lookups = lookups(program)
         self._taken: set[str] = {*RESERVED, *kernel.arguments, *self._lookups.values()}
@@ -65,56 +51,59 @@ class KernelText:
     def lines(self) -> list[str]:
         """The function, line by line."""
         kernel = self.kernel
-        count = operations(self.program, kernel)
-        text = [
+        return [
             f'@numba.njit("{signature(kernel)}", **OPTIONS)',
             f"def {kernel.name}({', '.join(kernel.arguments)}):",
             f'    """{kernel.summary}',
             "",
             *(f"    {line}" for line in self.arguments.lines(self.program, kernel)),
-            f"    {quantity(count, 'operation')}.",
+            f"    {quantity(operations(self.program, kernel), 'operation')}.",
             '    """',
+            *self._loads(),
+            *self._angles(),
+            *self._block((), 1),
+            *self._stores(),
+            *self._watch(),
         ]
-        before = [*self._loads(), *self._angles()]
-        return [*text, *before, *self._block((), 1), *self._stores(), *self._watch()]
 
     # -- parts -------------------------------------------------------------------------------
 
     def _loads(self) -> Iterator[str]:
         for number in self.plan.numbers:
-            literal = self.program.values[number].literal
+            note, literal = "", self.values[number].literal
             if number in self.constants:
-                name = self.names[number] = self._unused(f"p_{self.constants[number]}")
+                name, source = f"p_{self.constants[number]}", f"p[{self.constants[number]}]"
                 meaning = formula(self.program, number)
                 note = f"  # {meaning}" if len(meaning) <= NOTE_WIDTH else ""
-                yield f"    {name} = p[{self.constants[number]}]{note}"
             elif isinstance(literal, Input):
-                wanted = "t" if literal.array == "t" else literal.name
-                self.names[number] = name = "t" if wanted == "t" else self._unused(wanted)
-                if literal.array != "t":
-                    yield f"    {name} = {literal.array}[{literal.slot}]"
-            elif self.program.values[number].op is Op.MODE:
+                name, source = literal.name, f"{literal.array}[{literal.slot}]"
+            elif self.values[number].op is Op.MODE:
                 # Read before the first branch: numba counts references to an array behind one.
-                self.names[number] = name = self._unused(f"mode_{literal}")
-                yield f"    {name} = modes[{literal}]"
+                name, source = f"mode_{literal}", f"modes[{literal}]"
+            else:
+                continue
+            if isinstance(literal, Input) and literal.array == "t":
+                self.names[number] = "t"
+            else:
+                self.names[number] = name = self._unused(name)
+                yield f"    {name} = {source}{note}"
 
     def _angles(self) -> Iterator[str]:
         """Sines and cosines of what is given: no element's own, they stand above all headings."""
         for number in self.plan.numbers:
-            value = self.program.values[number]
-            if value.op not in (Op.SIN, Op.COS) or value.args[0] not in self.names:
-                continue
-            if self.plan.home[number] == () and self._has_line(number):
+            value, outside = self.values[number], self.plan.home[number] == ()
+            given = value.op in (Op.SIN, Op.COS) and value.args[0] in self.names
+            if given and outside and self._has_line(number):
                 yield from self._line(number, 1)
 
     def _has_line(self, number: int) -> bool:
         """Whether a value has a line of its own, and not written yet."""
-        leaf = self.program.values[number].op in LEAVES or number in self.constants
+        leaf = self.values[number].op in LEAVES or number in self.constants
         return not (leaf or number in self.plan.inlined or number in self.names)
 
     def _line(self, number: int, depth: int) -> Iterator[str]:
         """The line, or the lines, that compute a value."""
-        value, indent = self.program.values[number], "    " * depth
+        value, indent = self.values[number], "    " * depth
         if number in self.plan.pairs:
             yield from self._pair(number, indent)
         elif value.op is Op.SELECT:
@@ -129,7 +118,7 @@ class KernelText:
         serves = None
         indent = "    " * depth
         for number in self.plan.numbers:
-            value = self.program.values[number]
+            value = self.values[number]
             if self.plan.home[number] != path or not self._has_line(number):
                 continue
             if depth == 1 and number in self.plan.steps:
@@ -137,59 +126,46 @@ class KernelText:
                 serves = None
             elif depth == 1 and value.serves != serves:
                 serves = value.serves
-                yield f"{indent}# {TITLES.get(serves, serves)}"
+                yield f"{indent}# {BESIDE_ELEMENTS.get(serves, serves)}"
             yield from self._line(number, depth)
 
     def _titles(self, step: int) -> Iterator[str]:
         """A comment on the steps of the solution up to this one."""
-        titles = self.kernel.steps[self._step + 1 : step + 1]
         busy = set(self.plan.steps.values())
-        kept = (
-            title
-            for k, title in enumerate(titles, self._step + 1)
-            if k in busy or title.startswith(("Eliminate", "Solve"))
-        )
+        titles = enumerate(self.kernel.steps[: step + 1])
+        new = ((k, title) for k, title in titles if k > self._step)
+        always = ("Eliminate", "Solve")
+        yield from comments([title for k, title in new if k in busy or title.startswith(always)])
         self._step = max(step, self._step)
-        yield from comments(tuple(kept))
 
     def _pair(self, number: int, indent: str) -> Iterator[str]:
         """The line that takes sine and cosine of an angle."""
-        both = sorted((number, self.plan.pairs[number]), key=self._is_cosine)
-        angle = self._text(self.program.values[number].args[0], NOTHING)
-        for one in both:
+        both = (number, self.plan.pairs[number])
+        angle = self._text(self.values[number].args[0], NOTHING)
+        for one in sorted(both, key=lambda k: self.values[k].op is Op.COS):
             self.names[one] = self._name(one)
-        sine, cosine = (self.names[one] for one in both)
-        yield from wrap_pieces(f"{indent}{sine}, {cosine} = {SIN_COS}(", [angle], ")")
-
-    def _is_cosine(self, number: int) -> bool:
-        return self.program.values[number].op is Op.COS
+            indent += f"{self.names[one]}, "
+        yield from wrap_pieces(f"{indent.removesuffix(', ')} = {SIN_COS}(", [angle], ")")
 
     def _choice(self, number: int, name: str, depth: int) -> Iterator[str]:
         """Lines that set `name` to the value of a choice."""
-        value = self.program.values[number]
+        condition, first, last = self.values[number].args
         path, indent = self.plan.home[number], "    " * depth
-        test = self._text(value.args[0], NOTHING)
+        test = self._text(condition, NOTHING)
         (yes_before, yes), (no_before, no) = (
             self._side(branch, (*path, (number, side)), name, depth + 1)
-            for side, branch in ((True, value.args[1]), (False, value.args[2]))
+            for side, branch in ((True, first), (False, last))
         )
         if not yes_before and not no_before and len(yes) == len(no) == 1:
-            first = (
-                f"({assigned_text(yes)})"
-                if self._is_nested_choice(value.args[1])
-                else assigned_text(yes)
-            )
-            short = f"{indent}{name} = {first} if {test} else {assigned_text(no)}"
+            one, other = (line.partition(" = ")[2] for line in (*yes, *no))
+            one = f"({one})" if self._is_nested_choice(first) else one
+            short = f"{indent}{name} = {one} if {test} else {other}"
             if len(short) <= PAGE:
                 yield short
                 return
         yield f"{indent}if {test}:"
         yield from (*yes_before, *yes)
-        if (
-            self._is_nested_choice(value.args[2])
-            and not no_before
-            and no[0].strip().startswith("if ")
-        ):
+        if self._is_nested_choice(last) and not no_before and no[0].strip().startswith("if "):
             yield f"{indent}el{no[0].strip()}"
             yield from (line.removeprefix("    ") for line in no[1:])
         else:
@@ -206,18 +182,16 @@ class KernelText:
 
     def _is_nested_choice(self, number: int) -> bool:
         """Whether a side of a choice is a further choice, with the same name to set."""
-        return self.program.values[number].op is Op.SELECT and number in self.plan.inlined
+        return self.values[number].op is Op.SELECT and number in self.plan.inlined
 
     def _stores(self) -> Iterator[str]:
-        stores = [out for out in self.kernel.outputs if out.array != "return"]
-        if stores:
+        outputs = sorted(self.kernel.outputs, key=lambda out: out.array == "return")
+        if outputs and outputs[0].array != "return":
             yield "    # Outputs"
-        for out in stores:
-            text = self._text(out.value, NOTHING)
-            yield from wrap_statement(f"    {out.array}[{out.slot}] = ", text, note_of(out))
-        for out in self.kernel.outputs:
-            if out.array == "return":
-                yield from wrap_statement("    return ", self._text(out.value, NOTHING))
+        for out in outputs:
+            head = f"    {out.array}[{out.slot}] = " if out.array != "return" else "    return "
+            note = f"  # {out.note}" if out.note else ""
+            yield from wrap_statement(head, self._text(out.value, NOTHING), note)
 
     def _watch(self) -> Iterator[str]:
         if not self.kernel.watched:
@@ -235,26 +209,24 @@ class KernelText:
     def _text(self, number: int, outer: int) -> str:
         if number in self.names:
             return self.names[number]
-        if number in self.plan.inlined or self.program.values[number].op is Op.CONST:
+        if number in self.plan.inlined or self.values[number].op is Op.CONST:
             return self._expression(number, outer)
         raise KeyError(f"value {number} of kernel {self.kernel.name} is used before it is computed")
 
     def _expression(self, number: int, outer: int = NOTHING) -> str:
-        value = self.program.values[number]
+        value = self.values[number]
         if value.op is Op.CONST:
-            text, level = repr(value.literal), SIGN
+            text = repr(value.literal)
             level = SUM if text.startswith("-") else SIGN
-        elif value.op in (Op.NOT, Op.NEG):
-            word, level, inner = (
-                ("not ", NEGATION, NEGATION) if value.op is Op.NOT else ("-", SUM, SIGN)
-            )
+        elif value.op in UNARY:
+            word, level, inner = UNARY[value.op]
             text = f"{word}{self._text(value.args[0], inner)}"
         elif value.op is Op.SLIDING:
             text, level = f"{self._text(value.args[0], SIGN)} == 2", NEGATION
         elif value.op in BINARY:
             sign, level, tighter = BINARY[value.op]
             a, b = value.args
-            if value.op is Op.ADD and self._is_sum(b) and not self._is_sum(a):
+            if value.op is Op.ADD and self._is_sum(b) > self._is_sum(a):
                 a, b = b, a  # the same sum without brackets
             text = f"{self._text(a, level)} {sign} {self._text(b, level + tighter)}"
         else:
@@ -266,28 +238,24 @@ class KernelText:
         return f"({text})" if level < outer else text
 
     def _is_sum(self, number: int) -> bool:
-        sums = (Op.ADD, Op.SUB, Op.NEG)
-        return number in self.plan.inlined and self.program.values[number].op in sums
+        return number in self.plan.inlined and self.values[number].op in SUMS
 
     # -- names -------------------------------------------------------------------------------
 
     def _name(self, number: int) -> str:
-        value = self.program.values[number]
-        if number in self.plan.names:
-            return self._numbered(self.plan.names[number])
+        value, counts = self.values[number], self._counts
+        if number in self.plan.names:  # with a number behind it: an entry that changes again
+            name = self.plan.names[number]
+            counts[name] = counts.get(name, 0) + 1
+            return self._unused(name if counts[name] == 1 else f"{name}_{counts[name]}")
         if value.op in (Op.SIN, Op.COS) and value.args[0] in self.names:
             return self._unused(f"{value.op.value}_{self.names[value.args[0]]}")
-        stem = SHORT.get(value.serves, value.serves)
+        title = BESIDE_ELEMENTS.get(value.serves)
+        stem = value.serves if title is None else (value.serves or title)[0].lower()
         while True:
-            self._counts[stem] = self._counts.get(stem, 0) + 1
-            name = f"{stem}_{self._counts[stem]}"
-            if name not in self._taken:
+            counts[stem] = counts.get(stem, 0) + 1
+            if (name := f"{stem}_{counts[stem]}") not in self._taken:
                 return self._unused(name)
-
-    def _numbered(self, name: str) -> str:
-        """The name, or with a number behind it: an entry that changes again."""
-        count = self._counts[name] = self._counts.get(name, 0) + 1
-        return self._unused(name if count == 1 else f"{name}_{count}")
 
     def _unused(self, name: str) -> str:
         while name in self._taken:

@@ -2,9 +2,8 @@
 
 import json
 from collections.abc import Iterable, Iterator, Sequence
+from textwrap import wrap
 from typing import Any
-
-from codegen.lower.program import Output
 
 PAGE = 100  # characters in a line
 
@@ -13,11 +12,6 @@ def quantity(count: int, noun: str) -> str:
     """``1 degree of freedom``, ``2 degrees of freedom``."""
     first, *rest = noun.split(" ", 1)
     return " ".join([str(count), first if count == 1 else f"{first}s", *rest])
-
-
-def assigned_text(lines: list[str]) -> str:
-    """What the last of the lines sets its name to."""
-    return lines[-1].partition(" = ")[2]
 
 
 def wrap_statement(head: str, text: str, note: str = "") -> Iterator[str]:
@@ -46,26 +40,22 @@ def comments(titles: Sequence[str]) -> Iterator[str]:
     yield from [line] if line else []
 
 
-def note_of(out: Output) -> str:
-    """What a line that stores an output says behind it."""
-    return f"  # {out.note}" if out.note else ""
-
-
 def wrap_pieces(head: str, pieces: Sequence[str], end: str) -> Iterator[str]:
-    """Pieces between `head` and `end` on one line; else on lines of their own, each wrap_pieces."""
+    """Pieces between `head` and `end` on one line; else on lines of their own."""
     line = f"{head}{' '.join(pieces)}{end}"
     if len(line) <= PAGE:
         yield line
         return
     indent = head[: len(head) - len(head.lstrip())]
-    yield head
-    line = f"{indent}   "
-    for piece in pieces:
-        if len(line) + 1 + len(piece) > PAGE:
-            yield line
-            line = f"{indent}   "
-        line += f" {piece}"
-    yield from (line, f"{indent}{end}")
+    yield from (head, *_filled(pieces, f"{indent}    "), f"{indent}{end}")
+
+
+def _filled(pieces: Iterable[str], indent: str) -> list[str]:
+    """Lines of pieces, none of which is broken."""
+    text = " ".join(piece.replace(" ", "\N{NO-BREAK SPACE}") for piece in pieces)
+    lines = wrap(text, PAGE, initial_indent=indent, subsequent_indent=indent,
+        break_long_words=False, break_on_hyphens=False)  # fmt: skip
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
 
 
 def items(text: str) -> list[str]:
@@ -82,7 +72,8 @@ def assignment(name: str, value: Any) -> list[str]:
     if len(line) <= PAGE:
         return [line]
     if all(isinstance(item, int) for item in value):
-        return [f"{name} = (", "    # fmt: off", *_rows(value), "    # fmt: on", ")"]
+        rows = _filled((f"{item}," for item in value), "    ")
+        return [f"{name} = (", "    # fmt: off", *rows, "    # fmt: on", ")"]
     return [f"{name} = (", *(line for item in value for line in _row(item)), ")"]
 
 
@@ -101,13 +92,3 @@ def _row(item: Any) -> list[str]:
     if len(line) <= PAGE or isinstance(item, str):
         return [line]
     return ["    (", *(f"        {literal(part)}," for part in item), "    ),"]
-
-
-def _rows(numbers: Iterable[int]) -> list[str]:
-    rows, line = [], "   "
-    for number in numbers:
-        if len(line) + len(str(number)) + 2 > PAGE:
-            rows.append(line)
-            line = "   "
-        line += f" {number},"
-    return [*rows, line]

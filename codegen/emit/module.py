@@ -8,7 +8,7 @@ from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.kernel import KernelText
 from codegen.emit.line_wrapping import assignment, quantity
 from codegen.emit.readable_formula import folded_numbers, formula
-from codegen.emit.sincos_function import sin_cos_lines
+from codegen.emit.sincos_function import FUNCTION
 from codegen.emit.table_lookup import lookups, spline_lines
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Pattern
@@ -36,12 +36,9 @@ def module_text(lowered: Lowered, origin: Origin) -> str:
 
 
 def assemble_module(
-    program: Program,
-    origin: Origin,
-    docstring: list[str],
-    tables: Mapping[str, Any],
+    program: Program, origin: Origin, docstring: list[str], tables: Mapping[str, Any],
     arguments: Arguments,
-) -> str:
+) -> str:  # fmt: skip
     """A module from its parts: provenance, docstring, tables, kernels; signed."""
     weak = [f"WEAK_PIVOT = {program.weak_pivot!r}"]
     generator = " with ".join(filter(None, (origin.generator, origin.engine)))
@@ -64,7 +61,8 @@ def assemble_module(
     ]
     lines += spline_lines(program)
     texts = [KernelText(program, kernel, arguments) for kernel in program.kernels]
-    lines += sin_cos_lines(any(text.plan.pairs for text in texts))
+    if any(text.plan.pairs for text in texts):
+        lines += ["", *FUNCTION.rstrip().split("\n")]
     for text in texts:
         lines += ["", "", *text.lines()]
     return signed("\n".join(lines) + "\n")

@@ -5,7 +5,6 @@ becomes part of that user's line while the line stays short.
 """
 
 from collections import defaultdict
-from dataclasses import dataclass
 from itertools import takewhile
 
 from codegen.emit.solution_value_names import BESIDE_ELEMENTS, names_of_solution, order_by_steps
@@ -15,49 +14,29 @@ Path = tuple[tuple[int, bool], ...]  # the choices, outermost first, inside whic
 WIDTH = 80  # characters of an expression, from which on its longest operand has a line of its own
 
 
-@dataclass(frozen=True)
 class Placement:
-    """The plan of one kernel."""
-
-    # values needed, in order, those of a solution step by step; constants of `p` are leaves
-    numbers: tuple[int, ...]
-    home: dict[int, Path]  # value → the branch that it stands in
-    inlined: frozenset[int]  # values inside their only user; a choice inside another is its branch
-    pairs: dict[int, int]  # sine of an angle → its cosine, and the other way round, in one branch
-    names: dict[int, str]  # of the values of a solution
-    steps: dict[int, int]  # the steps that compute them
-
-
-def place(program: Program, kernel: Kernel) -> Placement:
-    """Decide the place of every value that `kernel` needs."""
-    return _Planner(program, kernel).plan()
-
-
-class _Planner:
-    """Decides the places for one kernel; values read from ``p`` are leaves."""
+    """The place of every value that a kernel needs; values read from ``p`` are leaves."""
 
     def __init__(self, program: Program, kernel: Kernel) -> None:
         self.program, self.kernel = program, kernel
         self.hoisted = program.hoisted(kernel)
+        # values needed, in order, those of a solution step by step, and the steps that compute them
         self.numbers, self.steps = order_by_steps(program, kernel, self.hoisted)
-        self.names = names_of_solution(program, kernel, self.numbers)
+        self.names = names_of_solution(program, kernel, self.numbers)  # of values of a solution
         # None stands for an output or a check, which are outside all branches.
-        self.uses: dict[int, list[int | None]] = defaultdict(list)
+        self._uses: dict[int, list[int | None]] = defaultdict(list)
         for root in kernel.roots:
-            self.uses[root].append(None)
+            self._uses[root].append(None)
         for number in self.numbers:
             for a in () if number in self.hoisted else program.values[number].args:
-                self.uses[a].append(number)
-        self.home = self._homes()
+                self._uses[a].append(number)
+        self.home = self._homes()  # value → the branch that it stands in
+        # sine of an angle → its cosine, and the other way round, in one branch
         self.pairs = {} if kernel.name == "constants" else self._pairs()
-
-    def plan(self) -> Placement:
-        return Placement(
-            self.numbers, self.home, self._inlined(), self.pairs, self.names, self.steps
-        )
+        # values inside their only user; a choice inside another is its branch
+        self.inlined = self._inlined()
 
     def _pairs(self) -> dict[int, int]:
-        """Sines and cosines of the same angle in the same branch."""
         pairs: dict[int, int] = {}
         first: dict[tuple[int, Path], int] = {}
         for number in self.numbers:
@@ -72,7 +51,7 @@ class _Planner:
         home: dict[int, Path] = {}
         for number in reversed(self.numbers):
             paths: list[Path] = []
-            for user in set(self.uses[number]):
+            for user in set(self._uses[number]):
                 if user is None:
                     paths.append(())
                 elif self.program.values[user].op is Op.SELECT:
@@ -107,29 +86,28 @@ class _Planner:
         inlined: set[int] = set()
         width: dict[int, int] = {}
         for number in self.numbers:
-            value = program.values[number]
+            value, users = program.values[number], self._uses[number]
             if number in self.hoisted or value.op in LEAVES:
                 width[number] = self._name_width(number)
                 continue
             # A choice has lines of its own for each side.
             inside = [] if value.op is Op.SELECT else [a for a in value.args if a in inlined]
-            widths = {a: self._name_width(a) for a in value.args}
-            shown = {a: width[a] if a in inlined else widths[a] for a in value.args}
+            shown = {a: width[a] if a in inlined else self._name_width(a) for a in value.args}
             while inside and sum(shown[a] + 5 for a in value.args) > WIDTH:
                 longest = max(inside, key=lambda a: (shown[a], a))
                 inside.remove(longest)
                 inlined.discard(longest)
-                shown[longest] = widths[longest]
+                shown[longest] = self._name_width(longest)
             width[number] = sum(shown[a] + 5 for a in value.args)
-            users = self.uses[number]
             sign = value.op is Op.NEG and program.values[value.args[0]].op in LEAVES
-            if value.op in LOGICAL or sign:
-                inlined.add(number)
-            elif len(users) == 1 and number not in watched and number not in self.pairs:
+            fits = value.op in LOGICAL or sign
+            if not fits and len(users) == 1 and number not in watched and number not in self.pairs:
                 user = users[0]
                 if user is not None and program.values[user].op is Op.SELECT:
-                    if home[number] != home[user]:  # the last line of one of its sides
-                        inlined.add(number)
-                elif value.op is not Op.SELECT and (user is None or home[user] == home[number]):
-                    inlined.add(number)
+                    fits = home[number] != home[user]  # the last line of one of its sides
+                else:
+                    same = user is None or home[user] == home[number]
+                    fits = same and value.op is not Op.SELECT
+            if fits:
+                inlined.add(number)
         return frozenset(inlined)

@@ -10,6 +10,7 @@ from codegen.emit.line_wrapping import items, wrap_pieces
 from codegen.tableaus.tableau import Stage, Tableau, Weights
 
 COMMAND = "python -m codegen methods"
+LOOP = "    for j in range(length):"
 HERMITE = 4  # rows of the dense output that follow from states and derivatives at both ends
 
 # The functions of a method: the types that the runtime compiles them for, and their arguments.
@@ -70,18 +71,17 @@ def _stages(tableau: Tableau) -> Iterator[str]:
     yield "    taken = 0"
     for number, stage in enumerate(tableau.stages, 2):
         yield from _stage(number, stage)
-    yield "    for j in range(length):"
+    yield LOOP
     yield from wrap_pieces("        y1[j] = y0[j] + h * (", _terms(tableau.b), ")")
     yield "    return taken"
 
 
 def _stage(number: int, stage: Stage) -> Iterator[str]:
     """State and derivative of a stage."""
-    yield "    for j in range(length):"
+    yield LOOP
     yield from wrap_pieces("        z[j] = y0[j] + h * (", _terms(stage.a), ")")
     instant = "t + h" if stage.c == 1 else f"t + {float(stage.c)!r} * h"
-    called = f"evaluate_rhs(context, {instant}, ws.STAGE, {_row(number)})"
-    yield f"    taken += {called}"
+    yield f"    taken += evaluate_rhs(context, {instant}, ws.STAGE, {_row(number)})"
 
 
 def _error(tableau: Tableau) -> Iterator[str]:
@@ -90,22 +90,19 @@ def _error(tableau: Tableau) -> Iterator[str]:
     yield from _views(("y0", "y1", "atol"), _used(tableau.error, tableau.lower))
     scale = "atol[j] + rtol * max(abs(y0[j]), abs(y1[j]))"
     if not tableau.lower:
-        yield from ("    total = 0.0", "    for j in range(length):")
+        yield from ("    total = 0.0", LOOP)
         yield from wrap_pieces("        estimate = h * (", _terms(tableau.error), ")")
-        yield f"        ratio = estimate / ({scale})"
-        yield "        total += ratio * ratio"
+        yield from (f"        ratio = estimate / ({scale})", "        total += ratio * ratio")
         if tableau.stability_edge is not None:
             yield "    if stability_limit.permits_growth(rtol, length, EDGE):"
             yield f"        stability_limit.observe(context, {_row(tableau.last + 1)})"
         yield "    return float(np.sqrt(total / length))"
         return
     second = [*_terms(tableau.b), *_terms(tuple(-x for x in tableau.lower), first=False)]
-    yield from ("    high, low = 0.0, 0.0", "    for j in range(length):")
-    yield f"        tolerance = {scale}"
-    yield from wrap_pieces("        ratio = (", _terms(tableau.error), ") / tolerance")
-    yield "        high += ratio * ratio"
-    yield from wrap_pieces("        ratio = (", second, ") / tolerance")
-    yield "        low += ratio * ratio"
+    yield from ("    high, low = 0.0, 0.0", LOOP, f"        tolerance = {scale}")
+    for name, terms in (("high", _terms(tableau.error)), ("low", second)):
+        yield from wrap_pieces("        ratio = (", terms, ") / tolerance")
+        yield f"        {name} += ratio * ratio"
     yield "    both = high + 0.01 * low"
     yield "    if both == 0.0:  # also where a ratio is too small to be squared"
     yield "        return 0.0"
@@ -115,21 +112,18 @@ def _error(tableau: Tableau) -> Iterator[str]:
 def _dense(tableau: Tableau) -> Iterator[str]:
     summary = "Fill the coefficient rows of the dense output of the step from Y0 to Y1."
     yield from _head("dense", summary)
-    first = tableau.last + 2
     used = _used(*(stage.a for stage in tableau.further), *tableau.dense)
     if tableau.further:
-        yield from _views(("y0", "z"), used)
-        yield "    taken = 0"
+        yield from (*_views(("y0", "z"), used), "    taken = 0")
     elif tableau.dense:
         yield from _views((), used)
-    for number, stage in enumerate(tableau.further, first):
+    for number, stage in enumerate(tableau.further, tableau.last + 2):
         yield from _stage(number, stage)
     yield f"    hermite_rows(context, h, {_row(tableau.last + 1)})"
-    for k in range(len(tableau.dense)):
-        yield f"    f{HERMITE + k} = ws.row_of(context, ws.F + {HERMITE + k})"
-    if tableau.dense:
-        yield "    for j in range(length):"
-    for k, weights in enumerate(tableau.dense, HERMITE):
+    rows = range(HERMITE, HERMITE + len(tableau.dense))
+    yield from (f"    f{k} = ws.row_of(context, ws.F + {k})" for k in rows)
+    yield from [LOOP] if rows else []
+    for k, weights in zip(rows, tableau.dense, strict=True):
         yield from wrap_pieces(f"        f{k}[j] = h * (", _terms(weights), ")")
     yield "    return taken" if tableau.further else "    return 0"
 
@@ -191,11 +185,8 @@ def _used(*rows: Weights) -> list[int]:
 
 def _terms(row: Weights, first: bool = True) -> list[str]:
     """The products of a linear combination of stages, each with its sign in front."""
-    found: list[str] = []
-    for number, x in enumerate(row, 1):
-        if x:
-            sign = "- " if x < 0 else "+ "
-            if first and not found:
-                sign = sign.strip(" +")
-            found.append(f"{sign}{abs(float(x))!r} * k{number}[j]")
-    return found
+    weights = [(number, float(x)) for number, x in enumerate(row, 1) if x]
+    terms = [f"{'-' if x < 0 else '+'} {abs(x)!r} * k{number}[j]" for number, x in weights]
+    if first and terms:
+        terms[0] = terms[0].removeprefix("+ ").replace("- ", "-", 1)
+    return terms

@@ -45,8 +45,3 @@ def {NAME}(x):
     cosine = s if k & 1 else c
     return -sine if k & 2 else sine, -cosine if (k + 1) & 2 else cosine
 '''
-
-
-def sin_cos_lines(needed: bool) -> list[str]:
-    """The function, where a kernel calls it."""
-    return ["", *FUNCTION.rstrip().split("\n")] if needed else []

@@ -6,9 +6,14 @@ unknowns. A value without a label belongs to the first step that needs it.
 
 from codegen.lower.program import LEAVES, Kernel, Op, Program
 
-BESIDE_ELEMENTS = frozenset({"factorization", "correction", "reduction", "masses", ""})
-"""What a value serves if not an element; the others are called after their element."""
-
+BESIDE_ELEMENTS = {
+    "factorization": "Factorization of M, Φ_q",
+    "correction": "Factorization of Φ_q W Φ_qᵀ",
+    "masses": "Masses",
+    "reduction": "Coordinates by those that are left",
+    "": "Sums",
+}
+"""The heading of values that serve no element; the others are called after their element."""
 
 LONGEST = 36  # characters of a name; values with longer ones are numbered
 
@@ -16,15 +21,12 @@ LONGEST = 36  # characters of a name; values with longer ones are numbered
 def names_of_solution(program: Program, kernel: Kernel, numbers: tuple[int, ...]) -> dict[int, str]:
     """Value → its name, among the `numbers` that a kernel needs and that bear no element's name."""
     names: dict[int, str] = {}
-    mine = {number for number in numbers if _has_label(program, number)}
-    for label in kernel.labels:
-        if label.value in mine:
-            names.setdefault(label.value, label.name)
-    for label in kernel.labels:
-        value = program.values[label.value]
-        if value.op is Op.NEG and value.args[0] in mine:  # the sign is carried outside
-            names.setdefault(value.args[0], f"minus_{label.name}")
-    return {number: name for number, name in names.items() if len(name) <= LONGEST}
+    values = program.values
+    named = [(label.value, label.name) for label in kernel.labels]
+    negative = [(k, name) for k, name in named if values[k].op is Op.NEG]
+    named += [(values[k].args[0], f"minus_{name}") for k, name in negative]  # signs are outside
+    names = {number: name for number, name in reversed(named) if _has_label(program, number)}
+    return {k: names[k] for k in numbers if k in names and len(names[k]) <= LONGEST}
 
 
 def _has_label(program: Program, number: int) -> bool:

@@ -33,23 +33,20 @@ def spline_lines(program: Program) -> Iterator[str]:
     """Tables and functions, nothing where a program takes none."""
     names = lookups(program)
     for number, table in enumerate(dict.fromkeys(look.table for look in names)):
-        yield from ("", "")
         yield from _table(table, f"table_{number}")
         for look, name in names.items():
             if look.table == table:
-                yield from ("", "")
                 yield from _function(look, name, f"table_{number}")
 
 
 def _table(table: Table, name: str) -> Iterator[str]:
     upper = name.upper()
     first, length = table.knots[0], table.knots[-1] - table.knots[0]
-    yield f"# {table.name}"
+    yield from ("", "", f"# {table.name}")
     yield from assignment(f"{upper}_KNOTS", table.knots)
     yield from assignment(f"{upper}_ROWS", table.rows)
     yield f"{upper}_X, {upper}_C = np.array({upper}_KNOTS), np.array({upper}_ROWS)"
-    yield from ("", "")
-    yield '@numba.njit("Tuple((i8, f8))(f8)", **OPTIONS)'
+    yield from ("", "", '@numba.njit("Tuple((i8, f8))(f8)", **OPTIONS)')
     yield f"def {name}_at(x):"
     kind = "periodic" if table.periodic else "nan beyond its ends"
     yield f'    """Interval of the table and the distance from its left knot; {kind}."""'
@@ -70,7 +67,7 @@ def _table(table: Table, name: str) -> Iterator[str]:
 
 
 def _function(look: Lookup, name: str, table: str) -> Iterator[str]:
-    yield '@numba.njit("f8(f8)", **OPTIONS)'
+    yield from ("", "", '@numba.njit("f8(f8)", **OPTIONS)')
     yield f"def {name}(x):"
     what = f"Derivative {look.order} of the" if look.order else "The"
     yield f'    """{what} cubic spline {look.table.name}."""'

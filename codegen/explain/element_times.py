@@ -1,10 +1,15 @@
-"""Times of the parts of a scene: of an evaluation of `accelerations`, and of a run."""
+"""Times of the parts of a scene: of an evaluation of `accelerations`, and of a run.
+
+This is the one place where the compiler uses the runtime: when a run is requested, not when the
+module is imported. The import rules name the exception.
+"""
 
 import tempfile
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,15 +18,23 @@ from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.module import Origin, assemble_module
 from codegen.errors import InputError
 from codegen.explain.kernel_timer import ROUNDS, States, Timed, times
-from codegen.explain.ledger_records import Part, RunCosts
-from codegen.explain.measured_run import Run, simulate
+from codegen.explain.ledger_records import Ledger, Part, RunCosts
 from codegen.explain.operations_by_part import Stage, timing_stages
-from codegen.explain.sample_states import about_the_start, at, parameters
+from codegen.explain.sample_states import COUNT, about_the_start, at, parameters
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.program import Program
 from codegen.module_signature import import_generated
 
 ORIGIN = Origin("linkwright", (), "0" * 64, "python -m codegen explain")
+MEASURED = 2  # measured: runs of which the faster counts; the first may find cold caches
+
+
+class Run(NamedTuple):
+    """The costs of a run, effect → number of its events, and the states along it: t, q, v."""
+
+    costs: RunCosts
+    events: Counter[str]
+    samples: Any
 
 
 class Measured(NamedTuple):
@@ -35,39 +48,35 @@ class Measured(NamedTuple):
 
 
 def with_times(
-    programs: tuple[Lowered, ...],
-    parts: list[Part],
-    runs: tuple[Path, float] | None,
+    ledger: Ledger, programs: tuple[Lowered, ...], file: Path | None, t_end: float | None,
     progress: Callable[[str], None],
-) -> tuple[list[Part], float | None, RunCosts | None]:
-    """The parts with their nanoseconds, those of the whole kernel, and the costs of a run.
+) -> Ledger:  # fmt: skip
+    """The ledger with the nanoseconds of its parts and of the whole kernel, and a run's costs.
 
-    `programs` as from `operation_costs.cumulative_programs`; `runs` is the model's file and the
-    run's length in s, if a run is requested.
+    `programs` as from `operations_by_part.cumulative_programs`; `t_end`, in s, requests a run of
+    the model of a file.
     """
     whole = programs[-1]
     equations = whole.scene.equations
-    scene = equations.scene
-    run: Run | None = None
-    if runs is not None:
+    scene, parts, run = equations.scene, ledger.parts, None
+    if file is not None and t_end is not None:
         if scene.analysis != "dynamics":
             raise InputError(
                 f"--run: scene '{scene.name}' is for {scene.analysis}, so "
                 "there is no run under forces; leave --run out."
             )
-        progress(f"{equations.model}, scene {scene.name}: running")
-        run = simulate(runs[0], scene.name, runs[1])
-    progress(f"{equations.model}, scene {scene.name}: measuring")
-    if run is None:
-        states = about_the_start(whole)
-    else:
-        states = at(whole, run.samples.t, run.samples.q, run.samples.v)
+        progress(f"{ledger.title}: running")
+        run = _simulate(file, scene.name, t_end)
+    progress(f"{ledger.title}: measuring")
+    states = about_the_start(whole) if run is None else at(whole, *run.samples[:3])
     measured = measure(equations, timing_stages(programs), states)
     if measured is not None:
-        parts = [_timed(part, measured.parts) for part in parts]
+        parts = tuple(_timed(part, measured.parts) for part in parts)
+        ledger = replace(ledger, nanoseconds=measured.whole)
     if run is not None:
-        parts = [_share_of_run(part, run) for part in parts]
-    return parts, measured.whole if measured else None, run.costs if run else None
+        parts = tuple(_share_of_run(part, run) for part in parts)
+        ledger = replace(ledger, run=run.costs)
+    return replace(ledger, parts=parts)
 
 
 def measure(
@@ -105,6 +114,25 @@ def _timed(part: Part, times: dict[str, float]) -> Part:
         return replace(part, nanoseconds=times[part.name])
     inside = part.acts and part.role != "fidelity"
     return replace(part, nanoseconds=0.0) if inside and not part.solving else part
+
+
+def _simulate(model: Path, scene: str, t_end: float) -> Run:
+    """Simulate a declared scene `MEASURED` times; InputError if it does not reach its end."""
+    from runtime import load
+
+    machine = load(model, scene)
+    instants = np.linspace(0.0, t_end, COUNT)
+    results = [machine.simulate(t_end, instants, progress=False) for _ in range(MEASURED)]
+    first = results[0]
+    if first.failed:
+        raise InputError(f"--run: the run does not reach its end; {first.message}")
+    events = Counter(event.name.partition(":")[0] for event in first.events)
+    seconds = min(result.stats["integration_seconds"] for result in results)
+    evaluations, steps, rejected, retakes = (
+        int(first.stats[name]) for name in ("rhs_evaluations", "steps", "rejected", "retakes")
+    )
+    costs = RunCosts(t_end, evaluations, steps, rejected, retakes, events.total(), seconds)
+    return Run(costs, events, first.samples)
 
 
 def _share_of_run(part: Part, run: Run) -> Part:

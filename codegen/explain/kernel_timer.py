@@ -7,7 +7,7 @@ function, every turn has the same number of calls.
 """
 
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import cache, partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -45,7 +45,7 @@ class Timed(NamedTuple):
 
 
 def _loop(
-    kernel: Any, count: int, t: Any, q: Any, v: Any, modes: Any, p: Any, a: Any, lam: Any
+    kernel: Any, t: Any, q: Any, v: Any, modes: Any, p: Any, a: Any, lam: Any, count: int
 ) -> float:
     total, row = 0.0, 0
     q_now, v_now, modes_now = q[0].copy(), v[0].copy(), modes[0].copy()
@@ -68,19 +68,18 @@ def _nothing(t: float, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> 
 @cache
 def _compiled() -> tuple[Any, Any]:
     function = types.FunctionType(SIGNATURE)
-    loop = F8(function, types.int64, VECTOR, ROWS, ROWS, MODE_ROWS, VECTOR, VECTOR, VECTOR)
+    loop = F8(function, VECTOR, ROWS, ROWS, MODE_ROWS, VECTOR, VECTOR, VECTOR, types.int64)
     return njit(loop, **OPTIONS)(_loop), njit(SIGNATURE, **OPTIONS)(_nothing)
 
 
 def times(kernels: Sequence[Timed], states: States, rounds: int = ROUNDS) -> list[float]:
     """Nanoseconds a call of each kernel, the loop's own taken off."""
     loop, nothing = _compiled()
-    runs: list[Callable[[int], float]] = []
-    for kernel, p, slots in (Timed(nothing, np.zeros(1), 1), *kernels):
-        room = np.zeros(states.q.shape[1]), np.zeros(slots)
-        runs.append(
-            lambda count, f=kernel, p=p, room=room: loop(f, count, *states, p, *room)  # type: ignore[misc]
-        )
+    n = states.q.shape[1]
+    runs = [
+        partial(loop, kernel, *states, p, np.zeros(n), np.zeros(slots))
+        for kernel, p, slots in (Timed(nothing, np.zeros(1), 1), *kernels)
+    ]
     count = _calls(runs)
     best = [np.inf] * len(runs)
     for _ in range(rounds):

@@ -1,6 +1,7 @@
 """The ledger: the parts of a machine that a scene contains, why, and the cost of each."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from codegen.declare.scene import Scene
@@ -9,7 +10,8 @@ from codegen.driver import valid_scenes
 from codegen.errors import InputError
 from codegen.explain import operations_by_part as costs
 from codegen.explain.ledger_records import Ledger, Part
-from codegen.explain.participation import inventory, output_inventory
+from codegen.explain.participation import Inventory, output_inventory
+from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.model import Model
 from codegen.model_file import read_model
 
@@ -19,13 +21,9 @@ Progress = Callable[[str], None]
 
 
 def explain(
-    model: str | Path | Model,
-    scene: str | Scene | None = None,
-    *,
-    measure: bool = False,
-    t_end: float | None = None,
-    progress: Progress = lambda message: None,
-) -> tuple[Ledger, ...]:
+    model: str | Path | Model, scene: str | Scene | None = None, *, measure: bool = False,
+    t_end: float | None = None, progress: Progress = lambda message: None,
+) -> tuple[Ledger, ...]:  # fmt: skip
     """Ledgers of one scene of a model, or of all.
 
     Parameters
@@ -48,50 +46,40 @@ def explain(
     ledgers = []
     for chosen in valid_scenes(file.model, scene):
         progress(f"{file.model.name}, scene {chosen.name}: deriving")
-        runs = None
-        if t_end is not None:
-            if file.path is None or chosen.root is not None:
-                raise InputError(
-                    f"scene '{chosen.name}' is not declared in a file, and a run needs the names "
-                    "of both; declare the scene, or explain it without a run."
-                )
-            runs = file.path, t_end
-        ledgers.append(_ledger(file.model, chosen, measure, runs, progress))
+        if t_end is not None and (file.path is None or chosen.root is not None):
+            raise InputError(
+                f"scene '{chosen.name}' is not declared in a file, and a run needs the names of "
+                "both; declare the scene, or explain it without a run."
+            )
+        ledger, programs = _ledger(file.model, chosen)
+        if measure or t_end is not None:
+            from codegen.explain.element_times import with_times  # numba only to time something
+
+            ledger = with_times(ledger, programs, file.path, t_end, progress)
+        ledgers.append(ledger)
     return tuple(ledgers)
 
 
-def _ledger(
-    model: Model, scene: Scene, measure: bool, runs: tuple[Path, float] | None, progress: Progress
-) -> Ledger:
+def _ledger(model: Model, scene: Scene) -> tuple[Ledger, tuple[Lowered, ...]]:
+    """A ledger without times, and the programs that it is made from."""
     equations = derive(model, scene)
     programs = costs.cumulative_programs(equations)
     counts = costs.operations_by_part(programs)
     totals = costs.operations_of(programs[-1])
     parts = []
-    for e in inventory(model, scene):
-        added = counts.get(e.name, {}) if e.acts else {}
-        is_effect = e.acts and e.role == "effect"
-        own = costs.marginal_operations(programs[-1], e.name) if is_effect else {}
-        events = tuple(s.text for s in equations.switches if s.effect == e.name)
-        parts.append(Part(e.name, e.kind, e.role, e.acts, e.why, added, own, events=events))
-    shared = [name for name in counts if name not in {part.name for part in parts}]
+    for part in Inventory(model, scene).parts():
+        effect = part.acts and part.role == "effect"
+        own = costs.marginal_operations(programs[-1], part.name) if effect else {}
+        events = tuple(s.text for s in equations.switches if s.effect == part.name)
+        added = counts.get(part.name, {}) if part.acts else {}
+        parts.append(replace(part, operations=added, own=own, events=events))
+    declared = {part.name for part in parts}
     parts += [
-        Part(name or "sums", SHARED.get(name, "shared"), "shared", True, "shared", counts[name])
-        for name in shared
+        Part(name or "sums", SHARED.get(name, "shared"), "shared", True, "shared", operations)
+        for name, operations in counts.items()
+        if name not in declared
     ]
-    whole, run = None, None
-    if measure or runs is not None:
-        from codegen.explain.element_times import with_times  # numba only where something is timed
-
-        parts, whole, run = with_times(programs, parts, runs, progress)
-    return Ledger(
-        equations.model,
-        scene.name,
-        tuple(k for k in totals if totals[k]),
-        tuple(parts),
-        totals,
-        equations.left_out,
-        output_inventory(model, scene),
-        whole,
-        run,
-    )
+    kernels, outputs = tuple(k for k in totals if totals[k]), output_inventory(model, scene)
+    left_out = equations.left_out
+    ledger = Ledger(equations.model, scene.name, kernels, tuple(parts), totals, left_out, outputs)
+    return ledger, programs

@@ -1,8 +1,7 @@
-"""The ledger of a scene as plain data."""
+"""The ledger of a scene as plain data, and the comparison of two, part by part."""
 
-from dataclasses import dataclass, field
-
-from codegen.explain.participation import OutputEntry
+from dataclasses import dataclass, field, replace
+from itertools import chain
 
 
 @dataclass(frozen=True)
@@ -34,6 +33,15 @@ class Part:
     def total(self) -> int:
         """Its operations in all kernels."""
         return sum(self.operations.values())
+
+
+@dataclass(frozen=True)
+class OutputEntry:
+    """A word of ``outputs=``, whether the scene has it, and why."""
+
+    name: str
+    asked: bool
+    why: str
 
 
 @dataclass(frozen=True)
@@ -74,3 +82,54 @@ class Ledger:
     def parts_nanoseconds(self) -> float:
         """Sum of the times of the parts."""
         return sum(part.nanoseconds or 0.0 for part in self.parts)
+
+    @property
+    def whole(self) -> Part:
+        """All parts as one."""
+        time = None if self.nanoseconds is None else self.parts_nanoseconds
+        events = tuple(event for part in self.parts for event in part.events)
+        return Part("total", "", "", True, "", self.totals, nanoseconds=time, events=events)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A part in both scenes."""
+
+    name: str
+    acts: tuple[bool | None, bool | None]  # whether it is in; None: unknown to the scene's ledger
+    accelerations: tuple[int, int]  # operations of the kernel `accelerations`
+    operations: tuple[int, int]  # of all kernels
+    nanoseconds: tuple[float | None, float | None]  # of an evaluation of `accelerations`
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two ledgers side by side; `total` has no `acts`."""
+
+    first: Ledger
+    second: Ledger
+    rows: tuple[Row, ...]
+    total: Row
+
+
+def compare(first: Ledger, second: Ledger) -> Comparison:
+    """The parts of two ledgers in the order of declaration, shared work last."""
+    sides = [{part.name: part for part in ledger.parts} for ledger in (first, second)]
+    names = dict.fromkeys(chain(*sides))
+    shared = {name for side in sides for name, part in side.items() if part.role == "shared"}
+    ordered = sorted(names, key=lambda name: name in shared)
+    rows = tuple(_row(name, *(side.get(name) for side in sides)) for name in ordered)
+    total = replace(_row("total", first.whole, second.whole), acts=(None, None))
+    return Comparison(first, second, rows, total)
+
+
+def _row(name: str, one: Part | None, other: Part | None) -> Row:
+    absent = Part(name, "", "", False, "")
+    a, b = one or absent, other or absent
+    return Row(
+        name,
+        (one.acts if one else None, other.acts if other else None),
+        (a.solving, b.solving),
+        (a.total, b.total),
+        (a.nanoseconds, b.nanoseconds),
+    )

@@ -18,7 +18,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from codegen.derive.equations import Equations
-from codegen.derive.switching_functions import rigid_contacts, side_values, switches
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.lower.operation_count import by_element, operations
 from codegen.lower.program import Kernel, Output, Program
@@ -36,20 +35,6 @@ class Stage(NamedTuple):
     program: Program
 
 
-def with_effects(equations: Equations, effects: Collection[str]) -> Equations:
-    """The equations with only some of their effects; nothing is derived again."""
-    chosen = tuple(e for e in equations.effects if e.name in effects)
-    named = tuple((e.name, e.terms) for e in chosen)
-    functions = switches(named)
-    return replace(
-        equations,
-        effects=chosen,
-        switches=functions,
-        sides=side_values(named, functions),
-        contacts=rigid_contacts(named, functions),
-    )
-
-
 def operations_of(lowered: Lowered) -> dict[str, int]:
     """Kernel → arithmetic operations."""
     return {name: operations(lowered.program, k) for name, k in lowered.kernels.items()}
@@ -62,15 +47,15 @@ def marginal_operations(lowered: Lowered, effect: str) -> dict[str, int]:
     effect saves the others work, as a term that cancels another.
     """
     equations = lowered.scene.equations
-    others = [e.name for e in equations.effects if e.name != effect]
-    rest = operations_of(lower(with_effects(equations, others)))
+    others = tuple(e for e in equations.effects if e.name != effect)
+    rest = operations_of(lower(equations.with_effects(others)))
     return {name: count - rest.get(name, 0) for name, count in operations_of(lowered).items()}
 
 
 def cumulative_programs(equations: Equations) -> tuple[Lowered, ...]:
     """The scene with none of its effects, with the first, with the first two … with all."""
-    names = [effect.name for effect in equations.effects]
-    return tuple(lower(with_effects(equations, names[:k])) for k in range(len(names) + 1))
+    effects = equations.effects
+    return tuple(lower(equations.with_effects(effects[:k])) for k in range(len(effects) + 1))
 
 
 def operations_by_part(programs: tuple[Lowered, ...]) -> Counts:

@@ -1,35 +1,19 @@
 """What a machine declares, what of it takes part in a scene, and why; the same for outputs."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from codegen.declare.element import Constraint
 from codegen.declare.scene import Scene
 from codegen.derive.equations import active_joints
+from codegen.explain.ledger_records import OutputEntry, Part
 from codegen.model import Model
 from codegen.model.bodies import FORMS
 from codegen.model.fidelities import NONE
 from codegen.model.outputs import ALL, GROUPS, TRACKED
 
 
-@dataclass(frozen=True)
-class Entry:
-    """An element, or a fidelity that something has."""
-
-    name: str
-    kind: str
-    role: str  # "joint", "driver", "effect" or "fidelity"
-    acts: bool  # whether it takes part in the scene
-    why: str  # what decides this
-
-
-def inventory(model: Model, scene: Scene) -> tuple[Entry, ...]:
-    """All joints, drivers, effects and fidelities of `model`, in the order of declaration."""
-    return tuple(_Inventory(model, scene).entries())
-
-
-class _Inventory:
-    """The reasons of one scene."""
+class Inventory:
+    """The parts of a model, and why each takes part in a scene or does not."""
 
     def __init__(self, model: Model, scene: Scene) -> None:
         self.model, self.scene = model, scene
@@ -38,17 +22,17 @@ class _Inventory:
         self.choices = {g: model.choice(g, self.how, named) for g in model.groups}
         self.joints = active_joints(model, scene)
 
-    def entries(self) -> Iterator[Entry]:
-        """Joints, drivers, effects, then the fidelities."""
+    def parts(self) -> Iterator[Part]:
+        """Joints, drivers, effects, then the fidelities, without their costs."""
         yield from map(self._joint, self.model.joints.values())
         for name, driver in self.model.drivers.items():
             acts = name in self.scene.drivers
-            why = self._named(name) if acts else self._absent(name)
-            yield Entry(name, driver.kind, "driver", acts, why)
+            reason = self._named if acts else self._absent
+            yield Part(name, driver.kind, "driver", acts, reason(name))
         yield from map(self._effect, self.model.effects)
         yield from self._fidelities()
 
-    def _joint(self, joint: Constraint) -> Entry:
+    def _joint(self, joint: Constraint) -> Part:
         name, scene = joint.name, self.scene
         acts = name in self.joints
         stands_for = getattr(joint, "instead_of", None)
@@ -59,15 +43,17 @@ class _Inventory:
                 why = f"'{stands_for.name}' is taken as '{self.how.get(stands_for.name, 'link')}'"
         elif reason := self._other_choice(name):
             why = reason
+        elif missing and missing[0] in self.model.couplers and self.how.get(missing[0]):
+            why = f"'{missing[0]}' is taken as '{self.how[missing[0]]}'"
         elif missing:
-            why = self._no_body(missing[0])
+            why = f"unreachable: body '{missing[0]}' takes no part"
         elif stands_for is not None and stands_for.name in scene.bodies:
             why = f"stands for body '{stands_for.name}', which takes part"
         else:
             why = "the scene leaves it out"
-        return Entry(name, joint.kind, "joint", acts, why)
+        return Part(name, joint.kind, "joint", acts, why)
 
-    def _effect(self, name: str) -> Entry:
+    def _effect(self, name: str) -> Part:
         scene = self.scene
         effect = self.model.effects[name]
         named = name in scene.effects
@@ -75,24 +61,22 @@ class _Inventory:
         if acts:
             kind = self.model.acting(scene)[name].kind
             word = f", as '{self.how[name]}'" if name in self.how else ""
-            return Entry(name, kind, "effect", True, self._named(name) + word)
+            return Part(name, kind, "effect", True, self._named(name) + word)
         why = self._absent(name)
         if named:
             why = "named, but a kinematic scene has no forces"
         elif self.how.get(name) == NONE:
             why = f"the fidelity '{NONE}' is chosen"
-        return Entry(name, effect.kind, "effect", False, why)
+        return Part(name, effect.kind, "effect", False, why)
 
     def _named(self, name: str) -> str:
+        """Why an effect or driver acts."""
+        if name in (*self.scene.request.effects, *self.scene.request.drivers):
+            return "named by the scene"
         for group, choices in self.model.groups.items():
-            if name in choices[self.choices[group]] and name not in self._words():
+            if name in choices[self.choices[group]]:
                 return f"'{self.choices[group]}' of '{group}' is chosen"
-        if name not in self._words():
-            return "needed by an output"
-        return "named by the scene"
-
-    def _words(self) -> tuple[str, ...]:
-        return (*self.scene.request.effects, *self.scene.request.drivers)
+        return "needed by an output"
 
     def _absent(self, name: str) -> str:
         """Why an effect or driver does not act."""
@@ -116,13 +100,7 @@ class _Inventory:
                 return f"'{chosen}' of '{group}' is chosen"
         return None
 
-    def _no_body(self, name: str) -> str:
-        word = self.how.get(name)
-        if name in self.model.couplers and word:
-            return f"'{name}' is taken as '{word}'"
-        return f"unreachable: body '{name}' takes no part"
-
-    def _fidelities(self) -> Iterator[Entry]:
+    def _fidelities(self) -> Iterator[Part]:
         for name, forms in self.model.fidelities.items():
             taken = self.model.acting(self.scene).get(name)
             declared = self.model.effects[name]
@@ -131,29 +109,15 @@ class _Inventory:
                 acts = taken is not None and self.scene.analysis != "kinematics" and word == whole
                 why = f"'{whole}' is chosen" if taken is not None else f"'{name}' does not act"
                 yield self._word(name, word, acts, f"it {form}" if isinstance(form, str) else why)
-        choices: dict[str, tuple[tuple[str, ...], str]] = {
-            name: (FORMS, self.how.get(name, FORMS[0])) for name in self.model.couplers
-        }
-        choices |= {
-            group: (tuple(c), self.choices[group]) for group, c in self.model.groups.items()
-        }
-        for name, (words, chosen) in choices.items():
-            for word in dict.fromkeys(words):
-                yield self._word(name, word, word == chosen, f"'{chosen}' is chosen")
+        chosen = {name: self.how.get(name, FORMS[0]) for name in self.model.couplers} | self.choices
+        for name, taken_word in chosen.items():
+            for word in dict.fromkeys(self.model.groups.get(name, FORMS)):
+                yield self._word(name, word, word == taken_word, f"'{taken_word}' is chosen")
 
-    def _word(self, name: str, word: str, acts: bool, otherwise: str) -> Entry:
+    def _word(self, name: str, word: str, acts: bool, otherwise: str) -> Part:
         """A word that a fidelity may take."""
         taken = "chosen by the scene" if name in self.how else "as declared"
-        return Entry(f"{name}: {word}", "fidelity", "fidelity", acts, taken if acts else otherwise)
-
-
-@dataclass(frozen=True)
-class OutputEntry:
-    """A word of ``outputs=``, whether the scene has it, and why."""
-
-    name: str
-    asked: bool
-    why: str
+        return Part(f"{name}: {word}", "fidelity", "fidelity", acts, taken if acts else otherwise)
 
 
 def output_inventory(model: Model, scene: Scene) -> tuple[OutputEntry, ...]:

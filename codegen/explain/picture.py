@@ -1,13 +1,22 @@
 """A ledger as a picture: operations of each kernel and nanoseconds, stacked by part."""
 
-import io
 from collections.abc import Iterator, Sequence
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from codegen.errors import InputError
 from codegen.explain.ledger_records import Ledger, Part
+from codegen.presentation import (
+    finish_axes,
+    html_figure,
+    html_page,
+    new_figure,
+    save_figure,
+    writing,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,14 +29,6 @@ COLOURS = (
 )
 SHARED = {"factorization": "#59636e", "correction": "#9aa4ae", "sums": "#cdd3d9"}
 REST = "#e6e8ea"
-STYLE = """
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 64rem; margin: 2rem auto; padding: 0 1rem;
-       color: #1b1f24; }
-h1 { font-size: 1.4rem; }
-table { border-collapse: collapse; } td, th { padding: .15rem 1rem .15rem 0; text-align: left; }
-td.number { text-align: right; font-variant-numeric: tabular-nums; }
-tr.out { color: #7a838c; } svg { width: 100%; height: auto; }
-"""
 ENDINGS = (".png", ".svg", ".html")
 
 
@@ -39,27 +40,19 @@ def write(ledgers: Sequence[Ledger], path: Path) -> Path:
     """
     if path.suffix not in ENDINGS:
         raise InputError(f"--out {path}: a ledger is saved as {', '.join(ENDINGS)}.")
-    try:
+    with writing(path):
         if path.suffix == ".html":
             path.write_text(page(ledgers), encoding="utf-8")
         else:
-            _save(figure(ledgers), path)
-    except OSError as error:
-        raise InputError(f"--out {path}: {error.strerror or error}.") from error
+            save_figure(figure(ledgers), path)
     return path
 
 
 def figure(ledgers: Sequence[Ledger]) -> "Figure":
     """A panel of operations a ledger, with one of nanoseconds where they were measured."""
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise InputError(
-            "A picture needs matplotlib, which is not installed. Install linkwright[plot]."
-        ) from error
     bars = [bar for ledger in ledgers for bar in _panels(ledger)]
     heights = [0.55 + 0.3 * len(rows) for _, _, rows, _ in bars]
-    picture = Figure(figsize=(9.0, 0.5 + sum(heights)), layout="constrained", dpi=130)
+    picture = new_figure("picture", 9.0, 0.5 + sum(heights), dpi=130)
     axes = picture.subplots(len(bars), 1, squeeze=False, height_ratios=heights)[:, 0]
     for place, (ledger, unit, rows, title) in zip(axes, bars, strict=True):
         _stack(place, _coloured(ledger), rows)
@@ -99,40 +92,30 @@ def _weight(part: Part) -> float:
 
 def _stack(axes: "Axes", colours: dict[str, str], rows: Rows) -> None:
     """Stacked bars, the first on top; what takes less than nothing is drawn left of zero."""
-    labels = list(rows)
-    for height, row in enumerate(rows.values()):
-        ends = [0.0, 0.0]
-        others = sum(length for name, length in row.items() if name not in colours)
-        for name, length in (*((n, row.get(n, 0.0)) for n in colours), ("others", others)):
-            side = int(length < 0.0)
+    count = len(rows)
+    heights = np.arange(count)
+    ends = np.zeros((2, count))  # of the bars right of zero, and left of it
+    small = [sum(x for part, x in row.items() if part not in colours) for row in rows.values()]
+    stacked = {part: [row.get(part, 0.0) for row in rows.values()] for part in colours}
+    for part, lengths in (stacked | {"others": small}).items():
+        if any(lengths):
+            side = np.less(lengths, 0.0).astype(int)
             axes.barh(
-                height, length, left=ends[side], height=0.7, linewidth=0.4, edgecolor="white",
-                color=colours.get(name, REST),
+                heights, lengths, left=ends[side, heights], height=0.7, linewidth=0.4,
+                edgecolor="white", color=colours.get(part, REST), label=part,
             )  # fmt: skip
-            ends[side] += length
-        axes.text(ends[0], height, f"  {_short(sum(row.values()))}", va="center", fontsize=8)
-    axes.set_yticks(range(len(labels)), labels, fontsize=8)
-    axes.set_ylim(len(labels) - 0.4, -0.6)
-    axes.spines[["top", "right"]].set_visible(False)
+            ends[side, heights] += lengths
+    for height, row in enumerate(rows.values()):
+        axes.text(
+            ends[0, height], height, f"  {_short(sum(row.values()))}", va="center", fontsize=8
+        )
+    axes.set_yticks(heights, list(rows), fontsize=8)
+    axes.set_ylim(count - 0.4, -0.6)
     axes.tick_params(axis="x", labelsize=8)
-    axes.grid(visible=True, axis="x", alpha=0.3, linewidth=0.4)
-    axes.set_axisbelow(True)
-    above = [sum(x for x in row.values() if x > 0.0) for row in rows.values()]
-    below = [sum(x for x in row.values() if x < 0.0) for row in rows.values()]
-    axes.set_xlim(1.05 * min(below, default=0.0), 1.08 * max(above, default=1.0) or 1.0)
-    _legend(axes, colours, rows)
-
-
-def _legend(axes: "Axes", colours: dict[str, str], rows: Rows) -> None:
-    from matplotlib.patches import Patch
-
-    drawn = {name for row in rows.values() for name, length in row.items() if length}
-    patches = [Patch(color=colour, label=name) for name, colour in colours.items() if name in drawn]
-    if drawn - set(colours):
-        patches.append(Patch(color=REST, label="others"))
-    columns = 1 if len(rows) > 4 else 2
+    finish_axes(axes, axis="x", alpha=0.3, linewidth=0.4)
+    axes.set_xlim(1.05 * ends[1].min(initial=0.0), 1.08 * ends[0].max(initial=0.0) or 1.0)
     axes.legend(
-        handles=patches, frameon=False, fontsize=8, ncols=columns, loc="center left",
+        frameon=False, fontsize=8, ncols=1 if count > 4 else 2, loc="center left",
         bbox_to_anchor=(1.0, 0.5), handlelength=1.0,
     )  # fmt: skip
 
@@ -141,29 +124,13 @@ def _short(value: float) -> str:
     return f"{value:.0f}" if value == round(value) else f"{value:.1f}"
 
 
-def _save(picture: "Figure", target: Path | io.StringIO) -> None:
-    import matplotlib as mpl
-
-    svg = isinstance(target, io.StringIO) or target.suffix == ".svg"
-    options: dict[str, Any] = {"format": "svg", "metadata": {"Date": None}} if svg else {}
-    with mpl.rc_context({"svg.hashsalt": "linkwright", "svg.fonttype": "none"}):
-        picture.savefig(target, **options)
-
-
 def page(ledgers: Sequence[Ledger]) -> str:
-    """A page that needs nothing else: each ledger's table, then its picture."""
-    parts = []
+    """A page that needs nothing else: each ledger's picture, then its table."""
+    parts: list[str] = []
     for ledger in ledgers:
-        stream = io.StringIO()
-        _save(figure([ledger]), stream)
-        text = stream.getvalue()
         heading = f"<h1>{escape(ledger.title)}</h1>"
-        parts += [heading, text[text.index("<svg") :], _table(ledger)]
-    body = "\n".join(parts)
-    return (
-        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>What a scene costs'
-        f"</title><style>{STYLE}</style></head>\n<body>\n{body}\n</body></html>\n"
-    )
+        parts += [heading, html_figure(figure([ledger])), _table(ledger)]
+    return html_page("What a scene costs", parts)
 
 
 def _table(ledger: Ledger) -> str:

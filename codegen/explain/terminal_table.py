@@ -1,19 +1,16 @@
 """Ledgers on a terminal: a part a row, no wider than a person reads; or as one JSON object."""
 
 import json
-import shutil
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import asdict
 
 import typer
 from rich.console import Console
 from rich.table import Table
 
-from codegen.explain.ledger_records import Ledger, Part, RunCosts
-from codegen.explain.scene_comparison import Comparison
+from codegen.explain.ledger_records import Comparison, Ledger, Part, RunCosts
+from codegen.presentation import terminal_width
 
-NARROW, WIDE, UNKNOWN = 80, 140, 120
-"""Columns that a table has at least and at most, and where nothing says how wide the screen is."""
 PAPER = 1000  # columns of a table that is as wide as its content, whatever the terminal
 
 
@@ -27,7 +24,7 @@ def show(
             answer["differences"] = [asdict(row) for row in (*comparison.rows, comparison.total)]
         typer.echo(json.dumps(answer))
         return
-    screen = Console(width=width(), highlight=False)
+    screen = Console(width=terminal_width(), highlight=False)
     if comparison is not None:
         screen.print(comparison_table(comparison))
     for ledger in ledgers:
@@ -42,42 +39,34 @@ def show(
             screen.print(f"  {scene}{line}", markup=False)
 
 
-def width() -> int:
-    """Columns of the terminal, within what a table is made for."""
-    return min(max(shutil.get_terminal_size((UNKNOWN, 24)).columns, NARROW), WIDE)
-
-
 def part_table(ledger: Ledger) -> Table:
     """The parts that are in, with their costs, and those that are out, with the reason."""
     table = Table(title=ledger.title)
     table.add_column("part", no_wrap=True, max_width=24)
     table.add_column("", no_wrap=True)
     table.add_column("why", overflow="fold", ratio=1)
-    columns = _columns(ledger)
-    for title, *_ in columns:
+    timed = ledger.nanoseconds is not None
+    for title in ("acc.", "all", *(["ns"] if timed else []), "events"):
         table.add_column(title, justify="right", no_wrap=True)
-    for section in _sections(ledger):
+
+    def numbers(part: Part) -> list[float | None]:
+        time = [part.nanoseconds] if timed else []
+        return [part.solving, part.total, *time, len(part.events)]
+
+    inside = [part for part in ledger.parts if part.acts]
+    sections = (
+        [part for part in inside if part.role != "shared"],
+        [part for part in inside if part.role == "shared"],
+        [part for part in ledger.parts if not part.acts],
+    )
+    for section in sections:
         for part in section:
-            texts = (text(part) for _, text, _ in columns)
+            texts = (_number(number or None) for number in numbers(part))
             reason = part.kind if part.role == "shared" else f"{part.kind}; {part.why}"
             table.add_row(part.name, "in" if part.acts else "out", reason, *texts)
         table.add_section()
-    table.add_row("total", "", "", *(total for *_, total in columns))
+    table.add_row("total", "", "", *map(_number, numbers(ledger.whole)))
     return table
-
-
-def _columns(ledger: Ledger) -> list[tuple[str, Callable[[Part], str], str]]:
-    """(title, text of a part, total) of each column of numbers."""
-    solving, every = ledger.totals.get("accelerations", 0), sum(ledger.totals.values())
-    events = sum(len(part.events) for part in ledger.parts)
-    time = f"{ledger.parts_nanoseconds:.1f}"
-    columns: list[tuple[str, Callable[[Part], str], str]] = [
-        ("acc.", lambda part: _count(part.solving), str(solving)),
-        ("all", lambda part: _count(part.total), str(every)),
-        ("ns", lambda part: _number(part.nanoseconds or None), time),
-        ("events", lambda part: _count(len(part.events)), str(events)),
-    ]
-    return [column for column in columns if column[0] != "ns" or ledger.nanoseconds is not None]
 
 
 def run_table(ledger: Ledger, run: RunCosts) -> Table:
@@ -92,8 +81,9 @@ def run_table(ledger: Ledger, run: RunCosts) -> Table:
 
     spent = [part for part in ledger.parts if part.run_seconds or part.run_events]
     for part in spent:
-        again = _count(round(part.run_retakes or 0.0))
-        table.add_row(part.name, _count(part.run_events or 0), again, *costs(part.run_seconds or 0))
+        again = _number(round(part.run_retakes or 0.0) or None)
+        events = _number(part.run_events or None)
+        table.add_row(part.name, events, again, *costs(part.run_seconds or 0))
     table.add_section()
     rest = run.seconds - sum(part.run_seconds or 0.0 for part in spent)
     table.add_row("all other work of the run", "", "", *costs(rest))
@@ -173,14 +163,3 @@ def _number(value: float | None, sign: str = "") -> str:
     if value is None:
         return ""
     return f"{value:{sign}d}" if isinstance(value, int) else f"{value:{sign}.1f}"
-
-
-def _count(number: int) -> str:
-    return str(number) if number else ""
-
-
-def _sections(ledger: Ledger) -> Iterator[Sequence[Part]]:
-    inside = [part for part in ledger.parts if part.acts]
-    yield [part for part in inside if part.role != "shared"]
-    yield [part for part in inside if part.role == "shared"]
-    yield [part for part in ledger.parts if not part.acts]

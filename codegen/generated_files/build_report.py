@@ -2,26 +2,27 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from codegen.check.redundancy import Findings
 from codegen.derive.equations import Equations
 from codegen.generated_files.companions import COMPANIONS
 from codegen.generated_files.generated_file import File
-from codegen.lower.kernels.scene_kernels import Lowered
-from codegen.lower.operation_count import operations
 
 
-@dataclass(frozen=True)
-class CompanionReport:
-    """A companion module; attributes as in `SceneReport`.
+@dataclass(frozen=True, kw_only=True)
+class FileReport:
+    """A generated file.
 
     Attributes
     ----------
-    title
-        Its content, for people.
+    path, changed, digest
+        The file, whether it is new, and the SHA-256 of its text.
+    operations
+        Kernel → arithmetic operations.
+    seconds
+        Stage → wall time.
     """
-
-    title: str
 
     path: Path
     changed: bool
@@ -30,18 +31,19 @@ class CompanionReport:
     seconds: dict[str, float]
 
 
-@dataclass(frozen=True)
-class SceneReport:
+@dataclass(frozen=True, kw_only=True)
+class CompanionReport(FileReport):
+    """A companion module; `title` is its content, for people."""
+
+    title: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneReport(FileReport):
     """The files of one scene.
 
     Attributes
     ----------
-    path, changed, digest
-        The generated file, whether it is new, and the SHA-256 of its text.
-    operations
-        Kernel → arithmetic operations.
-    seconds
-        Stage → wall time.
     tangents, reduced
         Its companion modules, if it has them: exact derivatives, reduced coordinates.
     notes
@@ -50,9 +52,6 @@ class SceneReport:
 
     model: str
     scene: str
-    path: Path
-    changed: bool
-    digest: str
     bodies: tuple[str, ...]
     coordinates: int
     constraints: int
@@ -60,8 +59,6 @@ class SceneReport:
     effects: tuple[str, ...]
     left_out: tuple[str, ...]
     strategy: str | None
-    operations: dict[str, int]
-    seconds: dict[str, float]
     tangents: CompanionReport | None = None
     reduced: CompanionReport | None = None
     notes: tuple[str, ...] = ()
@@ -85,35 +82,26 @@ class BuildReport:
         return tuple(scene.path for scene in self.scenes)
 
 
-def report(equations: Equations, lowered: Lowered, findings: Findings, file: File) -> SceneReport:
+def report(
+    equations: Equations, strategy: str | None, findings: Findings, file: File
+) -> SceneReport:
     """The report of one scene."""
     n = len(equations.coordinates)
-    m = sum(len(c.statement.rows) for c in equations.constraints)
-    program = lowered.program
+    companions: dict[str, Any] = {
+        kind.name: CompanionReport(title=kind.title, **_facts(file.companions[kind.name]))
+        for kind in COMPANIONS
+        if kind.name in file.companions
+    }
     return SceneReport(
-        equations.model,
-        equations.scene.name,
-        file.path,
-        file.changed,
-        file.digest,
-        equations.bodies,
-        n,
-        m,
-        n - findings.independent,
-        tuple(e.name for e in equations.effects),
-        tuple(name for name, _ in equations.left_out),
-        lowered.strategy,
-        {k.name: operations(program, k) for k in program.kernels},
-        file.clock.seconds,
-        notes=findings.notes,
-        **{
-            kind.name: _companion_report(kind.title, file.companions[kind.name])
-            for kind in COMPANIONS
-            if kind.name in file.companions
-        },
-    )
+        **_facts(file), **companions, model=equations.model, scene=equations.scene.name,
+        bodies=equations.bodies, coordinates=n,
+        constraints=sum(len(c.statement.rows) for c in equations.constraints),
+        degrees_of_freedom=n - findings.independent, strategy=strategy, notes=findings.notes,
+        effects=tuple(e.name for e in equations.effects),
+        left_out=tuple(name for name, _ in equations.left_out),
+    )  # fmt: skip
 
 
-def _companion_report(title: str, file: File) -> CompanionReport:
-    seconds = file.clock.seconds
-    return CompanionReport(title, file.path, file.changed, file.digest, file.operations, seconds)
+def _facts(file: File) -> dict[str, Any]:
+    facts = {name: getattr(file, name) for name in ("path", "changed", "digest", "operations")}
+    return {**facts, "seconds": file.clock.seconds}

@@ -9,12 +9,11 @@ from pathlib import Path
 
 from codegen.derive.equations import Equations
 from codegen.emit.companion_modules import reduced_text, tangents_text
-from codegen.emit.module import Origin
+from codegen.emit.module import Origin, operation_table
 from codegen.errors import SceneError
 from codegen.generated_files.generated_file import Clock, File
 from codegen.lower.differentiation.program_tangents import tangent_program
 from codegen.lower.kernels.scene_kernels import Lowered
-from codegen.lower.operation_count import operations
 from codegen.lower.program import Program
 from codegen.module_signature import companion_path
 from codegen.reduce.reduced_kernels import reduce
@@ -44,8 +43,8 @@ class Companion:
         clock = Clock({}, main.clock.progress, main.clock.title)
         with clock(self.stage):
             program, text = self.emit(lowered, provenance, main.digest)
-        counts = {kernel.name: operations(program, kernel) for kernel in program.kernels}
-        return File(companion_path(main.path, self.name), text, clock, operations=counts)
+        path = companion_path(main.path, self.name)
+        return File(path, text, clock, dict(operation_table(program)))
 
     def refuse(self, model: str, scenes: Sequence[Equations], named: bool) -> None:
         """Refuse a request for scenes that can have none.
@@ -96,6 +95,7 @@ def _reduced(lowered: Lowered, provenance: Origin, module: str) -> tuple[Program
     return reduced.program, reduced_text(lowered, reduced, provenance, module)
 
 
-TANGENTS = Companion("tangents", "differentiate", "derivatives", _tangents_missing, _tangents)
-REDUCED = Companion("reduced", "reduce", "reduced", _reduced_missing, _reduced)
-COMPANIONS = (TANGENTS, REDUCED)
+COMPANIONS = (
+    Companion("tangents", "differentiate", "derivatives", _tangents_missing, _tangents),
+    Companion("reduced", "reduce", "reduced", _reduced_missing, _reduced),
+)

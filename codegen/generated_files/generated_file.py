@@ -1,7 +1,6 @@
 """A generated file: its text, the time that each stage took, and writing it in one step."""
 
 import hashlib
-import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
@@ -42,8 +41,8 @@ class File:
     path: Path
     text: str
     clock: Clock
+    operations: dict[str, int]  # kernel → arithmetic operations
     changed: bool = False  # whether its text is new on the disk, or in a check differs from it
-    operations: dict[str, int] = field(default_factory=dict)  # of a companion: kernel → operations
     companions: "dict[str, File]" = field(default_factory=dict)  # kind → companion module
 
     @property
@@ -91,7 +90,7 @@ def write_if_changed(path: Path, text: str) -> bool:
             return False
         path.parent.mkdir(parents=True, exist_ok=True)
         with alone(path) if path.suffix == ".py" else nullcontext():
-            _replace(path, text)
+            _write(path, text)
     except OSError as error:
         raise GeneratedFileError(
             f"cannot write {path}: {error.strerror or error}; choose another folder with --out, "
@@ -105,13 +104,8 @@ def is_current(path: Path, text: str) -> bool:
     return path.is_file() and path.read_bytes() == text.encode()
 
 
-def _replace(path: Path, text: str) -> None:
-    descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-")
-    try:
-        with os.fdopen(descriptor, "wb") as stream:
-            stream.write(text.encode())
-        Path(temporary).chmod(0o644)
-        Path(temporary).replace(path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+def _write(path: Path, text: str) -> None:
+    with tempfile.TemporaryDirectory(prefix=f".{path.stem}-", dir=path.parent) as folder:
+        temporary = Path(folder) / path.name
+        temporary.write_bytes(text.encode())
+        temporary.replace(path)

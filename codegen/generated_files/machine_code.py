@@ -18,7 +18,8 @@ def compile_modules(paths: Sequence[Path]) -> list[float]:
     Files without a trace in numba's cache are compiled in processes of their own, as many at a
     time as there are processors; the others are only imported.
     """
-    cold = [path for path in paths if not _has_cache(path)]
+    caches = {path: (path.parent / "__pycache__").glob(f"{path.stem}.*.nbi") for path in paths}
+    cold = [path for path, cache in caches.items() if not any(cache)]
     seconds: dict[Path, float] = {}
     if len(cold) > 1:
         with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
@@ -29,10 +30,6 @@ def compile_modules(paths: Sequence[Path]) -> list[float]:
             import_generated(path)
             seconds[path] = perf_counter() - started
     return [seconds[path] for path in paths]
-
-
-def _has_cache(path: Path) -> bool:
-    return any((path.parent / "__pycache__").glob(f"{path.stem}.*.nbi"))
 
 
 def _compile_apart(path: Path) -> float:

@@ -3,14 +3,9 @@
 import hashlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import sympy
 
-from codegen.declare.element import Rigid, Sticking
-from codegen.declare.scene import Scene
-from codegen.declare.symbols import ParameterDeclaration
-from codegen.derive.effects import FrictionTerms
 from codegen.derive.equations import Equations
 from codegen.emit.module import Origin
 from codegen.model_file import ModelFile, library_folder
@@ -33,20 +28,19 @@ def file_name(stem: str, equations: Equations, settings: Mapping[str, float]) ->
 
 
 def origin(
-    generator: str,
-    file: ModelFile,
-    equations: Equations,
-    path: Path,
-    settings: Mapping[str, float],
-    more: str = "",
-) -> Origin:
+    generator: str, file: ModelFile, equations: Equations, path: Path,
+    settings: Mapping[str, float], more: str = "",
+) -> Origin:  # fmt: skip
     """Provenance, with paths relative to the folder that holds the folder of generated files.
 
     `generator` is the name and version of the compiler, `more` further options of the command that
     builds the file.
     """
     base = path.resolve().parent.parent
-    named = [(_relative(source, base), digest) for source, digest in file.sources]
+    named = [
+        ((path.relative_to(base) if path.is_relative_to(base) else path).as_posix(), digest)
+        for path, digest in file.sources
+    ]
     options = "".join(f" --set {name}={value!r}" for name, value in sorted(settings.items())) + more
     varied = equations.scene.root is not None  # by without() or with_(): not declared in a file
     scene = equations.scene.expression if varied else f"'{equations.scene.name}'"
@@ -57,39 +51,23 @@ def origin(
     return Origin(generator, tuple(named), fingerprint(equations), command, engine)
 
 
-def _relative(source: Path, base: Path) -> str:
-    return (source.relative_to(base) if source.is_relative_to(base) else source).as_posix()
-
-
-_HASHED: dict[type, tuple[str, ...]] = {
-    Scene: (
-        *("name", "bodies", "effects", "drivers", "inactive_joints", "fidelity", "start", "guess"),
-        *("parameters", "frozen", "analysis", "outputs"),
-    ),
-    ParameterDeclaration: ("name", "value", "unit", "sign"),
-    FrictionTerms: (
-        *("joint", "slip", "grip", "direction", "contacts", "unit", "sticks", "limit"),
-    ),
-    Sticking: ("slip", "kinetic", "static"),
-    Rigid: ("gap", "restitution", "scale"),
-}
-"""The fields of each record that the fingerprint reads, in its order."""
+_SCENE = (
+    *("name", "bodies", "effects", "drivers", "inactive_joints", "fidelity", "start", "guess"),
+    *("parameters", "frozen", "analysis", "outputs"),
+)
+"""The fields of a scene that the fingerprint reads, in its order."""
 _LABELS = {"inactive_joints": "opened"}  # a field's name in the fingerprint, where it differs
-
-
-def _text(record: Any) -> str:
-    fields = ((_LABELS.get(name, name), getattr(record, name)) for name in _HASHED[type(record)])
-    values = ", ".join(f"{label}={value!r}" for label, value in fields)
-    return f"{type(record).__name__}({values})"
 
 
 def fingerprint(equations: Equations) -> str:
     """SHA-256 of a scene's declaration: equal exactly when equations, numbers and names are.
 
-    It depends neither on the order of sets nor on fields that `_HASHED` does not name.
+    It does not depend on the order of sets.
     """
-    lines = [f"{equations.model} {_text(equations.scene)} {equations.coordinates}"]
-    lines += [f"parameter {_text(p)}" for p in equations.parameters]
+    fields = ((_LABELS.get(name, name), getattr(equations.scene, name)) for name in _SCENE)
+    scene = ", ".join(f"{label}={value!r}" for label, value in fields)
+    lines = [f"{equations.model} Scene({scene}) {equations.coordinates}"]
+    lines += [f"parameter {p}" for p in equations.parameters]
     lines += [f"mass {m}" if i == k else f"mass {i} {k} {m}" for i, k, m in equations.mass]
     lines += [f"inertia force {k} {f}" for k, f in equations.inertia_force]
     for constraint in equations.constraints:
@@ -102,8 +80,8 @@ def fingerprint(equations: Equations) -> str:
         terms = effect.terms
         lines.append(f"{effect.kind} {effect.name} {terms.potential} {terms.loads}")
         lines += [f"  pulls {terms.pulls}"] if terms.pulls else []
-        lines += [f"  friction {_text(terms.friction)}"] if terms.friction else []
-        lines += [f"  hold {_text(terms.hold)}"] if terms.hold else []
+        lines += [f"  friction {terms.friction}"] if terms.friction else []
+        lines += [f"  hold {terms.hold}"] if terms.hold else []
         lines += [f"  reported {terms.reported}"] if terms.reported else []
     lines += [f"switch {switch.g}" for switch in equations.switches]
     lines.append(f"left out {equations.left_out}")

@@ -8,6 +8,7 @@ part that another equation has too is not computed again.
 
 from collections import Counter
 from collections.abc import Mapping
+from functools import reduce
 
 from codegen.lower.graph import Graph
 from codegen.lower.program import Op
@@ -99,7 +100,7 @@ class Parts:
         graph = self.graph
         alike: dict[int, dict[Factors, int]] = {}
         for factors, value in self.parts.items():
-            bare = graph.values[value].args[0] if graph.values[value].op is Op.NEG else value
+            bare = graph.unsigned(value)
             alike.setdefault(bare, {})[factors] = graph.one if bare == value else graph.minus_one
         if any(len(factors) > 1 for factors in alike.values()):
             terms = [graph.mul(_polynomial(graph, f), value) for value, f in alike.items()]
@@ -120,14 +121,11 @@ class Parts:
                     rest[number, rates] = value
             outside = Parts(graph, rest)._summed()
             return graph.add(outside, graph.mul(shared, Parts(graph, inner)._summed()))
-        terms = [self._term(*factors, value) for factors, value in self.parts.items()]
-        return graph.total(terms)
+        return graph.total([self._term(*factors, value) for factors, value in self.parts.items()])
 
     def _term(self, number: float, rates: tuple[int, ...], value: int) -> int:
         graph = self.graph
-        front = graph.one
-        for rate in rates:
-            front = graph.mul(front, rate)
+        front = reduce(graph.mul, rates, graph.one)
         return graph.mul(graph.constant(number), graph.mul(front, value))
 
 
@@ -150,7 +148,8 @@ def _split(graph: Graph, value: int) -> tuple[float, int]:
 
 def _polynomial(graph: Graph, monomials: dict[Factors, int]) -> int:
     """A sum of monomials of rates, each with ±1: a square where it is one, as (ω_i - ω_j)²."""
-    squares = [rates[0] for (number, rates) in monomials if number == 1.0 and _twice(rates)]
+    ones = [rates for number, rates in monomials if number == 1.0]
+    squares = [rates[0] for rates in ones if len(rates) == 2 and rates[0] == rates[1]]
     if len(monomials) == 3 and len(squares) == 2:
         a, b = sorted(squares)
         signs = [monomials[1.0, (k, k)] for k in (a, b)]
@@ -159,7 +158,3 @@ def _polynomial(graph: Graph, monomials: dict[Factors, int]) -> int:
             rate = graph.add(a, b) if mixed == signs[0] else graph.sub(a, b)
             return graph.mul(signs[0], graph.mul(rate, rate))
     return Parts(graph, monomials)._summed()
-
-
-def _twice(rates: tuple[int, ...]) -> bool:
-    return len(rates) == 2 and rates[0] == rates[1]

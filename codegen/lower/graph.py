@@ -1,8 +1,9 @@
 """Values built from values, folding constants and structural zeros on the way."""
 
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, suppress
+from functools import reduce
 
 from codegen.cubic_spline import Table
 from codegen.lower.program import Lookup, Op
@@ -10,7 +11,7 @@ from codegen.lower.value_numbering import Numbering
 
 ODD = frozenset({Op.SIN, Op.TAN, Op.ASIN, Op.ATAN, Op.SINH, Op.TANH})
 EVEN = frozenset({Op.COS, Op.COSH})
-SUMS = {Op.ADD: 1, Op.SUB: -1, Op.NEG: -1}  # operations of sums → the sign of the last argument
+SUMS = {Op.ADD: (1, 1), Op.SUB: (1, -1), Op.NEG: (-1,)}  # operations → signs of the arguments
 
 
 class Graph(Numbering):
@@ -22,17 +23,12 @@ class Graph(Numbering):
 
     _cancelling = False
 
-    @contextmanager
-    def cancelling(self, on: bool = True) -> Iterator[None]:
+    def cancelling(self, on: bool = True) -> AbstractContextManager[None]:
         """Sums that are formed inside leave out a term that they would add and take back.
 
         Where the sum with that term is needed as well this may cost more than it saves.
         """
-        before, self._cancelling = self._cancelling, on
-        try:
-            yield
-        finally:
-            self._cancelling = before
+        return self._during(_cancelling=on)
 
     # -- arithmetic --------------------------------------------------------------------------
 
@@ -105,11 +101,9 @@ class Graph(Numbering):
         value = self.values[a]
         if value.op not in SUMS:
             yield a, sign
-        elif value.op is Op.NEG:
-            yield from self._terms(value.args[0], -sign)
-        else:
-            yield from self._terms(value.args[0], sign)
-            yield from self._terms(value.args[1], sign * SUMS[value.op])
+            return
+        for argument, outside in zip(value.args, SUMS[value.op], strict=True):
+            yield from self._terms(argument, sign * outside)
 
     def _without(self, a: int, term: int, sign: int) -> int:
         """A sum without one of its terms."""
@@ -122,7 +116,7 @@ class Graph(Numbering):
         combine = self.add if value.op is Op.ADD else self.sub
         if (term, sign) in self._terms(x):
             return combine(self._without(x, term, sign), y)
-        return combine(x, self._without(y, term, sign * SUMS[value.op]))
+        return combine(x, self._without(y, term, sign * SUMS[value.op][1]))
 
     def mul(self, a: int, b: int) -> int:
         """a b; a structural zero annihilates, a sign moves outside."""
@@ -213,10 +207,17 @@ class Graph(Numbering):
 
     def total(self, terms: list[int]) -> int:
         """The sum of `terms`, from the left."""
-        result = self.zero
-        for term in terms:
-            result = self.add(result, term)
-        return result
+        return reduce(self.add, terms, self.zero)
+
+    def dot(self, xs: Iterable[int], ys: Iterable[int]) -> int:
+        """Σ x y."""
+        return self.total([self.mul(x, y) for x, y in zip(xs, ys, strict=True)])
+
+    def less(self, start: int, row: Mapping[int, int], x: Mapping[int, int]) -> int:
+        """start - Σ factor x, of a row of factors."""
+        for j, factor in row.items():
+            start = self.sub(start, self.mul(factor, x[j]))
+        return start
 
     def indicates(self, a: int) -> bool:
         """Whether `a` is ±1 where a condition holds and 0 where not, or the other way round."""
@@ -224,6 +225,10 @@ class Graph(Numbering):
         if value.op is Op.NEG:
             return self.indicates(value.args[0])
         return value.op is Op.SELECT and set(value.args[1:]) == {self.zero, self.one}
+
+    def unsigned(self, a: int) -> int:
+        """`a` without the sign outside."""
+        return self.values[a].args[0] if self.values[a].op is Op.NEG else a
 
     def has_product(self, a: int, b: int) -> bool:
         """Whether a b is there already."""

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from codegen.derive.equations import Equations
 from codegen.lower.scene_graph import Reaction, SceneGraph
 
 
@@ -59,31 +58,30 @@ class Description:
 
 
 def describe(
-    equations: Equations,
-    scene: SceneGraph,
-    powers: list[tuple[str, str, int]],
-    reported: Sequence[Reaction],
+    scene: SceneGraph, powers: list[tuple[str, str, int]], reported: Sequence[Reaction],
     recovered: tuple[int, ...],
-) -> Description:
+) -> Description:  # fmt: skip
     """The tables of a scene, with its powers, its reported reactions and recovered multipliers."""
-    named = equations.scene
-    turned = (q for q in equations.coordinates if q.measure.neutral != 0.0)
-    start = [(_dotted(q.name), q.measure.neutral, "neutral") for q in turned]
-    start += [(name, value, "fixed") for name, value in named.start]
+    equations, named = scene.equations, scene.equations.scene
+    coordinates, constraints = equations.coordinates, equations.constraints
     fixed = dict(named.start)
-    start += [(name, value, "guess") for name, value in named.guess if name not in fixed]
+    start = (
+        *(
+            (_dotted(q.name), q.measure.neutral, "neutral")
+            for q in coordinates
+            if q.measure.neutral
+        ),
+        *((name, value, "fixed") for name, value in named.start),
+        *((name, value, "guess") for name, value in named.guess if name not in fixed),
+    )
     parameters = tuple((p.name, p.value, p.unit, p.sign) for p in equations.parameters)
     return Description(
         model=equations.model,
         scene=named.name,
         analysis=named.analysis,
         bodies=equations.bodies,
-        coordinates=tuple(
-            (_dotted(q.name), _dotted(q.rate.name), q.unit) for q in equations.coordinates
-        ),
-        constraints=tuple(
-            (c.name, c.kind, row) for c in equations.constraints for row in c.statement.rows
-        ),
+        coordinates=tuple((_dotted(q.name), _dotted(q.rate.name), q.unit) for q in coordinates),
+        constraints=tuple((c.name, c.kind, row) for c in constraints for row in c.statement.rows),
         parameters=() if named.frozen else parameters,
         folded=parameters if named.frozen else (),
         effects=tuple((e.name, e.kind) for e in equations.effects),
@@ -91,7 +89,7 @@ def describe(
         unused=equations.unused,
         outputs=named.outputs,
         recovered=recovered,
-        drivers=tuple(c.name for c in equations.constraints if c.driver),
+        drivers=tuple(c.name for c in constraints if c.driver),
         switches=tuple(
             (s.effect, s.text) if s.kind == "condition" else (s.effect, s.text, s.kind)
             for s in equations.switches
@@ -100,7 +98,7 @@ def describe(
         stiction=equations.stiction,
         reactions=tuple(row[:3] for row in reported),
         powers=tuple((source, kind) for source, kind, _ in powers),
-        start=tuple(start),
+        start=start,
         jacobian=Pattern.of(scene.jacobian),
         mass=Pattern.of(scene.mass),
     )
@@ -108,5 +106,4 @@ def describe(
 
 def _dotted(name: str) -> str:
     """``crank_phi`` → ``crank.phi``."""
-    owner, _, letter = name.rpartition("_")
-    return f"{owner}.{letter}"
+    return ".".join(name.rsplit("_", 1))

@@ -5,7 +5,7 @@ one number. A *kernel* is a named list of (output slot, value). There is no cont
 ``select``, whose condition depends on modes alone, and no memory but inputs and outputs.
 """
 
-from collections.abc import Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
@@ -81,6 +81,9 @@ class Folded(NamedTuple):
     note: str = ""
 
 
+Literal = float | int | Input | Lookup | None
+
+
 @dataclass(frozen=True, slots=True)
 class Value:
     """One operation."""
@@ -88,7 +91,7 @@ class Value:
     op: Op
     args: tuple[int, ...] = ()  # numbers of the values that it takes
     # the float of a constant, the slot of an input, the number of a mode, a table's derivative
-    literal: float | int | Input | Lookup | None = None
+    literal: Literal = None
     serves: str = ""  # element for which the value was first needed; a comment in the text
     origin: Folded | None = None  # of a constant computed from others: which; for the text alone
 
@@ -152,19 +155,25 @@ class Program:
 
     def reachable(self, kernel: Kernel) -> tuple[int, ...]:
         """Numbers of the values that `kernel` computes, in order; constants of p are leaves."""
-        hoisted = self.hoisted(kernel)
-        stack, numbers = kernel.roots, set[int]()
-        while stack:
-            number = stack.pop()
-            if number not in numbers:
-                numbers.add(number)
-                if number not in hoisted:
-                    stack.extend(self.values[number].args)
-        return tuple(sorted(numbers))
+        return tuple(sorted(dependencies(self.values, kernel.roots, self.hoisted(kernel))))
 
     def hoisted(self, kernel: Kernel) -> frozenset[int]:
         """The values that `kernel` reads from ``p`` instead of computing them."""
         return frozenset(self.constants if kernel.name != "constants" else ())
+
+
+def dependencies(
+    values: Sequence[Value], roots: Iterable[int], stop: Container[int] = ()
+) -> set[int]:
+    """The roots and all values that they depend on, but not those below the ones in `stop`."""
+    stack, numbers = list(roots), set[int]()
+    while stack:
+        number = stack.pop()
+        if number not in numbers:
+            numbers.add(number)
+            if number not in stop:
+                stack.extend(values[number].args)
+    return numbers
 
 
 STATE = ("t", "q", "v", "p")  # the arguments that most kernels begin with

@@ -52,8 +52,6 @@ class SceneGraph:
             self.owners += [c.name] * len(c.statement.rows)
             self.rows += [f"{c.name}_{row}" if several else c.name for row in c.statement.rows]
         self.m = len(self.rows)
-        # whether a kinematic scene has as many constraints as coordinates
-        self.driven = self.m == self.n > 0 and equations.scene.analysis == "kinematics"
         self.graph = graph = Graph()
         self.columns = {q: k for k, q in enumerate(equations.coordinates)}
         self.w = self._inputs("w", [f"w_{name}" for name in self.names])
@@ -249,10 +247,8 @@ class SceneGraph:
 
     def along(self, entry: dict[int, int], multipliers: list[int]) -> int:
         """The sum of factors times multipliers."""
-        graph = self.graph
-        return graph.total([graph.mul(factor, multipliers[row]) for row, factor in entry.items()])
+        return self.graph.dot(entry.values(), [multipliers[row] for row in entry])
 
     def size(self, vector: list[int]) -> int:
         """√(vᵀv)."""
-        squares = [self.graph.mul(entry, entry) for entry in vector]
-        return self.graph.power(self.graph.total(squares), 0.5)
+        return self.graph.power(self.graph.dot(vector, vector), 0.5)

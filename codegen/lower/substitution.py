@@ -6,28 +6,16 @@ term does not move, such as the angle of a body that is fixed to another, become
 products of what is known and the sine and cosine of the first.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from codegen.lower.graph import Graph
-from codegen.lower.program import Lookup, Op, Value
-
-
-def dependencies(graph: Graph, roots: Iterable[int], stop: Mapping[int, object] = {}) -> set[int]:
-    """The roots and all values that they depend on, but not those below the ones in `stop`."""
-    stack, numbers = list(roots), set[int]()
-    while stack:
-        number = stack.pop()
-        if number not in numbers:
-            numbers.add(number)
-            if number not in stop:
-                stack.extend(graph.values[number].args)
-    return numbers
+from codegen.lower.program import Lookup, Op, Value, dependencies
 
 
 def substitute(graph: Graph, outputs: Sequence[int], replaced: Mapping[int, int]) -> list[int]:
     """The outputs with each value in `replaced` replaced, as values of the same graph."""
     known = dict(replaced)
-    for number in sorted(dependencies(graph, outputs, replaced) - replaced.keys()):
+    for number in sorted(dependencies(graph.values, outputs, replaced) - replaced.keys()):
         value = graph.values[number]
         args = tuple(known[a] for a in value.args)
         known[number] = number

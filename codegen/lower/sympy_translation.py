@@ -31,11 +31,9 @@ class Translator:
     """
 
     def __init__(
-        self,
-        graph: Graph,
-        environment: Mapping[sympy.Expr, int],
+        self, graph: Graph, environment: Mapping[sympy.Expr, int],
         switches: Mapping[sympy.Expr, int],
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.graph, self.environment, self.switches = graph, dict(environment), switches
         self._known: dict[sympy.Basic, int] = {}
         self._ranks: dict[int, int] = {}

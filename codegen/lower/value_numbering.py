@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import reduce
 from operator import or_
 from typing import Self
 
 from codegen.errors import ModelError
-from codegen.lower.program import COMMUTATIVE, Folded, Input, Lookup, Op, Value
+from codegen.lower.program import COMMUTATIVE, Folded, Input, Literal, Op, Value
 
 
 class Numbering:
@@ -36,20 +36,21 @@ class Numbering:
         return graph
 
     @contextmanager
-    def serving(self, name: str) -> Iterator[None]:
-        """Values first needed inside are credited to `name`."""
-        before, self._serves = self._serves, name
+    def _during(self, **settings: object) -> Iterator[None]:
+        """Attributes with other values inside."""
+        before = {name: getattr(self, name) for name in settings}
+        vars(self).update(settings)
         try:
             yield
         finally:
-            self._serves = before
+            vars(self).update(before)
+
+    def serving(self, name: str) -> AbstractContextManager[None]:
+        """Values first needed inside are credited to `name`."""
+        return self._during(_serves=name)
 
     def _add(
-        self,
-        op: Op,
-        args: tuple[int, ...],
-        literal: float | int | Input | Lookup | None = None,
-        origin: Folded | None = None,
+        self, op: Op, args: tuple[int, ...], literal: Literal = None, origin: Folded | None = None
     ) -> int:
         if op in COMMUTATIVE:
             args = tuple(sorted(args))

@@ -22,8 +22,8 @@ from typing import NamedTuple
 from codegen.lower.differentiation.program_tangents import differentiate
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
-from codegen.lower.program import Kernel, Op, Program, store
-from codegen.lower.substitution import dependencies, substitute
+from codegen.lower.program import Kernel, Op, Program, dependencies, store
+from codegen.lower.substitution import substitute
 
 POINTS = 4  # measured: random points at which an identity is tested
 AGREED = 1e-9  # accuracy: numbers with a smaller difference, in parts of their sizes, are equal
@@ -61,8 +61,8 @@ def find_loops(
     `q`: the inputs that are the coordinates, by column; `phi`: row → value in the coordinates that
     are left; `angles`: columns that may be solved for; `first_branch`: slot of ``p``.
     """
-    search = _LoopSearch(graph, q, first_branch)
-    phi, angles, loops = dict(phi), list(angles), []
+    search, loops = _LoopSearch(graph, q, first_branch), []
+    phi, angles = dict(phi), list(angles)
     while loop := search.next_loop(phi, angles):
         loops.append(loop)
         for row in loop.rows:
@@ -83,11 +83,12 @@ class _LoopSearch:
         unknown = {self.q[k]: k for k in angles}
         support = {}
         for i, value in phi.items():
-            reachable = dependencies(self.graph, [value])
+            reachable = dependencies(self.graph.values, [value])
             support[i] = tuple(sorted(unknown[number] for number in unknown if number in reachable))
         for i, columns in support.items():
-            if len(columns) == 1 and (loop := self._single(i, phi[i], *columns)):
-                return loop
+            if len(columns) == 1 and (form := self._form(phi[i], columns)):
+                start, ((a, b),) = form
+                return Loop((i,), (self._angle(i, *columns, a, b, start),))
         for i, j in combinations(support, 2):
             columns = tuple(sorted({*support[i], *support[j]}))
             if len(columns) == 2 and len(support[i]) > 0 < len(support[j]):
@@ -97,13 +98,6 @@ class _LoopSearch:
         return None
 
     # -- forms -------------------------------------------------------------------------------
-
-    def _single(self, row: int, phi: int, column: int) -> Loop | None:
-        form = self._form(phi, (column,))
-        if form is None:
-            return None
-        start, ((a, b),) = form
-        return Loop((row,), (self._angle(row, column, a, b, start),))
 
     def _pair(
         self, rows: tuple[int, int], phi: tuple[int, int], column: int, last: int
@@ -159,27 +153,22 @@ class _LoopSearch:
         """C and (A, B) of each angle, if the value is linear in their sines and cosines."""
         graph = self.graph
         ends = [self._sine_cosine(k) for k in columns]
-        inside = {number for pair in ends for number in pair}
-        stop = dict.fromkeys(inside)
-        if dependencies(graph, [value], stop) & {self.q[k] for k in columns}:
+        still = {number: graph.zero for pair in ends for number in pair}
+        if dependencies(graph.values, [value], still) & {self.q[k] for k in columns}:
             return None
-        still = dict.fromkeys(inside, graph.zero)
         (start,) = substitute(graph, [value], still)
-        factors = [
-            (self._slope(value, sine, still), self._slope(value, cosine, still))
-            for sine, cosine in ends
-        ]
+
+        def slope(number: int) -> int:
+            """Derivative by a sine or cosine, where all sines and cosines are zero."""
+            return substitute(graph, differentiate(graph, [value], {number: graph.one}), still)[0]
+
+        factors = [(slope(sine), slope(cosine)) for sine, cosine in ends]
         terms = [start]
         for (sine, cosine), (a, b) in zip(ends, factors, strict=True):
             terms += [graph.mul(a, sine), graph.mul(b, cosine)]
         if not self._zero(graph.sub(graph.total(terms), value), value):
             return None
         return start, tuple(factors)
-
-    def _slope(self, value: int, number: int, still: dict[int, int]) -> int:
-        """Derivative by a sine or cosine, where all sines and cosines are zero."""
-        (slope,) = differentiate(self.graph, [value], {number: self.graph.one})
-        return substitute(self.graph, [slope], still)[0]
 
     def _sine_cosine(self, column: int) -> tuple[int, int]:
         angle = self.q[column]

@@ -9,9 +9,9 @@ from collections.abc import Iterable
 
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Description
-from codegen.lower.program import Op
-from codegen.lower.substitution import dependencies, substitute
-from codegen.reduce.closed_form_loops import Angle, Loop, find_loops
+from codegen.lower.program import Op, dependencies
+from codegen.lower.substitution import substitute
+from codegen.reduce.closed_form_loops import Loop, find_loops
 from codegen.reduce.explicit_coordinates import ExplicitCoordinates, Rates, combined
 
 EVENT_KERNELS = ("switching", "switching_rates", "gap_accelerations", "holds", "restitution")
@@ -25,54 +25,33 @@ class CoordinateMap:
         self.lowered, self.scene, self.description = lowered, lowered.scene, lowered.description
         scene, graph = self.scene, self.scene.graph
         self.graph = graph
-        self.accelerations = [
-            graph.input("a", k, f"{q.rate.name}_rate")
-            for k, q in enumerate(scene.equations.coordinates)
-        ]
-        massless = {k for k in range(scene.n) if scene.mass[k, k] == graph.zero}
+        self.names = [str(q.name) for q in scene.equations.coordinates]
+        self.rate_names = [str(q.rate.name) for q in scene.equations.coordinates]
+        rates = enumerate(self.rate_names)
+        self.accelerations = [graph.input("a", k, f"{name}_rate") for k, name in rates]
+        massless = frozenset(k for k in range(scene.n) if scene.mass[k, k] == graph.zero)
+        fixed = frozenset(fixed_at_start(self.description))
         self.explicit = ExplicitCoordinates(
-            graph,
-            scene.q,
-            scene.phi,
-            scene.jacobian,
-            scene.nu,
-            scene.gamma,
-            frozenset(fixed_at_start(self.description)),
-            frozenset(massless),
+            graph, scene.q, scene.phi, scene.jacobian, scene.nu, scene.gamma, fixed, massless
         )
         self.formulas = self.explicit.formulas()
-        self.loops = self._loops()  # solved in closed form
-        closed = {k for loop in self.loops for k in loop.columns}
+        self.loops = self._loops()
+        self.angles = [angle for loop in self.loops for angle in loop.angles]  # in closed form
+        self.branching = [angle for angle in self.angles if angle.branch is not None]
+        closed = {angle.column for angle in self.angles}
         solved = {i for loop in self.loops for i in loop.rows}
         # columns of the coordinates that are left
         self.kept = tuple(k for k in self.explicit.coordinates if k not in closed)
         # rows of the constraints between them
         self.closures = tuple(i for i in self.explicit.rows if i not in solved)
+        rows = (self.description.constraints[i] for i in self.closures)
+        self.row_names = [f"{element}_{row}" for element, _, row in rows]
         self.slots = {k: slot for slot, k in enumerate(self.kept)}
         self.substitutes: dict[int, int] = {}  # value → its substitute in the kept coordinates
         self.slopes: dict[int, dict[int, int]] = {}  # column → its row of T, by kept columns
         self.bias: dict[int, int] = {}  # column → its γ
         self._substitute()
         self._differentiate()
-
-    @property
-    def angles(self) -> list[Angle]:
-        """The angles in closed form."""
-        return [angle for loop in self.loops for angle in loop.angles]
-
-    @property
-    def row_names(self) -> list[str]:
-        """Names of the constraints that are left."""
-        rows = [self.description.constraints[i] for i in self.closures]
-        return [f"{element}_{row}" for element, _, row in rows]
-
-    def name(self, column: int) -> str:
-        """Name of a coordinate."""
-        return str(self.scene.equations.coordinates[column].name)
-
-    def rate_name(self, column: int) -> str:
-        """Name of a velocity."""
-        return str(self.scene.equations.coordinates[column].rate.name)
 
     def substituted(self, values: Iterable[int]) -> list[int]:
         """Values of the scene, in the coordinates that are kept."""
@@ -89,13 +68,9 @@ class CoordinateMap:
         values = self._required()
         angles = [k for k in left if k not in independent and self._is_periodic(k, values)]
         while True:
-            loops = find_loops(
-                self.graph,
-                self.scene.q,
-                {i: row.value for i, row in rows.items()},
-                list(angles),
-                len(self.description.parameters),
-            )
+            phi = {i: row.value for i, row in rows.items()}
+            declared = len(self.description.parameters)
+            loops = find_loops(self.graph, self.scene.q, phi, angles, declared)
             bare = set()
             for loop in loops:
                 others = [row.value for i, row in rows.items() if i not in loop.rows]
@@ -126,7 +101,7 @@ class CoordinateMap:
         if self.description.coordinates[k][2] != "rad":
             return False
         ends = {self.graph.function(op, self.scene.q[k]): None for op in (Op.SIN, Op.COS)}
-        return self.scene.q[k] not in dependencies(self.graph, values, ends)
+        return self.scene.q[k] not in dependencies(self.graph.values, values, ends)
 
     # -- positions ---------------------------------------------------------------------------
 
@@ -134,8 +109,8 @@ class CoordinateMap:
         """The substitute of every coordinate."""
         graph, scene, substitutes = self.graph, self.scene, self.substitutes
         for k, slot in self.slots.items():
-            substitutes[scene.q[k]] = graph.input("q", slot, self.name(k))
-            substitutes[scene.v[k]] = graph.input("v", slot, self.rate_name(k))
+            substitutes[scene.q[k]] = graph.input("q", slot, self.names[k])
+            substitutes[scene.v[k]] = graph.input("v", slot, self.rate_names[k])
         for angle in self.angles:
             s, c = substitute(graph, [angle.s, angle.c], substitutes)
             substitutes[graph.function(Op.SIN, scene.q[angle.column])] = s
@@ -158,21 +133,16 @@ class CoordinateMap:
         known = {k: Rates({k: graph.one}, graph.zero, graph.zero) for k in self.kept}
         for loop in self.loops:
             known |= self._of_loop(loop, known)
-        rates = {
-            k: combined(graph, one, known)
-            for k, one in self.explicit.rates().items()
-            if k not in known
-        }
+        explicit = self.explicit.rates().items()
+        rates = {k: combined(graph, one, known) for k, one in explicit if k not in known}
         rates |= known
         # Velocities first: γ contains them.
         velocities: dict[int, int] = {}
         for k, one in rates.items():
             slopes = self.substituted(one.slopes.values())
             self.slopes[k] = dict(zip(one.slopes, slopes, strict=True))
-            terms = [
-                graph.mul(slope, self.substitutes[scene.v[j]])
-                for j, slope in self.slopes[k].items()
-            ]
+            pairs = self.slopes[k].items()
+            terms = [graph.mul(slope, self.substitutes[scene.v[j]]) for j, slope in pairs]
             velocities[k] = graph.total([*terms, *self.substituted([one.velocity])])
         self.substitutes |= {scene.v[k]: value for k, value in velocities.items()}
         bias = self.substituted(rates[k].acceleration for k in rates)

@@ -11,6 +11,7 @@ constraints that close loops remain. The rates follow from the same elimination 
 with the coordinates c that remain.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -18,7 +19,8 @@ from typing import NamedTuple
 from codegen.lower.differentiation.program_tangents import differentiate
 from codegen.lower.graph import Graph
 from codegen.lower.linear.sparse_rows import LEAST_PIVOT, ROUNDING
-from codegen.lower.substitution import dependencies, substitute
+from codegen.lower.program import dependencies
+from codegen.lower.substitution import substitute
 
 
 class Rates(NamedTuple):
@@ -39,14 +41,6 @@ class Row:
     gamma: int
 
 
-class Substitution(NamedTuple):
-    """A coordinate and its formula, in the coordinates that remained when it was found."""
-
-    column: int
-    formula: int
-    rates: Rates
-
-
 @dataclass
 class ExplicitCoordinates:
     """The constraints of a scene, its explicit coordinates substituted."""
@@ -60,7 +54,8 @@ class ExplicitCoordinates:
     preferred: frozenset[int]  # columns that are kept where there is a choice
     kept: frozenset[int]  # columns that are kept in any case
     rows: dict[int, Row] = field(default_factory=dict, init=False)
-    substitutions: list[Substitution] = field(default_factory=list, init=False)
+    # column → formula and rates, in the coordinates that remained when it was substituted
+    substitutions: dict[int, tuple[int, Rates]] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
         for i, value in enumerate(self.phi):
@@ -73,15 +68,11 @@ class ExplicitCoordinates:
     @property
     def coordinates(self) -> list[int]:
         """Columns of the coordinates that remain."""
-        gone = {one.column for one in self.substitutions}
-        return [k for k in range(len(self.q)) if k not in gone]
+        return [k for k in range(len(self.q)) if k not in self.substitutions]
 
     def _pivot(self) -> tuple[int, int] | None:
         """Row and column of the pivot with the least fill-in."""
-        counts: dict[int, int] = {}
-        for row in self.rows.values():
-            for k in row.entries:
-                counts[k] = counts.get(k, 0) + 1
+        counts = Counter(k for row in self.rows.values() for k in row.entries)
         candidates = []
         for i, row in self.rows.items():
             sizes = {k: abs(self.graph.number(entry) or 0.0) for k, entry in row.entries.items()}
@@ -89,11 +80,11 @@ class ExplicitCoordinates:
             candidates += [
                 (k in self.preferred, (len(sizes) - 1) * (counts[k] - 1), len(sizes), i, k)
                 for k, size in sizes.items()
-                if size > 0.0 and size >= least and k not in self.kept and self._affine(row, k)
+                if size > 0.0 and size >= least and k not in self.kept and self._is_affine(row, k)
             ]
         return min(candidates)[3:] if candidates else None
 
-    def _affine(self, row: Row, k: int) -> bool:
+    def _is_affine(self, row: Row, k: int) -> bool:
         """Whether the derivative of the constraint itself is that in its Jacobian."""
         (slope,) = differentiate(self.graph, [row.value], {self.q[k]: self.graph.one})
         return self.graph.number(slope) == self.graph.number(row.entries[k])
@@ -108,41 +99,36 @@ class ExplicitCoordinates:
             graph.neg(graph.mul(inverse, row.nu)),
             graph.neg(graph.mul(inverse, row.gamma)),
         )
-        self.substitutions.append(Substitution(k, formula, rates))
-        for other in self.rows.values():
-            if k in other.entries:
-                self._substitute_in(other, k, formula, rates)
-
-    def _substitute_in(self, row: Row, k: int, formula: int, rates: Rates) -> None:
-        graph = self.graph
-        (row.value,) = substitute(graph, [row.value], {self.q[k]: formula})
-        factor = row.entries.pop(k)
-        for j, slope in rates.slopes.items():
-            before, product = row.entries.pop(j, graph.zero), graph.mul(factor, slope)
-            changed = graph.add(before, product)
-            number, was = graph.number(changed), graph.number(before)
-            if number is None or abs(number) > ROUNDING * abs(was or 0.0):
-                row.entries[j] = changed
-        row.nu = graph.sub(row.nu, graph.mul(factor, rates.velocity))
-        row.gamma = graph.sub(row.gamma, graph.mul(factor, rates.acceleration))
+        self.substitutions[k] = formula, rates
+        for other in (row for row in self.rows.values() if k in row.entries):
+            (other.value,) = substitute(graph, [other.value], {self.q[k]: formula})
+            factor = other.entries.pop(k)
+            for j, slope in rates.slopes.items():
+                before, product = other.entries.pop(j, graph.zero), graph.mul(factor, slope)
+                changed = graph.add(before, product)
+                number, was = graph.number(changed), graph.number(before)
+                if number is None or abs(number) > ROUNDING * abs(was or 0.0):
+                    other.entries[j] = changed
+            other.nu = graph.sub(other.nu, graph.mul(factor, rates.velocity))
+            other.gamma = graph.sub(other.gamma, graph.mul(factor, rates.acceleration))
 
     # -- in the coordinates that remain -------------------------------------------------------
 
     def formulas(self) -> dict[int, int]:
         """Column of each explicit coordinate → its formula in those that remain."""
         known: dict[int, int] = {}
-        for one in reversed(self.substitutions):
-            reachable = dependencies(self.graph, [one.formula])
+        for column, (formula, _) in reversed(self.substitutions.items()):
+            reachable = dependencies(self.graph.values, [formula])
             inner = {self.q[k]: value for k, value in known.items() if self.q[k] in reachable}
-            (known[one.column],) = substitute(self.graph, [one.formula], inner)
+            (known[column],) = substitute(self.graph, [formula], inner)
         return known
 
     def rates(self) -> dict[int, Rates]:
         """Column of every coordinate → its rates by those of the coordinates that remain."""
         graph = self.graph
         known = {k: Rates({k: graph.one}, graph.zero, graph.zero) for k in self.coordinates}
-        for one in reversed(self.substitutions):
-            known[one.column] = combined(graph, one.rates, known)
+        for column, (_, rates) in reversed(self.substitutions.items()):
+            known[column] = combined(graph, rates, known)
         return known
 
 

@@ -10,7 +10,7 @@ the machine itself.
 """
 
 from codegen.lower.differentiation.program_tangents import differentiate
-from codegen.lower.linear.factorization import Elimination, Strategy
+from codegen.lower.linear.factorization import Elimination, Strategy, augmented
 from codegen.lower.operation_count import cost
 from codegen.lower.program import STATE, Check, Kernel, Output, store
 from codegen.reduce.coordinate_map import CoordinateMap
@@ -95,13 +95,8 @@ class ProjectedEquations:
     def _eliminated(self, strategy: Strategy) -> Kernel:
         """By elimination of the projected equations."""
         graph, n, m = self.graph, len(self.mapping.kept), len(self.mapping.closures)
-        sizes: dict[int, int] = {}
         with graph.serving("factorization"):
-            entries = dict(self.mass)
-            for (i, k), entry in self.jacobian.items():
-                entries[n + i, k] = entries[k, n + i] = entry
-                part = graph.div(graph.mul(entry, entry), self.mass[k, k])
-                sizes[n + i] = graph.add(sizes.get(n + i, graph.zero), part)
+            entries, sizes = augmented(graph, self.mass, self.jacobian, n)
             right = [[*self.force, *self.gamma]]
             duals = frozenset(range(n, n + m))
             system = Elimination(graph, entries, right, duals, sizes)
@@ -111,39 +106,28 @@ class ProjectedEquations:
 
     def _substituted(self) -> Kernel:
         """By substitution in the kernel of the scene itself."""
-        mapping = self.mapping
+        mapping, closures = self.mapping, self.mapping.closures
         stated = mapping.lowered.kernels["accelerations"]
         values = {(out.array, out.slot): out.value for out in stated.outputs}
         rates = mapping.substituted(values["a", k] for k in mapping.kept)
-        rows = {r: values["lam", i] for r, i in enumerate(mapping.closures) if ("lam", i) in values}
+        rows = {r: values["lam", i] for r, i in enumerate(closures) if ("lam", i) in values}
         multipliers = dict(zip(rows, mapping.substituted(rows.values()), strict=True))
         checks = []
         for check in stated.checks:
             pivot, reference = mapping.substituted([check.pivot, check.reference])
             if self.graph.number(pivot) is None or self.graph.number(reference) is None:
-                row = self.row(check.constraint)
+                # The constraints that are left are reported by the first numbers, then all.
+                row = check.constraint
+                row = closures.index(row) if row in closures else len(closures) + row
                 checks.append(check._replace(pivot=pivot, reference=reference, constraint=row))
         return self._kernel(rates, multipliers, tuple(checks))
-
-    def row(self, constraint: int) -> int:
-        """Number by which a constraint is reported: those that are left first, then all."""
-        closures = self.mapping.closures
-        if constraint in closures:
-            return closures.index(constraint)
-        return len(closures) + constraint
 
     def _kernel(
         self, rates: list[int], multipliers: dict[int, int], checks: tuple[Check, ...]
     ) -> Kernel:
-        mapping = self.mapping
-        names = mapping.row_names
-        outputs = store("a", rates, [mapping.rate_name(k) for k in mapping.kept])
+        mapping, names = self.mapping, self.mapping.row_names
+        outputs = store("a", rates, [mapping.rate_names[k] for k in mapping.kept])
         outputs += tuple(Output("lam", r, x, names[r]) for r, x in multipliers.items())
-        return Kernel(
-            "accelerations",
-            "ü and λ_r of M_r ü + Φ_rᵀ λ_r = Q_r, Φ_r ü = γ_r.",
-            (*STATE, "modes", "a", "lam"),
-            outputs,
-            checks,
-            watched=True,
-        )
+        summary = "ü and λ_r of M_r ü + Φ_rᵀ λ_r = Q_r, Φ_r ü = γ_r."
+        arguments = (*STATE, "modes", "a", "lam")
+        return Kernel("accelerations", summary, arguments, outputs, checks, watched=True)

@@ -7,16 +7,15 @@ form follow the parameters.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.differentiation.program_tangents import differentiate, tangent_program
 from codegen.lower.kernels.corrections import least_correction
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Pattern
-from codegen.lower.program import STATE, Kernel, Program, store
+from codegen.lower.program import STATE, Kernel, Program, store, storing
 from codegen.lower.substitution import substitute
-from codegen.reduce.closed_form_loops import Angle
 from codegen.reduce.coordinate_map import EVENT_KERNELS, CoordinateMap
 from codegen.reduce.projected_equations import ProjectedEquations
 
@@ -48,79 +47,51 @@ def reduce(lowered: Lowered) -> Reduced:
             *_event_kernels(mapping),
             *_expansion_kernels(mapping),
         )
-    sides = _sides(mapping)
-    program = with_constants(graph, kernels, len(lowered.description.parameters) + len(sides))
+    branching = mapping.branching
+    declared = len(lowered.description.parameters) + len(branching)
+    program = with_constants(graph, kernels, declared)
     tangents = tangent_program(program)
-    whole = Program(
-        tangents.values,
-        (*program.kernels, *tangents.kernels),
-        program.constants,
-        program.weak_pivot,
-    )
     return Reduced(
-        whole,
+        replace(tangents, kernels=(*program.kernels, *tangents.kernels)),
         mapping.kept,
         mapping.closures,
         tuple(angle.column for angle in mapping.angles),
-        tuple((angle.column, angle.row) for angle in sides),
+        tuple((angle.column, angle.row) for angle in branching),
         Pattern.of(equations.jacobian),
         Pattern.of(equations.mass),
     )
 
 
-def _sides(mapping: CoordinateMap) -> list[Angle]:
-    """Angles with two branches."""
-    return [angle for angle in mapping.angles if angle.branch is not None]
-
-
-def _kernel(
-    name: str,
-    summary: str,
-    inputs: tuple[str, ...],
-    array: str,
-    values: list[int],
-    notes: list[str],
-) -> Kernel:
-    """A kernel that fills one array."""
-    return Kernel(name, summary, (*inputs, array), store(array, values, notes))
-
-
 def _constraint_kernels(equations: ProjectedEquations) -> list[Kernel]:
     mapping, jacobian = equations.mapping, equations.jacobian
-    rows, position = mapping.row_names, ("t", "q", "p")
-    notes = [f"{rows[i]}, {mapping.name(mapping.kept[k])}" for i, k in jacobian]
-    entries, nu, gamma = list(jacobian.values()), equations.nu, equations.gamma
+    rows, nu, gamma = mapping.row_names, equations.nu, equations.gamma
+    notes = [f"{rows[i]}, {mapping.names[mapping.kept[k]]}" for i, k in jacobian]
     left = "Φ_r: the constraints that are left."
     sparse = "Structural non-zeros of Φ_r, at JACOBIAN_ROWS, JACOBIAN_COLUMNS."
+    velocity = "ν_r = -∂Φ_r/∂t, so that Φ_r u̇ = ν_r."
     return [
-        _kernel("constraints", left, position, "phi", equations.phi, rows),
-        _kernel("jacobian", sparse, position, "values", entries, notes),
-        _kernel("velocity_rhs", "ν_r = -∂Φ_r/∂t, so that Φ_r u̇ = ν_r.", position, "nu", nu, rows),
-        _kernel("acceleration_rhs", "γ_r, so that Φ_r ü = γ_r.", STATE, "gamma", gamma, rows),
+        storing("constraints", left, "t q p phi", equations.phi, rows),
+        storing("jacobian", sparse, "t q p values", list(jacobian.values()), notes),
+        storing("velocity_rhs", velocity, "t q p nu", nu, rows),
+        storing("acceleration_rhs", "γ_r, so that Φ_r ü = γ_r.", "t q v p gamma", gamma, rows),
     ]
 
 
 def _motion_kernels(equations: ProjectedEquations) -> list[Kernel]:
     mapping, mass = equations.mapping, equations.mass
-    names = [mapping.name(k) for k in mapping.kept]
+    names = [mapping.names[k] for k in mapping.kept]
     weights = [mapping.graph.input("w", slot, f"w_{name}") for slot, name in enumerate(names)]
+    rates = [mapping.substitutes[mapping.scene.v[k]] for k in mapping.kept]
     notes = [f"{names[i]}, {names[k]}" for i, k in mass]
-    entries = list(mass.values())
     sparse = "Structural non-zeros of M_r = Tᵀ M T, at MASS_ROWS, MASS_COLUMNS."
     pull = "Generalized forces Q_r = Tᵀ (Q - M γ)."
+    phi, nu = equations.phi, equations.nu
     return [
-        _kernel("mass", sparse, ("q", "p"), "values", entries, notes),
-        _kernel("applied_forces", pull, (*STATE, "modes"), "Q", equations.force, names),
+        storing("mass", sparse, "q p values", list(mass.values()), notes),
+        storing("applied_forces", pull, "t q v p modes Q", equations.force, names),
         equations.accelerations(),
         least_correction(
-            mapping.graph,
-            equations.jacobian,
-            equations.phi,
-            equations.nu,
-            [mapping.substitutes[mapping.scene.v[k]] for k in mapping.kept],
-            weights,
-            names,
-            mapping.row_names,
+            mapping.graph, equations.jacobian, phi, nu, rates, weights, names, mapping.row_names
         ),
     ]
 
@@ -129,7 +100,7 @@ def _event_kernels(mapping: CoordinateMap) -> list[Kernel]:
     """The kernels of events, with the accelerations of all coordinates by those that are kept."""
     graph, kernels = mapping.graph, mapping.lowered.kernels
     own = {
-        k: graph.input("a", slot, f"{mapping.rate_name(k)}_rate")
+        k: graph.input("a", slot, f"{mapping.rate_names[k]}_rate")
         for k, slot in mapping.slots.items()
     }
     substitutes = dict(mapping.substitutes)
@@ -151,39 +122,38 @@ def _expansion_kernels(mapping: CoordinateMap) -> list[Kernel]:
     turn = graph.constant(TURN)
     full = dict(mapping.substitutes)
     for slot, angle in enumerate(mapping.angles):
-        name = mapping.name(angle.column)
+        name = mapping.names[angle.column]
         turns = graph.mul(turn, graph.input("turns", slot, f"turns_{name}"))
         q = scene.q[angle.column]
         full[q] = graph.add(mapping.substitutes[q], turns)
     formulas = substitute(graph, list(mapping.formulas.values()), full)
     full |= {scene.q[k]: value for k, value in zip(mapping.formulas, formulas, strict=True)}
     rates = [mapping.substitutes[v] for v in scene.v]
-    columns = range(scene.n)
-    positions = store("all_q", [full[q] for q in scene.q], [mapping.name(k) for k in columns])
-    velocities = store("all_v", rates, [mapping.rate_name(k) for k in columns])
+    positions = store("all_q", [full[q] for q in scene.q], mapping.names)
+    velocities = store("all_v", rates, mapping.rate_names)
     whole = "All coordinates and velocities; angles in closed form plus the given whole turns."
-    sides = _sides(mapping)
-    names = [mapping.name(angle.column) for angle in sides]
-    slopes = [angle.slope for angle in sides if angle.slope is not None]
+    branching = mapping.branching
+    names = [mapping.names[angle.column] for angle in branching]
+    slopes = [angle.slope for angle in branching if angle.slope is not None]
     branch = "∂Φ/∂θ of each loop in closed form, in all coordinates; its sign is the branch."
     return [
         Kernel("expand", whole, (*STATE, "turns", "all_q", "all_v"), positions + velocities),
-        _kernel("branches", branch, ("t", "q", "p"), "out", slopes, names),
-        _dead_centres(mapping, sides, names),
+        storing("branches", branch, "t q p out", slopes, names),
+        _dead_centres(mapping, names),
     ]
 
 
-def _dead_centres(mapping: CoordinateMap, sides: list[Angle], names: list[str]) -> Kernel:
+def _dead_centres(mapping: CoordinateMap, names: list[str]) -> Kernel:
     """ρ² of each loop with a branch, and its rate."""
     graph, scene = mapping.graph, mapping.scene
     seeds = {scene.time: graph.one}
     for k in mapping.kept:
         seeds[mapping.substitutes[scene.q[k]]] = mapping.substitutes[scene.v[k]]
     values, notes = [], []
-    for angle, name in zip(sides, names, strict=True):
+    for angle, name in zip(mapping.branching, names, strict=True):
         assert angle.discriminant is not None
         (discriminant,) = mapping.substituted([angle.discriminant])
         values += [discriminant, *differentiate(graph, [discriminant], seeds)]
         notes += [f"{name}: ρ²", f"{name}: its rate"]
     summary = "ρ² of each loop in closed form, which vanishes at its dead centres, and its rate."
-    return _kernel("dead_centres", summary, STATE, "out", values, notes)
+    return storing("dead_centres", summary, "t q v p out", values, notes)

@@ -37,7 +37,8 @@ def constraint_sections(element: Constraint) -> Iterator[str]:
     """Φ, Φ_q, ν and γ, and the reaction, of a joint or driver."""
     statement, terms = constraint_terms(element)
     reactions = [e for _, _, e in terms.reactions]
-    axis = _axis(statement)
+    reaction = statement.reaction
+    axis = tuple(reaction.direction) if isinstance(reaction, JointReaction) else ()
     rows = (*terms.jacobian, terms.nu, terms.gamma, reactions, axis)
     short = Abbreviations(chain(terms.phi, *rows))
     count = len(terms.phi)
@@ -75,24 +76,25 @@ def effect_sections(equations: Equations, element: Effect) -> Iterator[str]:
     shown = [e for _, e in (*terms.gradient, *terms.forces, *rubbing)]
     energy = [] if terms.potential is None else [terms.potential]
     short = Abbreviations(chain(energy, shown, switches))
-    potential = [("V", short(e)) for e in energy]
-    gradient = [(rf"V_{{{latex(q)}}}", short(e)) for q, e in terms.gradient if e != 0]
-    forces = [(rf"Q_{{{latex(q)}}}", short(e)) for q, e in terms.forces]
-    friction = [(left, short(e)) for left, e in rubbing]
+    other = "The other generalized forces" if energy else "The generalized forces"
+    sections: list[tuple[str, Pairs]] = [
+        ("The potential energy, J", [("V", short(e)) for e in energy]),
+        (
+            "Its gradient; the generalized forces are the opposite",
+            [(rf"V_{{{latex(q)}}}", short(e)) for q, e in terms.gradient if e != 0],
+        ),
+        (
+            f"{other}, N along lengths and N m along angles",
+            [(rf"Q_{{{latex(q)}}}", short(e)) for q, e in terms.forces],
+        ),
+        (
+            "The slip, what presses in the joint by its own reaction, and the force along the slip",
+            [(left, short(e)) for left, e in rubbing],
+        ),
+    ]
     modes = [(f"g_{{{k}}}", short(g)) for k, g in enumerate(switches, 1)]
     yield "## Equations"
-    if potential:
-        yield f"The potential energy, J:\n\n{aligned(potential)}"
-    if gradient:
-        yield f"Its gradient; the generalized forces are the opposite:\n\n{aligned(gradient)}"
-    if forces:
-        other = "The other generalized forces" if potential else "The generalized forces"
-        yield f"{other}, N along lengths and N m along angles:\n\n{aligned(forces)}"
-    if friction:
-        yield (
-            "The slip, what presses in the joint by its own reaction, and the force along the "
-            f"slip:\n\n{aligned(friction)}"
-        )
+    yield from (f"{title}:\n\n{aligned(rows)}" for title, rows in sections if rows)
     if meanings := short.definitions():
         yield f"with\n\n{aligned(meanings)}"
     if modes:
@@ -110,20 +112,18 @@ def effect_sections(equations: Equations, element: Effect) -> Iterator[str]:
 
 def _friction(terms: FrictionTerms) -> Iterator[tuple[str, sympy.Expr]]:
     """ṡ, the sizes N of the loads, and f; and Q = f s_q."""
+
+    def load(components: tuple[tuple[str, sympy.Expr], ...]) -> sympy.Expr:
+        """A sum of components of the joint's reaction."""
+        names = {"fx": "f_x", "fy": "f_y", "torque": "T"}
+        return sympy.Add(*(weight * given(names[name]) for name, weight in components))
+
     yield r"\dot s", terms.slip
-    sizes = (
-        sympy.sqrt(sympy.Add(*(_load(load) ** 2 for load in contact))) for contact in terms.contacts
-    )
-    yield "N", sympy.Add(*sizes)
+    squares = ([load(entry) ** 2 for entry in contact] for contact in terms.contacts)
+    yield "N", sympy.Add(*(sympy.sqrt(sympy.Add(*each)) for each in squares))
     yield "f", -terms.grip * given("N")
     for q, slope in terms.direction:
         yield rf"Q_{{{latex(q)}}}", given("f") * slope
-
-
-def _load(load: tuple[tuple[str, sympy.Expr], ...]) -> sympy.Expr:
-    """A sum of components of the joint's reaction."""
-    names = {"fx": "f_x", "fy": "f_y", "torque": "T"}
-    return sympy.Add(*(weight * given(names[name]) for name, weight in load))
 
 
 def _counted(statement: Statement, phi: Pairs) -> str:
@@ -165,11 +165,6 @@ def _placeholders(statement: Statement, terms: ConstraintTerms) -> Iterator[str]
         yield f"In the example {', '.join(letters_shown)}."
 
 
-def _axis(statement: Statement) -> tuple[sympy.Expr, ...]:
-    reaction = statement.reaction
-    return tuple(reaction.direction) if isinstance(reaction, JointReaction) else ()
-
-
 def _reaction(
     element: Constraint, statement: Statement, terms: ConstraintTerms, short: Abbreviations
 ) -> Iterator[str]:
@@ -188,14 +183,10 @@ def _reaction(
         yield aligned([("u_x", ux), ("u_y", uy)])
     else:
         yield "Each multiplier as the force along what its equation holds:"
-    components = [
-        (rf"\mathrm{{{name}}}" + (rf"\;[\mathrm{{{_unit(unit)}}}]" if unit else ""), short(e))
-        for name, unit, e in terms.reactions
-    ]
+    components = []
+    for name, unit, e in terms.reactions:
+        brackets = rf"\;[\mathrm{{{unit}}}]".replace(" ", r"\,") if unit else ""
+        components.append((rf"\mathrm{{{name}}}{brackets}", short(e)))
     yield aligned(components)
     names = ", ".join(f'`r.reaction("{element.name}", "{name}")`' for name, *_ in terms.reactions)
     yield f"In a result of the example: {names}."
-
-
-def _unit(unit: str) -> str:
-    return unit.replace(" ", r"\,")

@@ -165,10 +165,9 @@ def _elements(model: Model) -> Iterator[Constraint | Effect]:
     yield from model.effects.values()
 
 
-def _declarations(text: str) -> Iterator[tuple[str, tuple[tuple[str, ...], str]]]:
-    """Kind, the other methods that declare it, and the lines of each declaration in a text."""
-    for kind, others, lines in re.findall(r"^(\w.*?)(?: \((.*)\))?\n((?:    .*\n)+)", text, re.M):
-        yield kind, (tuple(others.split()), textwrap.dedent(lines).rstrip())
-
-
-_DECLARATIONS = dict(_declarations(JOINTS + DRIVERS + FORCES))
+_DECLARATION = re.compile(r"^(\w.*?)(?: \((.*)\))?\n((?:    .*\n)+)", re.M)
+_DECLARATIONS = {
+    kind: (tuple(others.split()), textwrap.dedent(lines).rstrip())
+    for kind, others, lines in _DECLARATION.findall(JOINTS + DRIVERS + FORCES)
+}
+"""Kind → the other methods that declare it, and the lines of its declaration."""

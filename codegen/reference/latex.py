@@ -4,7 +4,6 @@ Nothing here depends on the order of a set: the same expression gives the same c
 """
 
 import re
-from typing import Any
 
 import sympy
 from sympy.printing.latex import LatexPrinter, translate
@@ -33,16 +32,12 @@ class _Printer(LatexPrinter):  # type: ignore[misc]
         return symbol(expr)
 
     def _print_sin(self, expr: sympy.Expr, exp: str | None = None) -> str:
-        return self._circular(r"\sin", expr, exp)
-
-    def _print_cos(self, expr: sympy.Expr, exp: str | None = None) -> str:
-        return self._circular(r"\cos", expr, exp)
-
-    def _circular(self, name: str, expr: sympy.Expr, exp: str | None) -> str:
         (angle,) = expr.args
-        text = self._print(angle)
+        name, text = rf"\{expr.func.__name__}", self._print(angle)
         name = f"{name}^{{{exp}}}" if exp is not None else name
         return f"{name} {text}" if angle.is_Symbol else rf"{name}\left({text}\right)"
+
+    _print_cos = _print_sin
 
     def _print_Interpolant(self, expr: Interpolant, exp: str | None = None) -> str:
         name = rf"{word(expr.table.name)}{chr(39) * expr.order}\left({self._print(expr.at)}\right)"
@@ -120,7 +115,7 @@ def _broken(expression: sympy.Expr, room: int) -> list[str]:
     if width(whole) <= room or not isinstance(expression, sympy.Add):
         return [whole]
     lines: list[str] = []
-    for term in _terms(expression):
+    for term in _PRINT._as_ordered_terms(expression, order=None):
         text = latex(term)
         signed = text if text.startswith("-") or not lines else f"+ {text}"
         if lines and width(lines[-1]) + width(signed) <= room:
@@ -128,8 +123,3 @@ def _broken(expression: sympy.Expr, room: int) -> list[str]:
         else:
             lines.append(signed)
     return lines
-
-
-def _terms(expression: sympy.Add) -> list[Any]:
-    ordered: list[Any] = _PRINT._as_ordered_terms(expression, order=None)
-    return ordered

@@ -1,14 +1,41 @@
-"""All pages of the reference as files in a folder, and whether they are up to date."""
+"""Pages of the reference: a kind with its declaration, equations, reaction and cost; the index."""
 
+import inspect
+import re
+from collections.abc import Iterator
 from pathlib import Path
 
+from codegen.declare.element import Constraint
 from codegen.declare.names import nearest
+from codegen.derive.equations import Equations, derive
+from codegen.driver import valid_scenes
 from codegen.elements.registry import Kind, kinds_of_elements
 from codegen.errors import ModelError
 from codegen.generated_files.generated_file import Written, write_folder
+from codegen.lower.kernels.scene_kernels import lower
+from codegen.lower.operation_count import by_element
 from codegen.model import Model
-from codegen.reference.page import page
+from codegen.reference.equations import constraint_sections, effect_sections
+from codegen.reference.examples import Example, example_of
 
+COUNTED = (
+    *("constants", "constraints", "jacobian", "velocity_rhs", "acceleration_rhs"),
+    *("potential", "potential_gradient", "applied_forces", "accelerations"),
+    *("correction", "reactions", "powers", "switching", "switching_rates"),
+    *("gap_accelerations", "switched_reactions"),
+)
+"""Kernels in the order in which a page lists them."""
+
+UNDERLINE = re.compile(r"-{3,}\s*")
+LISTS = ("Attributes", "Parameters", "Raises", "Returns")
+"""Sections of a docstring in numpy's form, by the line below a heading, and lists among them."""
+
+COST = """## Cost
+
+Operations of the example's kernels for the element, where equal ones count once:
+
+| kernel | operations |
+|---|--:|"""
 INDEX = "index.md"
 ABOUT = """# Elements
 
@@ -68,3 +95,98 @@ def index(kinds: dict[str, Kind]) -> str:
         rows = (f"- [{kind.name}]({slug(kind.name)}.md): {kind.summary}" for kind in chosen)
         sections.append("\n".join((f"## {heading}", "", *rows)))
     return "\n\n".join((ABOUT, *sections, WRITTEN)) + "\n"
+
+
+def page(kind: str, model: Model | None = None) -> str:
+    """The reference page of a kind, Markdown with LaTeX between dollars.
+
+    A kind is one of `kinds_of_elements`; the library's have examples, others need a `model` with an
+    element of it. Raises ModelError if there is no such kind, no example of it, or the example is
+    not sound.
+    """
+    example = example_of(kind, model)
+    registered = kinds_of_elements()[kind]
+    sections = (
+        f"# {kind.capitalize()}",
+        markdown(registered.element.__doc__),
+        *_declaration(registered, example),
+        *_compiled(example),
+        f"*Written by `python -m codegen elements` from `{registered.element.__module__}`.*"
+        if not registered.is_user_defined
+        else "*Written by `python -m codegen elements`.*",
+    )
+    return "\n\n".join(sections) + "\n"
+
+
+def _declaration(kind: Kind, example: Example) -> Iterator[str]:
+    yield "## Declaration"
+    for name in example.methods:
+        method = getattr(Model, name)
+        yield f"```python\nmodel.{name}{_arguments(method, drop=1)}\n```"
+        yield markdown(method.__doc__)
+    if not example.methods:
+        declaration = f"{kind.element.__name__}{_arguments(kind.element, drop=0)}"
+        yield f"```python\nmodel.add({declaration})\n```"
+    if example.source:
+        yield (
+            f"An example, between two free bodies `i` and `j` with the points `P` on i and `Q` on "
+            f"j:\n\n```python\n{example.source}\n```"
+        )
+
+
+def _arguments(function: object, drop: int) -> str:
+    assert callable(function)
+    signature = inspect.signature(function)
+    bare = [
+        parameter.replace(annotation=parameter.empty)
+        for parameter in list(signature.parameters.values())[drop:]
+    ]
+    shown = str(signature.replace(parameters=bare, return_annotation=signature.empty))
+    return shown.replace("'", '"')
+
+
+def _compiled(example: Example) -> Iterator[str]:
+    element, equations = example.element, _equations(example)
+    if isinstance(element, Constraint):
+        yield from constraint_sections(element)
+    else:
+        yield from effect_sections(equations, element)
+    program = lower(equations).program
+    counts = {kernel.name: by_element(program, kernel)[element.name] for kernel in program.kernels}
+    rows = [f"| `{name}` | {counts[name]} |" for name in COUNTED if counts.get(name)]
+    if rows:
+        yield "\n".join((COST, *rows))
+
+
+def _equations(example: Example) -> Equations:
+    """Those of the first scene that the element takes part in."""
+    model, element = example.model, example.element
+    for scene in valid_scenes(model, None):
+        equations = derive(model, scene)
+        names = [*(c.name for c in equations.constraints), *(e.name for e in equations.effects)]
+        if element.name in names:
+            return equations
+    raise ModelError(
+        f"no scene of model '{model.name}' has {element.kind} '{element.name}' in it; name it "
+        "in one."
+    )
+
+
+def markdown(docstring: str | None) -> str:
+    """A docstring in numpy's form as Markdown: headings of sections in bold, entries as lists."""
+    lines = inspect.cleandoc(docstring or "").splitlines()
+    shown: list[str] = []
+    listing = False
+    for k, line in enumerate(lines):
+        if UNDERLINE.fullmatch(line):
+            listing = lines[k - 1] in LISTS
+        elif k + 1 < len(lines) and UNDERLINE.fullmatch(lines[k + 1]):
+            shown += [f"**{line}**", ""]
+        elif listing and line and not line.startswith(" "):
+            names = ", ".join(f"`{name.strip()}`" for name in line.split(","))
+            shown.append(f"- {names}:")
+        elif listing and line:
+            shown.append(f"  {line.strip()}")
+        else:
+            shown.append(line)
+    return "\n".join(shown).strip()

@@ -26,14 +26,12 @@ def _rotated() -> Iterator[tuple[sympy.Symbol, sympy.Expr]]:
                 yield given(f"{vector}_{frame.name}{axis}"), component
 
 
-ROTATED = dict(_rotated())
-SPAN = {
+MEANINGS: dict[sympy.Symbol, sympy.Expr] = {
+    **dict(_rotated()),
+    # of the way between the points, d_ij: r_j + s_j - r_i - s_i
     given("d_x"): J.x + given("s_jx") - I.x - given("s_ix"),
     given("d_y"): J.y + given("s_jy") - I.y - given("s_iy"),
 }
-"""d_ij = r_j + s_j - r_i - s_i."""
-
-MEANINGS: dict[sympy.Symbol, sympy.Expr] = {**ROTATED, **SPAN}
 
 
 @cache

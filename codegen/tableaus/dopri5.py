@@ -36,10 +36,6 @@ TABLEAU = Tableau(
             701980252875/199316789632  -1453857185/822651844         69997945/29380423
         """),
     ),
-    beta=0.04,
-    safety=0.9,
-    shrink=0.2,
-    grow=10.0,
     # Half the estimate of the error of a vibration at the edge of stability, over its amplitude.
     # Where a tolerance is less than that, with its absolute part as much again, no vibration grows.
     stability_edge=4e-4,

@@ -37,10 +37,10 @@ class Tableau:
     # Weights of the rows F4, F5, ... of the dense output F0 + x (F1 + (1 - x) (F2 + x (F3 + ...)));
     # the first four rows are those of the cubic Hermite polynomial, which `()` is alone.
     dense: tuple[Weights, ...]
-    beta: float  # step control: its proportional part
-    safety: float  # step control: the share of what the error permits
-    shrink: float  # least ratio of two steps' lengths
-    grow: float  # largest ratio of two steps' lengths
+    beta: float = 0.04  # step control: its proportional part
+    safety: float = 0.9  # step control: the share of what the error permits
+    shrink: float = 0.2  # least ratio of two steps' lengths
+    grow: float = 10.0  # largest ratio of two steps' lengths
     lower: Weights = ()  # solution of still lower order, for an estimate that joins two
     further: tuple[Stage, ...] = ()  # stages s + 2 and on, of the dense output
     # Relative tolerance above which the error alone does not keep a vibration from growing: steps

@@ -55,9 +55,5 @@ TABLEAU = Tableau(
             -16.54810288924490272  47.37952196281928122  -34.87065786149660974  2.5
         """),
     ),
-    beta=0.04,
-    safety=0.9,
-    shrink=0.2,
-    grow=10.0,
     stability_edge=5e-6,  # as that of dopri5
 )

@@ -89,15 +89,10 @@ def assemble(
     _require_magnitude(equations, t, start.q, {**(guess or {}), **(parameters or {})})
     size, matrix = equations.size(t, start.q), equations.jacobian(t, start.q)
     task = Task(
-        equations=equations,
-        t=t,
-        scale=equations.scale(size),
-        row_scale=np.where(equations.length_rows(matrix), size, 1.0),
-        row_units=equations.row_units(matrix),
-        rows=np.ones(equations.m, dtype=np.bool_),
-        free=~start.fixed_q,
-        weight=np.where(start.given_q, 1.0, _UNNAMED_WEIGHT),
-    )
+        equations, t, equations.scale(size), np.where(equations.length_rows(matrix), size, 1.0),
+        equations.row_units(matrix), rows=np.ones(equations.m, dtype=np.bool_),
+        free=~start.fixed_q, weight=np.where(start.given_q, 1.0, _UNNAMED_WEIGHT),
+    )  # fmt: skip
     closing = close(task, start.q)
     if not closing.closed:
         raise _why_open(task, start, closing, drivers)
@@ -107,8 +102,9 @@ def assemble(
     v, velocity_gaps = _velocities(task, start, closing.q)
     near = None if findings.lasting else start_on_branch(task, closing.q, v, start.fixed_v)
     if near is not None:
-        closing, v = Closing(near.q, equations.constraints(t, near.q), closing.gap), near.v
-        velocity_gaps = equations.jacobian(t, near.q) @ v - equations.velocity_rhs(t, near.q)
+        q, v = near
+        closing = Closing(q, equations.constraints(t, q), closing.gap)
+        velocity_gaps = equations.jacobian(t, q) @ v - equations.velocity_rhs(t, q)
     return _report(task, start, closing, v, velocity_gaps, findings)
 
 
@@ -142,10 +138,9 @@ def _velocities(task: Task, start: Start, q: FloatArray) -> tuple[FloatArray, Fl
     if np.abs(gaps / task.row_scale).max(initial=0.0) > _VELOCITY_CLOSED * speed:
         misses = _misses(task, gaps, _VELOCITY_CLOSED * speed, "/s")
         if start.fixed_v.any():
-            units = [row.velocity_unit for row in equations.description.coordinates]
-            names = [row.velocity for row in equations.description.coordinates]
-            said = zip(names, start.v, units, start.fixed_v, strict=True)
-            raise _contradiction(task, "velocities contradict the joints", said, misses)
+            fault = "velocities contradict the joints"
+            names = [(row.velocity, row.velocity_unit) for row in equations.description.coordinates]
+            raise _contradiction(task, fault, names, start.v, start.fixed_v, misses)
         raise AssemblyError(
             f"{equations.description.title}: no velocities satisfy joints and drivers at "
             f"t = {t:g} s: {misses}. The position is singular for this motion; start elsewhere."
@@ -154,13 +149,14 @@ def _velocities(task: Task, start: Start, q: FloatArray) -> tuple[FloatArray, Fl
 
 
 def _contradiction(
-    task: Task, fault: str, said: Iterable[tuple[str, float, str, bool]], misses: str
-) -> AssemblyError:
-    """The error of start values that the joints do not allow: names, values, units, if fixed."""
-    fixed = (f"{name} = {value:g} {unit}" for name, value, unit, is_fixed in said if is_fixed)
+    task: Task, fault: str, names: list[tuple[str, str]], values: FloatArray, fixed: BoolArray,
+    misses: str,
+) -> AssemblyError:  # fmt: skip
+    """The error of start values that the joints do not allow; their `names` with their units."""
+    said = (f"{names[k][0]} = {values[k]:g} {names[k][1]}" for k in np.flatnonzero(fixed))
     return AssemblyError(
         f"{task.equations.description.title}: the fixed start {fault}. Start says "
-        f"{', '.join(fixed)}; with these {misses}. "
+        f"{', '.join(said)}; with these {misses}. "
         f'Give one of them the role "guess", or correct its value.'
     )
 
@@ -168,18 +164,16 @@ def _contradiction(
 def _why_open(task: Task, start: Start, closing: Closing, drivers: BoolArray) -> AssemblyError:
     """The error of joints that do not close."""
     description = task.equations.description
-    doubled = redundancy.structural_redundancy(task, closing.q, drivers)
-    doubled = doubled or redundancy.overdetermined_rows(task, closing.q, drivers)
+    doubled = redundancy.dependent_joints(task, closing.q, drivers)
     if doubled:
         rank = len(task.rows) - int(drivers.sum()) - len(doubled)
         return _redundancy(description, doubled, rank, "contradictory", closing.phi)
     gaps = _misses(task, closing.phi, CLOSED)
     released = task._replace(free=np.ones_like(task.free))
     if start.fixed_q.any() and close(released, start.q).closed:
-        names, units = description.coordinates.names, [r.unit for r in description.coordinates]
-        said = zip(names, start.q, units, start.fixed_q, strict=True)
+        names = [(row.name, row.unit) for row in description.coordinates]
         fault = f"values contradict the joints at t = {task.t:g} s"
-        return _contradiction(task, fault, said, gaps)
+        return _contradiction(task, fault, names, start.q, start.fixed_q, gaps)
     if drivers.any():
         joints = close(released._replace(rows=~drivers), start.q)
         if joints.closed:
@@ -251,7 +245,7 @@ def _report(
 ) -> Assembly:  # fmt: skip
     description = task.equations.description
     coordinates, table = description.coordinates, description.constraints
-    moved = []
+    moved: list[Moved] = []
     for k, row in enumerate(coordinates):
         pair = (
             Moved(row.name, float(start.q[k]), float(closing.q[k]), row.unit),
@@ -259,23 +253,18 @@ def _report(
         )
         small = _MOVED * task.scale[k]
         moved += [one for one in pair if abs(one.by) > small * max(1.0, abs(one.reached))]
-    redundant = []
-    for dependent, sources in findings.lasting:
-        elements = tuple(sorted({table[k].element for k in sources}))
-        redundant.append(Redundant(table[dependent].name, table[dependent].element, elements))
-    lost = {dependency.row for dependency in findings.lasting}
+    redundant = {}
+    for k, sources in findings.lasting:
+        origins = tuple(sorted({table[source].element for source in sources}))
+        redundant[k] = Redundant(table[k].name, table[k].element, origins)
     shares = redundancy.undetermined_rows(task, closing.q) if redundant else ()
+    elements = [row.element for row in table]
     return Assembly(
-        t=task.t,
-        q=closing.q,
-        v=v,
-        residual=_largest((row.element for row in table), closing.phi),
-        velocity_residual=_largest((row.element for row in table), velocity_gaps),
-        moved=tuple(moved),
-        degrees_of_freedom=len(coordinates) - findings.rank,
-        singular=tuple(table[dependency.row].name for dependency in findings.here_only),
-        redundant=tuple(redundant),
-        not_unique=tuple(dict.fromkeys(table[row].element for row in shares)),
-        independent=tuple(row for row in range(len(table)) if row not in lost),
+        task.t, closing.q, v, _largest(elements, closing.phi), _largest(elements, velocity_gaps),
+        tuple(moved), degrees_of_freedom=len(coordinates) - findings.rank,
+        singular=tuple(table[k].name for k, _ in findings.here_only),
+        redundant=tuple(redundant.values()),
+        not_unique=tuple(dict.fromkeys(elements[k] for k in shares)),
+        independent=tuple(k for k in range(len(table)) if k not in redundant),
         coordinates=coordinates,
-    )
+    )  # fmt: skip

@@ -18,6 +18,9 @@ _PENALTIES = 10.0 ** np.arange(0, 9, 2)
 _RESTARTS = 6  # safety: random starts after the given one has failed
 
 
+Selection = npt.NDArray[np.bool_ | np.int64]  # a mask, or indices where joints are refined only
+
+
 class Closing(NamedTuple):
     """Result of closing the joints: q, Φ there, and the largest scaled gap."""
 
@@ -39,8 +42,8 @@ class Task(NamedTuple):
     scale: FloatArray
     row_scale: FloatArray
     row_units: list[str]  # for messages
-    rows: npt.NDArray[np.bool_]
-    free: npt.NDArray[np.bool_]
+    rows: Selection
+    free: Selection
     weight: FloatArray
 
     def gaps(self, q: FloatArray) -> FloatArray:
@@ -58,17 +61,13 @@ def close(task: Task, start: FloatArray) -> Closing:
     """Close the joints from `start`; retries move only coordinates without a given start value."""
     best = _attempt(task, start)
     unknown = task.free & (task.weight < 1.0)
-    if best.closed or not unknown.any():
-        return best
     random = np.random.default_rng(1)
-    for _ in range(_RESTARTS):
-        moved = start.copy()
-        moved[unknown] += random.normal(size=int(unknown.sum())) * task.scale[unknown]
-        closing = _attempt(task, moved)
-        if closing.gap < best.gap:
-            best = closing
+    for _ in range(_RESTARTS if unknown.any() else 0):
         if best.closed:
             break
+        moved = start.copy()
+        moved[unknown] += random.normal(size=int(unknown.sum())) * task.scale[unknown]
+        best = min(best, _attempt(task, moved), key=lambda closing: closing.gap)
     return best
 
 

@@ -23,7 +23,7 @@ _VARIANTS: WeakKeyDictionary[Mechanism, dict[tuple[int, ...], Mechanism]] = Weak
 _OPTIONS = {name: value for name, value in OPTIONS.items() if name != "cache"}
 
 
-def with_redundancy(mechanism: Mechanism, start: "Assembly") -> Mechanism:
+def with_redundancy(mechanism: Mechanism, start: Assembly) -> Mechanism:
     """The mechanism, or, if constraints are redundant at its start, one with kernels for that.
 
     These choose pivots by size, for as many independent constraints as there are at the start, and
@@ -41,15 +41,16 @@ def with_redundancy(mechanism: Mechanism, start: "Assembly") -> Mechanism:
         )
     variants = _VARIANTS.setdefault(mechanism, {})
     if start.independent not in variants:
-        kernels, description = mechanism.kernels, mechanism.description
-        kernels = minimum_norm_kernels(kernels, description, len(start.independent))
+        kernels = _minimum_norm_kernels(
+            mechanism.kernels, mechanism.description, len(start.independent)
+        )
         variant = replace(mechanism, kernels=kernels, sufficient=start.independent)
         variants[start.independent] = variant
     return variants[start.independent]
 
 
 def projection_only(
-    mechanism: Mechanism, begin: "Assembly", method: str, correction: Correction
+    mechanism: Mechanism, begin: Assembly, method: str, correction: Correction
 ) -> Correction:
     """The return onto redundant constraints; refuses methods that need independent ones.
 
@@ -70,7 +71,7 @@ def projection_only(
     return "projection"
 
 
-def redundancy_note(start: "Assembly") -> str:
+def redundancy_note(start: Assembly) -> str:
     """Sentence of a result about redundant constraints; empty without any."""
     if not start.redundant:
         return ""
@@ -80,22 +81,14 @@ def redundancy_note(start: "Assembly") -> str:
     )
 
 
-def minimum_norm_kernels(kernels: Kernels, description: Description, count: int) -> Kernels:
+def _minimum_norm_kernels(kernels: Kernels, description: Description, count: int) -> Kernels:
     """Kernels for which `count` independent constraints suffice."""
-    accelerations = _accelerations(kernels, description, count)
-    return replace(
-        kernels, accelerations=accelerations, correction=_correction(kernels, description, count)
-    )
-
-
-def _accelerations(kernels: Kernels, description: Description, count: int) -> Any:
-    jacobian, gamma_of = kernels.jacobian, kernels.acceleration_rhs
-    mass_of, forces = kernels.mass, kernels.applied_forces
+    jacobian, constraints, rates = kernels.jacobian, kernels.constraints, kernels.velocity_rhs
+    mass_of, forces, gamma_of = kernels.mass, kernels.applied_forces, kernels.acceleration_rhs
     resting = description.analysis == "equilibrium"  # such a scene has no γ, which is zero at rest
     rows, columns = description.jacobian_rows, description.jacobian_columns
     mass_rows, mass_columns = description.mass_rows, description.mass_columns
     n, m = len(description.coordinates), len(description.constraints)
-    spare = m - count
 
     def dynamic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
         values, masses = np.empty(rows.size), np.empty(mass_rows.size)
@@ -107,7 +100,7 @@ def _accelerations(kernels: Kernels, description: Description, count: int) -> An
         forces(t, q, v, p, modes, force)
         slopes, inertia = Sparse(rows, columns, values), Sparse(mass_rows, mass_columns, masses)
         lost = solve_motion(slopes, inertia, force, gamma, a, lam)
-        return 0 if lost <= spare else m
+        return 0 if lost <= m - count else m
 
     def kinematic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
         values, right, d = np.empty(rows.size), np.empty((1, m)), np.empty((1, n))
@@ -116,16 +109,7 @@ def _accelerations(kernels: Kernels, description: Description, count: int) -> An
         rank = solve_least_norm(Sparse(rows, columns, values), np.ones(n), right, d)
         a[:] = d[0]
         lam[:] = 0.0
-        return 0 if rank >= m - spare else m
-
-    chosen = dynamic if description.has_masses else kinematic
-    return njit(SIGNATURES["accelerations"], **_OPTIONS)(chosen)
-
-
-def _correction(kernels: Kernels, description: Description, count: int) -> Any:
-    jacobian, constraints, rates = kernels.jacobian, kernels.constraints, kernels.velocity_rhs
-    rows, columns = description.jacobian_rows, description.jacobian_columns
-    n, m = len(description.coordinates), len(description.constraints)
+        return 0 if rank >= count else m
 
     def correction(t: Any, q: Any, v: Any, p: Any, w: Any, dq: Any, dv: Any) -> int:
         values, right, d = np.empty(rows.size), np.empty((2, m)), np.empty((2, n))
@@ -141,4 +125,9 @@ def _correction(kernels: Kernels, description: Description, count: int) -> Any:
         dv[:] = d[1]
         return 0 if rank >= count else m
 
-    return njit(SIGNATURES["correction"], **_OPTIONS)(correction)
+    accelerations = dynamic if description.has_masses else kinematic
+    return replace(
+        kernels,
+        accelerations=njit(SIGNATURES["accelerations"], **_OPTIONS)(accelerations),
+        correction=njit(SIGNATURES["correction"], **_OPTIONS)(correction),
+    )

@@ -7,8 +7,6 @@ the relative error eps / d². The singular configuration itself is located to ro
 the tangent has the relative error d.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from runtime.assembly.joint_closing import CLOSED, Task
@@ -18,9 +16,8 @@ from runtime.singularity.motion_polynomial import taylor
 from runtime.singularity.singular_position_near_motion import SingularPositions
 
 _NEAR = EPS ** (1.0 / 3.0)  # accuracy: distance d at which the errors d and eps / d² are equal
-_DISTINCT = (
-    4.0 * EPS**0.5
-)  # accuracy: distance from which on a position shows on which branch it is
+# accuracy: distance from which on a position shows on which branch it is
+_DISTINCT = 4.0 * EPS**0.5
 _ROUNDING = 64.0 * EPS  # accuracy: scaled gap that is rounding
 # accuracy: error of a velocity against its branch, relative, as at the start of a run
 _DIRECTION_ERROR = 1e-6
@@ -28,17 +25,10 @@ _DIRECTION_ERROR = 1e-6
 _SAME_VELOCITY = 1e-9
 
 
-class BranchStart(NamedTuple):
-    """Position and velocity on a branch; each (n,)."""
-
-    q: FloatArray
-    v: FloatArray
-
-
 def start_on_branch(
     task: Task, q: FloatArray, v: FloatArray, fixed_v: np.ndarray[tuple[int], np.dtype[np.bool_]]
-) -> BranchStart | None:
-    """A start on the branch of (q, v), where that is so near to a singular configuration.
+) -> tuple[FloatArray, FloatArray] | None:
+    """Position and velocity on the branch of (q, v), where that is close to a singular position.
 
     The coordinates that are not free in `task` keep their values, and the velocities in `fixed_v`
     theirs. None where the start is not so near, or where no branch has these values.
@@ -79,32 +69,22 @@ def start_on_branch(
             return None
         branch[fixed_v] = v[fixed_v]
     fixed = ~task.free
-    tau = 0.0
-    if fixed.any():
-        square = float(branch[fixed] @ branch[fixed])
-        away = (q - position.q)[fixed]
-        tau = float(away @ branch[fixed]) / square if square > 0.0 else 0.0
+    square = float(branch[fixed] @ branch[fixed])
+    tau = float((q - position.q)[fixed] @ branch[fixed]) / square if square > 0.0 else 0.0
     place = position.q + tau * branch
     if np.abs(((place - q) / task.scale)[fixed]).max(initial=0.0) > _ROUNDING:
         return None
     place[fixed] = q[fixed]
-    place = _closed(task, place, position.lost)
+    for _ in range(2):  # Newton's method on the well-conditioned directions; the lost ones stay
+        change = _least_squares(task.slopes(place), task.gaps(place), position.lost)
+        place[task.free] -= change * task.scale[task.free]
     if np.abs(task.gaps(place)).max() > CLOSED:
         return None
     slopes = equations.jacobian(task.t, place) * task.scale / task.row_scale[:, None]
     gaps = slopes @ (branch / task.scale) - equations.velocity_rhs(task.t, place) / task.row_scale
-    branch[~fixed_v] -= (
-        _least_squares(slopes[:, ~fixed_v], gaps, position.lost) * task.scale[~fixed_v]
-    )
-    return BranchStart(place, branch)
-
-
-def _closed(task: Task, q: FloatArray, weak: int) -> FloatArray:
-    """Newton's method on the well-conditioned directions; the `weak` ones stay."""
-    q = q.copy()
-    for _ in range(2):
-        q[task.free] -= _least_squares(task.slopes(q), task.gaps(q), weak) * task.scale[task.free]
-    return q
+    change = _least_squares(slopes[:, ~fixed_v], gaps, position.lost)
+    branch[~fixed_v] -= change * task.scale[~fixed_v]
+    return place, branch
 
 
 def _least_squares(matrix: FloatArray, right: FloatArray, weak: int) -> FloatArray:

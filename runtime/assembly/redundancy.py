@@ -86,32 +86,24 @@ def find_redundancy(task: Task, q: FloatArray, drivers: BoolArray, v: FloatArray
     return Findings(lasting, dependent_rows(_scaled(task, q), rows), len(rows))
 
 
-def structural_redundancy(task: Task, q: FloatArray, drivers: BoolArray) -> list[Dependency]:
-    """Dependencies among the joints at every position, assembled or not."""
-    order = np.flatnonzero(~drivers).tolist()
-    random = np.random.default_rng(2)
-    others = [q + 0.3 * random.normal(size=len(q)) * task.scale for _ in range(2)]
-    return _fewest(task, order, dependent_rows(_scaled(task, q), order), others)
+def dependent_joints(task: Task, q: FloatArray, drivers: BoolArray) -> list[Dependency]:
+    """Dependencies among the joints at every position, assembled or not.
 
-
-def overdetermined_rows(task: Task, q: FloatArray, drivers: BoolArray) -> list[Dependency]:
-    """Dependencies among more joints than coordinates, where they come nearest to closing.
-
-    The residual of contradictory constraints is a combination that no motion changes.
+    Else, of more joints than coordinates, those at q, where they come nearest to closing: the
+    residual of contradictory constraints is a combination that no motion changes.
     """
     order = np.flatnonzero(~drivers).tolist()
-    return dependent_rows(_scaled(task, q), order) if len(order) > len(q) else []
+    here = dependent_rows(_scaled(task, q), order)
+    random = np.random.default_rng(2)
+    others = [q + 0.3 * random.normal(size=len(q)) * task.scale for _ in range(2)]
+    return _fewest(task, order, here, others) or (here if len(order) > len(q) else [])
 
 
 def _fewest(
     task: Task, order: list[int], here: list[Dependency], others: list[FloatArray]
 ) -> list[Dependency]:
     """The fewest dependencies at any position: those `here`, and at the `others`."""
-    fewest = here
-    for q in others if here else ():
-        there = dependent_rows(_scaled(task, q), order)
-        fewest = there if len(there) < len(fewest) else fewest
-    return fewest
+    return min([here, *(dependent_rows(_scaled(task, q), order) for q in others)], key=len)
 
 
 def _scaled(task: Task, q: FloatArray) -> FloatArray:
@@ -132,21 +124,16 @@ def undetermined_rows(task: Task, q: FloatArray) -> list[int]:
 def _neighbours(task: Task, q: FloatArray, drivers: BoolArray, v: FloatArray) -> list[FloatArray]:
     """Assembled positions a little way off, along the motion that the joints leave."""
     joints = task._replace(rows=~drivers, free=np.ones(len(q), dtype=np.bool_))
-    matrix = joints.slopes(q)
-    if matrix.shape[0]:
-        _, values, right = np.linalg.svd(matrix)
-        count = int(np.sum(values > LOST * max(1.0, float(values.max(initial=0.0)))))
-        motions = right[count:]
-    else:
-        motions = np.eye(len(q))
+    _, values, right = np.linalg.svd(joints.slopes(q))
+    motions = right[int(np.sum(values > LOST * max(1.0, float(values.max(initial=0.0))))) :]
+    if not len(motions):
+        return []
     neighbours = []
     random = np.random.default_rng(3)
     along = motions.T @ (motions @ (v / task.scale))
     tried = [along, along] if np.linalg.norm(along) > 0.0 else []
     tried += [random.normal(size=len(motions)) @ motions for _ in _SIZES[2:]]
     for direction, size in zip(tried, _SIZES, strict=False):
-        if not len(motions):
-            break
         begin = q + size * direction / np.linalg.norm(direction) * task.scale
         # Newton's method may fall back into q where motions cross; the nearest point does not.
         for moved in (refine(joints, begin), refine(joints, nearest(joints, begin))):

@@ -33,6 +33,7 @@ app.command()(studies.matters)
 app.command()(studies.accuracy)
 
 Out = Annotated[Path | None, option("File for the result: .nc, .csv, .parquet or .html.")]
+_SHOWN = 12  # events, before it says how many more there are
 Points = Annotated[int, option("Number of output instants, ends included.", min=2)]
 
 
@@ -166,10 +167,9 @@ def _run(
         machine = load(model, scene)
         result = analyse(machine, **common.start_values(settings, guess))
         saved = None if out is None else result.save(out)
-    from runtime.results.summary import accuracy, events, last_values, summary
-
     failed = result.failed
-    for line in (repr(result), *accuracy(result), *events(result)):
+    error = [] if result.accuracy is None else result.accuracy.sentences()[1:]
+    for line in (repr(result), *(f"  {sentence}" for sentence in error), *_event_lines(result)):
         common.write_line(line)
     if saved is not None:
         count = len(result.t)
@@ -181,9 +181,38 @@ def _run(
     if as_json:
         common.print_json(summary(result, saved))
     elif not failed:
-        for line in last_values(result):
-            sys.stdout.write(line + "\n")
+        width = max((len(row.name) for row in result.description.coordinates), default=0)
+        for row, q in zip(result.description.coordinates, result.samples.q[-1], strict=True):
+            sys.stdout.write(f"{row.name:<{width}}  {q: .9g} {row.unit}\n")
     raise typer.Exit(1 if failed else 0)
+
+
+def summary(result: "Result", saved: Path | None) -> dict[str, Any]:
+    """The JSON object of a run."""
+    from runtime.results.samples import plain
+
+    names, last, some = result.description.coordinates, result.samples, len(result.t) > 0
+    return {
+        "ok": not result.failed,
+        **result.facts(),
+        "instants": len(result.t),
+        "t": [float(result.t[0]), float(result.t[-1])] if some else [],
+        "q": {row.name: plain(last.q[-1, i]) for i, row in enumerate(names)} if some else {},
+        "v": {row.velocity: plain(last.v[-1, i]) for i, row in enumerate(names)} if some else {},
+        "events": [{"t": e.time, "name": e.name, "what": e.what} for e in result.events],
+        "saved": None if saved is None else str(saved),
+    }
+
+
+def _event_lines(result: "Result") -> list[str]:
+    """The events, a line each; of many, the first and the last ones."""
+    happened = result.events
+    width = max((len(event.what) for event in happened), default=0)
+    lines = [f"  t = {e.time:<14.9g} {e.what:<{width}}  {e.name}" for e in happened]
+    if len(lines) <= _SHOWN:
+        return lines
+    half = _SHOWN // 2
+    return [*lines[:half], f"  … {len(lines) - 2 * half} more events …", *lines[-half:]]
 
 
 def _instants(first: float, last: float, count: int) -> list[float]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers
+from runtime.core.array_types import Context
 from runtime.core.jit import addressed
 from runtime.core.kernel_abi import correction_of
 from runtime.core.loop_record import run_record
@@ -17,15 +17,13 @@ from runtime.core.rounding import EPS
 
 ITERATIONS = 10  # safety: Newton iterations before the return counts as failed
 FAILED = -1_000_000  # negative also when iterations of other stages are added to it
-# accuracy: relative change of a position that is rounding; a machine at rest stays there
-_ROUNDING = 2.0 * EPS
-# accuracy: relative change of a position below which the velocities are right too
-_POSITION = 3e-14
+_ROUNDING = 2.0 * EPS  # accuracy: relative change of a position that is rounding, as at rest
+_POSITION = 3e-14  # accuracy: relative change of a position below which velocities are right too
 _VELOCITY = 1e-8  # accuracy: relative change of a velocity that one linear solve brings to rounding
 
 
 @addressed(ft.CORRECT)
-def return_to_constraints(context: Integers, t: float, index: int, weighing: int) -> int:
+def return_to_constraints(context: Context, t: float, index: int, weighing: int) -> int:
     """Bring the state in row `index` of the workspace onto the constraints at time `t`.
 
     Row `weighing` holds the weights: `PARTITION` holds the independent coordinates, `PROJECTION`
@@ -33,12 +31,10 @@ def return_to_constraints(context: Integers, t: float, index: int, weighing: int
     `FAILED` where the iteration does not converge. `run.weak_return` names a constraint with a weak
     pivot.
     """
-    correction, p, r = correction_of(context), ft.parameters_of(context), run_record(context)
+    correction, p, r = correction_of(context), context.parameters, run_record(context)
     q, v = ws.positions(context, index), ws.velocities(context, index)
-    dq, dv = ws.first_half(context, ws.DELTA), ws.second_half(context, ws.DELTA)
+    dq, dv, n, previous = context.dq, context.dv, q.size, np.inf
     weights, size = ws.first_half(context, weighing), ws.row_of(context, ws.SIZE)
-    n = q.size
-    previous = np.inf
     for iteration in range(1, ITERATIONS + 1):
         r.weak_return = correction(t, q, v, p, weights, dq, dv)
         moved, turned = 0.0, 0.0

@@ -9,26 +9,23 @@ Mechanical Design 104, 1982.)
 
 import numpy as np
 
-from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, matrix, vector
+from runtime.core.array_types import Context, Integers, Matrix, Vector, i8, integers, matrix, vector
 from runtime.core.jit import compiled, fetched, inner
 from runtime.linalg.full_pivoting import factor_fully
 from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.linalg.row_elimination import Sparse, fill_dense
+from runtime.linalg.vectors import largest_magnitude
 
 
 @inner
 def factor_over_largest(dense: Matrix, row_order: Integers, column_order: Integers) -> int:
     """As `factor_fully`, each row first divided by its largest entry."""
-    m, n = dense.shape
-    for i in range(m):
-        largest = 0.0
-        for j in range(n):
-            largest = max(largest, abs(dense[i, j]))
+    for i in range(dense.shape[0]):
+        largest = largest_magnitude(dense[i])
         if largest > 0.0:
-            for j in range(n):
+            for j in range(dense.shape[1]):
                 dense[i, j] /= largest
     return factor_fully(dense, row_order, column_order, NO_PIVOT)
 
@@ -50,32 +47,30 @@ def order_by_pivots(
 
 
 @fetched
-def evaluate_jacobian(context: Integers, t: float, q: Vector) -> Sparse:
+def evaluate_jacobian(context: Context, t: float, q: Vector) -> Sparse:
     """Φ_q at (t, q)."""
-    values = ft.jacobian_values_of(context)
-    abi.jacobian_of(context)(t, q, ft.parameters_of(context), values)
-    return Sparse(ft.jacobian_rows_of(context), ft.jacobian_columns_of(context), values)
+    abi.jacobian_of(context)(t, q, context.parameters, context.jacobian_values)
+    return Sparse(context.jacobian_rows, context.jacobian_columns, context.jacobian_values)
 
 
 @inner
-def choose_independent(context: Integers, t: float, q: Vector) -> int:
+def choose_independent(context: Context, t: float, q: Vector) -> int:
     """Choose the independent coordinates at (t, q); the rank of the Jacobian.
 
     Sets the weights of the correction, which are 0 on independent coordinates and scale² on
     dependent ones, and the orders of rows and columns as `order_by_pivots` does.
     """
-    weights, scale = ws.first_half(context, ws.PARTITION), ws.second_half(context, ws.PARTITION)
-    dense, column_order = ft.dense_jacobian_of(context), ft.column_order_of(context)
+    scale, dense, column_order = context.scale, context.dense_jacobian, context.column_order
     fill_dense(evaluate_jacobian(context, t, q), scale, dense)
-    rank = factor_over_largest(dense, ft.row_order_of(context), column_order)
+    rank = factor_over_largest(dense, context.row_order, column_order)
     for position in range(column_order.size):
         j = column_order[position]
-        weights[j] = scale[j] ** 2 if position < rank else 0.0
+        context.partition[j] = scale[j] ** 2 if position < rank else 0.0
     return rank
 
 
 @inner
-def column_norm(context: Integers, t: float, independent: int) -> float:
+def column_norm(context: Context, t: float, independent: int) -> float:
     """Largest entry of a column of H in dq_dependent = H dq_independent at Y1, coordinates scaled.
 
     It costs two calls of `correction`, and grows without bound where the partition becomes
@@ -83,10 +78,8 @@ def column_norm(context: Integers, t: float, independent: int) -> float:
     by this number. Row `UNIT` is left with the velocities of the probe, and the dependent
     velocities with the independent coordinates at rest.
     """
-    correction, p = abi.correction_of(context), ft.parameters_of(context)
-    q = ws.positions(context, ws.Y1)
-    weights, scale = ws.first_half(context, ws.PARTITION), ws.second_half(context, ws.PARTITION)
-    dq, dv = ws.first_half(context, ws.DELTA), ws.second_half(context, ws.DELTA)
+    correction, q, p = abi.correction_of(context), context.q1, context.parameters
+    weights, scale, dq, dv = context.partition, context.scale, context.dq, context.dv
     probe, driven = ws.first_half(context, ws.UNIT), ws.second_half(context, ws.UNIT)
     probe[:] = 0.0
     correction(t, q, probe, p, weights, dq, driven)

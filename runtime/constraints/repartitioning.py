@@ -5,37 +5,36 @@ import numpy as np
 from runtime.constraints.partitioning import choose_independent, column_norm
 from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers
+from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
 from runtime.linalg.vectors import copy_vector
 
-# measured: entries of H, which full pivoting keeps near one, that call for a repartition
-GROWTH_LIMIT = 2.0
+GROWTH_LIMIT = 2.0  # measured: entries of H, near one by full pivoting, that call for a repartition
 _CHECK_EVERY = 4  # measured: steps between probes of the independent coordinates
 
 
 @inner
-def log_partition(context: Integers, t: float) -> None:
+def log_partition(context: Context, t: float) -> None:
     """Append the time and the independent coordinates in force (1, others 0) to the log."""
-    r, weights = run_record(context), ws.first_half(context, ws.PARTITION)
-    times, sets, at = ft.log_times_of(context), ft.log_sets_of(context), r.logged_repartitions
-    times[at] = t
+    r, weights = run_record(context), context.partition
+    at = r.logged_repartitions
+    context.log_times[at] = t
     for j in range(weights.size):
-        sets[at, j] = 1 if weights[j] == 0.0 else 0
+        context.log_sets[at, j] = 1 if weights[j] == 0.0 else 0
     r.logged_repartitions += 1
     r.repartitions += 1
 
 
 @addressed(ft.REPARTITION)
-def repartition(context: Integers, t: float, state: int) -> int:
+def repartition(context: Context, t: float, state: int) -> int:
     """Choose the independent coordinates anew at the state in row `state`; log a change.
 
     Returns 1 where the choice changed, else 0. Where it did not, the limits that led here are
     doubled, so that the partition is not judged again at every step.
     """
     r = run_record(context)
-    weights, before = ws.first_half(context, ws.PARTITION), ws.first_half(context, ws.DELTA)
+    weights, before = context.partition, context.dq
     copy_vector(weights, before)
     r.rank = choose_independent(context, t, ws.positions(context, state))
     changed = 0
@@ -43,8 +42,7 @@ def repartition(context: Integers, t: float, state: int) -> int:
         if (before[j] > 0.0) != (weights[j] > 0.0):
             changed = 1
     if changed != 0:
-        r.ratio_limit = GROWTH_LIMIT
-        r.growth_limit = GROWTH_LIMIT
+        r.ratio_limit = r.growth_limit = GROWTH_LIMIT
         r.probe = 0
         log_partition(context, t)
     else:
@@ -54,7 +52,7 @@ def repartition(context: Integers, t: float, state: int) -> int:
 
 
 @inner
-def is_poorly_chosen(context: Integers, t: float) -> int:
+def is_poorly_chosen(context: Context, t: float) -> int:
     """Whether the independent coordinates no longer describe the motion well at Y1: 1, else 0.
 
     It costs nothing where the scaled velocities of dependent coordinates are not large against
@@ -65,10 +63,8 @@ def is_poorly_chosen(context: Integers, t: float) -> int:
     r, n = run_record(context), context[ft.COORDINATES]
     if r.rank >= n:
         return 0
-    column_order, v = ft.column_order_of(context), ws.velocities(context, ws.Y1)
-    weights, scale = ws.first_half(context, ws.PARTITION), ws.second_half(context, ws.PARTITION)
-    fastest_independent = 0.0
-    fastest_dependent = 0.0
+    v, weights, scale = context.v1, context.partition, context.scale
+    fastest_independent, fastest_dependent = 0.0, 0.0
     for j in range(n):
         speed = abs(v[j]) / scale[j]
         if weights[j] == 0.0:
@@ -87,7 +83,7 @@ def is_poorly_chosen(context: Integers, t: float) -> int:
         return 1 if column_norm(context, t, -r.probe) > limit else 0
     largest = 0.0
     for position in range(r.rank, n):
-        largest = max(largest, column_norm(context, t, column_order[position]))
+        largest = max(largest, column_norm(context, t, context.column_order[position]))
         r.corrections += 2
     if largest > r.growth_limit:
         return 1

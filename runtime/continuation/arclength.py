@@ -80,8 +80,7 @@ class Curve:
 
     def narrowness(self, point: Point) -> float:
         """The smallest singular value of Phi_q."""
-        values = np.linalg.svd(self.matrix(point.z)[:, :-1], compute_uv=False)
-        return float(values[-1])
+        return float(np.linalg.svd(self.matrix(point.z)[:, :-1], compute_uv=False)[-1])
 
     def point(self, z: FloatArray, along: FloatArray) -> Point | None:
         """The point at z, its tangent in the direction of `along`; None beyond the numbers."""
@@ -130,24 +129,20 @@ class Curve:
             if avoid is not None:
                 h = min(h, max(0.5 * float(np.linalg.norm(point.z - avoid)), _SMALLEST))
             there = self.across(point, h)
-            if (
-                there is None
-                or there.sign != point.sign
-                or float(there.tangent @ point.tangent) < _BENT
-            ):
+            turned = np.nan if there is None else float(there.tangent @ point.tangent)
+            if there is None or there.sign != point.sign or turned < _BENT:
                 h *= 0.5
                 if h < _SMALLEST:
                     return Trace(pieces, False, True)
                 continue
             if ahead * there.tangent[-1] <= 0.0:
                 s = self._locate(point, h, lambda there: float(there.tangent[-1]))
-                fold = self.across(point, s)
-                pieces.append(Piece(point, s, fold if fold is not None else there))
+                pieces.append(Piece(point, s, self.across(point, s) or there))
                 return Trace(pieces, True, False)
             pieces.append(Piece(point, h, there))
             if until(there):
                 return Trace(pieces, False, False)
-            if float(there.tangent @ point.tangent) > _STRAIGHT:
+            if turned > _STRAIGHT:
                 h = min(1.5 * h, _LARGEST)
             point = there
         return Trace(pieces, False, True)
@@ -155,38 +150,32 @@ class Curve:
     def at_time(self, piece: Piece, t: float) -> Point:
         """The point of a piece at the instant t, which lies within it."""
         s = self._locate(piece.start, piece.h, lambda there: float(there.z[-1]) - t * self.rate)
-        there = self.across(piece.start, s)
-        return piece.end if there is None else there
+        return self.across(piece.start, s) or piece.end
 
     def _locate(self, start: Point, h: float, function: Callable[[Point], float]) -> float:
-        """Length from `start`, up to h, at which a function of the curve's points vanishes."""
+        """Length from `start` at which a function, of the other sign at `h`, of points vanishes.
+
+        Regula falsi with the Illinois rule, a bisection every fourth time: it ends with neighbours.
+        """
 
         def value(s: float) -> float:
             there = self.across(start, s)
             return np.nan if there is None else function(there)
 
-        return _root(value, function(start), h)
-
-
-def _root(f: Callable[[float], float], f0: float, end: float) -> float:
-    """Root of f, which is `f0` at 0 and of the other sign at `end`.
-
-    Regula falsi with the Illinois rule, a bisection every fourth time: it ends with neighbours.
-    """
-    low, high, f_high = 0.0, end, f(end)
-    if f0 == 0.0 or f_high == 0.0 or not np.isfinite(f_high):
-        return low if f0 == 0.0 else high
-    for iteration in range(_ROOT):
-        if high - low <= 4e-16 * high:
-            break
-        middle = high - f_high * (high - low) / (f_high - f0)
-        if iteration % 4 == 3 or not low < middle < high:
-            middle = 0.5 * (low + high)
-        value = f(middle)
-        if value == 0.0 or not np.isfinite(value):
-            return middle
-        if (value > 0.0) == (f_high > 0.0):
-            high, f_high, f0 = middle, value, 0.5 * f0
-        else:
-            low, f0, f_high = middle, value, 0.5 * f_high
-    return 0.5 * (low + high)
+        low, high, f_low, f_high = 0.0, h, function(start), value(h)
+        if f_low == 0.0 or f_high == 0.0 or not np.isfinite(f_high):
+            return low if f_low == 0.0 else high
+        for iteration in range(_ROOT):
+            if high - low <= 4e-16 * high:
+                break
+            middle = high - f_high * (high - low) / (f_high - f_low)
+            if iteration % 4 == 3 or not low < middle < high:
+                middle = 0.5 * (low + high)
+            f = value(middle)
+            if f == 0.0 or not np.isfinite(f):
+                return middle
+            if (f > 0.0) == (f_high > 0.0):
+                high, f_high, f_low = middle, f, 0.5 * f_low
+            else:
+                low, f_low, f_high = middle, f, 0.5 * f_high
+        return 0.5 * (low + high)

@@ -6,8 +6,7 @@ import numpy as np
 
 from runtime.continuation.arclength import Curve, Piece
 from runtime.continuation.motion_across_branch_point import Zone
-from runtime.continuation.pivot_monitor import RECORD, Workspace
-from runtime.continuation.predictor_corrector import advance
+from runtime.continuation.predictor_corrector import RECORD, Workspace, advance
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.results.assembled_state import Assembly
@@ -119,7 +118,7 @@ class ContinuationState:
         """Restart the predictor-corrector at the present state."""
         r = self.record
         r.t, r.step, r.least, r.barrier, r.travel, r.best = t, step, -1.0, np.nan, 0.0, 0.0
-        self.a[:] = self.equations.motion(t, self.q, self.v, self.modes).a
+        self.a[:] = self.equations.motion(t, self.q, self.v, self.modes)[0]
 
     def sample(self) -> None:
         """Store the state if the next instant is the present one, so that `ahead` has a sign."""

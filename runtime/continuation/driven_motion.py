@@ -12,15 +12,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from runtime.continuation import motion_across_branch_point as across
 from runtime.continuation import singularity_classification as classification
 from runtime.continuation.arclength import Curve, Point
 from runtime.continuation.bifurcation_branches import RankDeficiency, is_ambiguous
 from runtime.continuation.continuation_state import ContinuationState, DrivenMotion
-from runtime.continuation.motion_across_branch_point import (
-    DISTANCE,
-    distance_between,
-    interpolate_branch,
-)
 from runtime.continuation.predictor_corrector import ARRIVED, DONE, SUSPECT
 from runtime.core.outcomes import Outcome
 from runtime.core.rounding import EPS
@@ -62,11 +58,17 @@ class Continuation:
 
     @cached_property
     def pace(self) -> float:
-        """Fastest pace of the drivers, 1/s, at least 1e-3."""
-        state = self.state
+        """Fastest rate at which the drivers move the constraints, 1/s, at least 1e-3.
+
+        At some instants and one position, since most laws of time do not depend on q.
+        """
+        state, equations = self.state, self.equations
         ends = state.began, float(state.times[0]), float(state.times[-1])
         seen = np.concatenate([np.linspace(*pair, _SEEN) for pair in pairwise(ends)])
-        return max(classification.pace(self.equations, seen, state.q, self.scale), 1e-3)
+        lengths = np.linalg.norm(equations.jacobian(seen[0], state.q) * self.scale, axis=1)
+        lengths[lengths == 0.0] = 1.0
+        rates = [np.linalg.norm(equations.velocity_rhs(t, state.q) / lengths) for t in seen]
+        return max([1e-3, *(float(rate) for rate in rates if np.isfinite(rate))])
 
     def run(self, progress: Progress) -> tuple[Outcome, str]:
         """Continue to the last instant, or to the end of the motion."""
@@ -109,7 +111,7 @@ class Continuation:
             state.return_to_good()
             r.step = max(r.step, _ABOUT / speed)
             t, ahead = state.t, state.ahead
-            barrier = found.t - ahead * 2.0 * DISTANCE / max(found.rate, found.speed)
+            barrier = found.t - ahead * 2.0 * across.DISTANCE / max(found.rate, found.speed)
             if (barrier - t) * ahead > 0.0:
                 r.barrier = barrier
                 return None
@@ -145,22 +147,22 @@ class Continuation:
             q = (self.positions.find(motion, 0.0) or found).q
             t = classification.driven_instant(equations, t, q)
             choices = self._deficiency(t, q).branches(coming)
-        branch_zone = None
+        zone = None
         if choices and (len(choices) == 1 or choices[0].far < _NEARER * choices[1].far):
-            branch_zone = interpolate_branch(equations, t, q, choices, self.scale, found.rate)
-        if branch_zone is not None and branch_zone.holds(state.t):
-            off = np.linalg.norm((branch_zone.at(state.t)[0] - state.q) / self.scale)
-            apart = distance_between(choices, self.scale)
+            zone = across.interpolate_branch(equations, t, q, choices, self.scale, found.rate)
+        if zone is not None and zone.holds(state.t):
+            off = np.linalg.norm((zone.at(state.t)[0] - state.q) / self.scale)
+            apart = across.distance_between(choices, self.scale)
             if off > _NEARER * apart * abs(t - state.t) + 1e-9:
-                branch_zone = None
-        if branch_zone is None:
+                zone = None
+        if zone is None:
             return Outcome.SINGULAR, self._unclear()
-        entry = branch_zone.t - state.ahead * _WITHIN * branch_zone.reach
-        if not branch_zone.holds(state.t) and (entry - state.t) * state.ahead > 0.0:
+        entry = zone.t - state.ahead * _WITHIN * zone.reach
+        if not zone.holds(state.t) and (entry - state.t) * state.ahead > 0.0:
             state.record.barrier = entry  # nearer than most: go there first
             return None
         self.awaited = None
-        if state.cross(branch_zone, np.sign(t - state.t) or state.ahead):
+        if state.cross(zone, np.sign(t - state.t) or state.ahead):
             self._record("crossing", t, q, choices[0].v)
         return None
 
@@ -179,10 +181,10 @@ class Continuation:
         else:
             found = self.positions.find(taylor(t, q, state.v, state.a), 0.0)
             rate = state.speed if found is None else found.rate
-            branch_zone = interpolate_branch(equations, t, q, choices, scale, rate)
-            if branch_zone is None:
+            zone = across.interpolate_branch(equations, t, q, choices, scale, rate)
+            if zone is None:
                 raise classification.no_start(equations, position, [])
-            state.cross(branch_zone, state.ahead)
+            state.cross(zone, state.ahead)
         self.singular.append(position._replace(v=choices[0].v))
         self.notes += (
             f" Started in a singular position at t = {t:.6g} s, on the branch nearest to "

@@ -24,29 +24,19 @@ _FEW = 4  # layout: branches that a message lists
 
 def describe(at: RankDeficiency, kind: Kind, v: FloatArray, rate: float) -> SingularPosition:
     """Describe a singular position and the velocities there; `rate` is the drivers' pace, 1/s."""
-    description = at.equations.description
-    count, null = at.k, at.null
-    if len(at.rows) < at.equations.m:
-        count, null = _of_all(at)
+    table = at.equations.description.constraints
+    count, null = (at.k, at.null) if len(at.rows) == at.equations.m else _of_all(at)
     part = np.abs(at.left).max(axis=1)
     elements = [
-        description.constraints[int(at.rows[row])].element
+        table[int(at.rows[row])].element
         for row in np.argsort(-part, kind="stable")
         if part[row] > _PART * part.max()
     ]
-    named = tuple(dict.fromkeys(elements))
     return SingularPosition(
-        kind=kind,
-        time=at.t,
-        drivers=tuple(name for name in named if name in description.drivers),
-        joints=tuple(name for name in named if name not in description.drivers),
-        lost=count,
-        null_directions=tuple(_named(at.equations, x) for x in _simple(null)),
-        singular_value=float(at.values[-1]),
-        drift=at.drift(rate),
-        q=at.q.copy(),
-        v=v.copy(),
-    )
+        kind, at.t, *_drivers_and_joints(at.equations, elements), count,
+        tuple(_named(at.equations, x) for x in _simple(null)), singular_value=float(at.values[-1]),
+        drift=at.drift(rate), q=at.q.copy(), v=v.copy(),
+    )  # fmt: skip
 
 
 def describe_crossings(
@@ -56,36 +46,27 @@ def describe_crossings(
 
     A simulation keeps one constraint and one direction of each, and no state.
     """
-    description = equations.description
     units = mobility / equations.scale(equations.size(t, q))
+    table = equations.description.constraints
     found = []
     for row in run:
-        element = description.constraints[row.row].element
-        driver = element in description.drivers
+        named = _drivers_and_joints(equations, [table[row.row].element])
+        direction = _named(equations, row.direction * units)
         found.append(
-            SingularPosition(
-                kind="crossing",
-                time=row.t,
-                drivers=(element,) if driver else (),
-                joints=() if driver else (element,),
-                lost=row.lost,
-                null_directions=(_named(equations, row.direction * units),),
-                singular_value=np.nan,
-                drift=np.nan,
-            )
+            SingularPosition("crossing", row.t, *named, row.lost, (direction,), np.nan, np.nan)
         )
     return tuple(found)
 
 
-def pace(equations: Equations, times: FloatArray, q: FloatArray, scale: FloatArray) -> float:
-    """Fastest rate at which the drivers move the constraints, rows of unit length, 1/s.
-
-    At the instants of a run and one position, since most laws of time do not depend on q.
-    """
-    lengths = np.linalg.norm(equations.jacobian(float(times[0]), q) * scale, axis=1)
-    lengths[lengths == 0.0] = 1.0
-    rates = [np.linalg.norm(equations.velocity_rhs(float(t), q) / lengths) for t in times]
-    return max((float(rate) for rate in rates if np.isfinite(rate)), default=0.0)
+def _drivers_and_joints(
+    equations: Equations, elements: Sequence[str]
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The drivers and the joints among these elements, each named once."""
+    names, drivers = dict.fromkeys(elements), equations.description.drivers
+    return (
+        tuple(name for name in names if name in drivers),
+        tuple(name for name in names if name not in drivers),
+    )
 
 
 def driven_instant(equations: Equations, t: float, q: FloatArray) -> float:
@@ -115,11 +96,8 @@ def lock_up(equations: Equations, found: SingularPosition) -> str:
 def undefined(equations: Equations, t: float, ahead: float, q: FloatArray) -> str:
     """The message where an element has no value a little later; empty where all have."""
     later = equations.constraints(t + ahead * 1e-6 * max(abs(t), 1e-3), q)
-    without = [
-        row.element
-        for row, gap in zip(equations.description.constraints, later, strict=True)
-        if not np.isfinite(gap)
-    ]
+    table = equations.description.constraints
+    without = [table[int(row)].element for row in np.flatnonzero(~np.isfinite(later))]
     if not without:
         return ""
     return (
@@ -182,13 +160,10 @@ def no_start(equations: Equations, found: SingularPosition, choices: list[Branch
 def _apart(equations: Equations, branch: Branch, choices: list[Branch]) -> str:
     """The velocities in which a branch differs from the others."""
     all_v = np.array([other.v for other in choices])
-    spread = np.ptp(all_v, axis=0)
-    differs = spread > 1e-6 * max(float(np.abs(all_v).max()), 1e-300)
-    return ", ".join(
-        f"{row.velocity} = {branch.v[k]:.6g} {row.velocity_unit}"
-        for k, row in enumerate(equations.description.coordinates)
-        if differs[k]
-    )
+    differs = np.ptp(all_v, axis=0) > 1e-6 * max(float(np.abs(all_v).max()), 1e-300)
+    coordinates = equations.description.coordinates
+    rows = ((coordinates[int(k)], branch.v[k]) for k in np.flatnonzero(differs))
+    return ", ".join(f"{row.velocity} = {v:.6g} {row.velocity_unit}" for row, v in rows)
 
 
 def _named(equations: Equations, x: FloatArray) -> dict[str, float]:

@@ -12,6 +12,7 @@ Matrix = NDArray[np.float64]
 Integers = NDArray[np.int64]
 IntegerMatrix = NDArray[np.int64]
 Kernel = Callable[..., Any]
+Context = Any  # a function table in compiled code: numbers by their slots, arrays by their names
 
 f8 = types.float64
 i8 = types.int64

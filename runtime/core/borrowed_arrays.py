@@ -14,6 +14,8 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np import arrayobj
 
+from runtime.core.array_types import tuple_type
+
 _arrays: Any = arrayobj  # numba leaves these untyped
 _tools: Any = cgutils
 
@@ -47,18 +49,24 @@ def pointer(context: Any, builder: Any, table: Any, slot: int, item: Any) -> Any
     return builder.inttoptr(word(builder, table, slot), kind)
 
 
-def _view(typing_context: Any, base: Any, start: Any, length: Any) -> Any:
-    """Elements `start` to `start + length` of a flat float64 or int64 array; bounds unchecked."""
+def _view(typing_context: Any, base: Any, start: Any, shape: Any) -> Any:
+    """An array in a flat float64 or int64 one from element `start` on; bounds unchecked.
+
+    `shape` is its length, or its numbers of rows and columns.
+    """
     if not (isinstance(base, types.Array) and base.ndim == 1 and base.layout == "C"):
         return None
-    signature = types.Array(base.dtype, 1, "C")(base, types.intp, types.intp)
+    pair = isinstance(shape, types.BaseTuple)
+    result = types.Array(base.dtype, 2 if pair else 1, "C")
+    signature = result(base, types.intp, tuple_type((types.intp,) * 2) if pair else types.intp)
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         source = open_array(context, builder, signature, arguments)
         data = builder.gep(source.data, [arguments[1]], inbounds=True)
-        return borrowed_array(context, builder, signature.return_type, data, [arguments[2]])
+        shape = _tools.unpack_tuple(builder, arguments[2]) if pair else [arguments[2]]
+        return borrowed_array(context, builder, signature.return_type, data, shape)
 
     return signature, codegen
 
 
-view: Callable[[Any, int, int], Any] = cast(Any, intrinsic(_view))
+view: Callable[[Any, int, int | tuple[int, int]], Any] = cast(Any, intrinsic(_view))

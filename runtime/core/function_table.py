@@ -1,13 +1,13 @@
 """The table by which compiled code reaches a machine, its method, the loop's parts and its arrays.
 
-`X_of(context)` takes a function or an array out of the table, ``context[X]`` is a number of it. A
-part that needs something rare thus costs the others nothing.
+`X_of(context)` takes a function or an array out of the table, ``context.x`` is an array of it, too,
+``context[X]`` a number. A part that needs something rare thus costs the others nothing.
 """
 
 from runtime.core.array_types import f8, i8, integers, none, vector
 from runtime.core.function_table_layout import TableLayout
 
-TABLE = TableLayout()  # the declaration that all below derives from
+TABLE = TableLayout(attributes=True)  # the declaration that all below derives from
 
 RECENT = 8  # instants of the last events that are kept
 
@@ -24,7 +24,6 @@ LOOPS = TABLE.number("loops")  # that kernels close in closed form
 PLAN_SIZE = TABLE.number("plan_size")  # of the elimination
 WORKSPACE_SIZE = TABLE.number("workspace_size")
 SWITCHING_SIZE = TABLE.number("switching_size")
-PIVOT_SIZE = TABLE.number("pivot_size")
 METHOD_FLOATS_SIZE = TABLE.number("method_floats_size")  # floats that a method remembers
 METHOD_INTEGERS_SIZE = TABLE.number("method_integers_size")  # integers that a method remembers
 LOG_ROWS = TABLE.number("log_rows")  # room for changes of the partition
@@ -93,9 +92,9 @@ margins_of = TABLE.function("margins", MARGINS)
 vanishing_of = TABLE.function("vanishing", VANISHING)
 guard_branches_of = TABLE.function("guard_branches", GUARD_BRANCHES)
 
-# The run: see `workspace` for the rows of the first two.
-workspace_of = TABLE.floats("workspace", WORKSPACE_SIZE)
-switching_rows_of = TABLE.floats("switching_rows", SWITCHING_SIZE)
+# The run: see `workspace_rows` for the rows of the first two.
+TABLE.floats("workspace", WORKSPACE_SIZE)
+TABLE.floats("switching_rows", SWITCHING_SIZE)
 parameters_of = TABLE.floats("parameters", PARAMETER_COUNT, allotted=False)
 modes_of = TABLE.integers("modes", SWITCHES)
 multipliers_of = TABLE.floats("multipliers", CONSTRAINT_COUNT)
@@ -105,60 +104,47 @@ method_floats_of = TABLE.floats("method_floats", METHOD_FLOATS_SIZE)  # of the m
 method_integers_of = TABLE.integers("method_integers", METHOD_INTEGERS_SIZE)  # of the method
 
 # The constraints: structure of the Jacobian, the partition, its changes.
-jacobian_rows_of = TABLE.integers("jacobian_rows", NONZEROS, allotted=False)
-jacobian_columns_of = TABLE.integers("jacobian_columns", NONZEROS, allotted=False)
-jacobian_values_of = TABLE.floats("jacobian_values", NONZEROS)
-dense_jacobian_of = TABLE.matrix("dense_jacobian", CONSTRAINT_COUNT, COORDINATES)
-flat_jacobian_of = TABLE.flat("dense_jacobian")
-row_order_of = TABLE.integers("row_order", CONSTRAINT_COUNT)
-column_order_of = TABLE.integers("column_order", COORDINATES)
-log_times_of = TABLE.floats("log_times", LOG_ROWS)
-log_sets_of = TABLE.integer_matrix("log_sets", LOG_ROWS, COORDINATES)
-weights_of = TABLE.floats("weights", (4, COORDINATES))  # of Baumgarte's terms
-pivots_of = TABLE.floats("pivots", PIVOT_SIZE)  # see `singularity.prediction`
-pivot_history_of = TABLE.floats("pivot_history", (2, None))
-pivot_columns_of = TABLE.integers("pivot_columns", CONSTRAINT_COUNT)
-elimination_plan_of = TABLE.integers("elimination_plan", PLAN_SIZE)
-loop_rows_of = TABLE.integers("loop_rows", LOOPS)
-loop_nearness_of = TABLE.floats("loop_nearness", (6, LOOPS))
+TABLE.integers("jacobian_rows jacobian_columns", NONZEROS, allotted=False)
+TABLE.floats("jacobian_values", NONZEROS)
+TABLE.matrix("dense_jacobian", CONSTRAINT_COUNT, COORDINATES)
+TABLE.flat("flat_jacobian", "dense_jacobian")
+row_order_of = TABLE.integers("row_order pivot_columns", CONSTRAINT_COUNT)
+TABLE.integers("column_order", COORDINATES)
+TABLE.floats("log_times", LOG_ROWS)
+TABLE.integer_matrix("log_sets", LOG_ROWS, COORDINATES)
+TABLE.floats("weights", (4, COORDINATES))  # of Baumgarte's terms
+TABLE.matrix("pivots", (4, None), CONSTRAINT_COUNT)  # see `singularity.prediction`
+TABLE.floats("pivot_history", (2, None))
+TABLE.integers("elimination_plan", PLAN_SIZE)
+TABLE.integers("loop_rows", LOOPS)
+TABLE.floats("loop_nearness", (6, LOOPS))
 
 # Switching functions.
-share_of = TABLE.floats("share", SWITCHES)
-share_low_of = TABLE.floats("share_low", SWITCHES)
-share_high_of = TABLE.floats("share_high", SWITCHES)
 rigid_of = TABLE.integers("rigid", SWITCHES)  # number of the rigid contact, or -1
-sticks_of = TABLE.integers("sticks", SWITCHES)  # 1: friction that sticks
-limits_of = TABLE.integers("limits", (2, SWITCHES))  # rows of a force and of its bound, or -1
-stiction_place_of = TABLE.integers("stiction_place", SWITCHES)  # of its force in p, or -1
-stiction_units_of = TABLE.floats("stiction_units", (2, SWITCHES))  # unit of the force, its bound
-restitution_of = TABLE.floats("restitution", RIGID_COUNT)
 spreads_of = TABLE.floats("spreads", SWITCHES)
+TABLE.floats("share share_low share_high", SWITCHES)
+TABLE.integers("sticks", SWITCHES)  # 1: friction that sticks
+TABLE.integers("limits", (2, SWITCHES))  # rows of a force and of its bound, or -1
+TABLE.integers("stiction_place", SWITCHES)  # of its force in p, or -1
+TABLE.floats("stiction_units", (2, SWITCHES))  # unit of the force, its bound
+TABLE.floats("restitution", RIGID_COUNT)
 
 # Sliding modes: the base, in which nothing slides, and the change by each function that does.
-kernel_modes_of = TABLE.integers("kernel_modes", SWITCHES)  # of the base
-sliding_functions_of = TABLE.integers("sliding_functions", SWITCHES)
-base_accelerations_of = TABLE.floats("base_accelerations", COORDINATES)
-base_multipliers_of = TABLE.floats("base_multipliers", CONSTRAINT_COUNT)
-unit_accelerations_of = TABLE.matrix("unit_accelerations", SWITCHES, COORDINATES)
-unit_multipliers_of = TABLE.matrix("unit_multipliers", SWITCHES, CONSTRAINT_COUNT)
-base_response_of = TABLE.floats("base_response", SWITCHES)  # d(dg/dt) or d(g̈) of the base
-response_of = TABLE.floats("response", SWITCHES, SWITCHES)  # the same of each change, by rows
-response_copy_of = TABLE.floats("response_copy", SWITCHES, SWITCHES)
-response_column_of = TABLE.floats("response_column", SWITCHES)
-response_rates_of = TABLE.floats("response_rates", SWITCHES)
-response_gaps_of = TABLE.floats("response_gaps", RIGID_COUNT)
-right_side_of = TABLE.floats("right_side", SWITCHES)
-reaction_of = TABLE.floats("reaction", REACTION_ROWS)  # mixed
-base_reaction_of = TABLE.floats("base_reaction", REACTION_ROWS)
-unit_reaction_of = TABLE.floats("unit_reaction", REACTION_ROWS)
-mixed_multipliers_of = TABLE.floats("mixed_multipliers", CONSTRAINT_COUNT)
+# Responses are d(dg/dt) or d(g̈): those of the base, and of each change, by rows.
+TABLE.integers("kernel_modes sliding_functions", SWITCHES)
+TABLE.floats("base_accelerations", COORDINATES)
+TABLE.floats("base_multipliers mixed_multipliers", CONSTRAINT_COUNT)
+TABLE.matrix("unit_accelerations", SWITCHES, COORDINATES)
+TABLE.matrix("unit_multipliers", SWITCHES, CONSTRAINT_COUNT)
+TABLE.floats("response response_copy", SWITCHES, SWITCHES)
+TABLE.floats("base_response response_column response_rates right_side", SWITCHES)
+TABLE.integers("response_pivots", SWITCHES)
+TABLE.floats("response_gaps", RIGID_COUNT)
+TABLE.floats("reaction base_reaction unit_reaction", REACTION_ROWS)  # the first is mixed
 
-# The search for consistent modes.
-candidate_modes_of = TABLE.integers("candidate_modes", SWITCHES)
-members_of = TABLE.integers("members", SWITCHES)
-signs_of = TABLE.integers("signs", SWITCHES)
-former_modes_of = TABLE.integers("former_modes", SWITCHES)
-crossed_of = TABLE.integers("crossed", (1, None))  # function of the event that was located
+# The search for consistent modes; the function of the event that was located.
+TABLE.integers("candidate_modes members signs former_modes", SWITCHES)
+crossed_of = TABLE.integers("crossed", (1, None))
 
 # Samples and events, made by `recording`.
 sample_times_of = TABLE.floats("sample_times", SAMPLE_TIMES, allotted=False)
@@ -166,6 +152,6 @@ out_times_of = TABLE.floats("out_times", OUT_ROWS, allotted=False)
 out_states_of = TABLE.matrix("out_states", OUT_ROWS, (2, COORDINATES), allotted=False)
 out_modes_of = TABLE.integer_matrix("out_modes", OUT_ROWS, SWITCHES, allotted=False)
 recent_events_of = TABLE.floats("recent_events", (RECENT, None))
-event_times_of = TABLE.floats("event_times", EVENT_ROWS, allotted=False)
-event_kinds_of = TABLE.integer_matrix("event_kinds", EVENT_ROWS, (2, None), allotted=False)
-event_states_of = TABLE.matrix("event_states", EVENT_ROWS, (2, COORDINATES), allotted=False)
+TABLE.floats("event_times", EVENT_ROWS, allotted=False)
+TABLE.integer_matrix("event_kinds", EVENT_ROWS, (2, None), allotted=False)
+TABLE.matrix("event_states", EVENT_ROWS, (2, COORDINATES), allotted=False)

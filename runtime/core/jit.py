@@ -81,6 +81,11 @@ class _Locked(_Dispatcher):  # type: ignore[misc]
         with global_compiler_lock, FileLock(f"{self._cache._cache_file._index_path}.lock"):
             return super().compile(signature)
 
+    def get_call_template(self, arguments: Any, named: Any) -> Any:
+        """Compile once for all integers: numba would once more for each constant argument."""
+        unliteral: Any = types.unliteral
+        return super().get_call_template([unliteral(kind) for kind in arguments], named)
+
 
 class _Addressed(_Locked):
     """A function that has no way in from Python: numba would jump to nowhere."""

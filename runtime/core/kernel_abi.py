@@ -18,20 +18,15 @@ from numba import types
 from runtime.core.array_types import Integers, Kernel, f8, i8, integers, none, vector
 from runtime.core.jit import addresses, at, compiled
 
-
-def _signature(arguments: str, returns: Any) -> Any:
-    """The type of a kernel: t is a number, modes are integers, all else is an array of floats."""
-    kinds = {"t": f8, "modes": integers}
-    return returns(*(kinds.get(name, vector) for name in arguments.split()))
-
-
 SIGNATURES: dict[str, Any] = {}  # Kernel → the signature that it is compiled for
 
 _STAND_INS: dict[str, Kernel] = {}
 
 
 def _kernel(name: str, arguments: str, stand_in: Kernel, returns: Any = none) -> Kernel:
-    SIGNATURES[name] = _signature(arguments, returns)
+    """Declare a kernel: t is a number, modes are integers, all else is an array of floats."""
+    kinds = {"t": f8, "modes": integers}
+    SIGNATURES[name] = returns(*(kinds.get(argument, vector) for argument in arguments.split()))
     _STAND_INS[name] = stand_in
     made: Kernel = field(default_factory=partial(find_stand_in, name))
     return made
@@ -43,53 +38,25 @@ def find_stand_in(name: str) -> Kernel:
     return compiled(SIGNATURES[name])(_STAND_INS[name])
 
 
-def _skip_3(q: Any, p: Any, out: Any) -> None:
-    return
-
-
-def _skip_4(t: Any, q: Any, p: Any, out: Any) -> None:
-    return
-
-
-def _skip_5(t: Any, q: Any, v: Any, p: Any, out: Any) -> None:
-    return
-
-
-def _skip_6(t: Any, q: Any, v: Any, p: Any, a: Any, out: Any) -> None:
-    return
-
-
-def _skip_7(t: Any, q: Any, v: Any, p: Any, modes: Any, lam: Any, out: Any) -> None:
-    return
-
-
-def _skip_8(t: Any, q: Any, v: Any, p: Any, modes: Any, dq: Any, dv: Any, da: Any) -> None:
-    return
-
-
-def _skip_9(
-    t: Any, q: Any, v: Any, p: Any, w: Any, dq_in: Any, dv_in: Any, dq: Any, dv: Any
-) -> None:
-    return
-
-
-def _no_constants(p: Any) -> None:
-    return
+# Stand-ins that leave what they are handed as it is, by the number of their arguments.
+def _skip_1(p: Any) -> None: ...
+def _skip_2(p: Any, out: Any) -> None: ...
+def _skip_3(q: Any, p: Any, out: Any) -> None: ...
+def _skip_4(t: Any, q: Any, p: Any, out: Any) -> None: ...
+def _skip_5(t: Any, q: Any, v: Any, p: Any, out: Any) -> None: ...
+def _skip_6(t: Any, q: Any, v: Any, p: Any, a: Any, out: Any) -> None: ...
+def _skip_7(t: Any, q: Any, v: Any, p: Any, modes: Any, lam: Any, out: Any) -> None: ...
+def _skip_8(t: Any, q: Any, v: Any, p: Any, modes: Any, dq: Any, dv: Any, da: Any) -> None: ...
+def _skip_9(t: Any, q: Any, v: Any, p: Any, w: Any, x: Any, y: Any, dq: Any, dv: Any) -> None: ...
 
 
 def _undefined_gamma(t: Any, q: Any, v: Any, p: Any, gamma: Any) -> None:
     gamma[:] = np.nan
 
 
-def _undefined_motion(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
-    a[:] = np.nan
-    lam[:] = np.nan
-    return 0
-
-
-def _undefined_correction(t: Any, q: Any, v: Any, p: Any, w: Any, dq: Any, dv: Any) -> int:
-    dq[:] = np.nan
-    dv[:] = np.nan
+def _undefined_pair(t: Any, q: Any, v: Any, p: Any, modes: Any, first: Any, second: Any) -> int:
+    first[:] = np.nan
+    second[:] = np.nan
     return 0
 
 
@@ -114,10 +81,6 @@ def _full_shares(p: Any, low: Any, high: Any) -> None:
     high[:] = 1.0
 
 
-def _no_contacts(p: Any, out: Any) -> None:
-    return
-
-
 @dataclass(frozen=True, eq=False)
 class Kernels:
     """The compiled functions of a scene, SI units; those that it has no use for are stand-ins.
@@ -133,15 +96,15 @@ class Kernels:
     `dead_centres` are x² and its rate of each loop that is closed in closed form.
     """
 
-    constants: Kernel = _kernel("constants", "p", _no_constants)
+    constants: Kernel = _kernel("constants", "p", _skip_1)
     constraints: Kernel = _kernel("constraints", "t q p phi", _skip_4)
     jacobian: Kernel = _kernel("jacobian", "t q p values", _skip_4)
     velocity_rhs: Kernel = _kernel("velocity_rhs", "t q p nu", _skip_4)
     acceleration_rhs: Kernel = _kernel("acceleration_rhs", "t q v p gamma", _undefined_gamma)
     mass: Kernel = _kernel("mass", "q p values", _skip_3)
     applied_forces: Kernel = _kernel("applied_forces", "t q v p modes force", _no_forces)
-    accelerations: Kernel = _kernel("accelerations", "t q v p modes a lam", _undefined_motion, i8)
-    correction: Kernel = _kernel("correction", "t q v p w dq dv", _undefined_correction, i8)
+    accelerations: Kernel = _kernel("accelerations", "t q v p modes a lam", _undefined_pair, i8)
+    correction: Kernel = _kernel("correction", "t q v p w dq dv", _undefined_pair, i8)
     potential: Kernel = _kernel("potential", "t q p modes", _no_potential, f8)
     potential_gradient: Kernel = _kernel("potential_gradient", "t q p modes gradient", _no_gradient)
     kinetic_energy: Kernel = _kernel("kinetic_energy", "q v p", _no_energy, f8)
@@ -151,8 +114,8 @@ class Kernels:
     switching_rates: Kernel = _kernel("switching_rates", "t q v a p rate", _skip_6)
     holds: Kernel = _kernel("holds", "p low high", _full_shares)
     gap_accelerations: Kernel = _kernel("gap_accelerations", "t q v a p out", _skip_6)
-    restitution: Kernel = _kernel("restitution", "p out", _no_contacts)
-    contact_scale: Kernel = _kernel("contact_scale", "p out", _no_contacts)
+    restitution: Kernel = _kernel("restitution", "p out", _skip_2)
+    contact_scale: Kernel = _kernel("contact_scale", "p out", _skip_2)
     switched_reactions: Kernel = _kernel("switched_reactions", "t q v p modes lam out", _skip_7)
     accelerations_tangent: Kernel = _kernel(
         "accelerations_tangent", "t q v p modes dq dv da", _skip_8

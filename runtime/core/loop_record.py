@@ -13,26 +13,20 @@ from runtime.core.borrowed_arrays import open_array, word
 from runtime.core.function_table import RECORD
 from runtime.core.jit import inlined
 
-_FLOATS = [
+_FLOATS = ["t_end", "h_min", "h_max", "rtol", "beta", "safety", "largest_dq"]
+_FLOATS += [
     "t",  # where the run stands
-    "t_end",
     "duration",  # of the whole run
     "h",  # length of the next step
-    "h_min",
-    "h_max",
-    "rtol",
     "error",  # of the last trial step, over the tolerance
     "error_old",  # of the last accepted step
     "remembered",  # error of the last step, as it counts for the next one's length; 0: none
     "length_old",  # of that step
     "exponent",  # of the step control, 1 over the order of the error
-    "beta",
-    "safety",
     "shrink",  # least ratio of two steps' lengths
     "grow",  # largest
     "ratio_limit",  # speeds of dependent over independent coordinates that ask for a probe
     "growth_limit",  # entry of H that asks for a new partition
-    "largest_dq",
     "event_span",  # time that the last `RECENT` events took
     "stretch",  # ratio of two steps' lengths that the switching functions allow
     "flight",  # time to the next impact of a contact that bounces
@@ -56,29 +50,18 @@ _FLOATS = [
     "foresight",  # change of the coordinates, in their sizes, over which one is looked for
     "lent_until",  # instant from which a method that was lent is not needed
 ]
-_INTEGERS = [
+_INTEGERS = ["stage_calls", "dense_rows", "dense_calls", "max_steps", "max_events"]
+_INTEGERS += ["steps", "rejected", "retakes", "events", "repartitions", "rhs", "dense_outputs"]
+_INTEGERS += ["jacobians", "factorizations"]
+_INTEGERS += [
     "last",  # row, after K, of the derivative at the end of a step
-    "stage_calls",
     "estimate_order",  # power of a step's length in the error estimate of the first one
-    "dense_rows",
-    "dense_calls",
     "fixed",  # 1: no error control
-    "steps",
-    "rejected",
-    "retakes",
-    "rhs",
     "corrections",  # calls of the kernel `correction`
     "returns",  # onto the constraints, begun at the ends of steps
     "automatic",  # 1: the method may be changed
     "patience",  # how many times longer than at first it is watched before that
     "iterations",  # of Newton's method in the steps of implicit methods
-    "jacobians",
-    "factorizations",
-    "dense_outputs",
-    "events",
-    "repartitions",
-    "max_steps",
-    "max_events",
     "every_step",  # kind of sampling: 0 at given instants, 1 at the end of every step, 2 quadrature
     "samples",  # rows of the output written
     "next_sample",  # of the instants asked for

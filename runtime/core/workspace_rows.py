@@ -15,6 +15,7 @@ from numba.extending import intrinsic
 from runtime.core.array_types import Integers, Vector
 from runtime.core.borrowed_arrays import borrowed_array, open_array, pointer, word
 from runtime.core.function_table import COORDINATES, SWITCHES, TABLE
+from runtime.core.function_table_layout import declare_attribute
 
 Y0 = 0  # state at the start of the step
 Y1 = 1  # state at its end
@@ -45,8 +46,7 @@ TRIAL = 7  # g at a trial point
 SCAN = 8  # first of SUBDIVISIONS + 1 rows: g at equal distances over the step
 SUBDIVISIONS = 8
 BETWEEN = SCAN + SUBDIVISIONS + 1  # first of 3 rows: g at points between the ends of the step
-MISMATCH = BETWEEN + 3  # how far these are from the cubic of g
-RESERVE = MISMATCH + 1  # running maximum of |g| while the function is in sliding mode
+RESERVE = BETWEEN + 3  # running maximum of |g| while the function is in sliding mode
 NOW = RESERVE + 1  # g itself, also in sliding mode
 RATE_NOW = NOW + 1  # its rate
 PREFERRED = RATE_NOW + 1  # mode that is tried first
@@ -56,10 +56,14 @@ FLIGHT = IMPACT_AT + 1  # time between its last two impacts
 SWITCH_ROWS = FLIGHT + 1
 
 
-def _row(array: str, count: int, factor: int, part: int | None) -> Any:
+_Row = Callable[[Integers, int], Vector]
+
+
+def _row(array: str, count: int, factor: int, part: int | None, **named: int) -> _Row:
     """An intrinsic that takes a row out of an array in the table, or a part of it.
 
     Rows have `factor` parts, each as long as the number in slot `count`.
+    The rows `named` become attributes of `context`.
     """
 
     def fetch(typing_context: Any, context: Any, index: Any) -> Any:
@@ -79,16 +83,20 @@ def _row(array: str, count: int, factor: int, part: int | None) -> Any:
 
         return signature, codegen
 
-    return intrinsic(fetch)
+    for name, row in named.items():
+        declare_attribute(name, fetch, row)
+    return cast(_Row, intrinsic(fetch))
 
 
-_Row = Callable[[Integers, int], Vector]
-
-row_of: _Row = cast(Any, _row("workspace", COORDINATES, 2, None))  # row of the workspace, (2 n,)
-first_half: _Row = cast(Any, _row("workspace", COORDINATES, 2, 0))  # first half of such a row, (n,)
-second_half: _Row = cast(Any, _row("workspace", COORDINATES, 2, 1))  # its second half, (n,)
+row_of = _row("workspace", COORDINATES, 2, None)  # row of the workspace, (2 n,)
+# The first and the second half of such a row, (n,).
+first_half = _row("workspace", COORDINATES, 2, 0, q0=Y0, q1=Y1, dq=DELTA, partition=PARTITION)
+second_half = _row("workspace", COORDINATES, 2, 1, v0=Y0, v1=Y1, dv=DELTA, scale=PARTITION)
 positions, velocities = first_half, second_half  # q and v of a row that holds a state
 position_rates, velocity_rates = first_half, second_half  # of a row that holds a derivative
-switch_row: _Row = cast(
-    Any, _row("switching_rows", SWITCHES, 1, None)
-)  # of the switching one, (s,)
+# Row of the switching workspace, (s,).
+switch_row = _row(
+    "switching_rows", SWITCHES, 1, None, g0=G0, r0=R0, g1=G1, r1=R1, largest=LARGEST, band=BAND,
+    suspect=SUSPECT, trial=TRIAL, reserve=RESERVE, now=NOW, rate_now=RATE_NOW, preferred=PREFERRED,
+    struck=STRUCK, impact_at=IMPACT_AT, flight=FLIGHT,
+)  # fmt: skip

@@ -1,7 +1,6 @@
 """Formulations: the coordinates in which a motion is integrated, and the return to all of them."""
 
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
 
@@ -21,7 +20,7 @@ _STEEP = 1e6
 _CORRECTIONS = ("step", "stage")
 
 
-class Coordinates(Protocol):
+class Coordinates:
     """The coordinates that are integrated, and their equations."""
 
     mechanism: Mechanism  # with kernels of least norm where constraints are redundant
@@ -37,10 +36,11 @@ class Coordinates(Protocol):
 
     def all_coordinates(self, run: Trajectory) -> Trajectory:
         """A run in all coordinates, its outcome in terms of all constraints."""
+        return run
 
 
-class CartesianCoordinates:
-    """The machine's own coordinates; see `Coordinates`."""
+class CartesianCoordinates(Coordinates):
+    """The machine's own coordinates."""
 
     def __init__(self, ready: PreparedSimulation, method: str, correction: Correction) -> None:
         begin, self.mechanism, self.correction = ready.begin, ready.mechanism, correction
@@ -55,13 +55,9 @@ class CartesianCoordinates:
         self.q, self.v = np.ascontiguousarray(begin.q), np.ascontiguousarray(begin.v)
         self.scale = self.mobility = _mobility(Equations(ready.mechanism, ready.p).mass(begin.q))
 
-    def all_coordinates(self, run: Trajectory) -> Trajectory:
-        """The run itself."""
-        return run
 
-
-class ReducedCoordinates:
-    """Coordinates that no constraint gives explicitly; see `Coordinates`.
+class ReducedCoordinates(Coordinates):
+    """Coordinates that no constraint gives explicitly.
 
     Raises InputError with all reasons why this machine has none.
     """
@@ -98,25 +94,18 @@ class ReducedCoordinates:
         free = np.zeros((len(run.partitions.t), n), dtype=np.bool_)
         free[:, reduced.kept] = run.partitions.independent
         switched = run.outcome.of_switch or run.index < 0
+        crossings = []
+        for crossing in run.crossings:
+            direction = np.zeros(n)
+            direction[reduced.kept] = crossing.direction
+            row = reduced.row(crossing.row)
+            crossings.append(replace(crossing, row=row, direction=direction))
         return replace(
-            run,
-            q=all_q[:count],
-            v=all_v[:count],
-            final_q=all_q[-1],
-            final_v=all_v[-1],
+            run, q=all_q[:count], v=all_v[:count], final_q=all_q[-1], final_v=all_v[-1],
             events=replace(events, q=all_q[count:-1], v=all_v[count:-1]),
             partitions=replace(run.partitions, independent=free),
-            index=run.index if switched else reduced.row(run.index),
-            crossings=tuple(
-                replace(one, row=reduced.row(one.row), direction=self._embedded(one.direction))
-                for one in run.crossings
-            ),
-        )
-
-    def _embedded(self, direction: FloatArray) -> FloatArray:
-        full = np.zeros(len(self.mechanism.description.coordinates))
-        full[self.reduced.kept] = direction
-        return full
+            index=run.index if switched else reduced.row(run.index), crossings=tuple(crossings),
+        )  # fmt: skip
 
     def _refuse_dead_centre(self) -> None:
         description, (t, _) = self.mechanism.description, self._start

@@ -60,17 +60,11 @@ def kinematics(
         )
     motion.stats["wall_seconds"] = clock.perf_counter() - began
     return Result(
-        mechanism.description,
-        samples,
-        p,
-        analysis=analysis,
-        outcome=motion.outcome,
-        message=message + redundancy_note(start),
-        stats=motion.stats,
+        mechanism.description, samples, p, analysis=analysis, outcome=motion.outcome,
+        message=message + redundancy_note(start), stats=motion.stats,
         events=[_event(row) for row in motion.singular if row.kind in _DIRECTIONS],
-        not_unique=start.not_unique,
-        singular=motion.singular,
-    )
+        not_unique=start.not_unique, singular=motion.singular,
+    )  # fmt: skip
 
 
 def inverse_dynamics(

@@ -3,33 +3,26 @@
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from runtime.core import array_types as arrays
 from runtime.core import kernel_abi as abi
-from runtime.core.array_types import (
-    integer_matrix,
-    integers,
-    matrix,
-    named_tuple_type,
-    none,
-    vector,
-)
+from runtime.core.array_types import IntegerMatrix, Matrix, Vector, integers, none, vector
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.modes import SLIDING
 from runtime.linalg.vectors import largest_magnitude
 from runtime.mechanism.loaded_mechanism import Mechanism
 from runtime.results.samples import Samples
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 ENERGIES = ("kinetic_energy", "potential")
-SAMPLES = named_tuple_type([vector, *[matrix] * 8, integer_matrix, matrix], Samples)
-"""numba's type of `Samples`."""
+# numba's type of `Samples`
+SAMPLES = arrays.named_tuple_type(
+    [vector, *[arrays.matrix] * 8, arrays.integer_matrix, arrays.matrix], Samples
+)
 
 
-@compiled(none(
-    ADDRESSES, SAMPLES, vector, integer_matrix, integers, integers, vector, vector
-))  # fmt: skip
+@compiled(
+    none(ADDRESSES, SAMPLES, vector, arrays.integer_matrix, integers, integers, vector, vector)
+)
 def _evaluate(
     kernels: Any, s: Any, p: Any, modes: Any, rows: Any, columns: Any, slopes: Any, phi: Any
 ) -> None:
@@ -70,8 +63,8 @@ def _find_modes(kernels: Any, s: Any, p: Any, g: Any, rate: Any) -> None:
 
 
 def evaluate(
-    mechanism: Mechanism, p: FloatArray, t: FloatArray, q: FloatArray, v: FloatArray,
-    modes: IntArray | None = None,
+    mechanism: Mechanism, p: Vector, t: Vector, q: Matrix, v: Matrix,
+    modes: IntegerMatrix | None = None,
 ) -> Samples:  # fmt: skip
     """Accelerations, reactions, powers, energies and residuals at the instants `t`, (k,).
 

@@ -25,29 +25,15 @@ from runtime.results.samples import Partition
 from runtime.validation.arguments import instants
 from runtime.validation.scene_support import driven_note
 
-_DRIVER_NOTE = "A driver may ask for more than the joints permit; `kinematics` names the lock-up."
-
 
 def simulate(
-    mechanism: Mechanism,
-    t_end: float,
-    t_eval: npt.ArrayLike | None = None,
-    *,
-    t_start: float = 0.0,
-    method: str = "dop853",
-    rtol: float = 1e-8,
-    atol: float | None = None,
-    parameters: Values | None = None,
-    guess: Values | None = None,
-    start: Assembly | None = None,
-    correction: Correction = "step",
-    formulation: Formulation = "cartesian",
-    time_scale: float | None = None,
-    first_step: float | None = None,
-    max_step: float | None = None,
-    max_steps: int = 100_000_000,
-    progress: Progress = silent,
-) -> Result:
+    mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | None = None, *,
+    t_start: float = 0.0, method: str = "dop853", rtol: float = 1e-8, atol: float | None = None,
+    parameters: Values | None = None, guess: Values | None = None, start: Assembly | None = None,
+    correction: Correction = "step", formulation: Formulation = "cartesian",
+    time_scale: float | None = None, first_step: float | None = None,
+    max_step: float | None = None, max_steps: int = 100_000_000, progress: Progress = silent,
+) -> Result:  # fmt: skip
     """Integrate the equations of motion from the assembled start; see `Machine.simulate`."""
     began = clock.perf_counter()
     ready = PreparedSimulation(
@@ -56,17 +42,10 @@ def simulate(
     coordinates = formulate(ready, formulation, method, correction)
     # An unknown method is refused by the integrator, together with all else that is wrong.
     options = Options(
-        method=method,
-        rtol=rtol,
-        atol_q=atol,
-        atol_v=atol,
-        t_eval=None if t_eval is None else instants(t_eval),
-        correction=coordinates.correction,
-        time_scale=time_scale,
-        first_step=first_step,
-        h_max=max_step,
-        max_steps=max_steps,
-    )
+        method=method, rtol=rtol, atol_q=atol, atol_v=atol,
+        t_eval=None if t_eval is None else instants(t_eval), correction=coordinates.correction,
+        time_scale=time_scale, first_step=first_step, h_max=max_step, max_steps=max_steps,
+    )  # fmt: skip
     return finish_simulation(ready, coordinates, options, began, progress)
 
 
@@ -84,8 +63,7 @@ def finish_simulation(
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
     result = _result(mechanism, run, ready.p, began, begin)
     if works:
-        times = None if options.t_eval is None else np.asarray(options.t_eval, dtype=np.float64)
-        integrate_works(result, len(run.t), times)
+        integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
     result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)
     result.message += driven_note(mechanism, begin.degrees_of_freedom)
@@ -136,17 +114,10 @@ def _result(
         for t, chosen in zip(run.partitions.t, run.partitions.independent, strict=True)
     ]
     return Result(
-        mechanism.description,
-        samples,
-        p,
-        analysis="simulation",
-        outcome=run.outcome,
-        message=_message(mechanism, run) + redundancy_note(begin),
-        stats=stats,
-        events=events,
-        partitions=partitions,
-        not_unique=begin.not_unique,
-    )
+        mechanism.description, samples, p, analysis="simulation", outcome=run.outcome,
+        message=_message(mechanism, run) + redundancy_note(begin), stats=stats, events=events,
+        partitions=partitions, not_unique=begin.not_unique,
+    )  # fmt: skip
 
 
 def _methods_note(run: Trajectory) -> str:
@@ -188,19 +159,17 @@ def _message(mechanism: Mechanism, run: Trajectory) -> str:
         )
     description = mechanism.description
     where = ""
-    if run.index >= 0:
-        if run.outcome.of_switch:
-            switch = description.switches[run.index]
-            where = f", condition {switch.condition} of {switch.name}"
-        else:
-            row = description.constraints[run.index]
-            where = f", {'driver' if row.element in description.drivers else 'joint'} {row.name}"
-    note = f" {run.note}" if run.note else ""
-    advice = f" {run.outcome.advice}"
+    if run.index >= 0 and run.outcome.of_switch:
+        switch = description.switches[run.index]
+        where = f", condition {switch.condition} of {switch.name}"
+    elif run.index >= 0:
+        row = description.constraints[run.index]
+        where = f", {'driver' if row.element in description.drivers else 'joint'} {row.name}"
+    note, advice = f" {run.note}" if run.note else "", f" {run.outcome.advice}"
     if run.outcome is Outcome.SINGULAR and run.note:
         advice = ""  # the note has its own
     elif run.outcome is Outcome.SINGULAR and description.drivers:
-        note = f" {_DRIVER_NOTE}"
+        note = " A driver may ask for more than the joints permit; `kinematics` names the lock-up."
     if run.outcome in {Outcome.SINGULAR, Outcome.NEWTON_FAILED} and run.statistics.steps == 0:
         fixed = ", ".join(row.name for row in description.start if row.role == "fixed")
         return (

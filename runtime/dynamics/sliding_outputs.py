@@ -11,8 +11,8 @@ from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.kernel_abi import powers_of
 from runtime.core.modes import SLIDING
 from runtime.dynamics.output_quantities import SAMPLES
+from runtime.hybrid.filippov_shares import mix_reactions
 from runtime.hybrid.mode_consistency import count_sliding
-from runtime.hybrid.mode_reactions import mix_reactions
 from runtime.hybrid.stiction_force import set_unit
 from runtime.integrate.wiring import wire
 from runtime.mechanism.loaded_mechanism import Mechanism
@@ -21,12 +21,8 @@ from runtime.results.samples import Samples
 
 @compiled(none(ADDRESSES, ADDRESSES, integers, SAMPLES, vector, matrix))
 def _mix_rows(context: Any, kernels: Any, rows: Any, s: Any, p: Any, powers: Any) -> None:
-    m, base, other = context[ft.CONSTRAINT_COUNT], powers[0], powers[1]
-    modes, sliding = ft.kernel_modes_of(context), ft.sliding_functions_of(context)
-    share, high = ft.share_of(context), ft.share_high_of(context)
-    places, limits = ft.stiction_place_of(context), ft.limits_of(context)
-    base_lam, unit_lam = ft.base_multipliers_of(context), ft.unit_multipliers_of(context)
-    reaction, lam = ft.reaction_of(context), ft.mixed_multipliers_of(context)
+    base, other, reaction = powers[0], powers[1], context.reaction
+    modes, base_lam, lam = context.kernel_modes, context.base_multipliers, context.mixed_multipliers
     evaluate_powers = powers_of(kernels)
     for row in rows:
         t, q, v = s.t[row], s.q[row], s.v[row]
@@ -36,24 +32,25 @@ def _mix_rows(context: Any, kernels: Any, rows: Any, s: Any, p: Any, powers: Any
         for i in range(len(reaction)):
             s.reaction[row, i] = reaction[i]
         for c in range(context[ft.SLIDING_COUNT]):
-            set_unit(context, sliding[c], 0)
+            set_unit(context, context.sliding_functions[c], 0)
         evaluate_powers(t, q, v, p, modes, base_lam, base)
         for i in range(len(base)):
             s.power[row, i] = base[i]
         for c in range(context[ft.SLIDING_COUNT]):
-            k = sliding[c]
-            s.share[row, k] = share[k]
-            if places[k] >= 0:
+            k = context.sliding_functions[c]
+            s.share[row, k] = context.share[k]
+            if context.stiction_place[k] >= 0:
                 # Between the friction forces of both directions, at the present normal force.
-                force, limit = reaction[limits[2 * k]], reaction[limits[2 * k + 1]]
-                s.share[row, k] = 0.5 - 0.5 * high[k] * force / limit if limit > 0.0 else np.nan
-            for i in range(m):
-                lam[i] = base_lam[i] + unit_lam[c, i]
+                force, limit = reaction[context.limits[2 * k]], reaction[context.limits[2 * k + 1]]
+                part = 0.5 * context.share_high[k] * force / limit
+                s.share[row, k] = 0.5 - part if limit > 0.0 else np.nan
+            for i in range(len(lam)):
+                lam[i] = base_lam[i] + context.unit_multipliers[c, i]
             set_unit(context, k, 1)
             evaluate_powers(t, q, v, p, modes, lam, other)
             set_unit(context, k, 0)
             for i in range(len(base)):
-                s.power[row, i] += share[k] * (other[i] - base[i])
+                s.power[row, i] += context.share[k] * (other[i] - base[i])
 
 
 def overwrite_sliding(mechanism: Mechanism, p: npt.NDArray[np.float64], samples: Samples) -> None:

@@ -13,10 +13,8 @@ from runtime.integrate.sampling import INTERVAL, WEIGHTS
 from runtime.results.result import Result
 from runtime.results.samples import Samples
 
-FloatArray = npt.NDArray[np.float64]
 
-
-def integrate_works(result: Result, count: int, times: FloatArray | None) -> None:
+def integrate_works(result: Result, count: int, times: npt.ArrayLike | None) -> None:
     """Add the works that its scene asks for to a result, and drop the samples at nodes.
 
     The result's run has the start as its first sample, then for each interval its nodes and its

@@ -1,14 +1,12 @@
 """Event location: the first instant in a step at which a switching function contradicts its mode.
 
-Cubic interpolation of g from its values and rates at both ends, with its values at three points
-between, decides cheaply whether g may have crossed zero, once or twice. Only then is the dense
-output evaluated: at equal distances, and between them at the lowest points, so that no pair of
-crossings is missed.
+Only where a function may have crossed zero (see `event_step_limit`) is the dense output evaluated:
+at equal distances, and between them at the lowest points, so that no pair of crossings is missed.
 """
 
 from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers
+from runtime.core.array_types import Context
 from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.loop_record import run_record
@@ -17,65 +15,33 @@ from runtime.core.rounding import EPS
 from runtime.hybrid.switching_functions import evaluate_switching
 from runtime.linalg.vectors import copy_vector
 
-# accuracy: of the time; difference of two instants that the clock cannot resolve
-INSTANT = 4.0 * EPS
+INSTANT = 4.0 * EPS  # accuracy: of the time; difference of instants that the clock cannot resolve
 NOT_FOUND = 2.0  # code: a fraction of the step: there is no such point
-# measured: of the variation of g over the step; g is scanned where it is closer to zero
-_MARGIN = 0.15
 _ROUNDED = 64.0 * EPS  # accuracy: of a run; rounding of its states, as a time
 _NOISE = 1e-14  # accuracy: of the largest |g|; a dip of this depth is rounding
 _GOLDEN = 0.3819660112501051  # formula: golden section
 
 
 @inlined
-def mode_sign(context: Integers, k: int) -> float:
+def mode_sign(context: Context, k: int) -> float:
     """1 where g ought to be positive in the mode of function `k`, else -1."""
-    return 1.0 if ft.modes_of(context)[k] != 0 else -1.0
-
-
-@inner
-def mark_suspects(context: Integers, h: float) -> int:
-    """Mark in SUSPECT the functions that may cross in the step, and count them."""
-    modes, band_row = ft.modes_of(context), ws.switch_row(context, ws.BAND)
-    g0_row, g1_row = ws.switch_row(context, ws.G0), ws.switch_row(context, ws.G1)
-    r0, r1 = ws.switch_row(context, ws.R0), ws.switch_row(context, ws.R1)
-    s1, s2 = ws.switch_row(context, ws.BETWEEN), ws.switch_row(context, ws.BETWEEN + 1)
-    s3, suspect = ws.switch_row(context, ws.BETWEEN + 2), ws.switch_row(context, ws.SUSPECT)
-    mismatch = ws.switch_row(context, ws.MISMATCH)
-    count = 0
-    for k in range(context[ft.SWITCHES]):
-        side = 1.0 if modes[k] != 0 else -1.0
-        band, g0, g1 = band_row[k], side * g0_row[k], side * g1_row[k]
-        c1, c2 = g0 + h * side * r0[k] / 3.0, g1 - h * side * r1[k] / 3.0
-        a1, a2, a3 = side * s1[k], side * s2[k], side * s3[k]
-        low, high = min(c1, c2, g1, a1, a2, a3), max(g0, c1, c2, g1, a1, a2, a3)
-        if band == 0.0:
-            low = min(low, g0)
-        else:
-            # On its surface and hardly moving: what counts is whether it leaves the band.
-            low = low + band if high - low > 2.0 * band or g1 < -band else 1.0
-            high = high + band
-        marked = g1 < -band or not low > max(_MARGIN * (high - low), 2.0 * mismatch[k])
-        suspect[k] = 1.0 if marked else 0.0
-        count += 1 if marked else 0
-    return count
+    return 1.0 if context.modes[k] != 0 else -1.0
 
 
 @addressed(ft.SAMPLE_FUNCTION)
-def sample_function(context: Integers, x: float, k: int) -> float:
+def sample_function(context: Context, x: float, k: int) -> float:
     """Function `k` at fraction `x` of the step, by the sign of its mode; all go into row TRIAL."""
     r = run_record(context)
     interpolate(context, r.dense_rows, x, ws.SAMPLE)
     evaluate_switching(context, r.t + x * r.length, ws.SAMPLE, ws.TRIAL)
-    return float(mode_sign(context, k) * ws.switch_row(context, ws.TRIAL)[k])
+    return float(mode_sign(context, k) * context.trial[k])
 
 
 @inner
-def find_dip(context: Integers, low: float, high: float, band: float, k: int) -> float:
+def find_dip(context: Context, low: float, high: float, band: float, k: int) -> float:
     """A point between `low` and `high` where function `k` is below -band; golden section."""
     sample = ft.sample_function_of(context)
-    x1 = low + _GOLDEN * (high - low)
-    x2 = high - _GOLDEN * (high - low)
+    x1, x2 = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
     g1, g2 = sample(context, x1, k), sample(context, x2, k)
     for _ in range(40):
         if g1 < -band:
@@ -94,7 +60,7 @@ def find_dip(context: Integers, low: float, high: float, band: float, k: int) ->
 
 
 @inner
-def find_root(context: Integers, low: float, high: float, band: float, k: int) -> float:
+def find_root(context: Context, low: float, high: float, band: float, k: int) -> float:
     """Fraction at which function `k` plus the band falls through zero, between `low` and `high`.
 
     Regula falsi with halved weights (Illinois), every third point a bisection; to 1e-13 of the
@@ -122,35 +88,33 @@ def find_root(context: Integers, low: float, high: float, band: float, k: int) -
 
 
 @inner
-def find_crossing_at_end(context: Integers, t: float) -> int:
+def find_crossing_at_end(context: Context, t: float) -> int:
     """A function that is zero within the clock's resolution after the end of a run, or -1.
 
     The instant is known as well as the state: methods with large weights round a step's result by
     some tens of units, which the clock resolves.
     """
-    modes, r1 = ft.modes_of(context), ws.switch_row(context, ws.R1)
-    band, g1 = ws.switch_row(context, ws.BAND), ws.switch_row(context, ws.G1)
-    largest, duration = ws.switch_row(context, ws.LARGEST), run_record(context).duration
+    duration = run_record(context).duration
     for k in range(context[ft.SWITCHES]):
         side = mode_sign(context, k)
-        closing = -side * r1[k]
-        rounding = min(_NOISE * largest[k], closing * _ROUNDED * duration)
-        off = modes[k] != SLIDING and band[k] == 0.0
-        if off and closing > 0.0 and side * g1[k] <= closing * INSTANT * abs(t) + rounding:
+        closing = -side * context.r1[k]
+        rounding = min(_NOISE * context.largest[k], closing * _ROUNDED * duration)
+        off = context.modes[k] != SLIDING and context.band[k] == 0.0
+        if off and closing > 0.0 and side * context.g1[k] <= closing * INSTANT * abs(t) + rounding:
             return k
     return -1
 
 
 @inner
-def find_sign_change(context: Integers, k: int, first: float) -> tuple[float, float, float]:
+def find_sign_change(context: Context, k: int, first: float) -> tuple[float, float, float]:
     """An interval (low, high) before `first` in which function `k` crosses, or `NOT_FOUND`.
 
     The third number is the last fraction before it at which g was off its surface.
     """
-    r0, r1 = ws.switch_row(context, ws.R0)[k], ws.switch_row(context, ws.R1)[k]
-    side, band = mode_sign(context, k), ws.switch_row(context, ws.BAND)[k]
+    r0, r1 = context.r0[k], context.r1[k]
+    side, band = mode_sign(context, k), context.band[k]
     # Rounding of the dense output is no crossing; that of the end point counts.
-    noise = max(band, _NOISE * ws.switch_row(context, ws.LARGEST)[k])
+    noise = max(band, _NOISE * context.largest[k])
     away = NOT_FOUND
     for i in range(1, ws.SUBDIVISIONS + 1):
         left, right = (i - 1) / ws.SUBDIVISIONS, i / ws.SUBDIVISIONS
@@ -179,29 +143,28 @@ def find_sign_change(context: Integers, k: int, first: float) -> tuple[float, fl
 
 
 @addressed(ft.LOCATE)
-def locate_event(context: Integers) -> float:
+def locate_event(context: Context) -> float:
     """Fraction of the step at which a marked function first crosses, or `NOT_FOUND`.
 
-    The dense output must have been computed. `crossed_of(context)[0]` receives its function.
+    The dense output must have been computed. `context.crossed[0]` receives its function.
     """
-    suspect, band = ws.switch_row(context, ws.SUSPECT), ws.switch_row(context, ws.BAND)
-    end = ws.SCAN + ws.SUBDIVISIONS
     for i in range(1, ws.SUBDIVISIONS):
         ft.sample_function_of(context)(context, i / ws.SUBDIVISIONS, 0)
-        copy_vector(ws.switch_row(context, ws.TRIAL), ws.switch_row(context, ws.SCAN + i))
-    copy_vector(ws.switch_row(context, ws.G0), ws.switch_row(context, ws.SCAN))
-    copy_vector(ws.switch_row(context, ws.G1), ws.switch_row(context, end))
+        copy_vector(context.trial, ws.switch_row(context, ws.SCAN + i))
+    copy_vector(context.g0, ws.switch_row(context, ws.SCAN))
+    copy_vector(context.g1, ws.switch_row(context, ws.SCAN + ws.SUBDIVISIONS))
     first = NOT_FOUND
     for k in range(context[ft.SWITCHES]):
-        if suspect[k] == 0.0:
+        if context.suspect[k] == 0.0:
             continue
         low, high, away = find_sign_change(context, k, first)
         if high > 1.0:
             continue
         # Where it has left the surface on which it began, it returns to g = 0.
         returns = away <= 1.0
-        x = find_root(context, away if returns else low, high, 0.0 if returns else band[k], k)
+        low, band = (away, 0.0) if returns else (low, context.band[k])
+        x = find_root(context, low, high, band, k)
         if x < first:
             first = x
-            ft.crossed_of(context)[0] = k
+            context.crossed[0] = k
     return first

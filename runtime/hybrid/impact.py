@@ -5,16 +5,11 @@ import numpy as np
 from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers, Vector
+from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.modes import FREE, SLIDING
+from runtime.hybrid import filippov_shares as shares
 from runtime.hybrid.redundant_sliding import solve_least
-from runtime.hybrid.sliding_shares import (
-    CANCELLED,
-    combine_accelerations,
-    evaluate_units,
-    solve_shares,
-)
 from runtime.linalg.lu import solve_equilibrated
 from runtime.linalg.rank_policy import SAME_HOLD
 from runtime.linalg.vectors import axpy, copy_vector, largest_magnitude
@@ -22,76 +17,67 @@ from runtime.linalg.vectors import axpy, copy_vector, largest_magnitude
 ON_SURFACE = 1e-13  # accuracy: |g| over its running maximum below which g is zero at an event
 
 _SWEEPS = 200  # safety: sweeps over all contacts with rebound, and as many again without
-# accuracy: of the fastest approach; change by a sweep at which impulses have converged
-_AGREED = 1e-14
+_AGREED = 1e-14  # accuracy: of the fastest approach; change by a sweep at which impulses agree
 _ROUNDING = 1e-15  # accuracy: of the largest velocity; the same
 _HOPELESS = 1e-6  # accuracy: of the fastest approach; larger changes mean no convergence
-# accuracy: of the tolerance of a position; flights that rise no higher have ended
-_LOW_FLIGHT = 0.01
-# accuracy: of the largest gap; heights at which rounding would move the next impact
-_UNSEEN = 2e-12
+_LOW_FLIGHT = 0.01  # accuracy: of the tolerance of a position; flights that rise no higher are over
+_UNSEEN = 2e-12  # accuracy: of the largest gap; heights at which rounding moves the next impact
 
 
 @inner
-def find_largest_gap(context: Integers, k: int) -> float:
+def find_largest_gap(context: Context, k: int) -> float:
     """Running maximum of the gap of contact `k`, open or closed."""
-    modes, reserve = ft.modes_of(context), ws.switch_row(context, ws.RESERVE)
-    largest = ws.switch_row(context, ws.LARGEST)
-    return float(reserve[k] if modes[k] == SLIDING else largest[k])
+    return float(context.reserve[k] if context.modes[k] == SLIDING else context.largest[k])
 
 
 @inner
-def evaluate_free_gap(context: Integers, t: float, q: Vector, v: Vector, first: int) -> float:
+def evaluate_free_gap(context: Context, t: float, q: Vector, v: Vector, first: int) -> float:
     """Second derivative of the gap of contact `first` under `modes`, in which it is open."""
-    a, gaps = ft.base_accelerations_of(context), ft.response_gaps_of(context)
-    evaluate_units(context, t, q, v, ft.modes_of(context))
+    a, gaps = context.base_accelerations, context.response_gaps
+    shares.evaluate_units(context, t, q, v, context.modes)
     if context[ft.SLIDING_COUNT] > 0:
-        solve_shares(context, t, q, v)
-        combine_accelerations(context, a)
-    abi.gap_accelerations_of(context)(t, q, v, a, ft.parameters_of(context), gaps)
-    return float(gaps[ft.rigid_of(context)[first]])
+        shares.solve_shares(context, t, q, v)
+        shares.combine_accelerations(context, a)
+    abi.gap_accelerations_of(context)(t, q, v, a, context.parameters, gaps)
+    return float(gaps[context.rigid[first]])
 
 
 @inner
-def close_contacts(context: Integers, first: int, t: float, q: Vector, v: Vector) -> None:
+def close_contacts(context: Context, first: int, t: float, q: Vector, v: Vector) -> None:
     """Close `first` and all contacts that touch, and open all else: friction gives no impulse."""
-    modes, rigid = ft.modes_of(context), ft.rigid_of(context)
-    gaps, places = ft.right_side_of(context), ft.stiction_place_of(context)
-    abi.switching_of(context)(t, q, v, ft.parameters_of(context), gaps)
+    modes, gaps = context.modes, context.right_side
+    abi.switching_of(context)(t, q, v, context.parameters, gaps)
     for k in range(context[ft.SWITCHES]):
         touches = abs(gaps[k]) <= ON_SURFACE * find_largest_gap(context, k)
-        if rigid[k] < 0 and modes[k] == SLIDING:
-            modes[k] = FREE if places[k] >= 0 else 0
-        elif rigid[k] >= 0 and touches:
+        if context.rigid[k] < 0 and modes[k] == SLIDING:
+            modes[k] = FREE if context.stiction_place[k] >= 0 else 0
+        elif context.rigid[k] >= 0 and touches:
             modes[k] = SLIDING
     modes[first] = SLIDING
 
 
 @inner
-def sweep_impulses(context: Integers, t: float, q: Vector, v: Vector) -> None:
+def sweep_impulses(context: Context, t: float, q: Vector, v: Vector) -> None:
     """Change v by the impulses of the closed contacts, by projected Gauss-Seidel sweeps."""
-    p, count = ft.parameters_of(context), context[ft.SLIDING_COUNT]
-    rigid, closed = ft.rigid_of(context), ft.sliding_functions_of(context)
-    restitution, rates = ft.restitution_of(context), ws.switch_row(context, ws.RATE_NOW)
-    any_a = ft.base_accelerations_of(context)  # the rate of a gap does not depend on it
-    impulse, target = ft.right_side_of(context), ft.response_column_of(context)
-    matrix = ft.response_of(context)
+    rates, impulse, target = context.rate_now, context.right_side, context.response_column
+    p, count = context.parameters, context[ft.SLIDING_COUNT]
+    any_a = context.base_accelerations  # the rate of a gap does not depend on it
     abi.switching_rates_of(context)(t, q, v, any_a, p, rates)
     fastest = 0.0
     for c in range(count):
-        k = closed[c]
+        k = context.sliding_functions[c]
         impulse[c] = 0.0
-        target[c] = -restitution[rigid[k]] * min(rates[k], 0.0)
+        target[c] = -context.restitution[context.rigid[k]] * min(rates[k], 0.0)
         fastest = max(fastest, abs(rates[k]))
     rounding = _ROUNDING * largest_magnitude(v)
     for sweep in range(2 * _SWEEPS):
         moved = 0.0
         for c in range(count):
-            k = closed[c]
+            k = context.sliding_functions[c]
             abi.switching_rates_of(context)(t, q, v, any_a, p, rates)
-            gain = -matrix[c * count + c]
+            gain = -context.response[c * count + c]
             more = max((target[c] - rates[k]) / gain, -impulse[c]) if gain > 0.0 else 0.0
-            axpy(-more, ft.unit_accelerations_of(context)[c], v)
+            axpy(-more, context.unit_accelerations[c], v)
             impulse[c] += more
             moved = max(moved, abs(more * gain))
         if not moved > _AGREED * fastest + rounding:
@@ -105,7 +91,7 @@ def sweep_impulses(context: Integers, t: float, q: Vector, v: Vector) -> None:
 
 
 @addressed(ft.IMPACT)
-def apply_impact(context: Integers, first: int, t: float, state: int) -> float:
+def apply_impact(context: Context, first: int, t: float, state: int) -> float:
     """Change the velocities in row `state` by the impact of rigid contact `first`.
 
     Newton's law, ġ⁺ = -e ġ⁻, with impulses that only push, and with those that hold the other
@@ -120,17 +106,17 @@ def apply_impact(context: Integers, first: int, t: float, state: int) -> float:
     Returns the time T of the next flight, T/(1 - e) negative where it is the last, infinite where
     the contact does not return by itself.
     """
-    modes, former = ft.modes_of(context), ws.switch_row(context, ws.NOW)
+    modes, former, rates = context.modes, context.now, context.rate_now
+    p, any_a = context.parameters, context.base_accelerations
     q, v = ws.positions(context, state), ws.velocities(context, state)
-    rates, any_a = ws.switch_row(context, ws.RATE_NOW), ft.base_accelerations_of(context)
     before, sliding_count = modes[first], context[ft.SLIDING_COUNT]
     copy_vector(modes, former)
     close_contacts(context, first, t, q, v)
-    evaluate_units(context, t, q, v, modes)
+    shares.evaluate_units(context, t, q, v, modes)
     sweep_impulses(context, t, q, v)
     for k in range(context[ft.SWITCHES]):
         modes[k] = int(former[k])
-    abi.switching_rates_of(context)(t, q, v, any_a, ft.parameters_of(context), rates)
+    abi.switching_rates_of(context)(t, q, v, any_a, p, rates)
     leaving = rates[first]
     # The motion of the gap after the contact has opened.
     modes[first] = 1
@@ -140,10 +126,10 @@ def apply_impact(context: Integers, first: int, t: float, state: int) -> float:
     if not fall < 0.0:
         return np.inf
     flight = -2.0 * leaving / fall
-    e = ft.restitution_of(context)[ft.rigid_of(context)[first]]
-    finest = np.inf
-    for j in range(context[ft.COORDINATES]):
-        finest = min(finest, ws.row_of(context, ws.ATOL)[j])
+    e = context.restitution[context.rigid[first]]
+    atol, finest = ws.first_half(context, ws.ATOL), np.inf
+    for j in range(atol.size):
+        finest = min(finest, atol[j])
     unseen = max(_LOW_FLIGHT * finest, _UNSEEN * find_largest_gap(context, first))
     if -0.5 * leaving * leaving / fall > unseen or e >= 1.0:
         # Where the gap still closes, constraints permitted no jump.
@@ -152,55 +138,54 @@ def apply_impact(context: Integers, first: int, t: float, state: int) -> float:
     return -float(max(flight, 1e-300) / (1.0 - e))
 
 
+@inner
+def fill_distances(context: Context, level: int) -> None:
+    """Fill the matrix and the right side of the return onto surfaces: of gaps (level 0), of rates.
+
+    At level 0 functions that are no closed contacts stay where they are.
+    """
+    right, copy, count = context.right_side, context.response_copy, context[ft.SLIDING_COUNT]
+    for i in range(count):
+        k = context.sliding_functions[i]
+        closed = context.rigid[k] >= 0
+        value = context.response_rates[k] if level == 1 and closed else context.base_response[k]
+        stays = level == 0 and not closed
+        right[i] = 0.0 if stays else value
+        for j in range(count):
+            copy[i * count + j] = context.response[i * count + j]
+            if stays:
+                copy[i * count + j] = 1.0 if i == j else 0.0
+
+
 @addressed(ft.RETURN_TO_SURFACES)
-def return_to_surfaces(context: Integers, t: float, state: int) -> int:
+def return_to_surfaces(context: Context, t: float, state: int) -> int:
     """Return the state in row `state` onto the surfaces of functions in sliding mode.
 
     It moves along the accelerations by their forces. These keep the constraints of velocities, and
     those of positions up to the square of the correction.
     """
-    p, modes, n = ft.parameters_of(context), ft.modes_of(context), context[ft.COORDINATES]
+    p, right, copy = context.parameters, context.right_side, context.response_copy
     q, v = ws.positions(context, state), ws.velocities(context, state)
-    count, rigid = context[ft.SLIDING_COUNT], ft.rigid_of(context)
-    sliding, matrix = ft.sliding_functions_of(context), ft.response_of(context)
-    rates, right = ft.response_rates_of(context), ft.right_side_of(context)
-    values, reach = ft.base_response_of(context), ft.response_column_of(context)
-    copy, units = ft.response_copy_of(context), ft.unit_accelerations_of(context)
-    evaluate_units(context, t, q, v, modes)
-    for level in range(2):
-        # First the gaps, then the velocities.
-        if level == 0 and context[ft.RIGID_COUNT] == 0:
-            continue
-        abi.switching_of(context)(t, q, v, p, values)
-        abi.switching_rates_of(context)(t, q, v, ft.base_accelerations_of(context), p, rates)
-        for attempt in range(2):
-            for i in range(count):
-                k = sliding[i]
-                closed = rigid[k] >= 0
-                right[i] = rates[k] if level == 1 and closed else values[k]
-                if level == 0 and not closed:
-                    right[i] = 0.0
-                for j in range(count):
-                    copy[i * count + j] = matrix[i * count + j]
-                    if level == 0 and not closed:
-                        copy[i * count + j] = 1.0 if i == j else 0.0
-            if attempt == 0 and solve_equilibrated(copy, right, count, SAME_HOLD) == 0:
-                break
-            if attempt == 1:
-                for c in range(count):
-                    reach[c] = 1.0
-                # Dependent surfaces contradict each other by rounding.
-                if solve_least(context, copy, right, count, reach, np.inf) != 0:
-                    return 1
-        for j in range(n):
-            total, largest = 0.0, 0.0
+    shares.evaluate_units(context, t, q, v, context.modes)
+    count = context[ft.SLIDING_COUNT]
+    # First the gaps, then the velocities.
+    for level in range(0 if context[ft.RIGID_COUNT] > 0 else 1, 2):
+        abi.switching_of(context)(t, q, v, p, context.base_response)
+        any_a = context.base_accelerations  # the rate of a gap does not depend on it
+        abi.switching_rates_of(context)(t, q, v, any_a, p, context.response_rates)
+        fill_distances(context, level)
+        if solve_equilibrated(copy, right, count, context.response_pivots, SAME_HOLD) != 0:
+            fill_distances(context, level)
             for c in range(count):
-                part = right[c] * units[c, j]
-                total += part
-                largest = max(largest, abs(part))
+                context.response_column[c] = 1.0
+            # Dependent surfaces contradict each other by rounding.
+            if solve_least(context, np.inf) != 0:
+                return 1
+        for j in range(q.size):
+            total, largest = shares.add_units(context, j, 0.0)
             if level == 0:
                 q[j] -= total
             else:
-                rests = abs(v[j] - total) <= CANCELLED * max(largest, abs(v[j]))
+                rests = abs(v[j] - total) <= shares.CANCELLED * max(largest, abs(v[j]))
                 v[j] = 0.0 if rests else v[j] - total
     return 0

@@ -13,8 +13,7 @@ import numpy as np
 
 from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
-from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers, Matrix, Vector
+from runtime.core.array_types import Context, Matrix, Vector
 from runtime.core.borrowed_arrays import view
 from runtime.core.jit import addressed
 from runtime.core.loop_record import run_record
@@ -23,10 +22,8 @@ from runtime.core.system import System
 
 SHORTEN = -1
 _ADDED = 2.0  # measured: steps; with a smaller sum of both times a loop has passed its dead centre
-# Of the largest ρ² so far:
 _LEAST = 1e-14  # accuracy: of the largest ρ² so far; rounding
-# measured: of the largest ρ² so far; below it steps become shorter on the way to a dead centre
-_NEAR = 1e-2
+_NEAR = 1e-2  # measured: of the largest ρ² so far; below it steps shorten towards a dead centre
 _AT_ONCE = 1e-3  # measured: of a usual step; a run ends at a dead centre this near
 _SHORT_OF = 0.9  # measured: of the time to a dead centre; longest next step
 _SHORT = 1e-4  # accuracy: of the last step from further away; shorter ones follow rounding
@@ -41,7 +38,7 @@ _ENDS = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
 
 
 @addressed(ft.GUARD_BRANCHES)
-def guard_branches(context: Integers, t: float, h: float) -> int:
+def guard_branches(context: Context, t: float, h: float) -> int:
     """Judge a step from Y0 to Y1: 0, `SHORTEN` with `run.h` shorter, or the code of an outcome.
 
     It is 0 where no loop passes its dead centre. Where the run ends, `run.index` and `run.turn` say
@@ -49,13 +46,12 @@ def guard_branches(context: Integers, t: float, h: float) -> int:
     τ before it they err by their rounding over τ³: no step control comes there, so steps much
     shorter than those further away end a run too.
     """
-    p, r = ft.parameters_of(context), run_record(context)
-    count, rows = context[ft.LOOPS], ft.loop_rows_of(context)
-    numbers = ft.loop_nearness_of(context)
+    r, p = run_record(context), context.parameters
+    count, numbers = context[ft.LOOPS], context.loop_nearness
     before, after = view(numbers, 0, 2 * count), view(numbers, 2 * count, 2 * count)
     largest = view(numbers, 4 * count, count)
     nearness = abi.dead_centres_of(context)
-    nearness(t + h, ws.positions(context, ws.Y1), ws.velocities(context, ws.Y1), p, after)
+    nearness(t + h, context.q1, context.v1, p, after)
     known, away = False, True
     stuck = h < _SHORT * numbers[5 * count]
     first, over, row = np.inf, False, -1
@@ -71,7 +67,7 @@ def guard_branches(context: Integers, t: float, h: float) -> int:
             left = h - 2.0 * square / rate
         elif 2.0 * square < rate * h:
             if not known:
-                nearness(t, ws.positions(context, ws.Y0), ws.velocities(context, ws.Y0), p, before)
+                nearness(t, context.q0, context.v0, p, before)
                 known = True
             start, fall = before[2 * k], -before[2 * k + 1]
             if fall > 0.0:
@@ -80,7 +76,7 @@ def guard_branches(context: Integers, t: float, h: float) -> int:
                     left = h * ahead / (ahead + behind)
         largest[k] = max(largest[k], square)
         if left < first:
-            first, row = left, rows[k]
+            first, row = left, context.loop_rows[k]
     if away:
         numbers[5 * count] = h
     if row < 0:

@@ -2,18 +2,10 @@
 
 import numpy as np
 
-from runtime.core import function_table as ft
-from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers
+from runtime.core.array_types import Context
 from runtime.core.jit import inner
 from runtime.core.modes import SLIDING
-from runtime.hybrid.mode_consistency import (
-    CONSISTENT,
-    count_sliding,
-    find_contradiction,
-    nearest_mode,
-    preferred_mode,
-)
+from runtime.hybrid import mode_consistency as consistency
 from runtime.linalg.vectors import copy_vector
 
 MOST_COMBINED = 10  # safety: functions of which all combinations of modes are tried
@@ -36,21 +28,21 @@ def choose_mode(rigid: int, preferred: int, choice: int) -> int:
 
 
 @inner
-def flip_mode(context: Integers, k: int, mode: int, preferred: int) -> int:
+def flip_mode(context: Context, k: int, mode: int, preferred: int) -> int:
     """The next mode of function `k`, whose `mode` is contradicted.
 
     From sliding mode it goes to the side of the bound that its share exceeds.
     """
     if mode == SLIDING:
-        if ft.rigid_of(context)[k] >= 0 or not np.isfinite(ft.share_of(context)[k]):
+        if context.rigid[k] >= 0 or not np.isfinite(context.share[k]):
             return 1
-        return nearest_mode(context, k)
-    alternates = ft.rigid_of(context)[k] < 0 and ft.sticks_of(context)[k] == 0
+        return consistency.nearest_mode(context, k)
+    alternates = context.rigid[k] < 0 and context.sticks[k] == 0
     return 1 - mode if alternates and mode == preferred else SLIDING
 
 
 @inner
-def search_by_pivots(context: Integers, t: float, d: float, state: int, count: int) -> int:
+def search_by_pivots(context: Context, t: float, d: float, state: int, count: int) -> int:
     """Modes by changing the first that is contradicted, again and again, as Murty's pivots do.
 
     (K. G. Murty, Note on a Bard-type scheme for solving the complementarity problem, Opsearch 11,
@@ -58,35 +50,31 @@ def search_by_pivots(context: Integers, t: float, d: float, state: int, count: i
     may make pivots cycle, their number is bounded: each function has three modes, and may return
     once for each of the others.
     """
-    modes, members = ft.modes_of(context), ft.members_of(context)
-    band, preferred_row = ws.switch_row(context, ws.BAND), ws.switch_row(context, ws.PREFERRED)
-    candidate = ft.candidate_modes_of(context)
+    modes, candidate = context.modes, context.candidate_modes
     copy_vector(modes, candidate)
     for i in range(count):
-        candidate[members[i]] = preferred_mode(preferred_row[members[i]])
-    wrong = CONSISTENT
+        k = context.members[i]
+        candidate[k] = consistency.preferred_mode(context.preferred[k])
+    wrong = consistency.CONSISTENT
     for _ in range(3 * count * count):
-        wrong = find_contradiction(context, t, d, state, candidate, count)
-        if wrong == CONSISTENT:
+        wrong = consistency.find_contradiction(context, t, d, state, candidate, count)
+        if wrong == consistency.CONSISTENT:
             copy_vector(candidate, modes)
-            count_sliding(context, modes)
             break
-        if not band[wrong] > 0.0:
+        if not context.band[wrong] > 0.0:
             break
-        preferred = preferred_mode(preferred_row[wrong])
+        preferred = consistency.preferred_mode(context.preferred[wrong])
         candidate[wrong] = flip_mode(context, wrong, int(candidate[wrong]), preferred)
     return wrong
 
 
 @inner
-def search_all(context: Integers, t: float, d: float, state: int, tried: int, count: int) -> int:
+def search_all(context: Context, t: float, d: float, state: int, tried: int, count: int) -> int:
     """Modes by trying all combinations of the first `tried` members; result as `select_modes`."""
-    modes, members = ft.modes_of(context), ft.members_of(context)
-    candidate = ft.candidate_modes_of(context)
-    preferred, rigid = ws.switch_row(context, ws.PREFERRED), ft.rigid_of(context)
+    modes, candidate = context.modes, context.candidate_modes
     choices = 3 if tried <= MOST_WITH_SLIDING else 2
     combinations = choices**tried
-    blamed = CONSISTENT
+    blamed = consistency.CONSISTENT
     for changes in range(tried + 1):
         for holds in range(changes + 1):
             for number in range(combinations):
@@ -97,18 +85,18 @@ def search_all(context: Integers, t: float, d: float, state: int, tried: int, co
                     rest //= choices
                     changed += 1 if choice > 0 else 0
                     late += 1 if choice == 2 else 0
-                    k = members[i]
-                    mode = choose_mode(rigid[k], preferred_mode(preferred[k]), choice)
+                    k = context.members[i]
+                    preferred = consistency.preferred_mode(context.preferred[k])
+                    mode = choose_mode(context.rigid[k], preferred, choice)
                     known = known and mode >= 0
                     candidate[k] = mode
                 if changed != changes or late != holds or not known:
                     continue
-                wrong = find_contradiction(context, t, d, state, candidate, count)
-                if wrong == CONSISTENT:
+                wrong = consistency.find_contradiction(context, t, d, state, candidate, count)
+                if wrong == consistency.CONSISTENT:
                     copy_vector(candidate, modes)
-                    count_sliding(context, modes)
-                    return CONSISTENT
-                if blamed == CONSISTENT:
+                    return wrong
+                if blamed == consistency.CONSISTENT:
                     blamed = wrong
-    count_sliding(context, modes)
+    consistency.count_sliding(context, modes)
     return blamed

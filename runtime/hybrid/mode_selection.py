@@ -12,18 +12,13 @@ import numpy as np
 from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers, Vector
+from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.modes import SLIDING
 from runtime.core.rhs import evaluate_accelerations
 from runtime.hybrid import mode_consistency as consistency
+from runtime.hybrid import mode_search as search
 from runtime.hybrid.impact import ON_SURFACE
-from runtime.hybrid.mode_search import (
-    MOST_COMBINED,
-    MOST_WITH_SLIDING,
-    search_all,
-    search_by_pivots,
-)
 from runtime.hybrid.switching_functions import compute_margin
 from runtime.linalg.vectors import copy_vector, largest_magnitude
 
@@ -38,7 +33,7 @@ def surface_band(g: float, largest: float) -> float:
 
 
 @addressed(ft.SELECT_MODES)
-def select_modes(context: Integers, first: int, t: float, d: float, state: int) -> int:
+def select_modes(context: Context, first: int, t: float, d: float, state: int) -> int:
     """Give consistent modes to the functions on their surface, those with BAND > 0.
 
     The modes of row PREFERRED are tried first, then those with one change, two, and so on; among
@@ -48,82 +43,74 @@ def select_modes(context: Integers, first: int, t: float, d: float, state: int) 
 
     Returns `CONSISTENT`, or a function for which no mode is; MODES is then unchanged.
     """
-    p, s = ft.parameters_of(context), context[ft.SWITCHES]
-    band, members = ws.switch_row(context, ws.BAND), ft.members_of(context)
+    s = context[ft.SWITCHES]
     q, v = ws.positions(context, state), ws.velocities(context, state)
-    abi.switching_of(context)(t, q, v, p, ws.switch_row(context, ws.NOW))
+    abi.switching_of(context)(t, q, v, context.parameters, context.now)
     count = 0
     for i in range(s):
         k = (first + i) % s
-        if band[k] > 0.0:
-            members[count] = k
+        if context.band[k] > 0.0:
+            context.members[count] = k
             count += 1
-    if count > MOST_WITH_SLIDING:
-        blamed = search_by_pivots(context, t, d, state, count)
+    if count > search.MOST_WITH_SLIDING:
+        blamed = search.search_by_pivots(context, t, d, state, count)
         if blamed == consistency.CONSISTENT:
             return blamed
-    return search_all(context, t, d, state, min(count, MOST_COMBINED), count)
+    return search.search_all(context, t, d, state, min(count, search.MOST_COMBINED), count)
 
 
 @inner
-def set_preferences(context: Integers) -> None:
+def set_preferences(context: Context) -> None:
     """Fill row PREFERRED: friction prefers to stick, all others keep their modes."""
-    modes, preferred = ft.modes_of(context), ws.switch_row(context, ws.PREFERRED)
-    sticks = ft.sticks_of(context)
     for k in range(context[ft.SWITCHES]):
-        preferred[k] = SLIDING if sticks[k] != 0 else modes[k]
+        context.preferred[k] = SLIDING if context.sticks[k] != 0 else context.modes[k]
 
 
 @inner
-def prefer_released(context: Integers, crossing: int, t: float, q: Vector, v: Vector) -> None:
+def prefer_released(context: Context, crossing: int, t: float) -> None:
     """Let friction that broke loose at this very instant go on, in row PREFERRED.
 
     Its share would miss its bounds by rounding alone. The event of another function must not make
     it stick again: two frictions that break loose together would stop each other for ever. Row BAND
     is that of the event before.
     """
-    modes, preferred = ft.modes_of(context), ws.switch_row(context, ws.PREFERRED)
-    band, s = ws.switch_row(context, ws.BAND), context[ft.SWITCHES]
-    sticks, former = ft.sticks_of(context), ws.switch_row(context, ws.TRIAL)
+    q, v, modes, former = context.q1, context.v1, context.modes, context.trial
+    s, tested = context[ft.SWITCHES], 0
     copy_vector(modes, former)
-    modes[crossing] = consistency.preferred_mode(preferred[crossing])
-    tested = 0
+    modes[crossing] = consistency.preferred_mode(context.preferred[crossing])
     for k in range(s):
-        if k != crossing and sticks[k] != 0 and modes[k] != SLIDING and band[k] > 0.0:
+        slips = context.sticks[k] != 0 and modes[k] != SLIDING
+        if k != crossing and slips and context.band[k] > 0.0:
             modes[k] = SLIDING
             tested += 1
     if tested > 0:
         consistency.count_sliding(context, modes)
-        evaluate_accelerations(context, t, q, v, modes, ws.second_half(context, ws.DELTA))
+        evaluate_accelerations(context, t, q, v, modes, context.dv)
     for k in range(s):
         released = k != crossing and modes[k] == SLIDING and former[k] != SLIDING
         if released and compute_margin(context, t, q, v, k) <= consistency.MISSED:
-            preferred[k] = consistency.decided_entry(former[k])
+            context.preferred[k] = consistency.decided_entry(former[k])
     for k in range(s):
         modes[k] = int(former[k])
     consistency.count_sliding(context, modes)
 
 
 @addressed(ft.SELECT_MODES)
-def initialize_modes(context: Integers, first: int, t: float, d: float, state: int) -> int:
+def initialize_modes(context: Context, first: int, t: float, d: float, state: int) -> int:
     """Set all modes from the functions at the start, by look-ahead where one is zero.
 
     Arguments and result as of `select_modes`; row G0 is filled here.
     """
-    p, modes, s = ft.parameters_of(context), ft.modes_of(context), context[ft.SWITCHES]
-    g, rates = ws.switch_row(context, ws.G0), ws.switch_row(context, ws.RATE_NOW)
-    ahead, largest = ws.switch_row(context, ws.TRIAL), ws.switch_row(context, ws.LARGEST)
-    struck, band = ws.switch_row(context, ws.STRUCK), ws.switch_row(context, ws.BAND)
-    places, rigid = ft.stiction_place_of(context), ft.rigid_of(context)
+    p, modes, g, rates = context.parameters, context.modes, context.g0, context.rate_now
+    largest, rigid, a, s = context.largest, context.rigid, context.dv, context[ft.SWITCHES]
     q, v = ws.positions(context, state), ws.velocities(context, state)
-    a = ws.second_half(context, ws.DELTA)
     abi.switching_of(context)(t, q, v, p, g)
     for k in range(s):
         modes[k] = 1 if g[k] > 0.0 or rigid[k] >= 0 else 0
     consistency.count_sliding(context, modes)
     for k in range(s):
-        if places[k] >= 0 and abs(g[k]) <= ON_SURFACE * largest[k]:
-            p[places[k]] = 0.0
+        if context.stiction_place[k] >= 0 and abs(g[k]) <= ON_SURFACE * largest[k]:
+            p[context.stiction_place[k]] = 0.0
             modes[k] = SLIDING  # friction that sticks may jam in sliding
     evaluate_accelerations(context, t, q, v, modes, a)
     consistency.look_ahead(context, t, d, state)
@@ -133,18 +120,18 @@ def initialize_modes(context: Integers, first: int, t: float, d: float, state: i
         modes[k] = 0 if modes[k] == SLIDING else modes[k]
         # A crossing within a millionth of the look-ahead is one now.
         near = ON_SURFACE * largest[k]
-        if rigid[k] < 0 and np.isfinite(ahead[k]):
-            near = max(near, 1e-6 * abs(ahead[k] - g[k]))
+        if rigid[k] < 0 and np.isfinite(context.trial[k]):
+            near = max(near, 1e-6 * abs(context.trial[k] - g[k]))
         elif rigid[k] >= 0 and (g[k] <= 0.0 or abs(rates[k]) <= resting):
             # An open gap that closes or opens is followed, narrow as the error of assembly.
             near = TOUCHING * largest[k]
         largest[k] = max(largest[k], abs(g[k]))
-        band[k] = surface_band(g[k], largest[k]) if abs(g[k]) <= near else 0.0
+        context.band[k] = surface_band(g[k], largest[k]) if abs(g[k]) <= near else 0.0
     for k in range(s):
-        struck[k] = 0.0
-        if rigid[k] >= 0 and band[k] > 0.0 and rates[k] < 0.0:
+        context.struck[k] = 0.0
+        if rigid[k] >= 0 and context.band[k] > 0.0 and rates[k] < 0.0:
             # A velocity of the size of rounding is corrected without an event.
-            struck[k] = 1.0 if rates[k] < -resting else 0.0
+            context.struck[k] = 1.0 if rates[k] < -resting else 0.0
             ft.impact_of(context)(context, k, t, state)
             abi.switching_rates_of(context)(t, q, v, a, p, rates)
     consistency.count_sliding(context, modes)

@@ -3,58 +3,47 @@
 import numpy as np
 
 from runtime.core import function_table as ft
-from runtime.core.array_types import Integers, Vector
+from runtime.core.array_types import Context
+from runtime.core.borrowed_arrays import view
 from runtime.core.jit import inner
 from runtime.linalg.lu import equilibrate
 from runtime.linalg.rank_policy import SAME_HOLD
+from runtime.linalg.vectors import axpy, copy_vector, dot
 
 
 @inner
-def row_length(matrix: Vector, count: int, i: int) -> float:
-    """Euclidean length of row `i`."""
-    square = 0.0
-    for c in range(count):
-        square += matrix[i * count + c] ** 2
-    return float(np.sqrt(square))
-
-
-@inner
-def orthogonalize_row(
-    context: Integers, matrix: Vector, right: Vector, count: int, i: int
-) -> float:
+def orthogonalize_row(context: Context, i: int) -> float:
     """Make row `i` orthogonal to the rows before it, those of contacts first; size of its terms."""
-    rigid, sliding = ft.rigid_of(context), ft.sliding_functions_of(context)
-    closed = rigid[sliding[i]] >= 0
+    matrix, right, count = context.response_copy, context.right_side, context[ft.SLIDING_COUNT]
+    closed, row = context.rigid[context.sliding_functions[i]] >= 0, view(matrix, i * count, count)
     scale = max(1.0, abs(right[i]))
     for _ in range(2):
         for j in range(count):
-            before = j < i if (rigid[sliding[j]] >= 0) == closed else not closed
-            if not before:
+            first = context.rigid[context.sliding_functions[j]] >= 0
+            if not (j < i if first == closed else first):
                 continue
-            along = 0.0
-            for c in range(count):
-                along += matrix[i * count + c] * matrix[j * count + c]
-            for c in range(count):
-                matrix[i * count + c] -= along * matrix[j * count + c]
+            other = view(matrix, j * count, count)
+            along = dot(row, other)
+            axpy(-along, other, row)
             right[i] -= along * right[j]
             scale = max(scale, abs(along * right[j]))
     return float(scale)
 
 
 @inner
-def solve_least(
-    context: Integers, matrix: Vector, right: Vector, count: int, reach: Vector, slack: float
-) -> int:
+def solve_least(context: Context, slack: float) -> int:
     """As `solve_equilibrated`, for the smallest of many solutions; 1 where there is none.
 
-    Frictions of one freedom share its force in many ways. This one makes Σ |column| x²/reach least:
-    each bears the same part of its reach, the largest permitted |x|, so that they stick as long as
-    possible, and break loose together. Rows are made orthogonal one after the other (Gram and
-    Schmidt, twice); a row without a rest depends on the others, and its residual may be `slack` of
-    its terms. Rows of contacts come first and must be independent: a contact that repeats others
-    may open. `matrix`, `right` and `reach` are overwritten, `right` with x.
+    The matrix is `response_copy`, the right side `right_side`, in which x takes its place; all
+    arrays are overwritten. Frictions of one freedom share its force in many ways. This one makes
+    Σ |column| x²/reach least: each bears the same part of its reach, the largest permitted |x| in
+    `response_column`, so that they stick as long as possible, and break loose together. Rows are
+    made orthogonal one after the other (Gram and Schmidt, twice); a row without a rest depends on
+    the others, and its residual may be `slack` of its terms. Rows of contacts come first and must
+    be independent: a contact that repeats others may open.
     """
-    rigid, sliding = ft.rigid_of(context), ft.sliding_functions_of(context)
+    matrix, right, reach = context.response_copy, context.right_side, context.response_column
+    count = context[ft.SLIDING_COUNT]
     if equilibrate(matrix, right, count) != 0:
         return 1
     for c in range(count):
@@ -68,41 +57,39 @@ def solve_least(
             matrix[i * count + c] *= reach[c]
     for turn in range(2):
         for i in range(count):
-            closed = rigid[sliding[i]] >= 0
+            closed = context.rigid[context.sliding_functions[i]] >= 0
             if closed != (turn == 0):
                 continue
-            size = row_length(matrix, count, i)
-            scale = orthogonalize_row(context, matrix, right, count, i)
-            rest = row_length(matrix, count, i)
+            row = view(matrix, i * count, count)
+            size = np.sqrt(dot(row, row))
+            scale = orthogonalize_row(context, i)
+            rest = np.sqrt(dot(row, row))
             if rest > SAME_HOLD * size:
                 for c in range(count):
-                    matrix[i * count + c] /= rest
+                    row[c] /= rest
                 right[i] /= rest
                 continue
             if closed or not abs(right[i]) <= slack * scale:
                 return 1
-            for c in range(count):
-                matrix[i * count + c] = 0.0
+            row[:] = 0.0
             right[i] = 0.0
     for c in range(count):
         total = 0.0
         for i in range(count):
             total += right[i] * matrix[i * count + c]
         reach[c] *= total
-    for c in range(count):
-        right[c] = reach[c]
+    copy_vector(view(reach, 0, count), right)
     return 0
 
 
 @inner
-def share_freedom(context: Integers, k: int, other: int) -> bool:
+def share_freedom(context: Context, k: int, other: int) -> bool:
     """Whether two functions in sliding mode act on one freedom; after the accelerations."""
-    count, sliding = context[ft.SLIDING_COUNT], ft.sliding_functions_of(context)
-    matrix = ft.response_of(context)
+    matrix, count = context.response, context[ft.SLIDING_COUNT]
     c, d = 0, 0
     for i in range(count):
-        c = i if sliding[i] == k else c
-        d = i if sliding[i] == other else d
+        c = i if context.sliding_functions[i] == k else c
+        d = i if context.sliding_functions[i] == other else d
     product = matrix[c * count + c] * matrix[d * count + d]
     crossed = matrix[c * count + d] * matrix[d * count + c]
     return bool(abs(product - crossed) <= SAME_HOLD * abs(product))

@@ -9,16 +9,11 @@ corrections of `correction` in the metric of the masses on theirs, so no kernel 
 from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers, Vector
+from runtime.core.array_types import Context, Integers, Vector
 from runtime.core.borrowed_arrays import view
 from runtime.core.jit import addressed, inner
 from runtime.core.rhs import write_derivative
-from runtime.hybrid.sliding_shares import (
-    CANCELLED,
-    combine_accelerations,
-    evaluate_units,
-    solve_shares,
-)
+from runtime.hybrid import filippov_shares as shares
 from runtime.hybrid.stiction_force import write_forces
 from runtime.linalg.vectors import axpy, copy_vector, largest_ratio
 
@@ -33,36 +28,33 @@ def exclude_rounding(value: Vector, change: Vector, size: Vector) -> float:
     coordinates, not by masses. All coordinates are pulled at by the same part, as without some of
     them the pull would do work along the constraints.
     """
-    moved, rounded = largest_ratio(change, size), CANCELLED * largest_ratio(value, size)
+    moved, rounded = largest_ratio(change, size), shares.CANCELLED * largest_ratio(value, size)
     return 1.0 - rounded / moved if moved > rounded else 0.0
 
 
 @addressed(ft.ACCELERATIONS)
 def evaluate_modified_accelerations(
-    context: Integers, t: float, q: Vector, v: Vector, modes: Integers, a: Vector, lam: Vector
+    context: Context, t: float, q: Vector, v: Vector, modes: Integers, a: Vector, lam: Vector
 ) -> int:
     """Accelerations and multipliers as the kernel `accelerations`, sliding modes included.
 
     SHARE receives the share of each function in sliding mode.
     """
-    p, n, m = ft.parameters_of(context), context[ft.COORDINATES], context[ft.CONSTRAINT_COUNT]
+    p, n, pull = context.parameters, context[ft.COORDINATES], context.weights
     if context[ft.SLIDING_COUNT] == 0:
         weak = int(abi.accelerations_of(context)(t, q, v, p, modes, a, lam))
     else:
-        weak = evaluate_units(context, t, q, v, modes)
-        solve_shares(context, t, q, v)
+        weak = shares.evaluate_units(context, t, q, v, modes)
+        shares.solve_shares(context, t, q, v)
         write_forces(context)
-        combine_accelerations(context, a)
-        share, sliding = ft.share_of(context), ft.sliding_functions_of(context)
-        copy_vector(ft.base_multipliers_of(context), lam)
+        shares.combine_accelerations(context, a)
+        copy_vector(context.base_multipliers, lam)
         for c in range(context[ft.SLIDING_COUNT]):
-            axpy(share[sliding[c]], ft.unit_multipliers_of(context)[c], lam)
-    if context[ft.STABILIZED] != 0 and m > 0:
-        tau = ft.settings_of(context)[TIME_SCALE]
-        pull = ft.weights_of(context)
-        dq, dv = view(pull, n, n), view(pull, 2 * n, n)
+            axpy(context.share[context.sliding_functions[c]], context.unit_multipliers[c], lam)
+    if context[ft.STABILIZED] != 0 and context[ft.CONSTRAINT_COUNT] > 0:
+        tau = context.settings[TIME_SCALE]
+        dq, dv, size = view(pull, n, n), view(pull, 2 * n, n), view(pull, 3 * n, n)
         abi.correction_of(context)(t, q, v, p, view(pull, 0, n), dq, dv)
-        size = view(pull, 3 * n, n)
         part, rate = exclude_rounding(q, dq, size), exclude_rounding(v, dv, size)
         for j in range(n):
             a[j] += part * dq[j] / (tau * tau) + rate * 2.0 * dv[j] / tau
@@ -70,7 +62,7 @@ def evaluate_modified_accelerations(
 
 
 @addressed(ft.RHS)
-def evaluate_modified_rhs(context: Integers, t: float, state: int, derivative: int) -> int:
+def evaluate_modified_rhs(context: Context, t: float, state: int, derivative: int) -> int:
     """The right-hand side in sliding modes, with stabilisation, and where stages are corrected."""
     taken = 0
     if context[ft.EACH_STAGE] != 0:

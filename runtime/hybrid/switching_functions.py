@@ -5,7 +5,7 @@ import numpy as np
 from runtime.core import function_table as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers, Vector
+from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.modes import SLIDING
 from runtime.hybrid.sliding_and_baumgarte_rhs import STEP
@@ -15,29 +15,28 @@ UNBOUNDED = -1e300  # code: lower bounds below it mean none
 
 
 @inlined
-def evaluate_switching(context: Integers, t: float, state: int, slot: int) -> None:
+def evaluate_switching(context: Context, t: float, state: int, slot: int) -> None:
     """Write g at the state in row `state` of the workspace into row `slot` of `sw`.
 
     In sliding mode the margin stands in the place of g. It is positive as long as the share lies
     between its bounds.
     """
-    p = ft.parameters_of(context)
     q, v = ws.positions(context, state), ws.velocities(context, state)
-    abi.switching_of(context)(t, q, v, p, ws.switch_row(context, slot))
+    abi.switching_of(context)(t, q, v, context.parameters, ws.switch_row(context, slot))
     if context[ft.SLIDING_COUNT] != 0:
         ft.margins_of(context)(context, t, state, slot)
 
 
 @inner
-def compute_margin(context: Integers, t: float, q: Vector, v: Vector, k: int) -> float:
+def compute_margin(context: Context, t: float, q: Vector, v: Vector, k: int) -> float:
     """Margin of function `k` in sliding mode: positive inside, zero where it leaves its surface.
 
     It is the distance of the share from its bounds, or the part of the friction limit that is left.
     """
-    if ft.limits_of(context)[2 * k] >= 0:
+    if context.limits[2 * k] >= 0:
         return float(ft.friction_margin_of(context)(context, t, q, v, k))
-    share = ft.share_of(context)[k]
-    low, high = ft.share_low_of(context)[k], ft.share_high_of(context)[k]
+    share = context.share[k]
+    low, high = context.share_low[k], context.share_high[k]
     room = high - share
     if low >= UNBOUNDED:
         room *= (share - low) / (high - low)
@@ -45,21 +44,19 @@ def compute_margin(context: Integers, t: float, q: Vector, v: Vector, k: int) ->
 
 
 @addressed(ft.MARGINS)
-def write_margins(context: Integers, t: float, state: int, slot: int) -> None:
+def write_margins(context: Context, t: float, state: int, slot: int) -> None:
     """Write the margins of functions in sliding mode over their g in row `slot` of `sw`."""
-    modes, lam = ft.modes_of(context), ft.multipliers_of(context)
     q, v = ws.positions(context, state), ws.velocities(context, state)
     margins = ws.switch_row(context, slot)
-    ft.modified_accelerations_of(context)(
-        context, t, q, v, modes, ws.first_half(context, ws.DELTA), lam
-    )
+    a, lam = context.dq, context.multipliers
+    ft.modified_accelerations_of(context)(context, t, q, v, context.modes, a, lam)
     for k in range(context[ft.SWITCHES]):
-        if modes[k] == SLIDING:
+        if context.modes[k] == SLIDING:
             margins[k] = compute_margin(context, t, q, v, k)
 
 
 @inner
-def extrapolate(context: Integers, state: int, a: Vector, d: float) -> None:
+def extrapolate(context: Context, state: int, a: Vector, d: float) -> None:
     """Write the state in row `state` after a time `d` at the acceleration `a` into row SAMPLE."""
     y, z, n = ws.row_of(context, state), ws.row_of(context, ws.SAMPLE), context[ft.COORDINATES]
     for j in range(n):
@@ -69,7 +66,7 @@ def extrapolate(context: Integers, state: int, a: Vector, d: float) -> None:
 
 @inner
 def evaluate_switching_and_rates(
-    context: Integers, t: float, state: int, derivative: int, slot: int
+    context: Context, t: float, state: int, derivative: int, slot: int
 ) -> None:
     """Write g into row `slot` of `sw` and dg/dt into the next.
 
@@ -79,13 +76,13 @@ def evaluate_switching_and_rates(
     q, v = ws.positions(context, state), ws.velocities(context, state)
     a, rates = ws.velocity_rates(context, derivative), ws.switch_row(context, slot + 1)
     evaluate_switching(context, t, state, slot)
-    abi.switching_rates_of(context)(t, q, v, a, ft.parameters_of(context), rates)
+    abi.switching_rates_of(context)(t, q, v, a, context.parameters, rates)
     if context[ft.SLIDING_COUNT] == 0:
         return
-    ahead = _AHEAD * ft.settings_of(context)[STEP]
+    ahead = _AHEAD * context.settings[STEP]
     extrapolate(context, state, a, ahead)
     ft.margins_of(context)(context, t + ahead, ws.SAMPLE, slot + 1)
-    modes, now = ft.modes_of(context), ws.switch_row(context, slot)
+    now = ws.switch_row(context, slot)
     for k in range(context[ft.SWITCHES]):
-        if modes[k] == SLIDING:
+        if context.modes[k] == SLIDING:
             rates[k] = (rates[k] - now[k]) / ahead

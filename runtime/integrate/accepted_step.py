@@ -5,7 +5,7 @@ import numpy as np
 from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
-from runtime.core.jit import addressed, inner
+from runtime.core.jit import addressed
 from runtime.core.loop_record import run_record
 from runtime.core.outcomes import Outcome
 from runtime.hybrid.mode_consistency import CONSISTENT
@@ -20,31 +20,16 @@ _NEWTON_FAILED = int(TrialStep.NEWTON_FAILED)
 _LEAST_ERROR = 1e-4  # safety: a smaller error of the last step says nothing of the next one
 
 
-@inner
-def change_modes(context: Integers) -> None:
-    """Give the step's end the modes that follow an event; `run.changed` counts the events."""
+@addressed(ft.PART)
+def accept_step(context: Integers) -> int:
+    """Write the samples, change modes at an event, and make the step's end the next one's start.
+
+    `run.changed` counts the events.
+    """
     r, modes = run_record(context), ft.modes_of(context)
     g1, largest = ws.switch_row(context, ws.G1), ws.switch_row(context, ws.LARGEST)
     band = ws.switch_row(context, ws.BAND)
-    for k in range(modes.size):
-        largest[k] = max(largest[k], abs(g1[k]))
-    r.changed = 0
-    if r.crossing >= 0:
-        r.changed = ft.transition_of(context)(context, r.crossing, r.end, r.next_length)
-        r.rhs += 1
-        return
-    for k in range(modes.size):
-        side = 1.0 if modes[k] != 0 else -1.0
-        if side * g1[k] > band[k]:
-            band[k] = 0.0
-
-
-@addressed(ft.PART)
-def accept_step(context: Integers) -> int:
-    """Write the samples, change modes at an event, and make the step's end the next one's start."""
-    r = run_record(context)
-    h = r.length
-    r.due = 0
+    h, r.due, r.changed = r.length, 0, 0
     if h > 0.0:
         if ft.emit_of(context)(context, r.t, r.end, h, r.dense_ready) < 0:
             return reject(context, _NEWTON_FAILED, 0.5 * h)
@@ -53,9 +38,15 @@ def accept_step(context: Integers) -> int:
         r.error_old = max(r.error, _LEAST_ERROR)
         r.due = ft.accepted_of(context)(context, r.t, h)
         r.weak = r.weak + 1 if r.weak_row > 0 else 0
-    r.t = r.end
-    r.h = r.next_length
-    change_modes(context)
+    r.t, r.h = r.end, r.next_length
+    for k in range(modes.size):
+        largest[k] = max(largest[k], abs(g1[k]))
+        side = 1.0 if modes[k] != 0 else -1.0
+        if r.crossing < 0 and side * g1[k] > band[k]:
+            band[k] = 0.0
+    if r.crossing >= 0:
+        r.changed = ft.transition_of(context)(context, r.crossing, r.end, r.next_length)
+        r.rhs += 1
     copy_end(context, 1, 0)
     return Signal.PROCEED
 
@@ -88,6 +79,5 @@ def judge_events(context: Integers) -> int:
         first = ft.first_step_of(context)(context, r.t, r.h_max, r.rtol, r.estimate_order)
         r.h = min(r.next_length, 2.0 * first, _FLIGHT * r.flight)
         r.rhs += 1
-        r.error_old = _LEAST_ERROR
-        r.remembered = 0.0
+        r.error_old, r.remembered = _LEAST_ERROR, 0.0
     return Signal.PROCEED

@@ -19,10 +19,9 @@ from runtime.hybrid.sliding_and_baumgarte_rhs import STEP
 from runtime.hybrid.stiction_force import find_jamming_friction, suspend_friction
 from runtime.hybrid.switching_functions import evaluate_switching_and_rates
 from runtime.integrate.sampling import record
-from runtime.linalg.vectors import is_finite
+from runtime.linalg.vectors import copy_vector, is_finite
 
-# accuracy: of a function's spread; |g| at which its rounding is some units in the last place
-_ROUGH = 0.1
+_ROUGH = 0.1  # accuracy: of a function's spread; |g| that is rounded in its last few units
 
 
 @inner
@@ -38,11 +37,9 @@ def measure_spreads(context: Integers, t: float) -> None:
     a, known = ws.velocities(context, ws.SAMPLE), ft.spreads_of(context)
     now, rest = switch_row(context, ws.SCAN), switch_row(context, ws.SCAN + 1)
     spread = switch_row(context, ws.TRIAL)
-    for j in range(sample.size):
-        sample[j] = 0.0
+    sample.fill(0.0)
     rates(t, q, v, a, p, rest)
-    for k in range(spread.size):
-        spread[k] = 0.0
+    spread.fill(0.0)
     for j in range(sample.size):
         sample[j] = size[j]
         rates(t, q, v, a, p, now)
@@ -88,8 +85,7 @@ def choose_modes(context: Integers, t: float) -> int:
         if rigid[k] < 0:
             largest[k] = _ROUGH * spread[k]
         else:
-            impact_at[k] = t
-            largest[k] = size[0]
+            impact_at[k], largest[k] = t, size[0]
             for j in range(size.size):
                 largest[k] = min(largest[k], size[j])
     blamed = ft.initialize_modes_of(context)(context, 0, t, LOOK_AHEAD * h, Y0)
@@ -139,7 +135,7 @@ def start(context: Integers) -> int:
         if outcome != Outcome.OK:
             return outcome
     q, v = ws.positions(context, Y0), ws.velocities(context, Y0)
-    rate, a = ws.position_rates(context, K), ws.velocity_rates(context, K)
+    a = ws.velocity_rates(context, K)
     # Whether the constraints are independent is not for a joint to say that friction jams.
     suspend_friction(context)
     if free:
@@ -148,8 +144,7 @@ def start(context: Integers) -> int:
             r.index = weak - 1
             return Outcome.SINGULAR
     else:  # accelerations are those by continuity
-        for j in range(rate.size):
-            rate[j] = v[j]
+        copy_vector(v, ws.position_rates(context, K))
     if context[ft.SWITCHES] > 0:
         outcome = choose_modes(context, t)
     if not is_finite(a):

@@ -39,8 +39,7 @@ def plan_step(context: Integers) -> int:
     if r.steps + r.rejected >= r.max_steps:
         return Outcome.MAX_STEPS
     h = min(r.h, r.h_max)
-    r.tried = 0.0
-    r.planned = 0
+    r.tried, r.planned = 0.0, 0
     if r.plan == Plan.CROSSING or (r.plan == Plan.APPROACHING and t + 1.01 * h >= r.turn):
         h = r.length_across if r.plan == Plan.CROSSING else r.turn - t
         r.planned = 1

@@ -16,11 +16,9 @@ from codegen.module_signature import import_generated
 if TYPE_CHECKING:
     from runtime.core.array_types import Integers
 
-    Stages = Callable[[Integers, float, float], int]
+    Step = Callable[[Integers, float, float], int]  # context t h
     Error = Callable[[Integers, float, float], float]
-    Dense = Callable[[Integers, float, float], int]
     Propose = Callable[[Integers, float], float]
-    Hook = Callable[[Integers, float, float], int]
 
 
 class Registration(NamedTuple):
@@ -77,72 +75,38 @@ class Method:
     calls them by their addresses. All but `memory` work on the rows of the workspace (see
     `runtime.core.workspace_rows`): the state y = (q, v) at Y0 and Y1, derivatives from K on, dense
     output from F on.
-
-    Attributes
-    ----------
-    estimate_order
-        Power of the step's length in the estimated error of the first step, by which its length is
-        chosen; `Registration.order` is that in the errors of a run.
-    error_order
-        Steps are chosen by the power 1 / (error_order + 1) of the estimated error.
-    stage_calls, dense_calls
-        Evaluations of the right-hand side in `stages` and in `dense`, for the statistics.
-        `stage_calls` is 0 in implicit methods, which count their own, and only in them.
-    last
-        Row, after K, of the derivative at the end of the step.
-    dense_rows
-        Rows of the dense output's coefficients.
-    beta, safety
-        Step control: proportional part, and share of the length that the error permits.
-    shrink, grow
-        Least and largest ratio of two steps' lengths.
-    stages
-        Take the step from Y0 with derivative K to Y1, not yet returned onto the constraints.
-        Answers the Newton iterations that took, negative where one failed.
-    error
-        Estimated error of the step over its tolerance, root mean square over q and v.
-    dense
-        Fill the coefficient rows of the dense output. Answers as `stages`.
-    propose
-        Ratio of the next step's length to that of the step just accepted.
-    accepted
-        Called after each accepted step; answers 1 where another method is due.
-    restart
-        Called where the motion goes on under other equations, or after another method.
-    memory
-        How many floats and integers the method keeps for n coordinates, from step to step.
-    nodes
-        Where in a step the right-hand side is evaluated, as fractions of it: a step across a
-        singular configuration is laid so that the configuration is between two of them.
-    foresight
-        Change of the coordinates, in their sizes, over which a singular configuration is looked
-        for ahead of the motion.
     """
 
+    # Power of the step's length in the estimated error of the first step, by which its length is
+    # chosen; `Registration.order` is that in the errors of a run.
     estimate_order: int
-    error_order: int
-    last: int
-    dense_rows: int
-    safety: float
-    shrink: float
-    grow: float
-    stages: "Stages"
-    error: "Error"
-    dense: "Dense"
-    propose: "Propose"
-    accepted: "Hook"
-    restart: "Hook"
+    error_order: int  # steps are chosen by the power 1 / (error_order + 1) of the estimated error
+    last: int  # row, after K, of the derivative at the end of the step
+    dense_rows: int  # of the dense output's coefficients
+    safety: float  # share of the length that the error permits
+    shrink: float  # least ratio of two steps' lengths
+    grow: float  # largest
+    # Take the step from Y0 with derivative K to Y1, not yet returned onto the constraints. Answers
+    # the Newton iterations that took, negative where one failed.
+    stages: "Step"
+    error: "Error"  # estimated, of the step over its tolerance, root mean square over q and v
+    dense: "Step"  # fills the coefficient rows of the dense output; answers as `stages`
+    propose: "Propose"  # ratio of the next step's length to that of the step just accepted
+    accepted: "Step"  # called after each accepted step; answers 1 where another method is due
+    restart: "Step"  # called where the motion goes on by other equations, or after another method
+    # Evaluations of the right-hand side in `stages` and in `dense`, for the statistics. The first
+    # is 0 in implicit methods, which count their own, and only in them.
     stage_calls: int = 0
     dense_calls: int = 0
-    beta: float = 0.0
+    beta: float = 0.0  # proportional part of the step control
+    # floats and integers that the method keeps for n coordinates, from step to step
     memory: Callable[[int], tuple[int, int]] = _no_memory
+    # Where in a step the right-hand side is evaluated, as fractions of it: a step across a singular
+    # configuration is laid so that the configuration is between two of them.
     nodes: tuple[float, ...] = (0.0, 1.0)
+    # Change of the coordinates, in their sizes, over which a singular configuration is looked for
+    # ahead of the motion.
     foresight: float = 0.1  # accuracy: a nearer one matters to the finest tolerances
-
-    @property
-    def functions(self) -> "tuple[Stages, Error, Dense, Propose, Hook, Hook]":
-        """Compiled functions in the order of the function table."""
-        return self.stages, self.error, self.dense, self.propose, self.accepted, self.restart
 
 
 @cache

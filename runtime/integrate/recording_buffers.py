@@ -15,22 +15,18 @@ _EVENTS = ("event_times", "event_kinds", "event_states")
 _SAMPLES = ("out_times", "out_states", "out_modes")
 
 
-class _Rows:
+class _Rows(list[tuple[np.ndarray, ...]]):
     """Rows of some arrays, chunk by chunk."""
-
-    def __init__(self) -> None:
-        self.parts: list[tuple[np.ndarray, ...]] = []
 
     def take(self, count: int, *arrays: np.ndarray) -> None:
         """Copy the first `count` rows of each array."""
         if count:
-            self.parts.append(tuple(array[:count].copy() for array in arrays))
+            self.append(tuple(array[:count].copy() for array in arrays))
 
-    def joined(self, *empty: np.ndarray) -> tuple[np.ndarray, ...]:
-        """All rows of each array; where there are none, none of `empty`'s shape."""
-        if not self.parts:
-            return tuple(array[:0].copy() for array in empty)
-        return tuple(np.concatenate(column) for column in zip(*self.parts, strict=True))
+    def joined(self, *like: np.ndarray) -> tuple[np.ndarray, ...]:
+        """All rows of each array, which are of the shape of those of `like`."""
+        columns = zip(like, *self, strict=True)
+        return tuple(np.concatenate([first[:0], *parts]) for first, *parts in columns)
 
 
 class Recording:
@@ -86,11 +82,8 @@ class Recording:
 
     def add_events(self, t: float, switches: Integers, kinds: list[int], y: Vector) -> None:
         """Add events at one instant that the loop has not seen."""
-        times, kind, states = self.events_out
-        count = len(switches)
-        times[:count], states[:count] = t, y
-        kind[:count, 0], kind[:count, 1] = switches, kinds
-        self.event_rows.take(count, *self.events_out)
+        count, kind = len(switches), np.column_stack([switches, kinds])
+        self.event_rows.take(count, np.full(count, t), kind, np.tile(y, (count, 1)))
 
     def samples(self) -> tuple[Vector, Matrix, IntegerMatrix]:
         """Times (k,), states (k, 2 n) and modes (k, s)."""

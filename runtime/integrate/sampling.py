@@ -9,6 +9,7 @@ from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import PROJECTION, SAMPLE, Y1, row_of
+from runtime.linalg.vectors import copy_vector
 
 STEP_ENDS, QUADRATURE = 1, 2  # kinds of sampling besides given instants, 0
 _POINTS, WEIGHTS = np.polynomial.legendre.leggauss(5)
@@ -19,14 +20,10 @@ INTERVAL = len(NODES) + 1  # samples of an interval in a quadrature: its Gauss n
 @inner
 def record(context: Integers, t: float, state: int) -> None:
     """Append the state in row `state` and the modes in force to the samples."""
-    r, y, modes = run_record(context), row_of(context, state), ft.modes_of(context)
-    out_y, out_modes = ft.out_states_of(context), ft.out_modes_of(context)
-    at = r.samples
-    ft.out_times_of(context)[at] = t
-    for j in range(y.size):
-        out_y[at, j] = y[j]
-    for k in range(modes.size):
-        out_modes[at, k] = modes[k]
+    r = run_record(context)
+    ft.out_times_of(context)[r.samples] = t
+    copy_vector(row_of(context, state), ft.out_states_of(context)[r.samples])
+    copy_vector(ft.modes_of(context), ft.out_modes_of(context)[r.samples])
     r.samples += 1
 
 

@@ -15,6 +15,7 @@ from runtime.core.kernel_abi import constraints_of
 from runtime.core.loop_record import ConstraintReturn, is_near_singularity, run_record
 from runtime.core.rhs import write_derivative
 from runtime.hybrid.sliding_and_baumgarte_rhs import STEP
+from runtime.linalg.vectors import copy_vector, is_finite, largest_magnitude
 
 
 class TrialStep(IntEnum):
@@ -57,12 +58,10 @@ def has_drifted(context: Integers, t: float, rtol: float) -> bool:
     atol, size = ws.row_of(context, ws.ATOL), ws.row_of(context, ws.SIZE)
     phi = view(ws.row_of(context, ws.DELTA), 0, context[ft.CONSTRAINT_COUNT])
     constraints_of(context)(t, ws.positions(context, ws.Y1), ft.parameters_of(context), phi)
-    tolerance, largest = np.inf, 0.0
+    tolerance = np.inf
     for j in range(context[ft.COORDINATES]):
         tolerance = min(tolerance, atol[j] + rtol * size[j])
-    for i in range(phi.size):
-        largest = max(largest, abs(phi[i]))
-    return bool(largest > tolerance)
+    return bool(largest_magnitude(phi) > tolerance)
 
 
 @inner
@@ -71,14 +70,11 @@ def return_by_other_coordinates(context: Integers, t: float) -> int:
 
     Answers as `correct` does; `SAME`, with Y1 as it was, where there are none better.
     """
-    y1, predicted = ws.row_of(context, ws.Y1), ws.row_of(context, ws.PREDICTED)
-    kept = ws.row_of(context, ws.SAMPLE)
-    for j in range(y1.size):
-        kept[j] = y1[j]
-        y1[j] = predicted[j]
+    y1, kept = ws.row_of(context, ws.Y1), ws.row_of(context, ws.SAMPLE)
+    copy_vector(y1, kept)
+    copy_vector(ws.row_of(context, ws.PREDICTED), y1)
     if ft.repartition_of(context)(context, t, ws.Y1) == 0:
-        for j in range(y1.size):
-            y1[j] = kept[j]
+        copy_vector(kept, y1)
         return SAME
     run_record(context).returns += 1
     return int(ft.correct_of(context)(context, t, ws.Y1, ws.PARTITION))
@@ -103,11 +99,8 @@ def return_end_to_constraints(context: Integers, t: float) -> int:
     """Bring Y1 back onto the constraints; row PREDICTED keeps where the step led."""
     r = run_record(context)
     y1, predicted = ws.row_of(context, ws.Y1), ws.row_of(context, ws.PREDICTED)
-    finite = True
-    for j in range(y1.size):
-        predicted[j] = y1[j]
-        finite = finite and np.isfinite(y1[j])
-    if not finite:
+    copy_vector(y1, predicted)
+    if not is_finite(y1):
         return TrialStep.NOT_FINITE
     correcting = context[ft.CORRECTING]
     by_partition = correcting == ConstraintReturn.BY_PARTITION

@@ -15,10 +15,8 @@ from runtime.core.loop_record import Plan, run_record
 from runtime.core.rhs import write_derivative
 from runtime.core.workspace_rows import row_of
 
-# measured: least ratio of an error to its expectation from the step before that is believed
-_FALL = 0.1
-# measured: ratio of two steps' lengths up to which the error of one tells that of the other
-_COMPARABLE = 2.0
+_FALL = 0.1  # measured: least ratio of an error to what the step before let expect
+_COMPARABLE = 2.0  # measured: ratio of two lengths up to which one error tells the other
 _ROUNDING = 1e-12  # accuracy: of the typical size; start values that assembly left of zero
 _START = 1e-3  # measured: of the typical size; a start value counts as no smaller
 

@@ -14,6 +14,7 @@ from runtime.hybrid.event_location import INSTANT, find_crossing_at_end
 from runtime.hybrid.event_step_limit import UNRESOLVED
 from runtime.hybrid.switching_functions import evaluate_switching_and_rates
 from runtime.integrate.step import Signal, TrialStep, reject
+from runtime.linalg.vectors import copy_vector
 
 _RETAKES = 5  # safety: steps up to an event before its instant is taken as it is
 _STANDING = 8  # safety: events in a row without time between them, and two for each function
@@ -22,50 +23,18 @@ _STANDING = 8  # safety: events in a row without time between them, and two for 
 @inner
 def copy_end(context: Integers, source: int, target: int) -> None:
     """Copy state, derivative and switching functions between the ends, 0 and 1, of the step."""
-    y, z = row_of(context, ws.Y0 + source), row_of(context, ws.Y0 + target)
     last = run_record(context).last
-    k, d = row_of(context, ws.K + source * last), row_of(context, ws.K + target * last)
-    for j in range(2 * context[ft.COORDINATES]):
-        z[j] = y[j]
-        d[j] = k[j]
-    for row in range(2):
-        g = switch_row(context, ws.G0 + 2 * source + row)
-        h = switch_row(context, ws.G0 + 2 * target + row)
-        for i in range(context[ft.SWITCHES]):
-            h[i] = g[i]
-
-
-@inner
-def find_event(context: Integers, suspects: int) -> None:
-    """Locate the first event; `run.length` becomes the time to it, `run.reach` the step's own."""
-    r = run_record(context)
-    h = r.length
-    if suspects > 0:
-        ft.dense_of(context)(context, r.t, h)
-        r.dense_ready = 1
-        r.dense_outputs += 1
-        r.rhs += r.dense_calls
-        x = ft.locate_of(context)(context)
-        if x <= 1.0:
-            r.crossing = ft.crossed_of(context)[0]
-            r.length = x * h
-    if r.crossing < 0 and r.end >= r.t_end:
-        r.crossing = find_crossing_at_end(context, r.end)
-    if r.crossing >= 0:
-        r.reach = h
-        r.dense_ready = 0
-        if r.end >= r.t_end:
-            # The last sample is that of what follows the event.
-            r.reach = r.t_end - INSTANT * abs(r.t_end) - r.t
-            r.length = min(r.length, r.reach)
+    copy_vector(row_of(context, ws.Y0 + source), row_of(context, ws.Y0 + target))
+    copy_vector(row_of(context, ws.K + source * last), row_of(context, ws.K + target * last))
+    for g in (ws.G0, ws.R0):
+        copy_vector(switch_row(context, g + 2 * source), switch_row(context, g + 2 * target))
 
 
 @addressed(ft.PART)
 def stay(context: Integers) -> int:
     """At an event at this very instant: no step, only a change of modes."""
     r = run_record(context)
-    r.length = 0.0
-    r.end = r.t
+    r.length, r.end = 0.0, r.t
     copy_end(context, 0, 1)
     r.standing += 1
     if r.standing > _STANDING + 2 * context[ft.SWITCHES]:
@@ -112,19 +81,35 @@ def retake(context: Integers) -> int:
 
 @addressed(ft.PART)
 def end_at_event(context: Integers) -> int:
-    """End the step at the first event in it; `run.crossing` receives its function, or -1."""
+    """End the step at the first event in it; `run.crossing` receives its function, or -1.
+
+    `run.length` becomes the time to it, `run.reach` the step's own.
+    """
     r = run_record(context)
-    r.crossing = -1
-    r.dense_ready = 0
+    h, r.crossing, r.dense_ready = r.length, -1, 0
     if context[ft.SWITCHES] == 0:
         return Signal.PROCEED
-    suspects = ft.screen_step_of(context)(context, r.t, r.length, r.end)
+    suspects = ft.screen_step_of(context)(context, r.t, h, r.end)
     if suspects == UNRESOLVED:
-        return reject(context, UNRESOLVED, r.stretch * r.length)
-    r.next_length = min(r.next_length, r.length * r.stretch)
-    find_event(context, suspects)
+        return reject(context, UNRESOLVED, r.stretch * h)
+    r.next_length = min(r.next_length, h * r.stretch)
+    if suspects > 0:
+        ft.dense_of(context)(context, r.t, h)
+        r.dense_ready = 1
+        r.dense_outputs += 1
+        r.rhs += r.dense_calls
+        x = ft.locate_of(context)(context)
+        if x <= 1.0:
+            r.crossing, r.length = ft.crossed_of(context)[0], x * h
+    if r.crossing < 0 and r.end >= r.t_end:
+        r.crossing = find_crossing_at_end(context, r.end)
     if r.crossing < 0:
         return Signal.PROCEED
+    r.reach, r.dense_ready = h, 0
+    if r.end >= r.t_end:
+        # The last sample is that of what follows the event.
+        r.reach = r.t_end - INSTANT * abs(r.t_end) - r.t
+        r.length = min(r.length, r.reach)
     if r.length <= INSTANT * max(abs(r.t), r.h_min):
         return stay(context)
     return retake(context)

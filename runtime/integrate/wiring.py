@@ -16,9 +16,9 @@ from runtime.core.system import System
 from runtime.hybrid import (
     event_location,
     event_step_limit,
+    filippov_shares,
     impact,
     loop_branch_guard,
-    mode_reactions,
     mode_selection,
     mode_transition,
     sliding_and_baumgarte_rhs,
@@ -27,7 +27,7 @@ from runtime.hybrid import (
 from runtime.integrate import sampling, step, step_control
 from runtime.integrate.method import find_method
 from runtime.linalg.elimination_plan import plan_capacity
-from runtime.singularity.prediction import PIVOT_ROWS, predict_vanishing_pivot
+from runtime.singularity.prediction import predict_vanishing_pivot
 
 METHOD_SLOTS = slice(ft.TABLE.slots["stages"], ft.TABLE.slots["correct"])
 """Slots of the method's functions."""
@@ -62,7 +62,7 @@ def _loop() -> Integers:
         "impact": impact.apply_impact,
         "return_to_surfaces": impact.return_to_surfaces,
         "transition": mode_transition.make_transition,
-        "friction_margin": mode_reactions.compute_friction_margin,
+        "friction_margin": filippov_shares.compute_friction_margin,
         "margins": switching_functions.write_margins,
         "vanishing": predict_vanishing_pivot,
         "guard_branches": loop_branch_guard.guard_branches,
@@ -73,13 +73,11 @@ def _loop() -> Integers:
 @cache
 def function_table(name: str) -> Integers:
     """Addresses of the functions of the method `name`, in the order of the function table."""
-    return addresses(find_method(name).functions)
+    method = find_method(name)
+    return addresses(getattr(method, part) for part in list(ft.TABLE.slots)[METHOD_SLOTS])
 
 
-@cache
-def _kernels(system: System) -> Integers:
-    """Addresses of a machine's kernels, in the order of the function table."""
-    return system.table()
+_kernels = cache(System.table)  # addresses of a machine's kernels, in the order of the table
 
 
 def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
@@ -104,7 +102,6 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         ft.PLAN_SIZE: plan_capacity(m, nonzeros),
         ft.WORKSPACE_SIZE: 2 * n * ws.ROWS,
         ft.SWITCHING_SIZE: s * ws.SWITCH_ROWS,
-        ft.PIVOT_SIZE: PIVOT_ROWS * m,
         ft.METHOD_FLOATS_SIZE: floats,
         ft.METHOD_INTEGERS_SIZE: integers,
         ft.LOG_ROWS: log_rows,

@@ -12,9 +12,7 @@ from runtime.core.jit import inner
 def multiply_gram(vectors: Matrix, out: Matrix) -> None:
     """Products of all pairs of columns, VᵀV: the lower half of `out`."""
     count, width = vectors.shape
-    for i in range(width):
-        for j in range(i + 1):
-            out[i, j] = 0.0
+    out[:, :] = 0.0
     for s in range(count):
         for i in range(width):
             if vectors[s, i] != 0.0:
@@ -75,14 +73,19 @@ def factor_semidefinite(a: Matrix, order: Integers, least: float) -> int:
 
 
 @inner
-def solve_cholesky(factor: Matrix, x: Vector) -> None:
-    """Overwrite x with the solution y of L Lᵀ y = x."""
-    size = x.size
-    for i in range(size):
+def solve_lower(factor: Matrix, x: Vector) -> None:
+    """Overwrite x with the solution y of L y = x."""
+    for i in range(x.size):
         for j in range(i):
             x[i] -= factor[i, j] * x[j]
         x[i] /= factor[i, i]
-    for i in range(size - 1, -1, -1):
+
+
+@inner
+def solve_cholesky(factor: Matrix, x: Vector) -> None:
+    """Overwrite x with the solution y of L Lᵀ y = x."""
+    solve_lower(factor, x)
+    for i in range(x.size - 1, -1, -1):
         x[i] /= factor[i, i]
         for j in range(i):
             x[j] -= factor[i, j] * x[i]
@@ -91,10 +94,5 @@ def solve_cholesky(factor: Matrix, x: Vector) -> None:
 @inner
 def orthonormalise(factor: Matrix, vectors: Matrix) -> None:
     """Make columns V orthonormal, V L⁻ᵀ, with the Cholesky factor L of VᵀV."""
-    count, width = vectors.shape
-    for s in range(count):
-        for i in range(width):
-            total = vectors[s, i]
-            for j in range(i):
-                total -= factor[i, j] * vectors[s, j]
-            vectors[s, i] = total / factor[i, i]
+    for s in range(vectors.shape[0]):
+        solve_lower(factor, vectors[s])

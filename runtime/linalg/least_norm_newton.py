@@ -3,22 +3,20 @@
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
+from runtime.core.array_types import Matrix, Vector
 from runtime.core.rounding import EPS
 from runtime.linalg.rank_policy import NO_PIVOT
-
-FloatArray = npt.NDArray[np.float64]
 
 _ROUNDING = 2.0 * EPS  # accuracy: a residual that no step makes smaller, of equations of size 1
 _ITERATIONS = 60  # safety: Newton iterations
 
 
 def solve_by_newton(
-    residual: Callable[[FloatArray], FloatArray],
-    jacobian: Callable[[FloatArray], FloatArray],
-    x: FloatArray,
-) -> tuple[FloatArray, float]:
+    residual: Callable[[Vector], Vector],
+    jacobian: Callable[[Vector], Matrix],
+    x: Vector,
+) -> tuple[Vector, float]:
     """Bring the residual to rounding by steps of least norm, or go on for as long as they help.
 
     `residual`, (m,), are the scaled equations, `jacobian` their derivatives by x, (m, n). Returns

@@ -6,55 +6,35 @@ Computations, section 3.4.)
 """
 
 from runtime.core.array_types import Integers, Vector
-from runtime.core.jit import inlined, inner
-
-
-@inlined
-def pivot_row(a: Vector, f: int, k: int) -> int:
-    """Row of the largest entry of column k on or below the diagonal; of equal ones the first."""
-    at = k
-    for i in range(k + 1, f):
-        if abs(a[i * f + k]) > abs(a[at * f + k]):
-            at = i
-    return at
-
-
-@inlined
-def eliminate_column(a: Vector, f: int, k: int, at: int) -> None:
-    """Exchange rows k and `at`; eliminate column k below the diagonal, where L takes its place."""
-    if at != k:
-        for j in range(f):
-            a[k * f + j], a[at * f + j] = a[at * f + j], a[k * f + j]
-    for i in range(k + 1, f):
-        ratio = a[i * f + k] / a[k * f + k]
-        a[i * f + k] = ratio
-        if ratio != 0.0:
-            for j in range(k + 1, f):
-                a[i * f + j] -= ratio * a[k * f + j]
-
-
-@inlined
-def back_substitute(a: Vector, f: int, b: Vector) -> None:
-    """Overwrite `b` with the solution of U x = b."""
-    for i in range(f - 1, -1, -1):
-        for j in range(i + 1, f):
-            b[i] -= a[i * f + j] * b[j]
-        b[i] /= a[i * f + i]
+from runtime.core.borrowed_arrays import view
+from runtime.core.jit import inner
+from runtime.linalg.vectors import largest_magnitude
 
 
 @inner
-def factor(a: Vector, f: int, pivots: Integers) -> int:
+def factor(a: Vector, f: int, pivots: Integers, least: float) -> int:
     """Overwrite the matrix, flat, with its factors L (unit diagonal) and U, rows exchanged.
 
-    `pivots`, (f,), receives the row exchanged with each row. Returns 0, or 1 where a pivot is zero
-    or not a number.
+    `pivots`, (f,), receives the row exchanged with each row: the first of the largest entries.
+    Returns 0, or 1 where a pivot is no larger than `least` or not a number.
     """
     for k in range(f):
-        at = pivot_row(a, f, k)
+        at = k
+        for i in range(k + 1, f):
+            if abs(a[i * f + k]) > abs(a[at * f + k]):
+                at = i
         pivots[k] = at
-        if not abs(a[at * f + k]) > 0.0:
+        if not abs(a[at * f + k]) > least:
             return 1
-        eliminate_column(a, f, k, at)
+        if at != k:
+            for j in range(f):
+                a[k * f + j], a[at * f + j] = a[at * f + j], a[k * f + j]
+        for i in range(k + 1, f):
+            ratio = a[i * f + k] / a[k * f + k]
+            a[i * f + k] = ratio
+            if ratio != 0.0:
+                for j in range(k + 1, f):
+                    a[i * f + j] -= ratio * a[k * f + j]
     return 0
 
 
@@ -68,16 +48,17 @@ def solve(a: Vector, f: int, pivots: Integers, b: Vector) -> None:
     for i in range(f):
         for j in range(i):
             b[i] -= a[i * f + j] * b[j]
-    back_substitute(a, f, b)
+    for i in range(f - 1, -1, -1):
+        for j in range(i + 1, f):
+            b[i] -= a[i * f + j] * b[j]
+        b[i] /= a[i * f + i]
 
 
 @inner
 def equilibrate(a: Vector, b: Vector, f: int) -> int:
     """Divide each row and its right side by its largest entry; 1 where a row is empty, else 0."""
     for i in range(f):
-        largest = 0.0
-        for j in range(f):
-            largest = max(largest, abs(a[i * f + j]))
+        largest = largest_magnitude(view(a, i * f, f))
         if not largest > 0.0:
             return 1
         for j in range(f):
@@ -87,22 +68,13 @@ def equilibrate(a: Vector, b: Vector, f: int) -> int:
 
 
 @inner
-def solve_equilibrated(a: Vector, b: Vector, f: int, least: float) -> int:
-    """Overwrite `b` with the solution of A x = b, and `a`; needs no room for pivots.
+def solve_equilibrated(a: Vector, b: Vector, f: int, pivots: Integers, least: float) -> int:
+    """Overwrite `b` with the solution of A x = b, and `a`; 1 where a pivot is not above `least`.
 
-    Returns 0, or 1 where a pivot is no larger than `least`. Rows are first divided by their largest
-    entries, so that the size of a pivot alone tells whether a row follows from others.
+    Rows are first divided by their largest entries, so that the size of a pivot alone tells whether
+    a row follows from others.
     """
-    if equilibrate(a, b, f) != 0:
+    if equilibrate(a, b, f) != 0 or factor(a, f, pivots, least) != 0:
         return 1
-    for k in range(f):
-        at = pivot_row(a, f, k)
-        if not abs(a[at * f + k]) > least:
-            return 1
-        eliminate_column(a, f, k, at)
-        if at != k:
-            b[k], b[at] = b[at], b[k]
-        for i in range(k + 1, f):
-            b[i] -= a[i * f + k] * b[k]
-    back_substitute(a, f, b)
+    solve(a, f, pivots, b)
     return 0

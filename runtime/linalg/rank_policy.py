@@ -21,8 +21,8 @@ REDUNDANT = 1e-8
 """accuracy: Does a row follow from those before it, so that the sign of its pivot says nothing?
 Noise: 1e-9, the error of a position close to a singular one, where Newton's method stalls; besides,
 elimination by rows lets errors grow more than full pivoting. Users: eliminations along a motion, in
-`singularity.prediction`, `continuation.pivot_monitor`, `linalg`; not `assembly.redundancy`, which
-names redundant constraints by LOST."""
+`singularity.prediction`, `continuation.predictor_corrector`, `linalg`; not `assembly.redundancy`,
+which names redundant constraints by LOST."""
 
 LOST = 1e-6
 """accuracy: Is a direction lost at a position that was assembled, and may be a singular one? Noise:

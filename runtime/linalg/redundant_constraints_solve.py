@@ -17,6 +17,7 @@ from runtime.linalg.full_pivoting import factor_fully
 from runtime.linalg.leading_block_elimination import complete_solution, null_vectors
 from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.linalg.row_elimination import Sparse
+from runtime.linalg.vectors import dot, multiply
 
 _constant = numba.types.Array(i8, 1, "C", readonly=True)  # integers that a closure holds
 SPARSE = array_types.named_tuple_type((_constant, _constant, vector), Sparse)
@@ -55,9 +56,7 @@ def solve_least_norm(jacobian: Sparse, w: Vector, right: Matrix, d: Matrix) -> i
     for e in range(rows.size):
         across[columns[e], rows[e]] += values[e] * root[columns[e]]
     for i in range(m):
-        total = 0.0
-        for k in range(n):
-            total += across[k, i] ** 2
+        total = dot(across[:, i], across[:, i])
         if total > 0.0:
             unit = 1.0 / np.sqrt(total)
             for k in range(n):
@@ -107,9 +106,7 @@ def minimise_norm(free: Matrix, lam: Vector) -> None:
     cholesky.multiply_gram(free, gram)
     if not cholesky.factor_cholesky(gram):
         return
-    for k in range(count):
-        for i in range(m):
-            share[k] += free[i, k] * lam[i]
+    multiply(free.T, lam, share)
     cholesky.solve_cholesky(gram, share)
     for i in range(m):
         for k in range(count):

@@ -12,6 +12,7 @@ import numpy as np
 from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.jit import inner
 from runtime.linalg.rank_policy import REDUNDANT
+from runtime.linalg.vectors import dot
 
 
 class Sparse(NamedTuple):
@@ -37,9 +38,7 @@ def fill_unit_rows(sparse: Sparse, scale: Vector, dense: Matrix) -> None:
     fill_dense(sparse, scale, dense)
     m, n = dense.shape
     for i in range(m):
-        total = 0.0
-        for j in range(n):
-            total += dense[i, j] ** 2
+        total = dot(dense[i], dense[i])
         if total > 0.0:
             inverse = 1.0 / np.sqrt(total)
             for j in range(n):

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from runtime.core.array_types import Vector
+from runtime.core.array_types import Matrix, Vector
 from runtime.core.jit import inner
 
 
@@ -16,10 +16,26 @@ def copy_vector(source: Any, target: Any) -> None:
 
 
 @inner
+def dot(x: Vector, y: Vector) -> float:
+    """xᵀ y."""
+    total = 0.0
+    for i in range(x.size):
+        total += x[i] * y[i]
+    return total
+
+
+@inner
 def axpy(factor: float, x: Vector, y: Vector) -> None:
     """Add `factor` times x to y."""
     for i in range(x.size):
         y[i] += factor * x[i]
+
+
+@inner
+def multiply(a: Matrix, x: Vector, y: Vector) -> None:
+    """Write A x into y."""
+    for i in range(y.size):
+        y[i] = dot(a[i], x)
 
 
 @inner

@@ -1,17 +1,12 @@
 """Unwrapping of angles that kernels give by sine and cosine: followed through whole turns."""
 
 import numpy as np
-import numpy.typing as npt
 from numba import types
 
-from runtime.core.array_types import f8, matrix, vector
+from runtime.core.array_types import Integers, Matrix, Vector, f8, integers, matrix, none, vector
 from runtime.core.jit import ADDRESSES, allocating, at
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
-
-_EXPAND = types.FunctionType(types.none(f8, vector, vector, vector, vector, vector, vector))
-_expand = at(_EXPAND, 0)
+_expand = at(types.FunctionType(none(f8, *[vector] * 6)), 0)
 # measured: rad, or part of a length's size, between two positions at which angles are followed
 _STRIDE = 0.5
 _FAR = 1.0  # safety: rad by which an angle may move from one position to the next
@@ -19,14 +14,12 @@ _FINEST = 1e-4  # safety: part of a stride; no shorter ones are tried
 _TURN = 2.0 * np.pi
 
 
-@allocating(types.none(
-    ADDRESSES, types.int64[::1], f8, vector, vector, vector, matrix, matrix, vector, vector,
-    matrix, matrix,
-))  # fmt: skip
+@allocating(
+    none(ADDRESSES, integers, f8, *[vector] * 3, matrix, matrix, vector, vector, matrix, matrix)
+)
 def follow(
-    table: IntArray, angles: IntArray, t_first: float, first: FloatArray, here: FloatArray,
-    t: FloatArray, q: FloatArray, v: FloatArray, p: FloatArray, sizes: FloatArray,
-    all_q: FloatArray, all_v: FloatArray,
+    table: Integers, angles: Integers, t_first: float, first: Vector, here: Vector, t: Vector,
+    q: Matrix, v: Matrix, p: Vector, sizes: Vector, all_q: Matrix, all_v: Matrix,
 ) -> None:  # fmt: skip
     """Fill `all_q` and `all_v` by the `expand` in `table`; `here`, where the walk stands, moves."""
     expand = _expand(table)

@@ -1,6 +1,6 @@
 """The equations of a machine at one instant, as dense arrays, for analyses of few positions."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -17,25 +17,14 @@ _LEAST_PART = 0.01
 _ROUNDING = 1e-9  # accuracy: m; a length below this is rounding
 
 
-class Motion(NamedTuple):
-    """Accelerations and multipliers at a state; `weak` is 1 + the constraint that failed, or 0."""
-
-    a: FloatArray
-    lam: FloatArray
-    weak: int
-
-
 class Equations:
     """Kernels of a machine with its parameter values bound."""
 
     def __init__(self, mechanism: Mechanism, p: FloatArray) -> None:
-        self.description = mechanism.description
-        self.kernels = mechanism.kernels
-        self.table = mechanism.kernel_table
-        self.p = p
+        self.description, self.p = mechanism.description, p
+        self.kernels, self.table = mechanism.kernels, mechanism.kernel_table
         self.independent = np.array(mechanism.independent, dtype=np.int64)
-        self.n = len(mechanism.description.coordinates)
-        self.m = len(mechanism.description.constraints)
+        self.n, self.m = len(self.description.coordinates), len(self.description.constraints)
 
     def scaled(self, scale: FloatArray, independent: IntArray) -> ScaledConstraints:
         """The constraints in units of `scale`, of which `independent` follow from no others."""
@@ -82,11 +71,12 @@ class Equations:
         """∂V/∂q, shape (n,)."""
         return _filled(self.n, self.kernels.potential_gradient, t, q, self.p, modes)
 
-    def motion(self, t: float, q: FloatArray, v: FloatArray, modes: IntArray) -> Motion:
-        """Accelerations and multipliers of the free motion."""
+    def motion(
+        self, t: float, q: FloatArray, v: FloatArray, modes: IntArray
+    ) -> tuple[FloatArray, FloatArray, int]:
+        """Accelerations, multipliers, and 1 + the constraint whose pivot is weak, or 0."""
         a, lam = np.zeros(self.n), np.zeros(self.m)
-        weak = int(self.kernels.accelerations(t, q, v, self.p, modes, a, lam))
-        return Motion(a, lam, weak)
+        return a, lam, int(self.kernels.accelerations(t, q, v, self.p, modes, a, lam))
 
     def rest_modes(self, t: float, q: FloatArray) -> IntArray:
         """Modes at rest, shape (s,); a condition at its boundary does not hold."""

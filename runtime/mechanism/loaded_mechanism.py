@@ -38,9 +38,8 @@ class Mechanism:
     @property
     def independent(self) -> tuple[int, ...]:
         """Indices of independent constraints: none of them follows from the others."""
-        if self.sufficient is not None:
-            return self.sufficient
-        return tuple(range(len(self.description.constraints)))
+        every = tuple(range(len(self.description.constraints)))
+        return every if self.sufficient is None else self.sufficient
 
     @cached_property
     def kernel_table(self) -> npt.NDArray[np.int64]:
@@ -56,8 +55,6 @@ class Mechanism:
         parameters = len(description.parameters)
         return replace(
             common_system(description, kernels, rows, columns, n, m),
-            reactions=kernels.reactions,
-            switched_reactions=kernels.switched_reactions,
             reaction_rows=len(description.reactions),
             limits=description.friction_limits,
             stiction=tuple((k, parameters + i) for i, k in enumerate(description.stiction)),

@@ -1,12 +1,14 @@
 """The tables of a generated module, typed: the only place that knows its layout."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from difflib import get_close_matches
 from types import ModuleType
-from typing import NamedTuple, Protocol, SupportsIndex, TypeVar, overload
+from typing import Any, NamedTuple, Protocol, SupportsIndex, TypeVar, get_args, get_origin, overload
 
 import numpy as np
 import numpy.typing as npt
+
+Indices = npt.NDArray[np.int64]
 
 
 class Row(Protocol):
@@ -144,13 +146,6 @@ class ReactionRow(NamedTuple):
         return f"{self.element}.{self.component}"
 
 
-class PowerSource(NamedTuple):
-    """An effect or a driver whose power on the machine is reported."""
-
-    name: str
-    kind: str  # of "work" it is called ``work(NAME)``, its power there to be integrated
-
-
 class StartValue(NamedTuple):
     """A start value of a coordinate or velocity."""
 
@@ -177,12 +172,13 @@ class Description(NamedTuple):
     drivers: tuple[str, ...]
     switches: Table[Switch]
     reactions: Table[ReactionRow]
-    powers: Table[PowerSource]
+    # whose power is reported; of kind "work", ``work(NAME)``, it is there to be integrated
+    powers: Table[Effect]
     start: Table[StartValue]
-    jacobian_rows: npt.NDArray[np.int64]
-    jacobian_columns: npt.NDArray[np.int64]
-    mass_rows: npt.NDArray[np.int64]
-    mass_columns: npt.NDArray[np.int64]
+    jacobian_rows: Indices
+    jacobian_columns: Indices
+    mass_rows: Indices
+    mass_columns: Indices
     operations: tuple[tuple[str, int], ...]
     has_masses: bool
     analysis: str = "dynamics"
@@ -242,11 +238,6 @@ class Description(NamedTuple):
         )
 
     @property
-    def is_angle(self) -> npt.NDArray[np.bool_]:
-        """True for coordinates that are angles, shape (n,)."""
-        return np.array([row.is_angle for row in self.coordinates], dtype=np.bool_)
-
-    @property
     def is_length(self) -> npt.NDArray[np.bool_]:
         """True for coordinates that are lengths, shape (n,); the typical size of others is 1."""
         return np.array([row.is_length for row in self.coordinates], dtype=np.bool_)
@@ -258,30 +249,17 @@ class Description(NamedTuple):
         return np.array([values.get(row.name, 0.0) for row in self.coordinates])
 
 
-_ROWS: dict[str, Callable[..., Row]] = {
-    "coordinates": Coordinate,
-    "constraints": Constraint,
-    "parameters": Parameter,
-    "effects": Effect,
-    "left_out": Effect,
-    "switches": Switch,
-    "rigid": RigidContact,
-    "reactions": ReactionRow,
-    "powers": PowerSource,
-    "start": StartValue,
-}
-"""Tables of a generated module, and the type of their rows."""
-_INDICES = ("jacobian_rows", "jacobian_columns", "mass_rows", "mass_columns")
-
-
 def describe(module: ModuleType) -> Description:
     """Read the literals of a loaded generated module, each called as its field in capitals."""
     fields = {name: name.upper() for name in Description._fields}
     literals = {k: getattr(module, name) for k, name in fields.items() if hasattr(module, name)}
-    for name, row in _ROWS.items():
-        literals[name] = Table(row(*entry) for entry in literals.get(name, ()))
-    for name in _INDICES:
-        literals[name] = np.array(literals.get(name, ()), dtype=np.int64)
+    kinds: dict[str, Any] = Description.__annotations__
+    for name, kind in kinds.items():
+        if get_origin(kind) is Table:
+            (row,) = get_args(kind)
+            literals[name] = Table(row(*entry) for entry in literals.get(name, ()))
+        elif kind == Indices:
+            literals[name] = np.array(literals.get(name, ()), dtype=np.int64)
     literals["stiction"] = tuple(switch for _, switch in literals.get("stiction", ()))
     return Description(
         **literals, has_masses=hasattr(module, "mass"), kernels=frozenset(vars(module))

@@ -5,17 +5,13 @@ from functools import cached_property
 from types import ModuleType
 
 import numpy as np
-import numpy.typing as npt
 
 from runtime.core import kernel_abi as kernels
-from runtime.core.array_types import Kernel
+from runtime.core.array_types import Integers, Kernel, Matrix, Vector
 from runtime.core.jit import addresses
 from runtime.core.system import System
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.system import Tangents, common_system, gather_tangents
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,12 +26,12 @@ class Reduced:
     # (t, all_q, p, out): a number for each of `branches`, whose sign is that of the branch
     sides: Kernel
     dead_centres: Kernel
-    kept: IntArray  # columns of the coordinates that are integrated
+    kept: Integers  # columns of the coordinates that are integrated
     closures: tuple[int, ...]  # rows of the constraints between them
-    angles: IntArray  # columns of the angles in closed form
+    angles: Integers  # columns of the angles in closed form
     branches: tuple[tuple[int, int], ...]  # (column, row of the loop) of those angles with a branch
-    jacobian: tuple[IntArray, IntArray]
-    mass: tuple[IntArray, IntArray]
+    jacobian: tuple[Integers, Integers]
+    mass: tuple[Integers, Integers]
     slots: int  # length of ``p``: parameters, branches, constants
 
     @cached_property
@@ -54,7 +50,7 @@ class Reduced:
         m = len(self.closures)
         return self.closures[index] if 0 <= index < m else index - m
 
-    def parameters(self, p: FloatArray, t: float, q: FloatArray) -> FloatArray:
+    def parameters(self, p: Vector, t: float, q: Vector) -> Vector:
         """``p`` of these kernels, with the branches on which the machine stands at (t, q).
 
         `p` is that of the machine, q has all coordinates, (n,).
@@ -69,7 +65,7 @@ class Reduced:
         self.kernels.constants(values)
         return values
 
-    def steepness(self, t: float, q: FloatArray, p: FloatArray, sizes: FloatArray) -> FloatArray:
+    def steepness(self, t: float, q: Vector, p: Vector, sizes: Vector) -> Vector:
         """Largest rate of each of `branches` by those of the kept coordinates, in their sizes.
 
         It grows without bound at a dead centre. q and `sizes` are of the kept coordinates, (f,).
@@ -86,9 +82,9 @@ class Reduced:
         return found
 
     def expanded(
-        self, t: FloatArray, q: FloatArray, v: FloatArray, p: FloatArray, start: tuple[float,
-        FloatArray], sizes: FloatArray,
-    ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+        self, t: Vector, q: Matrix, v: Matrix, p: Vector,
+        start: tuple[float, Vector], sizes: Vector,
+    ) -> tuple[Matrix, Matrix]:  # fmt: skip
         """All coordinates and velocities, (k, n) each, at k instants in order.
 
         Angles in closed form are followed from the start, an instant and all coordinates (n,),
@@ -107,22 +103,13 @@ class Reduced:
 
 def gather_reduced(module: ModuleType, description: Description) -> Reduced:
     """Take the equations out of a loaded module."""
-
-    def indices(name: str) -> IntArray:
-        return np.array(getattr(module, name), dtype=np.int64)
-
+    names = ["KEPT", "ANGLES", "JACOBIAN_ROWS", "JACOBIAN_COLUMNS", "MASS_ROWS", "MASS_COLUMNS"]
+    indices = (np.array(getattr(module, name), dtype=np.int64) for name in names)
+    kept, angles, rows, columns, mass_rows, mass_columns = indices
     return Reduced(
-        description=description,
-        kernels=kernels.gather(module),
-        tangents=gather_tangents(module),
-        expand=module.expand,
-        sides=module.branches,
-        dead_centres=module.dead_centres,
-        kept=indices("KEPT"),
-        closures=tuple(module.CLOSURES),
-        angles=indices("ANGLES"),
-        branches=tuple(module.BRANCHES),
-        jacobian=(indices("JACOBIAN_ROWS"), indices("JACOBIAN_COLUMNS")),
-        mass=(indices("MASS_ROWS"), indices("MASS_COLUMNS")),
+        description=description, kernels=kernels.gather(module), tangents=gather_tangents(module),
+        expand=module.expand, sides=module.branches, dead_centres=module.dead_centres, kept=kept,
+        closures=tuple(module.CLOSURES), angles=angles, branches=tuple(module.BRANCHES),
+        jacobian=(rows, columns), mass=(mass_rows, mass_columns),
         slots=len(description.parameters) + len(module.BRANCHES) + len(module.CONSTANTS),
-    )
+    )  # fmt: skip

@@ -34,42 +34,22 @@ class Trial:
 
 @dataclass(frozen=True)
 class ReachedAccuracy:
-    """The accuracy target of a simulation, and the accuracy reached.
+    """The accuracy target of a simulation, and the accuracy reached."""
 
-    Attributes
-    ----------
-    asked
-        The target: the largest permitted relative global error.
-    estimated
-        The largest error of the quantities, to a factor of ten or so; over the whole simulated
-        time, also where the result ends at the horizon.
-    quantities
-        The estimate of each, the worst first.
-    method, formulation, rtol
-        Of the run that is the result.
-    runs
-        All runs, in their order.
-    horizon
-        Last output instant up to which the target is met, s; None where it is met at all.
-    tenfold
-        Time in which errors grow tenfold, s, if they grow exponentially; else None.
-    means
-        The evidence for the estimate, in a sentence.
-    seconds
-        Processor time of all integrations.
-    """
-
-    asked: float
+    asked: float  # the target: the largest permitted relative global error
+    # The largest error of the quantities, to a factor of ten or so; over the whole simulated time,
+    # also where the result ends at the horizon.
     estimated: float
-    quantities: tuple[Estimate, ...]
-    method: str
+    quantities: tuple[Estimate, ...]  # the estimate of each, the worst first
+    method: str  # as formulation and rtol: of the run that is the result
     formulation: str
     rtol: float
-    runs: tuple[Trial, ...]
+    runs: tuple[Trial, ...]  # all, in their order
+    # last output instant up to which the target is met, s; None where it is met at all
     horizon: float | None
-    tenfold: float | None
-    means: str
-    seconds: float
+    tenfold: float | None  # time in which errors grow tenfold, s, if they grow exponentially
+    means: str  # the evidence for the estimate, in a sentence
+    seconds: float  # processor time of all integrations
 
     @property
     def reached(self) -> bool:

@@ -5,7 +5,7 @@ import os
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +15,7 @@ from runtime.core.outcomes import Outcome
 from runtime.mechanism.module_tables import Description
 from runtime.results.event_records import Event, SingularPosition
 from runtime.results.reached_accuracy import ReachedAccuracy
-from runtime.results.samples import Partition, Samples
+from runtime.results.samples import Partition, Samples, plain
 from runtime.results.time_series import TimeSeries
 
 if TYPE_CHECKING:
@@ -126,23 +126,26 @@ class Result(TimeSeries):
 
         return plot(self, names)
 
-    def about(self) -> dict[str, str]:
-        """The run in texts, as files carry it: model, scene, outcome, parameters, versions."""
+    def facts(self) -> dict[str, Any]:
+        """The run as JSON: model, scene, outcome, parameters, statistics, accuracy."""
         return {
             "model": self.description.model,
             "scene": self.description.scene,
             "analysis": self.analysis,
             "outcome": self.outcome.name,
             "message": self.message,
-            "parameters": json.dumps(self.parameters),
-            "stats": json.dumps(self.stats),
+            "parameters": self.parameters,
+            "stats": plain(self.stats),
             "not_unique": ", ".join(self.not_unique),
-            "singular": json.dumps([row.facts() for row in self.singular]),
-            **({"accuracy": json.dumps(self.accuracy.facts())} if self.accuracy else {}),
-            "linkwright": __version__,
-            "generator": self.description.generator,
-            "numpy": np.__version__,
+            "singular": [row.facts() for row in self.singular],
+            **({"accuracy": self.accuracy.facts()} if self.accuracy else {}),
         }
+
+    def about(self) -> dict[str, str]:
+        """The run in texts, as files carry it: its facts, and the versions of programs."""
+        versions = {"linkwright": __version__, "generator": self.description.generator}
+        facts = {**self.facts(), **versions, "numpy": np.__version__}
+        return {k: fact if isinstance(fact, str) else json.dumps(fact) for k, fact in facts.items()}
 
     def __repr__(self) -> str:
         """Title, span and outcome for a person."""

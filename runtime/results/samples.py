@@ -11,41 +11,20 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class Samples(NamedTuple):
-    """States and what follows from them; the first axis of each array is time.
+    """States and what follows from them; the first axis of each array is time."""
 
-    Attributes
-    ----------
-    t
-        Instants in s, shape (k,).
-    q, v, a
-        Coordinates, velocities, accelerations, (k, n).
-    lam
-        Multipliers, (k, m).
-    reaction
-        Reactions, (k, rows of REACTIONS).
-    power
-        Powers in W, (k, rows of POWERS).
-    energy
-        Kinetic and potential energy in J, (k, 2).
-    residual
-        Largest |Φ| and |Φ_q v - ν|, (k, 2).
-    modes
-        Modes of the switching functions: 1, 0, or 2 where the function stays at zero, (k, s).
-    share
-        Filippov's share α where the mode is 2, (k, s); else NaN.
-    """
-
-    t: FloatArray
-    q: FloatArray
+    t: FloatArray  # instants in s, shape (k,)
+    q: FloatArray  # coordinates, (k, n), as velocities and accelerations
     v: FloatArray
     a: FloatArray
-    lam: FloatArray
-    reaction: FloatArray
-    power: FloatArray
-    energy: FloatArray
-    residual: FloatArray
+    lam: FloatArray  # multipliers, (k, m)
+    reaction: FloatArray  # reactions, (k, rows of REACTIONS)
+    power: FloatArray  # powers in W, (k, rows of POWERS)
+    energy: FloatArray  # kinetic and potential energy in J, (k, 2)
+    residual: FloatArray  # largest |Φ| and |Φ_q v - ν|, (k, 2)
+    # modes of the switching functions: 1, 0, or 2 where the function stays at zero, (k, s)
     modes: npt.NDArray[np.int64]
-    share: FloatArray
+    share: FloatArray  # Filippov's share α where the mode is 2, (k, s); else NaN
 
 
 class Partition(NamedTuple):

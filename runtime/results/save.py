@@ -4,11 +4,9 @@ The table of a .csv or .parquet file has one column a series, its unit in bracke
 """
 
 import csv
-import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -45,24 +43,16 @@ def check_place(path: Path) -> None:
 def save(result: Result, path: Path) -> Path:
     """Write `result` by the ending of `path`; a file of that name is replaced at the end."""
     check_place(path)
-    handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
-    os.close(handle)
-    temporary = Path(name)
-    try:
-        _WRITERS[path.suffix](result, temporary)
-        mask = os.umask(0)
-        os.umask(mask)
-        temporary.chmod(0o666 & ~mask)
+    with tempfile.TemporaryDirectory(prefix=f".{path.stem}-", dir=path.parent) as folder:
+        temporary = Path(folder) / path.name
+        try:
+            _WRITERS[path.suffix](result, temporary)
+        except ImportError as error:
+            raise InputError(
+                f"{path}: writing {path.suffix} needs the library {error.name}, which is not "
+                f"installed. Install linkwright[files], or save as .csv."
+            ) from error
         temporary.replace(path)
-    except ImportError as error:
-        temporary.unlink(missing_ok=True)
-        raise InputError(
-            f"{path}: writing {path.suffix} needs the library {error.name}, which is not "
-            f"installed. Install linkwright[files], or save as .csv."
-        ) from error
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
     return path
 
 

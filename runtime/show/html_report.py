@@ -1,13 +1,12 @@
 """A result as one self-contained HTML page: machine, parameters, checks, statistics, pictures."""
 
-import io
 from collections.abc import Iterator
 from html import escape
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from runtime.show.plot import new_figure
+from codegen.presentation import finish_axes, html_figure, html_page, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -15,26 +14,16 @@ if TYPE_CHECKING:
     from runtime.results.result import Result
 
 MOST_LINES = 10
-STYLE = """
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;
-       color: #1b1f24; }
-h1 { font-size: 1.5rem; margin-bottom: 0; } h2 { font-size: 1.1rem; margin-top: 2rem; }
-table { border-collapse: collapse; } td, th { padding: .15rem 1rem .15rem 0; text-align: left; }
-td.number { text-align: right; font-variant-numeric: tabular-nums; }
-.outcome { padding: .5rem 1rem; border-left: .3rem solid #2b8a3e; background: #f3faf4; }
-.failed { border-color: #c92a2a; background: #fdf3f3; }
-svg { width: 100%; height: auto; }
-"""
 
 
 def page(result: "Result") -> str:
     """The page as text."""
     description = result.description
-    title, generator = escape(description.title), escape(description.generator.split()[-1])
+    generator = escape(description.generator.split()[-1])
     state = "outcome failed" if result.failed else "outcome"
     stats = ((name.replace("_", " "), value) for name, value in result.stats.items())
     parts = [
-        f"<h1>{title}</h1>",
+        f"<h1>{escape(description.title)}</h1>",
         f"<p>{escape(result.analysis)}, linkwright {generator}</p>",
         f'<p class="{state}"><b>{result.outcome.name}</b>: {escape(result.message)}</p>',
         _section("Machine", _machine(result)),
@@ -44,17 +33,12 @@ def page(result: "Result") -> str:
         _section("Statistics", stats),
         _section("At the end", _last(result)),
         "<h2>Over time</h2>",
-        *(_svg(figure) for figure in _figures(result)),
+        *map(html_figure, _figures(result)),
     ]
     if result.events:
         rows = ((f"{e.time:.9g} s", f"{e.name} ({e.what})") for e in result.events[:200])
         parts.append(_section("Events", rows))
-    body = "\n".join(parts)
-    return (
-        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
-        f"<title>{title}</title><style>{STYLE}</style></head>\n"
-        f"<body>\n{body}\n</body></html>\n"
-    )
+    return html_page(description.title, parts)
 
 
 def _section(title: str, rows: Iterator[tuple[str, object]]) -> str:
@@ -143,17 +127,6 @@ def _figure(result: "Result", title: str, names: list[str]) -> "Figure":
         axes.plot(result.t, result.series(name)[0], label=name, linewidth=1.2)
     axes.set(xlabel="t, s", ylabel=title.partition(", ")[2])
     axes.set_title(title, loc="left")
-    axes.grid(visible=True, alpha=0.3)
-    axes.spines[["top", "right"]].set_visible(False)
+    finish_axes(axes, alpha=0.3)
     axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
-
-
-def _svg(figure: "Figure") -> str:
-    import matplotlib as mpl
-
-    stream = io.StringIO()
-    with mpl.rc_context({"svg.hashsalt": "linkwright", "svg.fonttype": "none"}):
-        figure.savefig(stream, format="svg", metadata={"Date": None})
-    text = stream.getvalue()
-    return text[text.index("<svg") :]

@@ -1,50 +1,14 @@
-"""Figures, and series of a result drawn over time."""
+"""Series of a result drawn over time."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from codegen.errors import InputError
+from codegen.presentation import new_figure
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from runtime.results.result import Result
-
-
-def new_figure(purpose: str, width: float, height: float, **options: Any) -> "Figure":
-    """An empty figure for a "plot", "picture" or "report", sizes in inches."""
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise InputError(
-            f"A {purpose} needs matplotlib, which is not installed. Install linkwright[plot]."
-        ) from error
-    return Figure(figsize=(width, height), layout="constrained", **options)
-
-
-def finish_axes(axes: "Axes", **grid: Any) -> None:
-    """A left and a lower edge only, and a pale grid behind the curves."""
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.grid(visible=True, **grid)
-    axes.set_axisbelow(True)
-
-
-def check_parent(path: Path) -> None:
-    """Refuse a place for a picture whose folder does not exist."""
-    if not path.resolve().parent.is_dir():
-        raise InputError(f"--out {path}: the folder {path.resolve().parent} does not exist.")
-
-
-@contextmanager
-def writing(path: Path) -> Iterator[None]:
-    """Say which place cannot be written, and why."""
-    try:
-        yield
-    except OSError as error:
-        raise InputError(f"--out {path}: {error.strerror or error}.") from error
 
 
 def plot(result: "Result", names: Sequence[str] = ()) -> "Figure":

@@ -1,22 +1,16 @@
 """Tables with explanatory sentences, on a terminal: no wider than a person reads."""
 
-import shutil
 import textwrap
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
+from codegen.presentation import terminal_width
+
 if TYPE_CHECKING:
     from rich.table import Table
 
-NARROW, WIDE, UNKNOWN = 80, 140, 120
-"""Least and largest width of a table in columns; width where the terminal does not report one."""
 ROOMY = 96
 """Width from which on numbers have blanks beside them."""
-
-
-def width() -> int:
-    """Columns of the terminal, between the least and largest width of a table."""
-    return min(max(shutil.get_terminal_size((UNKNOWN, 24)).columns, NARROW), WIDE)
 
 
 def new_table(title: str, caption: str, first: str, numbers: Sequence[str], least: int) -> "Table":
@@ -26,7 +20,7 @@ def new_table(title: str, caption: str, first: str, numbers: Sequence[str], leas
     """
     from rich.table import Table
 
-    table = Table(title=title, caption=caption, padding=(0, 1 if width() >= ROOMY else 0))
+    table = Table(title=title, caption=caption, padding=(0, 1 if terminal_width() >= ROOMY else 0))
     table.add_column(first, overflow="fold", ratio=1, min_width=least)
     for name in numbers:
         table.add_column(name, justify="right", no_wrap=True)
@@ -37,11 +31,13 @@ def show(tables: Iterable["Table"], sentences: Iterable[str]) -> None:
     """Print tables, and below them the sentences that explain them."""
     from rich.console import Console
 
-    screen = Console(width=width(), highlight=False)
+    screen = Console(width=terminal_width(), highlight=False)
     for table in tables:
         screen.print(table)
     for sentence in sentences:
-        lines = textwrap.fill(sentence, width(), initial_indent="  ", subsequent_indent="    ")
+        lines = textwrap.fill(
+            sentence, terminal_width(), initial_indent="  ", subsequent_indent="    "
+        )
         screen.print(lines, markup=False)
 
 

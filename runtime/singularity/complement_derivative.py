@@ -10,6 +10,7 @@ from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, mat
 from runtime.core.borrowed_arrays import view
 from runtime.core.jit import allocating, inner
 from runtime.linalg.cholesky import factor_cholesky, multiply_gram, solve_cholesky
+from runtime.linalg.vectors import copy_vector, dot, multiply
 from runtime.singularity import search_function_table as st
 
 _ITERATIONS = 40  # safety: Newton iterations
@@ -32,18 +33,12 @@ def differentiate_complement(
     at_row, at_column = st.entry_rows_of(context), st.entry_columns_of(context)
     lengths, displaced, sums = st.lengths_of(context), st.displaced_of(context), st.sums_of(context)
     direction = st.step_of(context)
-    total = 0.0
-    for j in range(wide):
-        total += direction[j] ** 2
-    delta = _DIFFERENCE / max(np.sqrt(total), 1e-300)
-    for j in range(wide):
-        displaced[j] = z[j] + delta * direction[j]
-    st.jacobian_entries(context, displaced, ahead)
-    for j in range(wide):
-        displaced[j] = z[j] - delta * direction[j]
-    st.jacobian_entries(context, displaced, behind)
-    for k in range(wide * weak):
-        sums[k] = 0.0
+    delta = _DIFFERENCE / max(np.sqrt(dot(direction, direction)), 1e-300)
+    for sign, entries in ((1.0, ahead), (-1.0, behind)):
+        for j in range(wide):
+            displaced[j] = z[j] + sign * delta * direction[j]
+        st.jacobian_entries(context, displaced, entries)
+    sums[:] = 0.0
     for e in range(ahead.size):
         i, j = at_row[e], at_column[e]
         if i < rows and ahead[e] != behind[e]:
@@ -72,8 +67,7 @@ def factor_normal_equations(
     wide, free = null.shape
     direction = st.step_of(context)
     for g in range(free):
-        for j in range(wide):
-            direction[j] = null[j, g]
+        copy_vector(null[:, g], direction)
         differentiate_complement(context, z, left, null, g, form)
     multiply_gram(form, normal)
     largest = 0.0
@@ -96,16 +90,10 @@ def newton_step(slopes: Matrix, square: Matrix, missed: Vector, x: Vector) -> fl
     `slopes` is form x, (weak, free), the forms being symmetric.
     """
     weak, free = slopes.shape
+    multiply(slopes, x, missed)
+    multiply_gram(slopes.T, square)
     largest = 0.0
     for w in range(weak):
-        missed[w] = 0.0
-        for f in range(free):
-            missed[w] += slopes[w, f] * x[f]
-        for k in range(w + 1):
-            total = 0.0
-            for f in range(free):
-                total += slopes[w, f] * slopes[k, f]
-            square[w, k] = total
         largest = max(largest, square[w, w])
     for w in range(weak):
         square[w, w] += _REGULAR * largest
@@ -140,23 +128,15 @@ def find_branch(
     weak = left.shape[1]
     direction, missed = st.step_of(context), view(st.residuals_of(context), 0, weak)
     slopes, square = np.empty((weak, free)), np.empty((weak, weak))
-    for f in range(free):
-        x[f] = 0.0
-        for j in range(wide):
-            x[f] += null[j, f] * rate[j]
-    done = 0
+    multiply(null.T, rate, x)
     for iteration in range(_ITERATIONS):
-        for j in range(wide):
-            direction[j] = 0.0
-            for f in range(free):
-                direction[j] += null[j, f] * x[f]
+        multiply(null, x, direction)
         differentiate_complement(context, z, left, null, 0, slopes)
         if iteration == 0:
             passing[:, :] = slopes
-        done = iteration + 1
         if newton_step(slopes, square, missed, x) < _CONVERGED:
             break
     for f in range(free):
         for j in range(wide):
             x[f] -= null[j, f] * rate[j]
-    return done
+    return int(iteration + 1)

@@ -44,8 +44,7 @@ def find_root(context: Integers, z: Vector, left: Matrix, null: Matrix) -> float
             schur.find_vectors(context, a, strong, left, null)
             if not factor_normal_equations(context, z, left, null, form, normal):
                 return -1.0
-        for f in range(free):
-            x[f] = 0.0
+        x[:] = 0.0
         for w in range(weak):
             for g in range(free):
                 for f in range(free):

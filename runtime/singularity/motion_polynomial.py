@@ -5,12 +5,9 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from runtime.core.array_types import f8, matrix, none, vector
+from runtime.core.array_types import Matrix, Vector, f8, matrix, none, vector
 from runtime.core.jit import compiled, inner
-
-FloatArray = NDArray[np.float64]
 
 _PASSES = 4  # safety: of Newton's method for the instant of the least distance
 
@@ -19,49 +16,47 @@ class Motion(NamedTuple):
     """A motion near an instant: q(t + s) = Σ s^i series_i; `series` has shape (k + 1, n)."""
 
     t: float
-    series: FloatArray
+    series: Matrix
 
     @property
-    def q(self) -> FloatArray:
+    def q(self) -> Vector:
         """The position now, (n,)."""
-        q: FloatArray = self.series[0]
+        q: Vector = self.series[0]
         return q
 
     @property
-    def v(self) -> FloatArray:
+    def v(self) -> Vector:
         """The velocity now, (n,)."""
-        v: FloatArray = self.series[1]
+        v: Vector = self.series[1]
         return v
 
-    def at(self, s: float) -> tuple[FloatArray, FloatArray]:
+    def at(self, s: float) -> tuple[Vector, Vector]:
         """Position and velocity after the time s, each (n,)."""
         q, v = np.empty((2, self.series.shape[1]))
         evaluate(self.series, s, q, v)
         return q, v
 
-    def scaled(self, scale: FloatArray, speed: float) -> FloatArray:
-        """The series of z = (q / scale, t speed), shape (k + 1, n + 1)."""
+    def scaled(self, scale: Vector, speed: float) -> "Motion":
+        """The motion of z = (q / scale, t speed), its series of shape (k + 1, n + 1)."""
         n = scale.size
         series = np.zeros((len(self.series), n + 1))
         series[:, :n] = self.series / scale
         series[0, n], series[1, n] = self.t * speed, speed
-        return series
+        return Motion(self.t, series)
 
 
-def taylor(t: float, q: FloatArray, v: FloatArray, a: FloatArray) -> Motion:
+def taylor(t: float, q: Vector, v: Vector, a: Vector) -> Motion:
     """The quadratic with this position, velocity and acceleration."""
     return Motion(t, np.stack([q, v, 0.5 * a]))
 
 
-def hermite(
-    t: float, h: float, start: tuple[FloatArray, ...], end: tuple[FloatArray, ...]
-) -> Motion:
+def hermite(t: float, h: float, start: tuple[Vector, ...], end: tuple[Vector, ...]) -> Motion:
     """The quintic with these q, v and a at both ends of a step of length h."""
     return interpolate(t, h, (0, 0, 0, 1, 1, 1), (0, 1, 2, 0, 1, 2), np.stack([*start, *end]))
 
 
 def interpolate(
-    t: float, unit: float, nodes: Sequence[float], orders: Sequence[int], values: FloatArray
+    t: float, unit: float, nodes: Sequence[float], orders: Sequence[int], values: Matrix
 ) -> Motion:
     """The polynomial of degree k - 1 in time with these derivatives (Birkhoff's interpolation).
 
@@ -75,18 +70,18 @@ def interpolate(
 
 
 @lru_cache(maxsize=8)
-def _fit(nodes: tuple[float, ...], orders: tuple[int, ...]) -> FloatArray:
+def _fit(nodes: tuple[float, ...], orders: tuple[int, ...]) -> Matrix:
     """The matrix that makes coefficients of derivatives; most fits share a few of them."""
     x, order, power = np.array(nodes)[:, None], np.array(orders)[:, None], np.arange(len(nodes))
     factors = np.ones((len(nodes), len(nodes)))
     for d in range(max(orders, default=0)):
         factors *= np.where(d < order, np.maximum(power - d, 0), 1)
-    inverse: FloatArray = np.linalg.inv(factors * x ** np.maximum(power - order, 0))
+    inverse: Matrix = np.linalg.inv(factors * x ** np.maximum(power - order, 0))
     return inverse
 
 
 @inner
-def value(series: FloatArray, s: float, j: int) -> float:
+def value(series: Matrix, s: float, j: int) -> float:
     """Component j of a series after the time s."""
     total = 0.0
     for i in range(series.shape[0] - 1, -1, -1):
@@ -95,7 +90,7 @@ def value(series: FloatArray, s: float, j: int) -> float:
 
 
 @inner
-def slope(series: FloatArray, s: float, j: int) -> float:
+def slope(series: Matrix, s: float, j: int) -> float:
     """The derivative of component j of a series after the time s."""
     total = 0.0
     for i in range(series.shape[0] - 1, 0, -1):
@@ -104,14 +99,14 @@ def slope(series: FloatArray, s: float, j: int) -> float:
 
 
 @compiled(none(matrix, f8, vector, vector))
-def evaluate(series: FloatArray, s: float, z: FloatArray, rate: FloatArray) -> None:
+def evaluate(series: Matrix, s: float, z: Vector, rate: Vector) -> None:
     """Write z and dz/ds after the time s, (n + 1,)."""
     for j in range(series.shape[1]):
         z[j], rate[j] = value(series, s, j), slope(series, s, j)
 
 
 @compiled(f8(matrix, f8, vector))
-def nearest_time(series: FloatArray, s: float, z: FloatArray) -> float:
+def nearest_time(series: Matrix, s: float, z: Vector) -> float:
     """The time at which a motion is nearest to z in q, by Newton's method from s on."""
     for _ in range(_PASSES):
         along, square = 0.0, 0.0
@@ -124,7 +119,7 @@ def nearest_time(series: FloatArray, s: float, z: FloatArray) -> float:
 
 
 @compiled(f8(matrix, f8, vector))
-def distance(series: FloatArray, s: float, z: FloatArray) -> float:
+def distance(series: Matrix, s: float, z: Vector) -> float:
     """Distance of a motion from z in q after the time s."""
     total = 0.0
     for j in range(series.shape[1] - 1):

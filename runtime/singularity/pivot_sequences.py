@@ -3,16 +3,12 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from runtime.core.array_types import Integers, Vector
 from runtime.linalg.full_pivoting import factor_fully
 from runtime.singularity.scaled_constraints import ScaledConstraints
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-# measured: singular values above this, columns scaled and rows of unit length, are not weak
-_WEAK = 0.3
+_WEAK = 0.3  # measured: singular values above this, in unit rows of scaled columns, are not weak
 _APART = 3.0  # measured: factor by which the weak singular values lie below the others
 _NONE = 1e-9  # accuracy: singular values below this are all zero
 _KNOWN = 0.02  # measured: difference of two Jacobians up to which they share an order of pivots
@@ -23,9 +19,9 @@ _STRONG = 0.5  # measured: a pivot above this belongs to no weak row
 class PivotOrder(NamedTuple):
     """A Jacobian's non-zeros, its order of pivots, and how many of its singular values are weak."""
 
-    entries: FloatArray
-    row_order: IntArray
-    column_order: IntArray
+    entries: Vector
+    row_order: Integers
+    column_order: Integers
     weak: int
 
 
@@ -36,7 +32,7 @@ class PivotOrders:
         self.constraints = constraints
         self._known: list[PivotOrder] = []
 
-    def near(self, entries: FloatArray) -> PivotOrder:
+    def near(self, entries: Vector) -> PivotOrder:
         """Order of pivots of the Jacobian with these entries, or of one that hardly differs."""
         for known in self._known:
             if np.abs(known.entries - entries).max() < _KNOWN:
@@ -45,7 +41,7 @@ class PivotOrders:
         self._known = [order, *self._known[: _KEPT - 1]]
         return order
 
-    def _choose(self, entries: FloatArray) -> PivotOrder:
+    def _choose(self, entries: Vector) -> PivotOrder:
         """Full pivoting as far as pivots are large; singular values of the complement of these."""
         constraints = self.constraints
         table, arrays = constraints.layout
@@ -67,7 +63,7 @@ class PivotOrders:
         )
 
 
-def count_weak(values: FloatArray) -> int:
+def count_weak(values: Vector) -> int:
     """How many of the singular values, in falling order, lie apart from the others near zero."""
     small = int(np.sum(values < _WEAK))
     if small == 0 or small == len(values):

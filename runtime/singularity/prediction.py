@@ -11,9 +11,8 @@ import numpy as np
 from runtime.constraints.partitioning import evaluate_jacobian
 from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers, Vector
-from runtime.core.borrowed_arrays import view
-from runtime.core.jit import addressed, fetched, inner
+from runtime.core.array_types import Context, Vector
+from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
 from runtime.core.rounding import EPS
 from runtime.linalg.elimination_plan import replay_plan, write_plan
@@ -29,26 +28,18 @@ _TRUST = 0.5  # measured: of the time over which nothing announced itself; when 
 _NEAR = 1e-5  # measured: a pivot that counts as small in any case
 _CANDIDATES = 4  # measured: pivots that change sign, most of them by way of infinity
 _REFINED = 6  # safety: steps by which a pivot that changes sign within a step is followed
-# Rows of `pivots_of`: pivots now, later, at the last look, and one over the lengths of Φ_q's rows.
-NOW, LATER, LAST, LENGTHS, PIVOT_ROWS = range(5)
-# Places in `pivot_history_of`: time of the last look, smallest pivot when its order was chosen.
+# Rows of `pivots`: pivots now, later, at the last look, and one over the lengths of Φ_q's rows.
+NOW, LATER, LAST, LENGTHS = range(4)
+# Places in `pivot_history`: time of the last look, smallest pivot when its order was chosen.
 WHEN, LEAST = 0, 1
-# measured: part of the smallest pivot at its search below which an order is found anew
-_POORER = 0.5
-
-
-@fetched
-def pivot_row(context: Integers, row: int) -> Vector:
-    """A row of pivots, (m,)."""
-    m = context[ft.CONSTRAINT_COUNT]
-    found: Vector = view(ft.pivots_of(context), row * m, m)
-    return found
+_POORER = 0.5  # measured: part of the smallest pivot at its search; below it a new order is found
 
 
 @inner
-def earliest_zero(t: float, weakest: float, speed: float, haste: float) -> float:
+def earliest_zero(context: Context, t: float, weakest: float, speed: float) -> float:
     """The instant before which no pivot vanishes, as pivots change about as fast as the motion."""
-    way = _MARGIN * weakest
+    way, size = _MARGIN * weakest, ws.first_half(context, ws.SIZE)
+    haste = largest_ratio(ws.velocity_rates(context, ws.K), size)
     return float(t + 2.0 * way / (speed + np.sqrt(speed * speed + 2.0 * haste * way) + 1e-300))
 
 
@@ -64,12 +55,12 @@ def approaches_zero(now: Vector, later: Vector, span: float, ahead: float) -> bo
 
 
 @inner
-def interpolate_step(context: Integers, x: float, span: float, state: int) -> None:
+def interpolate_step(context: Context, x: float, span: float, state: int) -> None:
     """Write into `SAMPLE` the position at a share x of a step, on the cubic through both ends.
 
     A chord would miss it by the square of the step.
     """
-    q, v = ws.positions(context, ws.Y0), ws.velocities(context, ws.Y0)
+    q, v = context.q0, context.v0
     end, rate = ws.positions(context, state), ws.velocities(context, state)
     moved = ws.positions(context, ws.SAMPLE)
     for j in range(q.size):
@@ -79,36 +70,36 @@ def interpolate_step(context: Integers, x: float, span: float, state: int) -> No
 
 
 @inner
-def continue_motion(context: Integers, s: float) -> None:
+def continue_motion(context: Context, s: float) -> None:
     """Write into `SAMPLE` the position on the tangent of the motion, a time s after Y0."""
-    q, v = ws.positions(context, ws.Y0), ws.velocities(context, ws.Y0)
+    q, v = context.q0, context.v0
     moved = ws.positions(context, ws.SAMPLE)
     for j in range(q.size):
         moved[j] = q[j] + s * v[j]
 
 
 @inner
-def find_pivots(context: Integers, t: float, state: int, row: int, search: int) -> None:
+def find_pivots(context: Context, t: float, state: int, row: int, search: int) -> None:
     """Eliminate Φ_q at t and the position in row `state`, columns scaled and rows of unit length.
 
     Its pivots are written into row `row` of the pivots, in an order of their own if `search`.
     """
-    dense, scale = ft.dense_jacobian_of(context), ws.second_half(context, ws.PARTITION)
+    dense = context.dense_jacobian
     sparse = evaluate_jacobian(context, t, ws.positions(context, state))
-    fill_unit_rows(sparse, scale, dense)
-    eliminate_rows(dense, ft.pivot_columns_of(context), pivot_row(context, row), search)
+    fill_unit_rows(sparse, context.scale, dense)
+    eliminate_rows(dense, context.pivot_columns, context.pivots[row], search)
 
 
 @inner
 def next_zero(
-    context: Integers, span: float, back: float, ahead: float, beyond: float
+    context: Context, span: float, back: float, ahead: float, beyond: float
 ) -> tuple[float, int]:
     """Time, by linear interpolation, of the pivot that vanishes next after `beyond`, and its row.
 
     The time lies between `back` and `ahead`, or is infinite. Unless all rows are independent, one
     without a pivot now follows from others wherever these hold.
     """
-    now, later = pivot_row(context, NOW), pivot_row(context, LATER)
+    now, later = context.pivots[NOW], context.pivots[LATER]
     independent = context[ft.RANK] == context[ft.CONSTRAINT_COUNT]
     nearest, which = np.inf, 0
     for i in range(now.size):
@@ -124,23 +115,22 @@ def next_zero(
 
 
 @inner
-def keep_pivots(context: Integers, instant: float) -> None:
+def keep_pivots(context: Context, instant: float) -> None:
     """Keep the later pivots as those of the last look."""
-    ft.pivot_history_of(context)[WHEN] = instant
-    copy_vector(pivot_row(context, LATER), pivot_row(context, LAST))
+    context.pivot_history[WHEN] = instant
+    copy_vector(context.pivots[LATER], context.pivots[LAST])
 
 
 @inner
 def stays_regular(
-    context: Integers, t: float, h: float, state: int, speed: float, ahead: float
+    context: Context, t: float, h: float, state: int, speed: float, ahead: float
 ) -> bool:
     """Whether pivots by the plan announce nothing at the end of a step; says when to look again."""
-    r, known = run_record(context), ft.pivot_history_of(context)
-    last, later = pivot_row(context, LAST), pivot_row(context, LATER)
+    r, known = run_record(context), context.pivot_history
+    last, later = context.pivots[LAST], context.pivots[LATER]
+    flat, lengths = context.flat_jacobian, context.pivots[LENGTHS]
     sparse = evaluate_jacobian(context, t + h, ws.positions(context, state))
-    flat, plan = ft.flat_jacobian_of(context), ft.elimination_plan_of(context)
-    lengths, scale = pivot_row(context, LENGTHS), ws.second_half(context, ws.PARTITION)
-    if not replay_plan(sparse, scale, flat, plan, lengths, later):
+    if not replay_plan(sparse, context.scale, flat, context.elimination_plan, lengths, later):
         return False
     weakest = min(smallest_pivot(last), smallest_pivot(later))
     passed = t + h - known[WHEN]
@@ -149,36 +139,32 @@ def stays_regular(
     keep_pivots(context, t + h)
     r.look_at = t + _TRUST * ahead
     if _MARGIN * weakest > speed * _TRUST * ahead:
-        size = ws.first_half(context, ws.SIZE)
-        haste = largest_ratio(ws.velocity_rates(context, ws.K), size)
-        r.look_at = max(r.look_at, earliest_zero(t, weakest, speed, haste))
+        r.look_at = max(r.look_at, earliest_zero(context, t, weakest, speed))
     return True
 
 
 @inner
-def remember(context: Integers, instant: float, weakest: float) -> None:
+def remember(context: Context, instant: float, weakest: float) -> None:
     """Keep the later pivots and the plan of their order for the next look."""
     keep_pivots(context, instant)
-    later, scale = pivot_row(context, LATER), ws.second_half(context, ws.PARTITION)
-    ft.pivot_history_of(context)[LEAST] = min(weakest, smallest_pivot(later))
-    rows, columns = ft.jacobian_rows_of(context), ft.jacobian_columns_of(context)
-    sparse = Sparse(rows, columns, ft.jacobian_values_of(context))
-    order, dense = ft.pivot_columns_of(context), ft.dense_jacobian_of(context)
-    plan, lengths = ft.elimination_plan_of(context), pivot_row(context, LENGTHS)
-    write_plan(order, sparse, scale, dense, plan, lengths)
+    later, lengths = context.pivots[LATER], context.pivots[LENGTHS]
+    context.pivot_history[LEAST] = min(weakest, smallest_pivot(later))
+    sparse = Sparse(context.jacobian_rows, context.jacobian_columns, context.jacobian_values)
+    order, dense, plan = context.pivot_columns, context.dense_jacobian, context.elimination_plan
+    write_plan(order, sparse, context.scale, dense, plan, lengths)
 
 
 @inner
 def follow_pivot(
-    context: Integers, t: float, span: float, state: int, which: int, first: float
+    context: Context, t: float, span: float, state: int, which: int, first: float
 ) -> float:
     """Share of the step at which the pivot of row `which` vanishes, from the guess `first` on.
 
     By the Illinois rule, as pivots are no straight lines.
     """
-    later = pivot_row(context, LATER)
+    later = context.pivots[LATER]
     low, high, x = 0.0, 1.0, first
-    at_low, at_high = pivot_row(context, NOW)[which], later[which]
+    at_low, at_high = context.pivots[NOW][which], later[which]
     for _ in range(_REFINED):
         if not x < 1.0:
             break
@@ -193,7 +179,7 @@ def follow_pivot(
 
 
 @addressed(ft.VANISHING)
-def predict_vanishing_pivot(context: Integers, t: float, h: float, state: int) -> float:
+def predict_vanishing_pivot(context: Context, t: float, h: float, state: int) -> float:
     """Time after t at which a pivot vanishes, where that is soon; else infinite.
 
     Pivots are compared at the start of the step, Y0, and in row `state`, its end. Where that is Y0
@@ -206,17 +192,14 @@ def predict_vanishing_pivot(context: Integers, t: float, h: float, state: int) -
     all. Else there are two eliminations, and some more where something is announced: a pivot also
     changes sign by way of infinity, where an earlier one of the same order vanishes.
     """
-    r, plan = run_record(context), ft.elimination_plan_of(context)
-    size = ws.first_half(context, ws.SIZE)
-    now, later = pivot_row(context, NOW), pivot_row(context, LATER)
+    r, plan, size = run_record(context), context.elimination_plan, ws.first_half(context, ws.SIZE)
+    now, later = context.pivots[NOW], context.pivots[LATER]
     failed = state == ws.Y0
-    speed = max(
-        largest_ratio(ws.velocities(context, ws.Y0), size),
-        largest_ratio(ws.velocities(context, state), size),
-    )
+    v = ws.velocities(context, state)
+    speed = max(largest_ratio(context.v0, size), largest_ratio(v, size))
     span, back, ahead = h, 0.0, max(AHEAD * h, r.foresight / max(speed, 1e-300))
     # Only from look to look: in a gap between them a pivot may change its sign twice.
-    known = plan[0] > 0 and t <= r.look_at and t + h > ft.pivot_history_of(context)[WHEN]
+    known = plan[0] > 0 and t <= r.look_at and t + h > context.pivot_history[WHEN]
     if not failed and known and stays_regular(context, t, h, state, speed, ahead):
         return np.inf
     plan[0] = 0
@@ -234,8 +217,7 @@ def predict_vanishing_pivot(context: Integers, t: float, h: float, state: int) -
         weakest = smallest_pivot(now)
         nearest, which = next_zero(context, span, back, ahead, beyond)
         if candidate == 0:
-            haste = largest_ratio(ws.velocity_rates(context, ws.K), size)
-            r.look_at = earliest_zero(t, weakest, speed, haste)
+            r.look_at = earliest_zero(context, t, weakest, speed)
         if not nearest < np.inf:
             if candidate == 0:
                 r.look_at = max(r.look_at, t + _TRUST * ahead)

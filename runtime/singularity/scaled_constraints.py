@@ -6,19 +6,18 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.jit import addresses
 from runtime.singularity import search_function_table as st
 
-FloatArray = NDArray[np.float64]
 Kernel = Callable[..., Any]
 
 
 class Layout(NamedTuple):
     """A table, and the arrays by name whose addresses it holds."""
 
-    table: NDArray[np.int64]
+    table: Integers
     arrays: dict[str, Any]
 
 
@@ -29,38 +28,34 @@ class ScaledConstraints:
     constraints: Kernel
     jacobian: Kernel
     velocity_rhs: Kernel
-    rows: NDArray[np.int64]  # (nnz,), as `columns`: where the values of `jacobian` belong
-    columns: NDArray[np.int64]
-    p: FloatArray  # parameters
-    scale: FloatArray  # (n,), typical size of a change of each coordinate
-    independent: NDArray[np.int64]  # constraints none of which follows from the others everywhere
+    rows: Integers  # (nnz,), as `columns`: where the values of `jacobian` belong
+    columns: Integers
+    p: Vector  # parameters
+    scale: Vector  # (n,), typical size of a change of each coordinate
+    independent: Integers  # constraints none of which follows from the others everywhere
     m: int  # number of constraints
 
     @cached_property
     def layout(self) -> Layout:
         """The table by which compiled searches reach these arrays and kernels."""
-        kernels = addresses((self.constraints, self.jacobian, self.velocity_rhs))
         (at_row, at_column), layout, n = self.places, st.TABLE, self.scale.size
         table = np.zeros(layout.size, np.int64)
         first = layout.slots["constraints"]
-        table[first : first + len(kernels)] = kernels
+        table[first : first + 3] = addresses((self.constraints, self.jacobian, self.velocity_rhs))
         table[st.COORDINATES], table[st.UNKNOWNS], table[st.CONSTRAINT_COUNT] = n, n + 1, self.m
         table[st.ROWS], table[st.PARAMETER_COUNT] = self.independent.size, self.p.size
         table[st.NONZEROS], table[st.ENTRIES] = self.rows.size, at_row.size
         arrays = layout.allot(table)
-        for name, reals in {"parameters": self.p, "scale": self.scale}.items():
-            arrays[name] = np.ascontiguousarray(reals, dtype=np.float64)
-        places = {"entry_rows": at_row, "entry_columns": at_column}
-        for name, numbers in {"independent": self.independent, **places}.items():
-            arrays[name] = np.ascontiguousarray(numbers, dtype=np.int64)
-        for name, array in arrays.items():
-            table[layout.slots[name]] = array.ctypes.data
+        given = {"parameters": self.p, "scale": self.scale, "independent": self.independent}
+        for name, array in {**given, "entry_rows": at_row, "entry_columns": at_column}.items():
+            arrays[name] = np.ascontiguousarray(array)
+            table[layout.slots[name]] = arrays[name].ctypes.data
         arrays["lengths"][:], arrays["speed"][:] = 1.0, 1.0
         for name in ("row_order", "row_place", "column_order", "column_place"):
             arrays[name][:] = np.arange(arrays[name].size)
         return Layout(table, arrays)
 
-    def entries(self, t: float, q: FloatArray, unit: float) -> FloatArray:
+    def entries(self, t: float, q: Vector, unit: float) -> Vector:
         """Non-zeros of Φ_q, columns scaled, then Φ_t times `unit`; at `places`, (nnz + m,)."""
         values = np.zeros(self.rows.size + self.m)
         rate = values[self.rows.size :]
@@ -71,7 +66,7 @@ class ScaledConstraints:
         return values
 
     @cached_property
-    def places(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def places(self) -> tuple[Integers, Integers]:
         """Rows and columns of `entries`; dependent rows are set aside behind the others."""
         order = np.full(self.m, self.independent.size)
         order[self.independent] = np.arange(self.independent.size)
@@ -79,22 +74,22 @@ class ScaledConstraints:
         columns = np.append(self.columns, np.full(self.m, self.scale.size))
         return order[rows], columns
 
-    def dense(self, entries: FloatArray) -> FloatArray:
+    def dense(self, entries: Vector) -> Matrix:
         """The matrix of `entries`, independent rows only, shape (m', n + 1)."""
         matrix = np.zeros((self.independent.size + 1, self.scale.size + 1))
         matrix[self.places] = entries
         return matrix[:-1]
 
-    def all_rows(self, t: float, q: FloatArray) -> FloatArray:
+    def all_rows(self, t: float, q: Vector) -> Matrix:
         """Φ_q of all constraints, columns scaled and rows made unit length, shape (m, n)."""
         values = self.entries(t, q, 0.0)[: self.rows.size]
         matrix = np.zeros((self.m, self.scale.size))
         np.add.at(matrix, (self.rows, self.columns), values)
         lengths = np.linalg.norm(matrix, axis=1)
-        unit: FloatArray = matrix / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+        unit: Matrix = matrix / np.where(lengths > 0.0, lengths, 1.0)[:, None]
         return unit
 
-    def gaps(self, t: float, q: FloatArray) -> FloatArray:
+    def gaps(self, t: float, q: Vector) -> Vector:
         """Φ, shape (m',)."""
         phi = np.zeros(self.m)
         self.constraints(t, q, self.p, phi)

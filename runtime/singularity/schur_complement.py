@@ -11,9 +11,10 @@ import numpy as np
 
 from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, matrix
 from runtime.core.jit import allocating, inner
-from runtime.linalg.cholesky import factor_cholesky, multiply_gram
+from runtime.linalg.cholesky import factor_cholesky, multiply_gram, orthonormalise, solve_lower
 from runtime.linalg.leading_block_elimination import eliminate_leading, left_vectors, null_vectors
 from runtime.linalg.rank_policy import NO_DIVISOR
+from runtime.linalg.vectors import largest_magnitude
 from runtime.singularity import search_function_table as st
 
 
@@ -56,37 +57,21 @@ def normalise_complement(
     `square`, (weak, weak), and `normal`, (free, free), receive the Cholesky factors of the left and
     the null vectors' products. Returns whether they have such factors.
     """
-    weak, free = left.shape[1], null.shape[1]
     multiply_gram(left, square)
     multiply_gram(null, normal)
     if not (factor_cholesky(square) and factor_cholesky(normal)):
         return False
-    for w in range(weak):
-        for f in range(free):
-            total = a[strong + w, strong + f]
-            for k in range(f):
-                total -= normal[f, k] * a[strong + w, strong + k]
-            a[strong + w, strong + f] = total / normal[f, f]
-    for w in range(weak):
-        for k in range(w):
-            for f in range(free):
-                a[strong + w, strong + f] -= square[w, k] * a[strong + k, strong + f]
-        for f in range(free):
-            a[strong + w, strong + f] /= square[w, w]
+    orthonormalise(normal, a[strong:, strong:])
+    orthonormalise(square, a[strong:, strong:].T)
     return True
 
 
 @inner
 def largest_lost_gap(gaps: Vector, strong: int, lower: Matrix) -> float:
     """Largest |uᵀ Φ| of the orthonormal left vectors u; `lower` is the factor of their products."""
-    largest = 0.0
-    for w in range(lower.shape[0]):
-        total = gaps[strong + w]
-        for k in range(w):
-            total -= lower[w, k] * gaps[strong + k]
-        gaps[strong + w] = total / lower[w, w]
-        largest = max(largest, abs(gaps[strong + w]))
-    return float(largest)
+    lost = gaps[strong:]
+    solve_lower(lower, lost)
+    return float(largest_magnitude(lost))
 
 
 @allocating(i8(integers, matrix, i8))

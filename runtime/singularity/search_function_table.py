@@ -64,8 +64,7 @@ def jacobian_entries(context: Integers, z: Vector, values: Vector) -> None:
     jacobian_of(context)(t, q, p, view(values, 0, nonzeros))
     for e in range(nonzeros):
         values[e] *= scale[columns[e]]
-    for i in range(m):
-        rate[i] = 0.0
+    rate[:] = 0.0
     velocity_rhs_of(context)(t, q, p, rate)
     for i in range(m):
         rate[i] /= -speed
@@ -76,8 +75,7 @@ def unit_residuals(context: Integers, z: Vector, residuals: Vector) -> None:
     """Fill `residuals`, (rows,), with Φ at z over the rows' lengths, in the order of places."""
     t = write_position(context, z)
     phi = phi_of(context)
-    for i in range(phi.size):
-        phi[i] = 0.0
+    phi[:] = 0.0
     constraints_of(context)(t, position_of(context), parameters_of(context), phi)
     lengths, place = lengths_of(context), row_place_of(context)
     independent = independent_of(context)
@@ -91,8 +89,7 @@ def set_units(context: Integers, speed: float, z: Vector) -> None:
     speed_of(context)[0] = speed
     values, lengths, rows = values_of(context), lengths_of(context), entry_rows_of(context)
     jacobian_entries(context, z, values)
-    for i in range(lengths.size):
-        lengths[i] = 0.0
+    lengths[:] = 0.0
     for e in range(context[NONZEROS]):
         if rows[e] < lengths.size:
             lengths[rows[e]] += values[e] ** 2

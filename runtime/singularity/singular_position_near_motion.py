@@ -12,18 +12,15 @@ Bifurcation Theory I, 1985, chapter VII.)
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from runtime.core.array_types import Vector
 from runtime.linalg.rank_policy import LOST
 from runtime.singularity.motion_polynomial import Motion, distance, nearest_time
 from runtime.singularity.pivot_sequences import PivotOrders
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.singular_root_search import Root, Search
 
-FloatArray = NDArray[np.float64]
-
-# measured: of the way there; a motion that comes as near to a known position passes it
-_SAME = 0.05
+_SAME = 0.05  # measured: of the way there; a motion that comes as near to a known position passes
 _ROUNDED = 1e-13  # accuracy: gap of unit rows that is rounding
 _CLEARLY = 1e-3  # measured: part of a gap; a smaller one belongs to another position
 
@@ -32,15 +29,15 @@ class Singularity(NamedTuple):
     """A singular position close to a motion; lengths are in units of `ScaledConstraints.scale`."""
 
     t: float  # when the motion passes it, s
-    q: FloatArray  # the position, (n,)
+    q: Vector  # the position, (n,)
     # share of each constraint in the row combinations that are lost, (m,): the length of its row in
     # the orthonormal left vectors
-    rows: FloatArray
+    rows: Vector
     lost: int  # number k of these combinations
-    direction: FloatArray  # the null direction that is not the motion's, of unit length, (n,)
+    direction: Vector  # the null direction that is not the motion's, of unit length, (n,)
     gap: float  # the largest |uᵀ Φ|, in units of the rows' lengths
     rate: float  # how fast the smallest singular value passes through zero, 1/s
-    veer: FloatArray  # velocity along the nearest branch less that of the motion, (n,)
+    veer: Vector  # velocity along the nearest branch less that of the motion, (n,)
     astray: float  # length of `veer` as a part of the speed
     speed: float  # length of the velocity, 1/s
     miss: float  # distance of the motion from the position
@@ -96,19 +93,25 @@ class SingularPositions:
     def _nearest(self, motion: Motion, known: Singularity, speed: float) -> tuple[float, float]:
         """Time from the motion's own instant to where it is nearest to a position, and how near."""
         z = np.append(known.q / self.constraints.scale, known.t * speed)
-        series = motion.scaled(self.constraints.scale, speed)
+        series = motion.scaled(self.constraints.scale, speed).series
         s = nearest_time(series, known.t - motion.t, z)
         return s, distance(series, s, z)
 
 
 def _characterise(search: Search, root: Root, s: float) -> Singularity | None:
     """The singular position at a root; None where the motion does not come near."""
+    # Loaded where something is singular.
+    from runtime.singularity.complement_derivative import find_branch
+
     constraints = search.constraints
-    rate = search.at(s)[1]
-    miss = distance(search.series, s, root.z)
+    rate = search.path.at(s)[1]
+    miss = distance(search.path.series, s, root.z)
     if miss > 0.1 * abs(s) * search.speed + 1e-3:
         return None
-    passing, veer = _passage(search, root, rate)
+    weak, free = root.left.shape[1], root.null.shape[1]
+    passing, x = np.empty((weak, free)), np.empty(free)  # of the complement; towards the branch
+    find_branch(search.table, root.z, rate, root.left, root.null, passing, x)
+    veer = (root.null @ x)[:-1]
     _, rates, right = np.linalg.svd(passing)
     weakest = float(rates[-1])
     direction = (root.null @ right[len(rates) - 1])[:-1]
@@ -137,9 +140,7 @@ def _characterise(search: Search, root: Root, s: float) -> Singularity | None:
     )
 
 
-def _lost_by_all_rows(
-    search: Search, root: Root, direction: FloatArray
-) -> tuple[int, FloatArray] | None:
+def _lost_by_all_rows(search: Search, root: Root, direction: Vector) -> tuple[int, Vector] | None:
     """Number of constraints lost and the null direction, with redundant rows taken into account.
 
     None where all rows together determine every coordinate. Rows that are independent elsewhere can
@@ -152,23 +153,11 @@ def _lost_by_all_rows(
     null = right[rank:]
     if not len(null):
         return None
-    allowed: FloatArray = null.T @ (null @ direction)
+    allowed: Vector = null.T @ (null @ direction)
     size = float(np.linalg.norm(allowed))
     if size < LOST:
         # Nothing of it is left: take the null direction that is least along the motion.
-        along = null @ search.series[1, :-1]
+        along = null @ search.path.v[:-1]
         others = np.linalg.svd(along[None, :])[2][1:] if len(null) > 1 else np.eye(len(null))
         allowed, size = others[0] @ null, 1.0
     return max(constraints.independent.size - rank, 0), allowed / size
-
-
-def _passage(search: Search, root: Root, rate: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Rate of the Schur complement along a motion, (k, c), and the branch's dz/ds less its own."""
-    # Loaded where something is singular.
-    from runtime.singularity.complement_derivative import find_branch
-
-    weak, free = root.left.shape[1], root.null.shape[1]
-    passing, x = np.empty((weak, free)), np.empty(free)
-    find_branch(search.table, root.z, rate, root.left, root.null, passing, x)
-    veer: FloatArray = (root.null @ x)[:-1]
-    return passing, veer

@@ -10,14 +10,12 @@ Bifurcation Theory I, 1985, chapter VII.)
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from runtime.singularity.motion_polynomial import Motion, evaluate, nearest_time
+from runtime.core.array_types import Matrix, Vector
+from runtime.singularity.motion_polynomial import Motion, nearest_time
 from runtime.singularity.pivot_sequences import PivotOrder, PivotOrders
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.search_function_table import set_units, unit_jacobian_entries
-
-FloatArray = NDArray[np.float64]
 
 _PASSES = 3  # safety: searches, each from the position of the last one
 
@@ -25,9 +23,9 @@ _PASSES = 3  # safety: searches, each from the position of the last one
 class Root(NamedTuple):
     """A singular position, its left and null vectors, which are orthonormal, and its gap."""
 
-    z: FloatArray  # (q / scale, t speed)
-    left: FloatArray  # (m', weak)
-    null: FloatArray  # (n + 1, free)
+    z: Vector  # (q / scale, t speed)
+    left: Matrix  # (m', weak)
+    null: Matrix  # (n + 1, free)
     gap: float  # the largest |uᵀ Φ|
 
     @property
@@ -44,40 +42,34 @@ class Search:
     ) -> None:
         self.constraints, self.orders = constraints, orders
         self.motion, self.speed = motion, speed
-        self.series = motion.scaled(constraints.scale, speed)
+        self.path = motion.scaled(constraints.scale, speed)
         self.table, self.arrays = constraints.layout
-        set_units(self.table, speed, self.series[0])
-
-    def at(self, s: float) -> tuple[FloatArray, FloatArray]:
-        """z and dz/ds after the time s."""
-        z, rate = np.empty((2, self.series.shape[1]))
-        evaluate(self.series, s, z, rate)
-        return z, rate
+        set_units(self.table, speed, self.path.q)
 
     def count_weak(self, s: float) -> int:
         """How many constraints may be lost close to the position after the time s."""
-        return self._order(self.at(s)[0]).weak
+        return self._order(self.path.at(s)[0]).weak
 
     def find(self, s: float, weak: int) -> tuple[Root, float] | None:
         """The position near the time s where `weak` constraints are lost, and when it is passed."""
         found = None
         for _ in range(_PASSES):
-            z = self.at(s)[0]
+            z = self.path.at(s)[0]
             found = self._root(z, self._order(z), weak)
             if found is None:
                 return None
-            before, s = s, nearest_time(self.series, s, found.z)
+            before, s = s, nearest_time(self.path.series, s, found.z)
             # With one freedom the position is one point, wherever the search for it began.
             if found.freedom <= 1 or abs(s - before) * self.speed < 1e-6:
                 break
         return (found, s) if found is not None else None
 
-    def _order(self, z: FloatArray) -> PivotOrder:
+    def _order(self, z: Vector) -> PivotOrder:
         entries = np.empty(self.constraints.places[0].size)
         unit_jacobian_entries(self.table, z, entries)
         return self.orders.near(entries)
 
-    def _root(self, z: FloatArray, order: PivotOrder, weak: int) -> Root | None:
+    def _root(self, z: Vector, order: PivotOrder, weak: int) -> Root | None:
         """A position near z at which `weak` constraints are lost, or None."""
         # Loaded where something is singular.
         from runtime.singularity.gauss_newton import find_root

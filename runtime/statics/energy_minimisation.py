@@ -52,9 +52,8 @@ def evaluate_position(statics: StaticEquations, q: FloatArray, iterations: int =
 
 def minimise(statics: StaticEquations, q: FloatArray, progress: Progress) -> RestPosition:
     """Descend from an assembled q until the forces balance, then polish."""
-    start, done = q, 0
-    reach = _REACH
-    for _ in range(_ITERATIONS):
+    start, reach, done = q, _REACH, 0
+    while done < _ITERATIONS:
         done += 1
         at = evaluate_position(statics, q)
         slope, share = at.gradient, at.unbalanced
@@ -94,9 +93,7 @@ def _downhill(statics: StaticEquations, at: RestPosition, step: FloatArray) -> F
     size = float(np.abs(slope).max())
     for halving in range(25):
         part_of_step = 0.5**halving
-        trial = q.copy()
-        trial[part.independent] += part_of_step * step * statics.scale[part.independent]
-        closed = statics.close(trial, part)
+        closed = statics.displaced(q, part, part_of_step * step)
         if closed is None:
             continue
         after = statics.gradient(closed, part)
@@ -120,12 +117,8 @@ def polish(statics: StaticEquations, q: FloatArray, iterations: int = 0) -> Rest
         step = np.linalg.lstsq(at.stiffness.matrix, -at.gradient, rcond=1e-12)[0]
         if float(np.abs(step).max()) > 0.1:
             break
-        trial = at.q.copy()
-        trial[at.part.independent] += step * statics.scale[at.part.independent]
-        closed = statics.close(trial, at.part)
-        if closed is None:
-            break
-        if not float(np.abs(statics.gradient(closed, at.part)).max()) < size:
+        closed = statics.displaced(at.q, at.part, step)
+        if closed is None or not float(np.abs(statics.gradient(closed, at.part)).max()) < size:
             break
         at = evaluate_position(statics, closed, at.iterations + 1)
     return at

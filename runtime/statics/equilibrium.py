@@ -12,8 +12,10 @@ from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.loaded_mechanism import Mechanism, Values
+from runtime.mechanism.module_tables import Description
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
+from runtime.results.samples import plain
 from runtime.statics.energy_minimisation import RestPosition, evaluate_position, minimise, polish
 from runtime.statics.reduced_gradient import StaticEquations
 from runtime.statics.stability import Judgement, Stability, judge
@@ -21,6 +23,7 @@ from runtime.validation.masses import require_masses
 from runtime.validation.parameters import parameter_values
 from runtime.validation.rigid_contact_and_stiction import require_no_rigid, require_no_sticking
 
+METHODS = "energy", "settling"
 _TURNED = 25.0  # safety: rad after which nothing holds a machine whose forces do not balance
 _FAR = 1e6  # safety: scaled length after which nothing does
 
@@ -44,10 +47,8 @@ class Equilibrium(Result):
 
     def __init__(self, *samples: Any, judged: Judgement, gradient: float, **outcome: Any) -> None:
         super().__init__(*samples, analysis="equilibrium", **outcome)
-        self.stability = judged.stability
-        self.stiffness = judged.stiffness
-        self.frequencies = judged.frequencies
-        self.gradient = gradient
+        self.stability, self.gradient = judged.stability, gradient
+        self.stiffness, self.frequencies = judged.stiffness, judged.frequencies
 
     @property
     def stable(self) -> bool:
@@ -58,9 +59,10 @@ class Equilibrium(Result):
         """Value of a coordinate by name."""
         return float(self.q(name)[0])
 
-    def about(self) -> dict[str, str]:
+    def facts(self) -> dict[str, Any]:
         """As of any result, and the stability."""
-        return super().about() | {"stability": str(self.stability)}
+        frequencies = plain(list(self.frequencies))
+        return super().facts() | {"stability": str(self.stability), "frequencies": frequencies}
 
 
 def equilibrium(
@@ -94,8 +96,8 @@ def equilibrium(
     equations = Equations(mechanism, p)
     _require_finite(equations, float(t), start.q)
     statics = StaticEquations(equations, float(t), equations.scale(equations.size(t, start.q)))
-    position, end, stats = METHODS[method](statics, start.q, progress)
-    ran = [] if position.balanced else _runaways(mechanism, statics, start.q, end)
+    position, end, stats = _search(method, statics, start.q, progress)
+    ran = [] if position.balanced else _runaways(statics, start.q, end)
     if ran:
         position = evaluate_position(statics, start.q, position.iterations)
     stats |= {"gradient_evaluations": statics.evaluations}
@@ -105,30 +107,20 @@ def equilibrium(
     samples = evaluate(mechanism, p, np.array([float(t)]), q, np.zeros_like(q), modes)
     stats["wall_seconds"] = clock.perf_counter() - began
     return Equilibrium(
-        description,
-        samples,
-        p,
-        judged=judged,
-        gradient=position.unbalanced,
+        description, samples, p, judged=judged, gradient=position.unbalanced,
         outcome=Outcome.OK if position.balanced else Outcome.UNBALANCED,
-        message=_message(mechanism, position, judged, ran) + redundancy_note(start),
-        stats=stats,
-        not_unique=start.not_unique,
-    )
+        message=_message(description, position, judged, ran) + redundancy_note(start),
+        stats=stats, not_unique=start.not_unique,
+    )  # fmt: skip
 
 
-def _minimise(
-    statics: StaticEquations, start: FloatArray, progress: Progress
+def _search(
+    method: str, statics: StaticEquations, start: FloatArray, progress: Progress
 ) -> tuple[RestPosition, FloatArray, dict[str, Any]]:
-    """Minimise the potential energy: the position, the end of the search, and counts."""
-    position = minimise(statics, start, progress)
-    return position, position.q, {"iterations": position.iterations}
-
-
-def _settle(
-    statics: StaticEquations, start: FloatArray, progress: Progress
-) -> tuple[RestPosition, FloatArray, dict[str, Any]]:
-    """Let a damped motion come to rest: the position, the end of the motion, and counts."""
+    """The rest position, the end of the search or of the damped motion, and counts."""
+    if method == "energy":
+        position = minimise(statics, start, progress)
+        return position, position.q, {"iterations": position.iterations}
     equations = statics.equations
     description = equations.description
     if np.abs(equations.velocity_rhs(statics.t, start)).max(initial=0.0) > 0.0:
@@ -144,25 +136,20 @@ def _settle(
     return polish(statics, end) if finite else evaluate_position(statics, start), end, counts
 
 
-METHODS = {"energy": _minimise, "settling": _settle}
-
-
-def _runaways(
-    mechanism: Mechanism, statics: StaticEquations, start: FloatArray, end: FloatArray
-) -> list[str]:
+def _runaways(statics: StaticEquations, start: FloatArray, end: FloatArray) -> list[str]:
     """Coordinates so far from the start that no force can be restoring them."""
+    coordinates = statics.equations.description.coordinates
     moved = np.abs((end - start) / statics.scale)
     moved[~np.isfinite(moved)] = np.inf
-    turned = mechanism.description.is_angle & (moved > _TURNED)
-    far = (turned | (moved > _FAR)) & (moved >= 1e-3 * moved.max())
-    return [mechanism.description.coordinates[int(index)].name for index in np.flatnonzero(far)]
+    bounds = [_TURNED if row.is_angle else _FAR for row in coordinates]
+    far = (moved > bounds) & (moved >= 1e-3 * moved.max())
+    return [coordinates[int(index)].name for index in np.flatnonzero(far)]
 
 
 def _message(
-    mechanism: Mechanism, position: RestPosition, judged: Judgement, ran: list[str]
+    description: Description, position: RestPosition, judged: Judgement, ran: list[str]
 ) -> str:
     """The outcome of the search, in a sentence."""
-    description = mechanism.description
     touched = (description.switches[k] for k in position.stiffness.edges)
     edges = ", ".join(f"{switch.condition} of {switch.name}" for switch in touched)
     if ran:
@@ -207,16 +194,12 @@ def _message(
 
 def _require_finite(equations: Equations, t: float, q: FloatArray) -> None:
     """Refuse a start where forces have no value."""
-    modes, still = equations.rest_modes(t, q), np.zeros(len(q))
-    force = equations.forces(t, q, still, modes) + equations.potential_gradient(t, q, modes)
-    if np.isfinite(force).all():
+    description, modes = equations.description, equations.rest_modes(t, q)
+    force = equations.forces(t, q, np.zeros(len(q)), modes)
+    finite = np.isfinite(force + equations.potential_gradient(t, q, modes))
+    if finite.all():
         return
-    description = equations.description
-    lost = [
-        row.name
-        for row, f in zip(description.coordinates, force, strict=True)
-        if not np.isfinite(f)
-    ]
+    lost = [description.coordinates[int(k)].name for k in np.flatnonzero(~finite)]
     effects = ", ".join(row.name for row in description.effects) or "none"
     raise AnalysisError(
         f"{description.title}: at the start position the forces along {', '.join(lost)} are not "

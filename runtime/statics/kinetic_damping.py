@@ -15,7 +15,7 @@ from numba import from_dtype
 from runtime.core.array_types import i8, integers, matrix, named_tuple_type, vector
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import accelerations_of, correction_of, kinetic_energy_of, switching_of
-from runtime.linalg.vectors import largest_ratio
+from runtime.linalg.vectors import axpy, largest_ratio
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import Progress
 from runtime.statics.energy_minimisation import AWAY
@@ -80,24 +80,6 @@ def take_step(kernels: Any, s: Any, t: float, h: float) -> tuple[int, float]:
 
 
 @inner
-def correct_new_state(kernels: Any, s: Any, t: float) -> tuple[int, float]:
-    """Newton's method for the new q and v; code of the last correction, and its scaled dq."""
-    q, v, dq, dv = s.work[8], s.work[9], s.work[10], s.work[11]
-    change = np.inf
-    for _newton in range(6):
-        weak = correction_of(kernels)(t, q, v, s.p, s.weights, dq, dv)
-        if weak != 0:
-            return int(weak), change
-        for i in range(q.size):
-            q[i] += dq[i]
-            v[i] += dv[i]
-        change = largest_ratio(dq, s.scale)
-        if change <= 1e-3 * _CORRECTED:
-            break
-    return 0, change
-
-
-@inner
 def count_changed_modes(kernels: Any, s: Any, t: float, q: Any) -> int:
     """Evaluate the switching functions at rest in q; the number of modes that differ from them."""
     still = s.work[12]
@@ -116,11 +98,20 @@ def try_step(kernels: Any, s: Any, r: Any, h: float) -> tuple[float, float]:
         return error, 0.25
     if error > 1.0:
         return error, max(0.2, 0.8 * error**-0.5)
-    weak, change = correct_new_state(kernels, s, r.t)
-    if weak != 0 or not change <= _CORRECTED:
+    q, v, dq, dv = s.work[8], s.work[9], s.work[10], s.work[11]
+    change = np.inf
+    for _newton in range(6):
+        if correction_of(kernels)(r.t, q, v, s.p, s.weights, dq, dv) != 0:
+            return error, 0.25
+        axpy(1.0, dq, q)
+        axpy(1.0, dv, v)
+        change = largest_ratio(dq, s.scale)
+        if change <= 1e-3 * _CORRECTED:
+            break
+    if not change <= _CORRECTED:
         return error, 0.25
     watched = h > max(_CROSSING * (r.since + h), _SHORTEST)
-    long = watched and count_changed_modes(kernels, s, r.t, s.work[8]) > 0
+    long = watched and count_changed_modes(kernels, s, r.t, q) > 0
     return error, 0.25 if long else 1.0
 
 
@@ -129,9 +120,9 @@ def relax(kernels: Any, s: Any, r: Any, count: Any) -> int:
     """Take `count` steps at frozen time; 1 at rest, 0 if not yet, negative where none goes on."""
     q_new, v_new = s.work[8], s.work[9]
     for _ in range(count):
-        if count_changed_modes(kernels, s, r.t, s.q) > 0:
-            for i in range(s.g.size):
-                s.modes[i] = 1 if s.g[i] > 0.0 else 0
+        count_changed_modes(kernels, s, r.t, s.q)
+        for i in range(s.g.size):
+            s.modes[i] = 1 if s.g[i] > 0.0 else 0
         if accelerations_of(kernels)(r.t, s.q, s.v, s.p, s.modes, s.work[0], s.lam) != 0:
             return -1
         h = min(r.step, r.limit)

@@ -5,14 +5,13 @@ independent coordinates at rest is Q_v + H^T Q_u; for forces with a potential it
 -(V_v + H^T V_u). Coordinates are divided by a typical change each: all entries are energies.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from runtime.assembly.joint_closing import CLOSED
+from runtime.assembly.joint_closing import CLOSED, Task, refine
 from runtime.constraints.partitioning import order_by_pivots
-from runtime.linalg.least_norm_newton import solve_by_newton
 from runtime.mechanism.dense_equations import Equations, FloatArray
 
 BALANCED = 1e-10  # accuracy: part of the forces; a gradient below it counts as balanced
@@ -45,10 +44,8 @@ class StaticEquations:
     """The equations of statics at time t, reduced to independent coordinates."""
 
     def __init__(self, equations: Equations, t: float, scale: FloatArray) -> None:
-        self.equations = equations
-        self.t = t
-        self.scale = scale
-        self.evaluations = 0
+        self.equations, self.t, self.scale = equations, t, scale
+        self.evaluations = 0  # of the gradient
 
     def partition(self, q: FloatArray) -> Partition:
         """Choose independent coordinates at q by full pivoting.
@@ -57,9 +54,8 @@ class StaticEquations:
         """
         equations = self.equations
         suffice = equations.independent
+        rows, columns = np.zeros(len(suffice), np.int64), np.zeros(equations.n, np.int64)
         dense = equations.jacobian(self.t, q)[suffice]
-        rows = np.zeros(len(suffice), dtype=np.int64)
-        columns = np.zeros(equations.n, dtype=np.int64)
         rank = int(order_by_pivots(dense, self.scale, rows, columns))
         return Partition(
             np.sort(columns[:rank]), np.sort(columns[rank:]), np.sort(suffice[rows[:rank]])
@@ -73,32 +69,24 @@ class StaticEquations:
         """
         if len(part.dependent) == 0:
             return q
-        dependent, equations = part.dependent, self.equations
-        scale = self.scale[dependent]
-        chosen = np.ix_(part.rows, dependent)
-        all_sizes = np.abs(equations.jacobian(self.t, q) * self.scale).max(axis=1)
-        all_sizes = np.where(all_sizes > 0.0, all_sizes, 1.0)
-        sizes = all_sizes[part.rows]
-
-        def position(x: FloatArray) -> FloatArray:
-            moved = q.copy()
-            moved[dependent] += x * scale
-            return moved
-
-        def gaps(x: FloatArray) -> FloatArray:
-            phi: FloatArray = equations.constraints(self.t, position(x))[part.rows]
-            return phi / sizes
-
-        def slopes(x: FloatArray) -> FloatArray:
-            matrix: FloatArray = equations.jacobian(self.t, position(x))[chosen] * scale
-            return matrix / sizes[:, None]
-
-        x, gap = solve_by_newton(gaps, slopes, np.zeros(len(dependent)))
-        if not (gap <= CLOSED and float(np.abs(x).max()) < _REACH):
+        equations, rows = self.equations, part.rows
+        sizes = np.abs(equations.jacobian(self.t, q) * self.scale).max(axis=1)
+        sizes = np.where(sizes > 0.0, sizes, 1.0)
+        weight = np.ones_like(q)
+        task = Task(equations, self.t, self.scale, sizes, [], rows, part.dependent, weight)
+        closed = refine(task, q)
+        gaps = np.abs(equations.constraints(self.t, closed) / sizes)
+        if not (gaps[rows].max() <= CLOSED and gaps.max() <= _REDUNDANT_GAP):
             return None
-        closed = position(x)
-        left = np.abs(equations.constraints(self.t, closed) / all_sizes).max(initial=0.0)
-        return closed if left <= _REDUNDANT_GAP else None
+        return closed if np.abs((closed - q) / self.scale).max() < _REACH else None
+
+    def displaced(
+        self, q: FloatArray, part: Partition, step: npt.NDArray[np.floating[Any]]
+    ) -> FloatArray | None:
+        """The closed position after a scaled step of the independent coordinates; see `close`."""
+        moved = q.copy()
+        moved[part.independent] += step * self.scale[part.independent]
+        return self.close(moved, part)
 
     def motions(self, q: FloatArray, part: Partition) -> FloatArray:
         """dq for a unit (scaled) change of each independent coordinate, shape (n, f)."""
@@ -154,21 +142,18 @@ class StaticEquations:
         edges: set[int] = set()
         here = self.gradient(q, part)
         modes = self.equations.rest_modes(self.t, q)
-        for column, index in enumerate(part.independent):
+        for column, unit in enumerate(np.eye(count)):
             changed: set[int] = set()
             for step in _DIFFERENCES:
                 slopes, changed = [], set()
-                for sign in (1.0, -1.0):
-                    moved = q.copy()
-                    moved[index] += sign * step * self.scale[index]
-                    closed = self.close(moved, part)
+                for change in (step, -step):
+                    closed = self.displaced(q, part, change * unit)
                     if closed is None:
                         continue
                     there = self.equations.rest_modes(self.t, closed)
-                    if (there != modes).any():
-                        changed |= {int(k) for k in np.flatnonzero(there != modes)}
-                        continue
-                    slopes.append((self.gradient(closed, part) - here) / (sign * step))
+                    changed |= set(np.flatnonzero(there != modes).tolist())
+                    if (there == modes).all():
+                        slopes.append((self.gradient(closed, part) - here) / change)
                 if slopes:
                     matrix[:, column] = np.mean(slopes, axis=0)
                 if not changed:

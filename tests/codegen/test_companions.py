@@ -13,7 +13,7 @@ import codegen.driver
 from codegen import build
 from codegen.cli import app
 from codegen.errors import SceneError
-from codegen.module_signature import check_signature, companion_path, tangents_path
+from codegen.module_signature import check_signature, companion_path
 from tests.codegen.workbench import write_model
 
 PENDULUM = """
@@ -57,7 +57,7 @@ def test_written_only_where_asked_for(model: Path, out: Path) -> None:
     assert report.paths == plain.paths[:1]
     assert [path.read_bytes() for path in plain.paths] == before
     made = report.scenes[0].tangents
-    assert (made.path, made.changed) == (tangents_path(report.paths[0]), True)
+    assert (made.path, made.changed) == (companion_path(report.paths[0], "tangents"), True)
     assert set(made.operations) == {"accelerations_tangent", "correction_tangent"}
     assert min(made.operations.values()) > 0
     assert "differentiate" in made.seconds
@@ -85,7 +85,7 @@ def test_what_exists_is_brought_up_to_date(model: Path, out: Path) -> None:
 def test_check_covers_what_exists(model: Path, out: Path) -> None:
     main = built(model, out, tangents=True).paths
     assert built(model, out, check=True).stale == ()
-    path = tangents_path(main[1])
+    path = companion_path(main[1], "tangents")
     path.write_text(path.read_text() + "# by hand\n")
     assert built(model, out, check=True).stale == (path,)
     assert path.read_text().endswith("# by hand\n")
@@ -93,13 +93,17 @@ def test_check_covers_what_exists(model: Path, out: Path) -> None:
     assert built(model, out, check=True).stale == ()
     assert built(model, out, check=True, tangents=True).stale == (path,)
     model.write_text(model.read_text() + "# a comment\n")
-    assert built(model, out, check=True).stale == (main[0], tangents_path(main[0]), *main[1:])
+    assert built(model, out, check=True).stale == (
+        main[0],
+        companion_path(main[0], "tangents"),
+        *main[1:],
+    )
 
 
 def test_signed_and_told_how_to_be_built(model: Path, out: Path) -> None:
     (scene,) = built(model, out, scene="swing", tangents=True, settings={"m": 5.0}).scenes
     path = scene.tangents.path
-    assert path == tangents_path(scene.path)
+    assert path == companion_path(scene.path, "tangents")
     assert path.stem == f"{scene.path.stem}__tangents"
     text = path.read_text()
     check_signature(path, text, "again")

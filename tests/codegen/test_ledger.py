@@ -19,7 +19,7 @@ from codegen.explain import element_times as timing
 from codegen.explain import kernel_timer as clock
 from codegen.explain.element_times import measure
 from codegen.explain.ledger import explain
-from codegen.explain.ledger_records import Ledger, Part
+from codegen.explain.ledger_records import Ledger, Part, compare
 from codegen.explain.operations_by_part import (
     cumulative_programs,
     marginal_operations,
@@ -29,7 +29,6 @@ from codegen.explain.operations_by_part import (
 )
 from codegen.explain.picture import figure, page
 from codegen.explain.sample_states import about_the_start
-from codegen.explain.scene_comparison import compare
 from codegen.lower.operation_count import operations
 from codegen.model_file import read_model
 from tests.codegen.workbench import write_model

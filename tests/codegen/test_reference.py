@@ -21,8 +21,7 @@ from codegen.reference import examples
 from codegen.reference.abbreviations import Abbreviations
 from codegen.reference.examples import Pair, example_of
 from codegen.reference.latex import WIDTH, aligned, latex, symbol, width
-from codegen.reference.page import markdown, page
-from codegen.reference.pages import slug, write
+from codegen.reference.pages import markdown, page, slug, write
 from codegen.reference.vector_letters import MEANINGS, lettered
 from tests.codegen.elements.drum import StringOnDrum, winch
 
@@ -150,7 +149,7 @@ def test_a_page_says_what_there_is_to_say(root: Path, kind: str) -> None:
 def test_pages_are_the_same_whatever_the_hashes(root: Path) -> None:
     kinds = ("gear", "bushing", "contact", "point follower", "friction")
     code = (
-        "from codegen.reference.page import page\nimport hashlib\n"
+        "from codegen.reference.pages import page\nimport hashlib\n"
         f"print(hashlib.sha256(''.join(map(page, {kinds})).encode()).hexdigest())"
     )
     found = {

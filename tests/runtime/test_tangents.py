@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 import codegen
 from codegen.errors import AnalysisError, GeneratedFileError, SupersededError
 from codegen.model_file import read_model
-from codegen.module_signature import tangents_path
+from codegen.module_signature import companion_path
 from runtime import load
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.kernel_abi import accelerations_tangent_of, correction_tangent_of
@@ -139,7 +139,7 @@ def test_compiled_loops_take_them_out_of_the_table_of_a_run(stone: Path) -> None
 
 def test_built_when_first_asked_for(stone: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     machine = load("stone", folder=stone)
-    path = tangents_path(machine.path)
+    path = companion_path(machine.path, "tangents")
     assert not path.exists()
     tangents = machine.mechanism.tangents
     assert path.is_file()
@@ -158,7 +158,7 @@ def test_stale_ones_are_built_anew(stone: Path) -> None:
     old = load("stone", folder=stone)
     assert slope(old.mechanism.tangents, old, 1.0) == -12.0
     model = stone / "models" / "stone.py"
-    path = tangents_path(old.path)
+    path = companion_path(old.path, "tangents")
     before = path.read_bytes()
     codegen.build(model, out=old.path.parent, compile=False)
     assert path.read_bytes() == before
@@ -184,7 +184,7 @@ def test_edited_file_is_refused_with_the_way_out(stone: Path) -> None:
     machine = load("stone", folder=stone)
     source = stone / "models" / "stone.py"
     codegen.build(source, "windy", machine.path.parent, tangents=True, compile=False)
-    path = tangents_path(machine.path)
+    path = companion_path(machine.path, "tangents")
     path.write_text(path.read_text() + "# by hand\n")
     with pytest.raises(GeneratedFileError, match="edited by hand") as caught:
         _ = machine.mechanism.tangents

@@ -12,9 +12,8 @@ from typing import NamedTuple
 
 from codegen.lower.differentiation.program_tangents import slopes_of
 from codegen.lower.factored_sums import PLAIN, Parts
-from codegen.lower.graph import Graph
-from codegen.lower.program import LOGICAL, Op
-from codegen.lower.substitution import dependencies
+from codegen.lower.graph import SUMS, Graph
+from codegen.lower.program import LOGICAL, Op, dependencies
 
 Terms = Callable[[], Iterable[tuple[float, Parts]]]
 
@@ -42,10 +41,10 @@ class Direction:
     def jet(self, number: int) -> Jet:
         """Both derivatives of a value."""
         if number not in self._known:
-            for k in sorted(dependencies(self.graph, [number], self._known)):
-                if k not in self._known:
-                    with self.graph.serving(self.graph.values[k].serves):
-                        self._known[k] = self._differentiate(k)
+            values = self.graph.values
+            for k in sorted(dependencies(values, [number], self._known) - self._known.keys()):
+                with self.graph.serving(values[k].serves):
+                    self._known[k] = self._differentiate(k)
         return self._known[number]
 
     def _plain(self, value: int) -> Parts:
@@ -59,12 +58,8 @@ class Direction:
         if not any(part.first for part in parts):
             return self._nothing
         match value.op:
-            case Op.ADD:
-                return self._sum((1.0, parts[0]), (1.0, parts[1]))
-            case Op.SUB:
-                return self._sum((1.0, parts[0]), (-1.0, parts[1]))
-            case Op.NEG:
-                return self._sum((-1.0, parts[0]))
+            case Op.ADD | Op.SUB | Op.NEG:
+                return self._sum(parts, SUMS[value.op])
             case Op.MUL:
                 return self._product(*value.args)
             case Op.DIV:
@@ -77,9 +72,9 @@ class Direction:
                 return self._choice(value.args[0], parts[1], parts[2])
         return self._function(number, parts)
 
-    def _sum(self, *terms: tuple[float, Jet]) -> Jet:
+    def _sum(self, jets: list[Jet], signs: tuple[int, ...]) -> Jet:
         first, second = self._nothing
-        for sign, jet in terms:
+        for jet, sign in zip(jets, signs, strict=True):
             first = first.plus(jet.first.scaled(sign))
             second = second.plus(jet.second.scaled(sign))
         return Jet(first, second)

@@ -11,9 +11,8 @@ from collections.abc import Iterable, Mapping
 from codegen.lower.differentiation.derivative_along_motion import Direction
 from codegen.lower.differentiation.program_tangents import slopes_of
 from codegen.lower.factored_sums import PLAIN, Parts
-from codegen.lower.graph import Graph
-from codegen.lower.program import Op
-from codegen.lower.substitution import dependencies
+from codegen.lower.graph import SUMS, Graph
+from codegen.lower.program import Op, dependencies
 
 PLANE = frozenset({Op.CONST, Op.INPUT, Op.ADD, Op.SUB, Op.NEG, Op.MUL, Op.SIN, Op.COS})
 """Operations of which vectors in a plane consist."""
@@ -30,7 +29,7 @@ class Slopes:
         self.inputs = frozenset(inputs)
         self._bits = {1 << graph.place_of(k): k for k in self.inputs}
         self._all = sum(self._bits)
-        self._alone: dict[int, Direction] = {}
+        self._alone = {k: Direction(graph, {k: graph.one}, order=1) for k in self.inputs}
 
     def gradient(self, weights: Mapping[int, int]) -> dict[int, int]:
         """Input → Σ weight ∂value/∂input, where it is not zero; `weights` maps value → weight."""
@@ -39,17 +38,15 @@ class Slopes:
         queue: dict[int, Parts] = {}
         for number, weight in weights.items():
             self._accumulate(queue, number, Parts.of(graph, weight))
-        order = sorted(dependencies(graph, weights), reverse=True)
-        for number in order:
+        for number in sorted(dependencies(graph.values, weights), reverse=True):
             share = queue.pop(number, None)
             if not share:
                 continue
             with graph.serving(graph.values[number].serves):
                 if self._has_cheap_slopes(number):
                     for mover in self._movers(number):
-                        slopes[mover] = slopes[mover].plus(
-                            self._leaf(share.single(), number, mover)
-                        )
+                        leaf = self._leaf(share.single(), number, mover)
+                        slopes[mover] = slopes[mover].plus(leaf)
                 elif graph.values[number].op is Op.SELECT and self._may_lack_slope(number):
                     for mover, slope in self._choice_slopes(number).items():
                         slopes[mover] = slopes[mover].plus(share.times(slope))
@@ -60,12 +57,7 @@ class Slopes:
 
     def _movers(self, number: int) -> list[int]:
         """The inputs by which a value moves, in their order."""
-        left, movers = self.graph.movers[number] & self._all, []
-        while left:
-            bit = left & -left
-            movers.append(self._bits[bit])
-            left -= bit
-        return movers
+        return [k for bit, k in sorted(self._bits.items()) if bit & self.graph.movers[number]]
 
     def _has_cheap_slopes(self, number: int) -> bool:
         """Whether the walk back ends here, for the slopes are there or as cheap.
@@ -78,13 +70,15 @@ class Slopes:
         if movers & (movers - 1) == 0:
             return True
         two = movers.bit_count() == 2 and graph.values[number].op in (Op.ADD, Op.SUB)
-        return two and all(graph.values[k].op in PLANE for k in dependencies(graph, [number]))
+        return two and all(
+            graph.values[k].op in PLANE for k in dependencies(graph.values, [number])
+        )
 
     def _may_lack_slope(self, number: int) -> bool:
         """Whether a side of a choice may have no slope where it does not hold."""
         graph = self.graph
         _, *sides = graph.values[number].args
-        inside = dependencies(graph, sides)
+        inside = dependencies(graph.values, sides)
         return any(graph.values[k].op in BREAKING and not graph.settled[k] for k in inside)
 
     def _choice_slopes(self, number: int) -> dict[int, int]:
@@ -111,8 +105,6 @@ class Slopes:
         if number == mover:
             return share
         graph = self.graph
-        if mover not in self._alone:
-            self._alone[mover] = Direction(graph, {mover: graph.one}, order=1)
         slope = self._alone[mover].jet(number).first.plain()
         if not slope:
             return slope
@@ -125,15 +117,12 @@ class Slopes:
     def _product(self, weight: int, slope: int) -> int:
         """Weight times slope, by a product of the slope that is there: a force's component."""
         graph = self.graph
-        value, sign = graph.values[weight], 1
-        if value.op is Op.NEG:
-            value, sign = graph.values[value.args[0]], -1
-        bare = graph.values[slope].args[0] if graph.values[slope].op is Op.NEG else slope
-        if value.op is Op.MUL:
-            for one, other in (value.args, value.args[::-1]):
-                if graph.has_product(one, bare):
-                    product = graph.mul(graph.mul(one, slope), other)
-                    return product if sign > 0 else graph.neg(product)
+        front = graph.unsigned(weight)
+        factors = graph.values[front].args
+        for one, other in (factors, factors[::-1]) if graph.values[front].op is Op.MUL else ():
+            if graph.has_product(one, graph.unsigned(slope)):
+                product = graph.mul(graph.mul(one, slope), other)
+                return product if front == weight else graph.neg(product)
         return graph.mul(weight, slope)
 
     def _back(self, queue: dict[int, Parts], number: int, share: Parts) -> None:
@@ -144,19 +133,11 @@ class Slopes:
                 self._accumulate(queue, angle, share.times(slope))
                 for part, factor in parts:
                     self._accumulate(queue, part, share.times(factor))
-            case Op.ADD | Op.SUB:
-                one, two = value.args
-                self._accumulate(queue, one, share)
-                self._accumulate(queue, two, share if value.op is Op.ADD else share.scaled(-1.0))
-            case Op.NEG:
-                self._accumulate(queue, value.args[0], share.scaled(-1.0))
-            case Op.MUL:
-                one, two = value.args
-                if one == two:
-                    self._accumulate(queue, one, share.scaled(2.0).times(one))
-                    return
-                self._accumulate(queue, one, share.times(two))
-                self._accumulate(queue, two, share.times(one))
+            case Op.ADD | Op.SUB | Op.NEG:
+                for argument, sign in zip(value.args, SUMS[value.op], strict=True):
+                    self._accumulate(queue, argument, share.scaled(sign))
+            case Op.MUL if value.args[0] == value.args[1]:
+                self._accumulate(queue, value.args[0], share.scaled(2.0).times(value.args[0]))
             case Op.DIV:
                 one, two = value.args
                 share = share.times(graph.div(graph.one, two))
@@ -167,11 +148,11 @@ class Slopes:
                 self._accumulate(queue, value.args[0], share.times(inverse).scaled(0.5))
             case Op.SELECT:
                 condition, *sides = value.args
-                for k, side in enumerate(sides):
-                    chosen = {}
-                    for factors, weight in share.parts.items():
-                        weights = (weight, graph.zero) if k == 0 else (graph.zero, weight)
-                        chosen[factors] = graph.select(condition, *weights)
+                for side, turn in zip(sides, (1, -1), strict=True):
+                    chosen = {
+                        factors: graph.select(condition, *(weight, graph.zero)[::turn])
+                        for factors, weight in share.parts.items()
+                    }
                     self._accumulate(queue, side, Parts(graph, chosen))
             case _:
                 for arg, slope in zip(value.args, slopes_of(graph, number), strict=True):

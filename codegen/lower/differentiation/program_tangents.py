@@ -14,8 +14,18 @@ of its next derivative, and its third, constant between two knots, has none.
 from collections.abc import Callable, Mapping, Sequence
 
 from codegen.lower.graph import Graph
-from codegen.lower.program import LOGICAL, STATE, Input, Kernel, Lookup, Op, Program, Value
-from codegen.lower.substitution import dependencies
+from codegen.lower.program import (
+    LOGICAL,
+    STATE,
+    Input,
+    Kernel,
+    Lookup,
+    Op,
+    Program,
+    Value,
+    dependencies,
+)
+from codegen.lower.substitution import ARITHMETIC
 
 TINY = 1e-300  # safety: added under a root that divides: √(vᵀv) has the slope 0 at v = 0, not 0/0
 
@@ -29,7 +39,7 @@ def differentiate(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]
 def tangents(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]) -> dict[int, int]:
     """Value → its tangent, of all values that the outputs depend on along the seeds."""
     known = dict(seeds)
-    for number in sorted(dependencies(graph, outputs, seeds) - seeds.keys()):
+    for number in sorted(dependencies(graph.values, outputs, seeds) - seeds.keys()):
         value = graph.values[number]
         if value.args and value.op not in LOGICAL:
             with graph.serving(value.serves):
@@ -42,12 +52,8 @@ def _tangent(graph: Graph, number: int, value: Value, known: Mapping[int, int]) 
     if all(part == graph.zero for part in parts):
         return graph.zero
     match value.op:
-        case Op.ADD:
-            return graph.add(*parts)
-        case Op.SUB:
-            return graph.sub(*parts)
-        case Op.NEG:
-            return graph.neg(parts[0])
+        case Op.ADD | Op.SUB | Op.NEG:
+            return ARITHMETIC[value.op](graph, *parts)
         case Op.SELECT:
             return graph.select(value.args[0], parts[1], parts[2])
         case Op.DIV:
@@ -116,6 +122,23 @@ asked for.
 """
 
 
+TANGENTS: dict[str, tuple[str, tuple[str, ...], dict[str, str], dict[str, str]]] = {
+    "accelerations": (
+        "(∂a/∂q) dq + (∂a/∂v) dv of a = accelerations(t, q, v, p, modes).",
+        (*STATE, "modes", "dq", "dv", "da"),
+        {"q": "dq", "v": "dv"},
+        {"a": "da"},
+    ),
+    "correction": (
+        "Derivatives of dq, dv of correction(t, q, v, p, w, dq, dv) along (dq_in, dv_in).",
+        (*STATE, "w", "dq_in", "dv_in", "dq", "dv"),
+        {"q": "dq_in", "v": "dv_in"},
+        {"dq": "dq", "dv": "dv"},
+    ),
+}
+"""Kernel → summary and arguments of its tangent, the direction along each input, new outputs."""
+
+
 def tangent_program(program: Program) -> Program:
     """The kernels that differentiate `accelerations` and `correction` of a scene's program.
 
@@ -123,39 +146,13 @@ def tangent_program(program: Program) -> Program:
     """
     graph = Graph.of(program.values)
     kernels = {kernel.name: kernel for kernel in program.kernels}
-    kernel_tangents = (
-        _tangent_kernel(
-            graph,
-            kernels["accelerations"],
-            "(∂a/∂q) dq + (∂a/∂v) dv of a = accelerations(t, q, v, p, modes).",
-            (*STATE, "modes", "dq", "dv", "da"),
-            {"q": "dq", "v": "dv"},
-            {"a": "da"},
-        ),
-        _tangent_kernel(
-            graph,
-            kernels["correction"],
-            "Derivatives of dq, dv of correction(t, q, v, p, w, dq, dv) along (dq_in, dv_in).",
-            (*STATE, "w", "dq_in", "dv_in", "dq", "dv"),
-            {"q": "dq_in", "v": "dv_in"},
-            {"dq": "dq", "dv": "dv"},
-        ),
-    )
-    return Program(tuple(graph.values), kernel_tangents, program.constants, program.weak_pivot)
+    differentiated = tuple(_tangent_kernel(graph, kernels[name]) for name in TANGENTS)
+    return Program(tuple(graph.values), differentiated, program.constants, program.weak_pivot)
 
 
-def _tangent_kernel(
-    graph: Graph,
-    kernel: Kernel,
-    summary: str,
-    arguments: tuple[str, ...],
-    directions: Mapping[str, str],
-    arrays: Mapping[str, str],
-) -> Kernel:
-    """Tangents of the outputs that `arrays` renames, along inputs that `directions` names.
-
-    A tangent has the name of its value with ``d_`` before it, and stands in the same step.
-    """
+def _tangent_kernel(graph: Graph, kernel: Kernel) -> Kernel:
+    """A tangent has the name of its value with ``d_`` before it, and stands in the same step."""
+    summary, arguments, directions, arrays = TANGENTS[kernel.name]
     seeds = {}
     for number, value in enumerate(tuple(graph.values)):
         slot = value.literal

@@ -8,12 +8,13 @@ solved by the null space of Φ_q (`lower.linear.least_change_by_null_space`) or 
 """
 
 from codegen.lower.graph import Graph
+from codegen.lower.linear.factorization import Entries
 from codegen.lower.linear.least_change_by_multipliers import NormalEquations
 from codegen.lower.linear.least_change_by_null_space import NullSpace
 from codegen.lower.linear.sparse_rows import SparseRows, Task, prefixed
 from codegen.lower.linear.square_systems import Square
 from codegen.lower.operation_count import cost
-from codegen.lower.program import STATE, Kernel, store
+from codegen.lower.program import Kernel, store
 from codegen.lower.scene_graph import SceneGraph
 
 Solution = tuple[list[list[int]], SparseRows]
@@ -27,15 +28,9 @@ def correction(scene: SceneGraph) -> Kernel:
 
 
 def least_correction(
-    graph: Graph,
-    jacobian: dict[tuple[int, int], int],
-    phi: list[int],
-    nu: list[int],
-    v: list[int],
-    w: list[int],
-    names: list[str],
-    rows: list[str],
-) -> Kernel:
+    graph: Graph, jacobian: Entries, phi: list[int], nu: list[int], v: list[int], w: list[int],
+    names: list[str], rows: list[str],
+) -> Kernel:  # fmt: skip
     """The kernel for constraints, named `rows`, of a graph with or without its scene."""
     rates = [graph.neg(one) for one in nu]
     trials = []
@@ -53,15 +48,9 @@ def least_correction(
 
 def _kernel(names: list[str], changes: list[list[int]], solver: SparseRows) -> Kernel:
     dq, dv = changes
-    return Kernel(
-        "correction",
-        "W Φ_qᵀ (Φ_q W Φ_qᵀ)⁻¹ times -Φ and -(Φ_q q̇ + Φ_t): w = 0 holds a coordinate.",
-        (*STATE, "w", "dq", "dv"),
-        store("dq", dq, names) + store("dv", dv, names),
-        tuple(solver.checks),
-        watched=True,
-        **solver.labels.text,
-    )
+    outputs = store("dq", dq, names) + store("dv", dv, names)
+    summary = "W Φ_qᵀ (Φ_q W Φ_qᵀ)⁻¹ times -Φ and -(Φ_q q̇ + Φ_t): w = 0 holds a coordinate."
+    return solver.labels.kernel("correction", summary, "t q v p w dq dv", outputs, solver.checks)
 
 
 def solutions(task: Task) -> list[Solution]:

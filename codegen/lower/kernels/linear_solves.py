@@ -4,13 +4,14 @@ from codegen.declare.symbols import Parameter
 from codegen.derive.inertia import neutral
 from codegen.lower.kernels.corrections import solutions
 from codegen.lower.kernels.reaction_friction import with_friction
-from codegen.lower.linear.factorization import Elimination, Strategy
+from codegen.lower.linear.factorization import Elimination, Strategy, augmented
 from codegen.lower.linear.labels import Labels
 from codegen.lower.linear.sparse_rows import Task
 from codegen.lower.operation_count import cost
-from codegen.lower.program import STATE, Kernel, Output, store
+from codegen.lower.program import Kernel, Output, store
 from codegen.lower.scene_graph import SceneGraph
 
+ARGUMENTS = "t q v p modes a lam"
 FAR = 1e5
 """accuracy: ratio of the largest to the smallest mass, or moment of inertia, from which on
 solutions are refined: an elimination that divides by the wrong ones loses as many digits as the
@@ -20,10 +21,9 @@ ratio has.
 
 def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Strategy]:
     """The fused kernel, by the order that costs least; it returns the multipliers of `rows`."""
-    if scene.driven:
-        return _kinematics(scene), "square"
     if not scene.mass:
-        return _kinematics(scene), "schur"
+        driven = scene.equations.scene.analysis == "kinematics" and scene.m == scene.n > 0
+        return _kinematics(scene), "square" if driven else "schur"
     strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
     trials = [(dynamics_kernel(scene, strategy, rows), strategy) for strategy in strategies]
     kernel, strategy = min(trials, key=lambda trial: cost(scene.graph, trial[0]))
@@ -49,31 +49,20 @@ def dynamics_kernel(
 ) -> Kernel:
     """The fused kernel by one order of elimination, with a step of refinement or without."""
     n, graph = scene.n, scene.graph
-    entries = {place: mass for place, mass in scene.mass.items() if mass != graph.zero}
-    references: dict[int, int] = {}
     lengths = {k for k, q in enumerate(scene.equations.coordinates) if q.unit == "m"}
     with_lengths = {i for i, k in scene.jacobian if k in lengths}
     located = [(k, n + i, i not in with_lengths) for i, k in scene.massless]
     labels = _labels(scene)
     labels.step("Sizes that the pivots are compared with: the diagonal of Φ_q M⁻¹ Φ_qᵀ")
     with graph.serving("factorization"):
-        for (i, k), entry in scene.jacobian.items():
-            entries[n + i, k] = entries[k, n + i] = entry
-            if (k, k) not in entries:
-                continue
-            part = graph.div(graph.mul(entry, entry), scene.mass[k, k])
-            references[n + i] = graph.add(references.get(n + i, graph.zero), part)
+        entries, references = augmented(graph, scene.mass, scene.jacobian, n)
         for i, size in references.items():
             labels.add(size, labels.of("size", i))
-        system = Elimination(
-            graph,
-            entries,
-            [scene.forces + scene.gamma, *_pushes(scene)],
-            frozenset(range(n, n + scene.m)),
-            references,
-            located,
-            labels,
-        )
+        right, duals = [scene.forces + scene.gamma], frozenset(range(n, n + scene.m))
+        for friction in scene.frictions:  # a unit force of it
+            push = [friction.direction.get(k, graph.zero) for k in range(n)]
+            right.append([*push, *[graph.zero] * scene.m])
+        system = Elimination(graph, entries, right, duals, references, located, labels)
         columns = system.solve(strategy)
         if refine:
             columns = system.refined(columns)
@@ -85,17 +74,10 @@ def dynamics_kernel(
         labels.solved([solution])
     outputs = store("a", solution[:n], scene.rates)
     outputs += tuple(Output("lam", row, solution[n + row], scene.rows[row]) for row in rows)
-    checks = tuple(check._replace(constraint=check.constraint - n) for check in system.checks)
+    checks = [check._replace(constraint=check.constraint - n) for check in system.checks]
     checks += rubbing
-    return Kernel(
-        "accelerations",
-        "q̈ and λ of M q̈ + Φ_qᵀ λ = Q, Φ_q q̈ = γ.",
-        (*STATE, "modes", "a", "lam"),
-        outputs,
-        checks,
-        watched=True,
-        **labels.text,
-    )
+    summary = "q̈ and λ of M q̈ + Φ_qᵀ λ = Q, Φ_q q̈ = γ."
+    return labels.kernel("accelerations", summary, ARGUMENTS, outputs, checks)
 
 
 def _labels(scene: SceneGraph) -> Labels:
@@ -110,15 +92,6 @@ def _labels(scene: SceneGraph) -> Labels:
     )
 
 
-def _pushes(scene: SceneGraph) -> list[list[int]]:
-    """Right sides of unit forces of friction."""
-    zero = scene.graph.zero
-    return [
-        [*(f.direction.get(k, zero) for k in range(scene.n)), *[zero] * scene.m]
-        for f in scene.frictions
-    ]
-
-
 def _kinematics(scene: SceneGraph) -> Kernel:
     """Accelerations that the constraints alone determine, the least where they leave a choice."""
     graph, rates = scene.graph, scene.rates
@@ -127,12 +100,6 @@ def _kinematics(scene: SceneGraph) -> Kernel:
     with graph.serving("factorization"):
         task = Task(graph, scene.jacobian, right, ones, scene.names, scene.rows, stems, unknowns)
         (solution,), solver = solutions(task)[0]
-    return Kernel(
-        "accelerations",
-        "q̈ of Φ_q q̈ = γ (of least norm while drivers are missing).",
-        (*STATE, "modes", "a", "lam"),
-        store("a", solution, rates),
-        tuple(solver.checks),
-        watched=True,
-        **solver.labels.text,
-    )
+    outputs = store("a", solution, rates)
+    summary = "q̈ of Φ_q q̈ = γ (of least norm while drivers are missing)."
+    return solver.labels.kernel("accelerations", summary, ARGUMENTS, outputs, solver.checks)

@@ -29,14 +29,12 @@ Loads = list[list[tuple[int, list[int]]]]
 """A contact → its entries → (value without friction, change for a unit of each friction)."""
 
 
-def with_friction(
-    scene: SceneGraph, solutions: list[list[int]]
-) -> tuple[list[int], tuple[Check, ...]]:
+def with_friction(scene: SceneGraph, solutions: list[list[int]]) -> tuple[list[int], list[Check]]:
     """The solution with its friction, from the one without and those of unit forces."""
     graph, n = scene.graph, scene.n
     base, *units = solutions
     if not scene.frictions:
-        return base, ()
+        return base, []
     coefficients = [f.choice(graph, f.stiction, graph.neg(f.coefficient)) for f in scene.frictions]
     changes = [
         [graph.mul(coefficient, x) for x in unit[n:]]
@@ -72,7 +70,7 @@ def with_friction(
     for total, coefficient, unit in zip(sums, coefficients, units, strict=True):
         force = graph.mul(coefficient, total)
         result = [graph.add(x, graph.mul(force, y)) for x, y in zip(result, unit, strict=True)]
-    return result, tuple(checks)
+    return result, checks
 
 
 def _remainder(scene: SceneGraph, contacts: Loads, sums: list[int], i: int) -> tuple[int, int]:

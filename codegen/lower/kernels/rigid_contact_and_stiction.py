@@ -3,9 +3,8 @@
 import sys
 from collections.abc import Sequence
 
-from codegen.lower.program import STATE, Kernel, Op, Output, store, storing
+from codegen.lower.program import STATE, Kernel, Op, Output, dependencies, store, storing
 from codegen.lower.scene_graph import Reaction, SceneGraph
-from codegen.lower.substitution import dependencies
 
 UNBOUNDED = sys.float_info.max  # an infinite bound, which is no literal of a generated text
 
@@ -50,7 +49,7 @@ def reaction_outputs(
     """The reported rows of REACTIONS whose values depend on a mode, or on none."""
     values, outputs = scene.graph.values, []
     for row, (element, part, unit, value) in enumerate(reported):
-        depends = (values[k].op is Op.MODE for k in dependencies(scene.graph, [value]))
+        depends = (values[k].op is Op.MODE for k in dependencies(scene.graph.values, [value]))
         if any(depends) is switched:
             note = f"{element} {part}, {unit}" if unit else f"{element} {part}"
             outputs.append(Output("out", row, value, note))

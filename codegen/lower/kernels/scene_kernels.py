@@ -66,7 +66,7 @@ def lower(equations: Equations) -> Lowered:
         kernels += hold_kernels(scene, reported)
     _note_weights(scene)
     program = with_constants(scene.graph, tuple(kernels), len(equations.parameters))
-    description = describe(equations, scene, powers, reported, recovered)
+    description = describe(scene, powers, reported, recovered)
     return Lowered(program, description, strategy, scene)
 
 
@@ -152,8 +152,8 @@ def _powers(scene: SceneGraph, selection: Selection) -> list[tuple[str, str, int
         rows = range(row, row + len(element.terms.phi))
         row = rows.stop
         if element.driver or any(scene.nu[k] != graph.zero for k in rows):
-            terms = [graph.mul(scene.nu[k], scene.lam[k]) for k in rows]
-            powers.append((element.name, "driver", graph.neg(graph.total(terms))))
+            work = graph.dot((scene.nu[k] for k in rows), (scene.lam[k] for k in rows))
+            powers.append((element.name, "driver", graph.neg(work)))
     working = scene.working | {name: w for name, _, w in powers if name not in scene.working}
     works = ((name, w) for name, w in working.items() if selection.work(name) and w != graph.zero)
     selected = [row for row in powers if selection.power(row[0])]

@@ -1,9 +1,8 @@
 """Selection of the kernels of a scene, and of their rows, by its outputs."""
 
 from codegen.derive.equations import Equations, tracked_points
-from codegen.lower.program import Input
+from codegen.lower.program import Input, dependencies
 from codegen.lower.scene_graph import Reaction, SceneGraph
-from codegen.lower.substitution import dependencies
 
 
 class Selection:
@@ -43,7 +42,7 @@ class Selection:
             return tuple(range(scene.m))
         values = [row.value for row in self.reactions(scene)]
         values += [value for name, value in scene.powers if self.power(name) or self.work(name)]
-        literals = (scene.graph.values[k].literal for k in dependencies(scene.graph, values))
+        literals = (scene.graph.values[k].literal for k in dependencies(scene.graph.values, values))
         needed = {x.slot for x in literals if isinstance(x, Input) and x.array == "lam"}
         for row, name in enumerate(scene.owners):
             if scene.nu[row] != scene.graph.zero and (self.power(name) or self.work(name)):

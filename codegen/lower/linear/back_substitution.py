@@ -5,13 +5,6 @@ from dataclasses import dataclass
 from codegen.lower.graph import Graph
 
 
-def _less(graph: Graph, start: int, row: dict[int, int], x: dict[int, int]) -> int:
-    """start - Σ factor x."""
-    for j, factor in row.items():
-        start = graph.sub(start, graph.mul(factor, x[j]))
-    return start
-
-
 @dataclass(frozen=True)
 class Single:
     """An eliminated unknown i: x_i = inverse · right_i - Σ across · x_j."""
@@ -34,7 +27,7 @@ class Single:
 
     def back(self, graph: Graph, right: list[int], x: dict[int, int]) -> None:
         """Find the unknown from those eliminated later."""
-        x[self.i] = _less(graph, graph.mul(self.inverse, right[self.i]), self.across, x)
+        x[self.i] = graph.less(graph.mul(self.inverse, right[self.i]), self.across, x)
 
 
 @dataclass(frozen=True)
@@ -66,9 +59,9 @@ class Pair:
 
     def back(self, graph: Graph, right: list[int], x: dict[int, int]) -> None:
         """Find both unknowns from those eliminated later."""
-        x[self.k] = _less(graph, right[self.c], self.across, x)
+        x[self.k] = graph.less(right[self.c], self.across, x)
         force = graph.sub(right[self.k], graph.mul(self.a, x[self.k]))
-        x[self.c] = graph.mul(self.over_b, _less(graph, force, self.along, x))
+        x[self.c] = graph.mul(self.over_b, graph.less(force, self.along, x))
 
 
 @dataclass(frozen=True)

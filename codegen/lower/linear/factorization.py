@@ -26,9 +26,24 @@ from codegen.lower.program import Check
 
 DIVISION = 8  # measured: operations that one division is worth in the choice of an order
 
+Entries = dict[tuple[int, int], int]  # (row, column) → value, structural non-zeros only
 Strategy = Literal["substitute", "mixed", "schur", "square"]
 """Pairs while there are any; whatever is cheapest now; accelerations, then multipliers; what
 constraints alone determine, `codegen.lower.linear.square_systems`."""
+
+
+def augmented(
+    graph: Graph, mass: Entries, jacobian: Entries, n: int
+) -> tuple[Entries, dict[int, int]]:
+    """[M Φ_qᵀ; Φ_q 0] of n coordinates, and by unknown the diagonal of Φ_q M⁻¹ Φ_qᵀ."""
+    entries = {place: m for place, m in mass.items() if m != graph.zero}
+    references: dict[int, int] = {}
+    for (i, k), entry in jacobian.items():
+        entries[n + i, k] = entries[k, n + i] = entry
+        if (k, k) in entries:
+            part = graph.div(graph.mul(entry, entry), mass[k, k])
+            references[n + i] = graph.add(references.get(n + i, graph.zero), part)
+    return entries, references
 
 
 @dataclass
@@ -36,7 +51,7 @@ class Elimination:
     """A symmetric sparse system of graph values, reduced pivot by pivot."""
 
     graph: Graph
-    entries: dict[tuple[int, int], int]  # (i, j) → value, both triangles, structural non-zeros only
+    entries: Entries  # both triangles
     right: list[list[int]]  # right sides, one list a column
     duals: frozenset[int] = frozenset()  # the unknowns that are multipliers
     # Unknown → the size that its pivot is held against; the others are not watched.
@@ -61,11 +76,7 @@ class Elimination:
     def solve(self, strategy: Strategy) -> list[list[int]]:
         """Values of the unknowns, one list a right side."""
         known: list[dict[int, int]] = [{} for _ in self.right]
-        sizes = {c: self._row_size(c) for _, c, watched in self.located if watched}
-        for k, c, watched in self.located:
-            if watched:
-                self._watch_pair(k, c, sizes[c])
-            self._pair(k, c)
+        self._eliminate_located()
         while self._neighbours and not self._loop:
             if last := self._last_loop():
                 self._close_loop(*last)
@@ -185,16 +196,17 @@ class Elimination:
             labels.add(entry, labels.of("L", j, i))
         self._eliminate(Single(i, inverse, along, across))
 
-    def _row_size(self, c: int) -> int:
-        """Sum of the squares of a row's entries."""
-        entries = [self._at(j, c) for j in sorted(self._neighbours[c])]
-        return self.graph.total([self.graph.mul(entry, entry) for entry in entries])
-
-    def _watch_pair(self, k: int, c: int, size: int) -> None:
-        """Where the entry between them vanishes, the constraint no longer determines k."""
-        pivot = self.graph.mul(self._at(k, c), self._at(k, c))
-        if self.graph.number(pivot) is None:
-            self.checks.append(Check(pivot, size, c))
+    def _eliminate_located(self) -> None:
+        """Where the entry of a watched pair vanishes, its constraint no longer determines it."""
+        graph, sizes = self.graph, {}
+        for _, c, watched in self.located:
+            entries = [self._at(j, c) for j in sorted(self._neighbours[c])] if watched else []
+            sizes[c] = graph.dot(entries, entries)
+        for k, c, watched in self.located:
+            pivot = graph.mul(self._at(k, c), self._at(k, c)) if watched else graph.zero
+            if graph.number(pivot) is None:
+                self.checks.append(Check(pivot, sizes[c], c))
+            self._pair(k, c)
 
     def _pair(self, k: int, c: int) -> None:
         graph, labels = self.graph, self.labels

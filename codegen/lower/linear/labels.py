@@ -5,11 +5,10 @@ a right side after its equation, a pivot and its inverse after the unknown that 
 change nothing in the operations; the first role of a value counts.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
-from codegen.lower.program import Label
+from codegen.lower.program import Check, Kernel, Label, Output
 
 
 @dataclass
@@ -23,10 +22,14 @@ class Labels:
     by_value: dict[int, Label] = field(default_factory=dict)  # value → its name and its step
     steps: list[str] = field(default_factory=list)  # the title of each step, for a comment
 
-    @property
-    def text(self) -> dict[str, Any]:
-        """The fields of a kernel that hold the names and the steps."""
-        return {"labels": tuple(self.by_value.values()), "steps": tuple(self.steps)}
+    def kernel(
+        self, name: str, summary: str, arguments: str, outputs: tuple[Output, ...],
+        checks: Iterable[Check],
+    ) -> Kernel:  # fmt: skip
+        """The kernel of the solution, which watches its pivots; its arguments in one string."""
+        labels, steps = tuple(self.by_value.values()), tuple(self.steps)
+        names = tuple(arguments.split())
+        return Kernel(name, summary, names, outputs, tuple(checks), True, labels, steps)
 
     def step(self, title: str) -> None:
         """Begin a step with the comment `title`."""

@@ -16,8 +16,8 @@ class NormalEquations(SparseRows):
     def solve(self) -> list[list[int]]:
         """The changes, one list a right side."""
         graph, task = self.graph, self.task
-        while (alone := self._determined_coordinate()) is not None:
-            i, k, number = alone  # the weights do not matter there
+        while alone := self._determined_coordinates():
+            i, k, number = alone[0]  # the weights do not matter there
             self.checks.append(Check(task.weights[k], graph.zero, i))
             del self._rows[i]
             self._eliminate(k, {}, [graph.div(column[i], number) for column in self.right])
@@ -38,23 +38,16 @@ class NormalEquations(SparseRows):
             changes.append([sums.get(k, graph.zero) for k in weights])
         return changes
 
-    def _determined_coordinate(self) -> tuple[int, int, int] | None:
-        """Row, column and coefficient of a row with one unknown and a number in front of it."""
-        for i, row in self._rows.items():
-            if len(row) == 1:
-                ((k, coefficient),) = row.items()
-                if self.graph.number(coefficient) is not None:
-                    return i, k, coefficient
-        return None
+    def _determined_coordinates(self) -> list[tuple[int, int, int]]:
+        """Row, column and coefficient of rows with one unknown and a number in front of it."""
+        alone = ((i, *next(iter(row.items()))) for i, row in self._rows.items() if len(row) == 1)
+        return [found for found in alone if self.graph.number(found[2]) is not None]
 
 
 def solve_by_multipliers(
-    graph: Graph,
-    rows: Sequence[Row],
-    weights: Mapping[int, int],
-    right: list[list[int]],
+    graph: Graph, rows: Sequence[Row], weights: Mapping[int, int], right: list[list[int]],
     labels: Labels,
-) -> tuple[list[Row], list[Check]]:
+) -> tuple[list[Row], list[Check]]:  # fmt: skip
     """x = W Aᵀ μ, A W Aᵀ μ = r, with positive pivots in any position that is not singular.
 
     Returns column → value, one a right side, and the pivots to watch, by the number of the row.

@@ -78,7 +78,6 @@ class NullSpace(SparseRows):
     def _give_closures(self, chosen: tuple[int, ...]) -> None:
         """Replace the unknowns of rows by their least solution and one unknown along n."""
         graph = self.graph
-        mul, total = graph.mul, graph.total
         columns = self._unknowns_of(chosen)
         self._step("Take the least solution and the null space of", *chosen)
         rows = [self._rows[i] for i in chosen]
@@ -89,15 +88,15 @@ class NullSpace(SparseRows):
         else:
             n = self._cross(*matrix)
             least = [self._cross(matrix[1], n), self._cross(n, matrix[0])]
-        square = total([mul(x, x) for x in n])
+        square = graph.dot(n, n)
         self._watch(chosen, rows, columns, n)
         inverse = graph.div(graph.one, square)
         self._name_all(columns, n, "n")
         z = len(self.weights) + len(self._eliminated)
         self._unknowns[z] = None
-        factors = [[mul(inverse, column[i]) for i in chosen] for column in self.right]
+        factors = [[graph.mul(inverse, column[i]) for i in chosen] for column in self.right]
         for at, k in enumerate(columns):
-            base = [total([mul(f, x[at]) for f, x in zip(r, least, strict=True)]) for r in factors]
+            base = [graph.dot(r, [x[at] for x in least]) for r in factors]
             self._give(k, {z: graph.neg(n[at])}, base)
 
     def _cross(self, a: list[int], b: list[int]) -> list[int]:
@@ -132,8 +131,7 @@ class NullSpace(SparseRows):
 
     def _least(self) -> list[list[int]] | None:
         """The change along each unknown that is left; None where one coordinate follows two."""
-        graph, labels = self.graph, self.labels
-        mul, total = graph.mul, graph.total
+        graph, mul, labels = self.graph, self.graph.mul, self.labels
         labels.step("Substitute back")
         nothing = [graph.zero] * len(self.right)
         slopes: dict[int, Row] = {z: {z: graph.one} for z in self._unknowns}
@@ -159,12 +157,12 @@ class NullSpace(SparseRows):
             small = graph.constant(TINY)
             ease = {k: graph.div(graph.one, graph.add(self.weights[k], small)) for k in moved}
             pull = {k: mul(ease[k], slope) for k, slope in moved.items()}
-            inverse = graph.div(graph.one, total([mul(pull[k], n) for k, n in moved.items()]))
+            inverse = graph.div(graph.one, graph.dot(pull.values(), moved.values()))
             free = {k: mul(self.weights[k], ease[k]) for k in moved}  # 1, and 0 where k is held
             self._name_all(moved, moved.values(), "n")
             self._name_all(ease, ease.values(), "g")
             for d in changes:
-                step = mul(inverse, total([mul(pull[k], d[k]) for k in moved]))
+                step = mul(inverse, graph.dot(pull.values(), [d[k] for k in moved]))
                 for k, slope in moved.items():
                     d[k] = mul(free[k], graph.sub(d[k], mul(step, slope)))
         labels.solved(changes)

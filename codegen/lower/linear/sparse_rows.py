@@ -4,6 +4,7 @@ An entry of Φ_q that is a number gives a coordinate by a constraint in every po
 come first, whichever way the rows that are left are solved.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -51,10 +52,7 @@ class SparseRows:
 
     def _explicit_coordinate(self) -> tuple[int, int] | None:
         """Row and column of the number whose elimination fills in least, if any is left."""
-        counts: dict[int, int] = {}
-        for row in self._rows.values():
-            for k in row:
-                counts[k] = counts.get(k, 0) + 1
+        counts = Counter(k for row in self._rows.values() for k in row)
         candidates = []
         for i, row in self._rows.items():
             sizes = {k: abs(self.graph.number(entry) or 0.0) for k, entry in row.items()}
@@ -84,12 +82,6 @@ class SparseRows:
             for column, known in zip(self.right, right, strict=True):
                 column[i] = graph.sub(column[i], graph.mul(factor, known))
             self.labels.sides(self.right, i)
-
-    def _less(self, value: int, row: Row, known: Row) -> int:
-        """value - Σ coefficient x."""
-        for j, coefficient in row.items():
-            value = self.graph.sub(value, self.graph.mul(coefficient, known[j]))
-        return value
 
     def _smallest_set(self, largest: int, surplus: range) -> tuple[int, ...] | None:
         """The fewest rows, `largest` at the most, with so many unknowns more than they are."""

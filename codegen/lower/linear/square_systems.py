@@ -40,7 +40,7 @@ class Square(SparseRows):
         for k, row, right in reversed(self._eliminated):
             for known, value in zip(x, right, strict=True):
                 if k not in known:
-                    known[k] = self._less(value, row, known)
+                    known[k] = self.graph.less(value, row, known)
         solutions = [[known[k] for k in range(len(known))] for known in x]
         self.labels.solved(solutions)
         return solutions
@@ -93,12 +93,12 @@ class Square(SparseRows):
     ) -> list[list[int]]:
         graph, size = self.graph, len(chosen)
         minors = [[self._cofactor(a, i, k) for k in range(size)] for i in range(size)]
-        det = graph.total([graph.mul(a[0][k], minors[0][k]) for k in range(size)])
+        det = graph.dot(a[0], minors[0])
         if graph.number(det) is None:
             reference = graph.one
             for i in chosen:
-                squares = [graph.mul(entry, entry) for entry in self._original[i].values()]
-                reference = graph.mul(reference, graph.total(squares))
+                entries = self._original[i].values()
+                reference = graph.mul(reference, graph.dot(entries, entries))
             # Nothing has been squared to find det, so that it may be smaller than a pivot of
             # Φ_q Φ_qᵀ; and short arms make it so where nothing is singular.
             square = graph.mul(det, det)
@@ -109,10 +109,7 @@ class Square(SparseRows):
         self.labels.add(det, self.labels.of("det", *chosen))
         self.labels.add(inverse, self.labels.of("inverse_det", *chosen))
         columns = list(zip(*minors, strict=True))
-        return [
-            [graph.mul(inverse, graph.total(list(map(graph.mul, minor, r)))) for minor in columns]
-            for r in right
-        ]
+        return [[graph.mul(inverse, graph.dot(minor, r)) for minor in columns] for r in right]
 
     def _cofactor(self, a: list[list[int]], i: int, k: int) -> int:
         graph = self.graph

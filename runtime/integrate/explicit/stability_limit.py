@@ -81,9 +81,7 @@ def idle(context: Integers, t: float, h: float) -> int:
 @compiled(HOOK)
 def restart(context: Integers, t: float, h: float) -> int:
     """Forget the vibration: the motion goes on under other equations."""
-    memory = method_floats_of(context)
-    for i in range(FLOATS):
-        memory[i] = 0.0
+    method_floats_of(context)[:FLOATS] = 0.0
     return 0
 
 

@@ -21,13 +21,13 @@ from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import STAGE, Y1, K, row_of
 from runtime.integrate.implicit import bdf_history as history
 from runtime.integrate.implicit import method_memory as mem
+from runtime.integrate.implicit import simplified_newton as newton
 from runtime.integrate.implicit.bdf_history import HIGHEST
-from runtime.integrate.implicit.bdf_newton import LAST, MOST_ITERATIONS, estimate_error, solve
+from runtime.integrate.implicit.bdf_newton import MOST_ITERATIONS, estimate_error, solve
 from runtime.integrate.implicit.newton_matrices import factor_real
-from runtime.integrate.implicit.simplified_newton import error, set_tolerance, step_solver
 from runtime.integrate.implicit.state_space_form import differentiate, evaluate, list_unknowns
 from runtime.integrate.implicit.stiffness_estimate import suits_explicit
-from runtime.integrate.method import Method
+from runtime.linalg.vectors import copy_vector
 
 _SHARE = 0.2  # measured: factor of rtol^(1/5), the tolerance of a step over that of the user
 _NEWTON = 3e-3  # measured: how far Newton's method is taken, over the tolerance of the user
@@ -52,22 +52,20 @@ def predict(context: Integers, c: float) -> int:
     """Predict the state at the end of the step, and set the tolerance by it."""
     history.extrapolate(context)
     part = share(run_record(context).rtol)
-    set_tolerance(context, part, _NEWTON, HIGHEST + 2, c, row_of(context, Y1))
+    newton.set_tolerance(context, part, _NEWTON, HIGHEST + 2, c, row_of(context, Y1))
     return 0
 
 
 @inner
 def linearize(context: Integers, t: float) -> int:
     """Take the derivatives at the predicted end of the step, once it is on the constraints."""
-    z, y1 = row_of(context, STAGE), row_of(context, Y1)
-    for i in range(2 * context[ft.COORDINATES]):
-        z[i] = y1[i]
-    if evaluate(context, t, STAGE, K + LAST) == FAILED:
+    copy_vector(row_of(context, Y1), row_of(context, STAGE))
+    if evaluate(context, t, STAGE, K + mem.LAST) == FAILED:
         return FAILED
     return int(differentiate(context, t, STAGE))
 
 
-solve_step = step_solver(predict, linearize, factor_real, solve)
+solve_step = newton.step_solver(predict, linearize, factor_real, solve)
 
 
 @addressed(ft.STAGES)
@@ -162,20 +160,13 @@ def restart(context: Integers, t: float, h: float) -> int:
     return 0
 
 
-METHOD = Method(
+METHOD = newton.implicit_method(
     estimate_order=2,  # at order 1, with which every start begins
     error_order=1,
-    last=LAST,
-    dense_rows=history.DENSE_ROWS,
-    safety=0.9,  # measured: share of the length that the error permits
-    shrink=0.2,  # measured: least ratio of the lengths of two steps
     grow=history.GROW,
     stages=stages,
-    error=error,
     dense=history.dense,
     propose=propose,
     accepted=accepted,
     restart=restart,
-    memory=mem.memory,
-    foresight=0.5,  # measured: a few steps of the explicit method that leads across
 )

@@ -9,18 +9,14 @@ from runtime.core.jit import inlined, inner
 from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import Y1, K, row_of, velocity_rates
 from runtime.integrate.implicit import method_memory as mem
+from runtime.integrate.implicit import state_space_form as form
 from runtime.integrate.implicit.bdf_history import AHEAD, DIFFERENCE, ERROR_CONSTANT, NOW, PSI
-from runtime.integrate.implicit.newton_matrices import dependent_error, filtered_error, solve_real
+from runtime.integrate.implicit.newton_matrices import filtered_error, solve_factored
 from runtime.integrate.implicit.simplified_newton import newton_iteration
-from runtime.integrate.implicit.state_space_form import (
-    complete_direction,
-    differentiate_along,
-    evaluate,
-)
+from runtime.linalg.vectors import axpy
 
-LAST = 1  # row, after K, of the derivative at the end of the step
 MOST_ITERATIONS = 4  # safety: Newton iterations of a step
-_RESIDUAL = 19  # layout: row of METHOD_FLOATS
+_RESIDUAL = 19  # layout: row of METHOD_FLOATS; later the error of all coordinates
 _SEEN = 0.01  # accuracy: of the tolerance; change of a velocity by the rounding of a position
 
 
@@ -32,13 +28,11 @@ def add_rounding_effect(context: Integers, t: float, c: float) -> None:
     digit is a force that no step gets smooth; so it is where a force is stiff.
     """
     n, f = context[COORDINATES], method_integers_of(context)[mem.FREEDOMS]
-    unknown, by_u = mem.unknowns(context), mem.matrix(context, mem.BY_U)
-    y1, start, ahead = row_of(context, Y1), mem.row(context, NOW), mem.row(context, AHEAD)
-    difference, allowed = mem.row(context, DIFFERENCE), mem.row(context, mem.TOLERANCE)
-    rest, da = mem.row(context, mem.IN), mem.first_half(context, mem.SLOPE)
-    a = velocity_rates(context, K + LAST)
-    for j in range(2 * n):
-        rest[j] = 0.0
+    unknown, by_u = mem.unknowns(context), mem.derivative(context, mem.BY_U)
+    y1, rows = row_of(context, Y1), mem.rows(context)
+    start, ahead, difference = rows[NOW], rows[AHEAD], rows[DIFFERENCE]
+    rest, allowed = rows[mem.IN], rows[mem.TOLERANCE]
+    rest.fill(0.0)
     for i in range(2 * f):
         j = unknown[i // 2] + i % 2 * n
         rest[j] = (ahead[j] + difference[j]) - (y1[j] - start[j])
@@ -46,29 +40,26 @@ def add_rounding_effect(context: Integers, t: float, c: float) -> None:
     for i in range(f):
         change = 0.0
         for k in range(f):
-            change += abs(by_u[i * f + k] * rest[unknown[k]])
+            change += abs(by_u[i, k] * rest[unknown[k]])
         seen = seen or c * change > _SEEN * allowed[n + unknown[i]]
     if seen:
-        complete_direction(context, t, Y1)
-        differentiate_along(context, t, Y1)
-        for i in range(n):
-            a[i] += da[i]
+        form.complete_direction(context, t, Y1)
+        form.differentiate_along(context, t, Y1)
+        axpy(1.0, mem.half(context, mem.SLOPE, 0), velocity_rates(context, K + mem.LAST))
 
 
 @inlined
 def set_unknown(context: Integers, c: float, j: int) -> None:
     """Set position j at the end of the step from its velocity there, by the formula."""
-    n, y1 = context[COORDINATES], row_of(context, Y1)
-    start, ahead, psi = mem.row(context, NOW), mem.row(context, AHEAD), mem.row(context, PSI)
-    difference = mem.row(context, DIFFERENCE)
-    difference[j] = c * y1[n + j] - psi[j]
-    y1[j] = start[j] + (ahead[j] + difference[j])
+    y1, rows = row_of(context, Y1), mem.rows(context)
+    rows[DIFFERENCE, j] = c * y1[context[COORDINATES] + j] - rows[PSI, j]
+    y1[j] = rows[NOW, j] + (rows[AHEAD, j] + rows[DIFFERENCE, j])
 
 
 @inner
 def evaluate_end(context: Integers, t: float, c: float) -> int:
     """Complete the state Y1 and write its accelerations; iterations that took, or `FAILED`."""
-    taken = evaluate(context, t, Y1, K + LAST)
+    taken = form.evaluate(context, t, Y1, K + mem.LAST)
     if taken != FAILED:
         run_record(context).rhs += 1
         add_rounding_effect(context, t, c)
@@ -79,14 +70,18 @@ def evaluate_end(context: Integers, t: float, c: float) -> int:
 def improve_end(context: Integers, c: float) -> float:
     """Change the unknowns of Y1 by a Newton step; its size over the tolerance."""
     n, f = context[COORDINATES], method_integers_of(context)[mem.FREEDOMS]
-    unknown, allowed = mem.unknowns(context), mem.row(context, mem.TOLERANCE)
-    y1, a = row_of(context, Y1), velocity_rates(context, K + LAST)
-    start, ahead, psi = mem.row(context, NOW), mem.row(context, AHEAD), mem.row(context, PSI)
-    difference, delta = mem.row(context, DIFFERENCE), mem.row(context, _RESIDUAL)
+    unknown, y1, a = (
+        mem.unknowns(context),
+        row_of(context, Y1),
+        velocity_rates(context, K + mem.LAST),
+    )
+    rows = mem.rows(context)
+    start, ahead, psi, difference = rows[NOW], rows[AHEAD], rows[PSI], rows[DIFFERENCE]
+    delta, allowed = rows[_RESIDUAL], rows[mem.TOLERANCE]
     for i in range(f):
         j = unknown[i]
         delta[i] = c * a[j] - psi[n + j] - difference[n + j]
-    solve_real(context, delta)
+    solve_factored(context, mem.REAL, delta)
     total = 0.0
     for i in range(f):
         j = unknown[i]
@@ -104,9 +99,8 @@ iterate = newton_iteration(evaluate_end, improve_end, MOST_ITERATIONS, slowest=1
 def solve(context: Integers, t: float, c: float) -> int:
     """Solve for the state Y1 at time `t`, the end of the step; its dependent half is not final."""
     n, unknown = context[COORDINATES], mem.unknowns(context)
-    difference = mem.row(context, DIFFERENCE)
     for i in range(method_integers_of(context)[mem.FREEDOMS]):
-        difference[n + unknown[i]] = 0.0
+        mem.rows(context)[DIFFERENCE, n + unknown[i]] = 0.0
         set_unknown(context, c, unknown[i])
     return iterate(context, t, c)
 
@@ -123,17 +117,15 @@ def estimate_error(context: Integers, t: float, c: float, other: int, share: flo
     dependent coordinates' own differences are the error of the dense output, which is not carried
     on: it is held to what was asked, over which the tolerance of a step is `share`.
     """
-    n, k = context[COORDINATES], method_integers_of(context)[mem.STEP_ORDER]
-    unknown, y1 = mem.unknowns(context), row_of(context, Y1)
-    start, ahead = mem.row(context, NOW), mem.row(context, AHEAD)
-    difference = mem.row(context, DIFFERENCE)
-    past = mem.row(context, NOW + (k if other < 0 else k + 1))
-    rates, raw = mem.row(context, mem.SLOPE), mem.row(context, mem.OUT)
-    for i in range(method_integers_of(context)[mem.FREEDOMS]):
+    n, notes, unknown = context[COORDINATES], method_integers_of(context), mem.unknowns(context)
+    k, y1, rows = notes[mem.STEP_ORDER], row_of(context, Y1), mem.rows(context)
+    start, ahead, difference = rows[NOW], rows[AHEAD], rows[DIFFERENCE]
+    past = rows[NOW + (k if other < 0 else k + 1)]
+    rates, raw = rows[mem.SLOPE], rows[_RESIDUAL]
+    for i in range(notes[mem.FREEDOMS]):
         j = unknown[i]
         rates[n + i] = difference[j] - other * past[j]
         rates[i] = difference[n + j] - other * past[n + j]
-    found = filtered_error(context, t, Y1, c)
     for i in range(n):
         raw[i] = share * ((y1[i] - start[i]) - ahead[i] - other * past[i])
-    return float(ERROR_CONSTANT[k + other] * max(found, dependent_error(context, raw)))
+    return float(ERROR_CONSTANT[k + other] * filtered_error(context, t, Y1, c, raw))

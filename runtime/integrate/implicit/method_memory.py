@@ -26,10 +26,14 @@ LOWER, HIGHER, the numbers from CHANGE on, STEP_ORDER, NEXT_ORDER and REJECTED a
 another method may keep its own numbers there, as in rows 0 to 19.
 """
 
-from runtime.core.array_types import Integers, Vector
+from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.borrowed_arrays import view
 from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
 from runtime.core.jit import fetched
+
+# Rows of the workspace, in every implicit method.
+LAST = 1  # after K: the derivative at the end of the step
+DENSE_ROWS = 6  # of the dense output's coefficients
 
 # METHOD_FLOATS: numbers, then rows of length 2 n, then matrices.
 FACTORED_FOR = 0  # the `scale` of `step_solver` for which the matrices are factored
@@ -47,7 +51,7 @@ NUMBERS = 82
 IN, OUT, SLOPE, TOLERANCE = 20, 21, 22, 23
 LOW = 24  # what rounding cut off the state at the start of the step
 ROWS = 25
-# Matrices of order f, flat: G_u, G_u̇, factors of the real one; of the complex one, of order 2 f.
+# Matrices of order f: G_u, G_u̇, factors of the real one; of the complex one, of order 2 f.
 BY_U, BY_RATE, REAL, COMPLEX = 0, 1, 2, 3
 
 # METHOD_INTEGERS: counts, then the unknowns (n), pivots (n), pivots of the complex matrix (2 n).
@@ -71,35 +75,34 @@ def memory(n: int) -> tuple[int, int]:
 
 
 @fetched
-def row(context: Integers, index: int) -> Vector:
-    """Row `index` of METHOD_FLOATS, (2 n,)."""
-    n = context[COORDINATES]
-    found: Vector = view(method_floats_of(context), NUMBERS + 2 * n * index, 2 * n)
+def rows(context: Integers) -> Matrix:
+    """All rows of METHOD_FLOATS, (ROWS, 2 n)."""
+    found: Matrix = view(method_floats_of(context), NUMBERS, (ROWS, 2 * context[COORDINATES]))
     return found
 
 
 @fetched
-def first_half(context: Integers, index: int) -> Vector:
-    """First half of row `index` of METHOD_FLOATS, (n,): of positions."""
+def half(context: Integers, index: int, second: int) -> Vector:
+    """First (0) or second (1) half of row `index`, (n,): of positions or of velocities."""
     n = context[COORDINATES]
-    found: Vector = view(method_floats_of(context), NUMBERS + 2 * n * index, n)
+    found: Vector = view(method_floats_of(context), NUMBERS + n * (2 * index + second), n)
     return found
 
 
 @fetched
-def second_half(context: Integers, index: int) -> Vector:
-    """Second half of row `index` of METHOD_FLOATS, (n,): of velocities."""
-    n = context[COORDINATES]
-    found: Vector = view(method_floats_of(context), NUMBERS + 2 * n * index + n, n)
+def derivative(context: Integers, index: int) -> Matrix:
+    """The matrix `BY_U` or `BY_RATE`, (f, f)."""
+    n, f = context[COORDINATES], method_integers_of(context)[FREEDOMS]
+    found: Matrix = view(method_floats_of(context), NUMBERS + n * (2 * ROWS + index * n), (f, f))
     return found
 
 
 @fetched
-def matrix(context: Integers, index: int) -> Vector:
-    """Matrix `index` of METHOD_FLOATS, in room for order n, or 2 n where it is `COMPLEX`."""
+def factors(context: Integers, index: int) -> Vector:
+    """The matrix `REAL` or `COMPLEX`, flat, in room for order n or 2 n."""
     n = context[COORDINATES]
     size = 4 * n * n if index == COMPLEX else n * n
-    found: Vector = view(method_floats_of(context), NUMBERS + 2 * n * ROWS + index * n * n, size)
+    found: Vector = view(method_floats_of(context), NUMBERS + n * (2 * ROWS + index * n), size)
     return found
 
 

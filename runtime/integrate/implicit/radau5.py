@@ -13,34 +13,27 @@ therefore mapped: what the estimate is held to is `share` times what was asked.
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table as ft
-from runtime.core.array_types import Integers
+from runtime.core.array_types import Integers, Vector
+from runtime.core.borrowed_arrays import view
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.loop_record import run_record
 from runtime.core.rounding import EPS
-from runtime.core.workspace_rows import Y0, Y1, F, K, row_of
+from runtime.core.workspace_rows import STAGE, Y0, Y1, F, K, row_of
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit import radau5_stages as rs
-from runtime.integrate.implicit.newton_matrices import factor_complex, factor_real
-from runtime.integrate.implicit.radau5_coefficients import C_COMPLEX, C_IMAGINARY, C_REAL
-from runtime.integrate.implicit.radau5_error import LAST, estimate_error
-from runtime.integrate.implicit.simplified_newton import (
-    error,
-    newton_iteration,
-    set_tolerance,
-    step_solver,
-)
-from runtime.integrate.implicit.state_space_form import differentiate, list_unknowns
+from runtime.integrate.implicit import simplified_newton as newton
+from runtime.integrate.implicit.newton_matrices import factor_complex, factor_real, filtered_error
+from runtime.integrate.implicit.radau5_stages import E_A, E
+from runtime.integrate.implicit.state_space_form import differentiate, evaluate, list_unknowns
 from runtime.integrate.implicit.stiffness_estimate import stiffness, suits_explicit
-from runtime.integrate.method import Method
+from runtime.linalg.vectors import axpy, copy_vector
 
-DENSE_ROWS = 6
 _NEWTON = 5e-4  # measured: how far Newton's method is taken, over the tolerance: steps are few
 _MOST_ITERATIONS = 7  # safety: Newton iterations of a step
 _SLOWEST = 0.99  # safety: ratio of two Newton steps from which on the iteration is given up
 _SAME = 1.2  # measured: a step that could grow by less keeps its length, and its matrices
-# measured: h² |G_u| + h |G_u̇| up to which end accelerations add a sixth of their error
-_SMOOTH = 10.0
+_SMOOTH = 10.0  # measured: h² |G_u| + h |G_u̇| up to which accelerations add a sixth of their error
 
 
 @inner
@@ -51,10 +44,11 @@ def share(rtol: float) -> float:
 
 @inner
 def predict(context: Integers, h: float) -> int:
-    """Predict the stages, and set the tolerance by them."""
+    """Predict the stages, whose dependent halves are not final, and set the tolerance by them."""
     rs.predict_stages(context, h)
-    end = row_of(context, K + rs.STATES + 2)
-    set_tolerance(context, share(run_record(context).rtol), _NEWTON, 0, h * C_REAL, end)
+    part, end = share(run_record(context).rtol), row_of(context, K + rs.STATES + 2)
+    newton.set_tolerance(context, part, _NEWTON, 0, h * rs.C_REAL, end)
+    rs.start_stages(context, h)
     return 0
 
 
@@ -67,23 +61,54 @@ def linearize(context: Integers, t: float) -> int:
 @inner
 def factor(context: Integers, h: float) -> int:
     """Factor both matrices; not 0 where one is singular."""
-    singular = factor_real(context, h * C_REAL)
-    return int(singular + factor_complex(context, h * C_COMPLEX, h * C_IMAGINARY))
+    singular = factor_real(context, h * rs.C_REAL)
+    return int(singular + factor_complex(context, h * rs.C_COMPLEX, h * rs.C_IMAGINARY))
 
 
-iterate = newton_iteration(
-    rs.evaluate_stages, rs.improve_stages, _MOST_ITERATIONS, slowest=_SLOWEST
-)
+iterate = newton.newton_iteration(rs.evaluate_stages, rs.improve_stages, _MOST_ITERATIONS, _SLOWEST)
+solve_step = newton.step_solver(predict, linearize, factor, iterate)
 
 
 @inner
-def solve(context: Integers, t: float, h: float) -> int:
-    """Solve for the three stages, whose dependent halves are not final."""
-    rs.start_stages(context, h)
-    return iterate(context, t, h)
+def embedded_error(context: Integers, t: float, h: float, k0: Vector) -> float:
+    """Size of the filtered error c (k0 + Σ e z / h) of the embedded formula of order 3.
+
+    The error itself is left in row IN of METHOD_FLOATS.
+    """
+    n, unknown, rows = context[ft.COORDINATES], mem.unknowns(context), mem.rows(context)
+    y0, s1 = row_of(context, Y0), row_of(context, K + rs.STATES)
+    s2, s3 = row_of(context, K + rs.STATES + 1), row_of(context, K + rs.STATES + 2)
+    one, two, three = rows[rs.VELOCITIES], rows[rs.VELOCITIES + 1], rows[rs.VELOCITIES + 2]
+    rates, raw, c = rows[mem.SLOPE], rows[rs.SIDES], h * rs.C_REAL
+    for i in range(ft.method_integers_of(context)[mem.FREEDOMS]):
+        # The changes of positions are h (c u̇ + A Δu̇), and Σ e c = -1: nothing large cancels.
+        j = unknown[i]
+        z = E_A[0] * one[i] + E_A[1] * two[i] + E_A[2] * three[i]
+        rates[n + i] = c * ((k0[j] - y0[n + j]) + z)
+        z = E[0] * one[i] + E[1] * two[i] + E[2] * three[i]
+        rates[i] = c * k0[n + j] + rs.C_REAL * z
+    for j in range(n):
+        z = E[0] * (s1[j] - y0[j]) + E[1] * (s2[j] - y0[j]) + E[2] * (s3[j] - y0[j])
+        raw[j] = c * k0[j] + rs.C_REAL * z
+    return float(filtered_error(context, t, Y0, c, raw))
 
 
-solve_step = step_solver(predict, linearize, factor, solve)
+@inner
+def estimate_error(context: Integers, t: float, h: float) -> float:
+    """Error over the tolerance; where it is too large at a first step or again, filtered twice."""
+    r, n = run_record(context), context[ft.COORDINATES]
+    first = ft.method_integers_of(context)[mem.EQUAL] == 0
+    size = embedded_error(context, t, h, row_of(context, K))
+    if not (size >= 1.0 and (r.rejected_before != 0 or first)):
+        return size
+    z, slope = row_of(context, STAGE), row_of(context, K + mem.LAST)
+    copy_vector(row_of(context, Y0), z)
+    axpy(1.0, mem.rows(context)[mem.IN], z)
+    if evaluate(context, t, STAGE, K + mem.LAST) == FAILED:
+        return size
+    r.rhs += 1
+    copy_vector(view(z, n, n), slope)
+    return embedded_error(context, t, h, slope)
 
 
 @addressed(ft.STAGES)
@@ -92,9 +117,7 @@ def stages(context: Integers, t: float, h: float) -> int:
     list_unknowns(context)
     taken = solve_step(context, t, h)
     if taken != FAILED:
-        y1, end = row_of(context, Y1), row_of(context, K + rs.STATES + 2)
-        for i in range(2 * context[ft.COORDINATES]):
-            y1[i] = end[i]
+        copy_vector(row_of(context, K + rs.STATES + 2), row_of(context, Y1))
         ft.method_floats_of(context)[mem.STEP_ERROR] = estimate_error(context, t, h)
     return taken
 
@@ -106,12 +129,8 @@ def propose(context: Integers, h: float) -> float:
     The predictive controller of K. Gustafsson; a step that could grow by little keeps its length,
     and with it the factored matrices.
     """
-    r, memory, notes = (
-        run_record(context),
-        ft.method_floats_of(context),
-        ft.method_integers_of(context),
-    )
-    now = max(r.error, 1e-10)
+    r, memory = run_record(context), ft.method_floats_of(context)
+    notes, now = ft.method_integers_of(context), max(r.error, 1e-10)
     ratio = now**-0.25
     if notes[mem.EQUAL] > 0:
         predicted = h / memory[mem.H_BASE] * (memory[mem.ERROR_BASE] / now) ** 0.25 * ratio
@@ -128,28 +147,24 @@ def propose(context: Integers, h: float) -> float:
 @compiled(ft.HOOK)
 def accepted(context: Integers, t: float, h: float) -> int:
     """Keep the step's polynomial, from which the next one's stages are predicted."""
-    y0, y1 = row_of(context, Y0), row_of(context, Y1)
-    memory, notes = ft.method_floats_of(context), ft.method_integers_of(context)
+    y0, y1, rows = row_of(context, Y0), row_of(context, Y1), mem.rows(context)
+    memory = ft.method_floats_of(context)
     rs.keep_rounding(context, h)
-    change = mem.row(context, rs.POLYNOMIAL)
-    for i in range(2 * context[ft.COORDINATES]):
-        change[i] = y1[i] - y0[i]
-    f2, f3 = mem.row(context, rs.POLYNOMIAL + 1), mem.row(context, rs.POLYNOMIAL + 2)
-    rs.write_polynomial(context, f2, f3)
+    for i in range(y0.size):
+        rows[rs.POLYNOMIAL, i] = y1[i] - y0[i]
+    rs.write_polynomial(context, rows[rs.POLYNOMIAL + 1], rows[rs.POLYNOMIAL + 2])
     memory[mem.H_BASE] = h
     memory[mem.ERROR_BASE] = max(1e-2, run_record(context).error)
-    notes[mem.EQUAL] += 1
+    ft.method_integers_of(context)[mem.EQUAL] += 1
     return int(suits_explicit(context, h))
 
 
 @compiled(ft.HOOK)
 def restart(context: Integers, t: float, h: float) -> int:
     """Forget the past: the motion goes on under other equations."""
-    notes, low = ft.method_integers_of(context), mem.row(context, mem.LOW)
-    for j in range(2 * context[ft.COORDINATES]):
-        low[j] = 0.0
-    notes[mem.EQUAL] = 0
-    notes[mem.CURRENT] = 0
+    notes = ft.method_integers_of(context)
+    mem.rows(context)[mem.LOW].fill(0.0)
+    notes[mem.EQUAL] = notes[mem.CURRENT] = 0
     return 0
 
 
@@ -164,19 +179,15 @@ def dense(context: Integers, t: float, h: float) -> int:
     """
     n = context[ft.COORDINATES]
     y0, y1 = row_of(context, Y0), row_of(context, Y1)
-    k0, k1 = row_of(context, K), row_of(context, K + LAST)
-    f0, f1, f2 = row_of(context, F), row_of(context, F + 1), row_of(context, F + 2)
-    f3, f4, f5 = row_of(context, F + 3), row_of(context, F + 4), row_of(context, F + 5)
-    for i in range(2 * n):
-        f4[i] = 0.0
-        f5[i] = 0.0
+    k0, k1 = row_of(context, K), row_of(context, K + mem.LAST)
+    f1, f2, f3 = row_of(context, F + 1), row_of(context, F + 2), row_of(context, F + 3)
+    f4, f5 = row_of(context, F + 4), row_of(context, F + 5)
+    f4.fill(0.0)
+    f5.fill(0.0)
+    hermite_rows(context, h, K + mem.LAST)
     if stiffness(context, h) > _SMOOTH:
-        for i in range(2 * n):
-            f0[i] = y0[i]
-            f1[i] = y1[i] - y0[i]
         rs.write_polynomial(context, f2, f3)
         return 0
-    hermite_rows(context, h, K + LAST)
     for i in range(n):
         j = n + i
         f4[i] = 0.5 * h * h * k0[j] + f2[i] - f3[i]
@@ -189,20 +200,13 @@ def dense(context: Integers, t: float, h: float) -> int:
     return 0
 
 
-METHOD = Method(
+METHOD = newton.implicit_method(
     estimate_order=4,
     error_order=3,
-    last=LAST,
-    dense_rows=DENSE_ROWS,
-    safety=0.9,  # measured: share of the length that the error permits
-    shrink=0.2,  # measured: least ratio of the lengths of two steps
-    grow=8.0,  # measured: largest ratio
+    grow=8.0,  # measured: largest ratio of the lengths of two steps
     stages=stages,
-    error=error,
     dense=dense,
     propose=propose,
     accepted=accepted,
     restart=restart,
-    memory=mem.memory,
-    foresight=0.5,  # measured: a few steps of the explicit method that leads across
 )

@@ -4,7 +4,8 @@ The tests of convergence are those of E. Hairer and G. Wanner, Solving Ordinary 
 Equations II, section IV.8. A method brings its own prediction, equations and matrices.
 """
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -16,34 +17,26 @@ from runtime.core.loop_record import run_record
 from runtime.core.rounding import EPS
 from runtime.core.workspace_rows import ATOL, SIZE, Y0, row_of
 from runtime.integrate.implicit import method_memory as mem
+from runtime.integrate.method import Method
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
+Solver = Callable[[Integers, float, float], int]
 
-    Solver = Callable[[Integers, float, float], int]
-
-_DONE, _GOING, _DIVERGING = 0, 1, 2
-# measured: rate of convergence above which derivatives are taken anew for the next step
-_SLOW = 0.05
+_SLOW = 0.05  # measured: rate of convergence above which the next step takes derivatives anew
 _LOOSEST = 0.03  # measured: of the tolerance of a step; how far Newton's method is taken at least
-# accuracy: rounding in a difference of high order, relative to a step's change
-_ROUNDED = 64.0 * EPS
-# accuracy: in such a difference of velocities, where stiff forces hold a position
-_STIFF = 16.0 * EPS
+_ROUNDED = 64.0 * EPS  # accuracy: rounding in a difference of high order, of a step's change
+_STIFF = 16.0 * EPS  # accuracy: the same of velocities, where stiff forces hold a position
 _SOLVED = 4.0 * EPS  # accuracy: rounding in Newton's residual
-# accuracy: in the past of dependent coordinates, relative to the largest coordinate
-_LEAST = 8.0 * EPS
+_LEAST = 8.0 * EPS  # accuracy: in the past of dependent coordinates, of the largest coordinate
 _RECOVERED = 4.0 * EPS  # accuracy: and this times the square of the ratio of speeds
-# safety: largest ratio of speeds of dependent to independent coordinates that counts
-_FASTEST = 10.0
+_FASTEST = 10.0  # safety: largest ratio of speeds, dependent over independent, that counts
 
 
 def step_solver(
-    predict: "Callable[[Integers, float], int]",
-    linearize: "Callable[[Integers, float], int]",
-    factor: "Callable[[Integers, float], int]",
-    solve: "Solver",
-) -> "Solver":
+    predict: Callable[[Integers, float], int],
+    linearize: Callable[[Integers, float], int],
+    factor: Callable[[Integers, float], int],
+    solve: Solver,
+) -> Solver:
     """A function of (context, t, scale) that solves a step, with fresh derivatives if need be.
 
     It returns the iterations that returns onto the constraints took, or `FAILED`. The matrices
@@ -79,8 +72,8 @@ def step_solver(
 
 
 def newton_iteration(
-    evaluate: "Solver", improve: "Callable[[Integers, float], float]", most: int, slowest: float
-) -> "Solver":
+    evaluate: Solver, improve: Callable[[Integers, float], float], most: int, slowest: float
+) -> Solver:
     """A function of (context, t, scale) that iterates until what is missing is below the tolerance.
 
     It returns the iterations that returns onto the constraints took, or `FAILED` where a state
@@ -93,48 +86,36 @@ def newton_iteration(
 
     @closure
     def iterate(context: Integers, t: float, scale: float) -> int:
-        r = run_record(context)
+        memory, notes = method_floats_of(context), method_integers_of(context)
         taken, before = 0, 0.0
         for iteration in range(most):
             result = evaluate(context, t, scale)
             if result == FAILED:
                 return FAILED
             taken += result
-            r.iterations += 1
+            run_record(context).iterations += 1
+            notes[mem.ITERATIONS] = iteration + 1
             size = improve(context, scale)
-            reached = _convergence(context, iteration, most - 1 - iteration, size, before, slowest)
-            if reached != _GOING:
-                return taken if reached == _DONE else FAILED
+            if size == 0.0:
+                return taken
+            if iteration > 0:
+                ratio = size / before
+                if not ratio < slowest:
+                    return FAILED
+                memory[mem.RATE] = ratio / (1.0 - ratio)
+                if ratio > _SLOW:
+                    notes[mem.CURRENT] = 0
+                left = most - 1 - iteration
+                if ratio**left * memory[mem.RATE] * size > memory[mem.ENOUGH]:
+                    return FAILED
+            if memory[mem.RATE] * size <= memory[mem.ENOUGH]:
+                return taken
+            if not np.isfinite(size):
+                return FAILED
             before = size
         return FAILED
 
     return iterate
-
-
-@inner
-def _convergence(
-    context: Integers, iteration: int, left: int, size: float, before: float, slowest: float
-) -> int:
-    """Whether Newton's iteration is done, going or diverging after a change of this size.
-
-    `size` is over the tolerance, as that of the change `before`; `left` iterations may follow.
-    """
-    memory, notes = method_floats_of(context), method_integers_of(context)
-    notes[mem.ITERATIONS] = iteration + 1
-    if size == 0.0:
-        return _DONE
-    if iteration > 0:
-        ratio = size / before
-        if not ratio < slowest:
-            return _DIVERGING
-        memory[mem.RATE] = ratio / (1.0 - ratio)
-        if ratio > _SLOW:
-            notes[mem.CURRENT] = 0
-        if ratio**left * memory[mem.RATE] * size > memory[mem.ENOUGH]:
-            return _DIVERGING
-    if memory[mem.RATE] * size <= memory[mem.ENOUGH]:
-        return _DONE
-    return _GOING if np.isfinite(size) else _DIVERGING
 
 
 @inner
@@ -151,16 +132,12 @@ def set_tolerance(
     Where the matrix I - c G_u̇ - c² G_u is stiff, the last digit of a position is a force that the
     next velocity has to undo.
     """
-    notes, unknown, by_u = (
-        method_integers_of(context),
-        mem.unknowns(context),
-        mem.matrix(context, mem.BY_U),
-    )
+    notes, unknown = method_integers_of(context), mem.unknowns(context)
     n, f = context[COORDINATES], notes[mem.FREEDOMS]
     asked = run_record(context).rtol
     relative = share * asked
     y0, atol, size = row_of(context, Y0), row_of(context, ATOL), row_of(context, SIZE)
-    allowed = mem.row(context, mem.TOLERANCE)
+    by_u, allowed = mem.derivative(context, mem.BY_U), mem.rows(context)[mem.TOLERANCE]
     held, carried, moved = 0.0, 0.0, 0.0
     for j in range(n, 2 * n):
         carried = max(carried, abs(y0[j]) / size[j])
@@ -172,27 +149,37 @@ def set_tolerance(
     ratio = min(_FASTEST, carried / max(held, 1e-300))
     rough = _LEAST + _RECOVERED * ratio * ratio if notes[mem.SETTLED] < remembered else 0.0
     for half in range(2):
-        largest = 0.0
-        for j in range(half * n, half * n + n):
+        places, largest = range(half * n, half * n + n), 0.0
+        for j in places:
             largest = max(largest, abs(y0[j]) / size[j])
-        for j in range(half * n, half * n + n):
+        for j in places:
             value = relative * (atol[j] / asked + max(abs(y0[j]), abs(ahead[j])))
             allowed[j] = value + (_ROUNDED * moved + rough * largest) * size[j]
     for i in range(f):
-        force, stiff = 0.0, 0.0
-        j = unknown[i]
+        j, force, stiff = unknown[i], 0.0, 0.0
         for k in range(f):
-            entry = abs(by_u[i * f + k])
+            entry = abs(by_u[i, k])
             force += entry * abs(y0[unknown[k]])
             stiff += c * c * entry * size[unknown[k]] / size[j]
         allowed[n + j] += _STIFF * c * force * stiff / (1.0 + stiff) ** 2
     at_rounding = _SOLVED * moved / (relative + _ROUNDED * moved)
-    method_floats_of(context)[mem.ENOUGH] = max(
-        at_rounding, min(_LOOSEST, newton * asked / relative)
-    )
+    enough = min(_LOOSEST, newton * asked / relative)
+    method_floats_of(context)[mem.ENOUGH] = max(at_rounding, enough)
 
 
 @addressed(ERROR)
 def error(context: Integers, h: float, rtol: float) -> float:
     """Estimated error of the step over its tolerance, which the step has left in METHOD_FLOATS."""
     return float(method_floats_of(context)[mem.STEP_ERROR])
+
+
+implicit_method = partial(
+    Method,
+    last=mem.LAST,
+    dense_rows=mem.DENSE_ROWS,
+    safety=0.9,  # measured: share of the length that the error permits
+    shrink=0.2,  # measured: least ratio of the lengths of two steps
+    error=error,
+    memory=mem.memory,
+    foresight=0.5,  # measured: a few steps of the explicit method that leads across
+)

@@ -20,9 +20,9 @@ from runtime.core.loop_record import ConstraintReturn, is_near_singularity, run_
 from runtime.core.rhs import evaluate_accelerations
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit.stiffness_estimate import estimate_spectrum
+from runtime.linalg.vectors import axpy, copy_vector, largest_ratio
 
-# accuracy: relative change by which a right-hand side in sliding modes is differenced
-_DIFFERENCE = 1e-7
+_DIFFERENCE = 1e-7  # accuracy: relative change that differences a right-hand side in sliding modes
 
 
 @inner
@@ -34,16 +34,14 @@ def list_unknowns(context: Integers) -> int:
     """
     notes, unknown = ft.method_integers_of(context), mem.unknowns(context)
     partition = ws.row_of(context, ws.PARTITION)
-    constrained = context[ft.CONSTRAINT_COUNT] > 0
-    by_partition = constrained and context[ft.CORRECTING] == ConstraintReturn.BY_PARTITION
-    notes[mem.PARTITIONED] = 1 if by_partition and not is_near_singularity(context) else 0
-    f = 0
-    changed = False
+    constrained = context[ft.CONSTRAINT_COUNT] > 0 and not is_near_singularity(context)
+    by_partition = context[ft.CORRECTING] == ConstraintReturn.BY_PARTITION
+    notes[mem.PARTITIONED] = 1 if constrained and by_partition else 0
+    f, changed = 0, False
     for j in range(context[ft.COORDINATES]):
         if notes[mem.PARTITIONED] == 0 or partition[j] == 0.0:
-            if unknown[f] != j:
-                unknown[f] = j
-                changed = True
+            changed = changed or unknown[f] != j
+            unknown[f] = j
             f += 1
     if changed or notes[mem.FREEDOMS] != f:
         notes[mem.FREEDOMS] = f
@@ -64,9 +62,8 @@ def evaluate(context: Integers, t: float, state: int, derivative: int) -> int:
         if taken == FAILED:
             return FAILED
     q, v = ws.positions(context, state), ws.velocities(context, state)
-    evaluate_accelerations(
-        context, t, q, v, ft.modes_of(context), ws.velocity_rates(context, derivative)
-    )
+    a = ws.velocity_rates(context, derivative)
+    evaluate_accelerations(context, t, q, v, ft.modes_of(context), a)
     return taken
 
 
@@ -78,18 +75,15 @@ def complete_direction(context: Integers, t: float, state: int) -> None:
     """
     if ft.method_integers_of(context)[mem.PARTITIONED] == 0:
         return
-    p = ft.parameters_of(context)
-    tangent = correction_tangent_of(context)
+    tangent, p = correction_tangent_of(context), ft.parameters_of(context)
     q, v = ws.positions(context, state), ws.velocities(context, state)
     weights = ws.first_half(context, ws.PARTITION)
-    dq, dv = mem.first_half(context, mem.IN), mem.second_half(context, mem.IN)
-    out_q, out_v = mem.first_half(context, mem.OUT), mem.second_half(context, mem.OUT)
+    dq, dv = mem.half(context, mem.IN, 0), mem.half(context, mem.IN, 1)
+    out_q, out_v = mem.half(context, mem.OUT, 0), mem.half(context, mem.OUT, 1)
     tangent(t, q, v, p, weights, dq, dv, out_q, out_v)
-    for j in range(dq.size):
-        dq[j] += out_q[j]
+    axpy(1.0, out_q, dq)
     tangent(t, q, v, p, weights, dq, dv, out_q, out_v)
-    for j in range(dq.size):
-        dv[j] += out_v[j]
+    axpy(1.0, out_v, dv)
 
 
 @inner
@@ -101,37 +95,28 @@ def differentiate_along(context: Integers, t: float, state: int) -> None:
     """
     modes = ft.modes_of(context)
     q, v = ws.positions(context, state), ws.velocities(context, state)
-    dq, dv = mem.first_half(context, mem.IN), mem.second_half(context, mem.IN)
-    da = mem.first_half(context, mem.SLOPE)
-    n = dq.size
+    dq, dv = mem.half(context, mem.IN, 0), mem.half(context, mem.IN, 1)
+    da, n = mem.half(context, mem.SLOPE, 0), context[ft.COORDINATES]
     if context[ft.MODIFIED] == 0:
         p = ft.parameters_of(context)
         accelerations_tangent_of(context)(t, q, v, p, modes, dq, dv, da)
         return
-    size = ws.row_of(context, ws.SIZE)
-    largest = 0.0
-    for j in range(n):
-        largest = max(largest, abs(dq[j]) / size[j], abs(dv[j]) / size[n + j])
+    largest = largest_ratio(mem.rows(context)[mem.IN], ws.row_of(context, ws.SIZE))
     if largest == 0.0:
-        for j in range(n):
-            da[j] = 0.0
+        da.fill(0.0)
         return
     step = _DIFFERENCE / largest
     # The complex matrix, factored after this, lends room of 3 n.
-    free = mem.matrix(context, mem.COMPLEX)
-    before, moved, after = view(free, 0, n), view(free, n, n), view(free, 2 * n, n)
+    free = mem.factors(context, mem.COMPLEX)
+    before, kept_q, after = view(free, 0, n), view(free, n, n), view(free, 2 * n, n)
     evaluate_accelerations(context, t, q, v, modes, before)
-    for j in range(n):
-        moved[j] = q[j]
-        q[j] += step * dq[j]
-        da[j] = v[j]
-        v[j] += step * dv[j]
-    # The state is put back before the accelerations overwrite what keeps its velocities.
-    keep_q, keep_v = moved, da
+    copy_vector(q, kept_q)
+    copy_vector(v, da)
+    axpy(step, dq, q)
+    axpy(step, dv, v)
     evaluate_accelerations(context, t, q, v, modes, after)
-    for j in range(n):
-        q[j] = keep_q[j]
-        v[j] = keep_v[j]
+    copy_vector(kept_q, q)
+    copy_vector(da, v)
     for j in range(n):
         da[j] = (after[j] - before[j]) / step
 
@@ -143,32 +128,25 @@ def differentiate(context: Integers, t: float, state: int) -> int:
     With e_k the change of one unknown, δq = H e_k and the change of dependent velocities that it
     causes are tangents of the recovery of dependent coordinates.
     """
-    memory, notes, unknown = (
-        ft.method_floats_of(context),
-        ft.method_integers_of(context),
-        mem.unknowns(context),
-    )
-    f = notes[mem.FREEDOMS]
-    by_u, by_rate = mem.matrix(context, mem.BY_U), mem.matrix(context, mem.BY_RATE)
-    dq, dv = mem.first_half(context, mem.IN), mem.second_half(context, mem.IN)
-    da = mem.first_half(context, mem.SLOPE)
+    notes, unknown = ft.method_integers_of(context), mem.unknowns(context)
+    by_u, by_rate = mem.derivative(context, mem.BY_U), mem.derivative(context, mem.BY_RATE)
+    dq, dv = mem.half(context, mem.IN, 0), mem.half(context, mem.IN, 1)
+    da, f = mem.half(context, mem.SLOPE, 0), notes[mem.FREEDOMS]
     for k in range(f):
-        for j in range(dq.size):
-            dq[j] = 0.0
-            dv[j] = 0.0
+        dq.fill(0.0)
+        dv.fill(0.0)
         dq[unknown[k]] = 1.0
         complete_direction(context, t, state)
         differentiate_along(context, t, state)
         for i in range(f):
-            by_u[i * f + k] = da[unknown[i]]
-        for j in range(dq.size):
-            dv[j] = dq[j]
-            dq[j] = 0.0
+            by_u[i, k] = da[unknown[i]]
+        copy_vector(dq, dv)
+        dq.fill(0.0)
         differentiate_along(context, t, state)
         for i in range(f):
-            by_rate[i * f + k] = da[unknown[i]]
+            by_rate[i, k] = da[unknown[i]]
     notes[mem.CURRENT] = 1
-    memory[mem.FACTORED_FOR] = 0.0
+    ft.method_floats_of(context)[mem.FACTORED_FOR] = 0.0
     run_record(context).jacobians += 1
     estimate_spectrum(context)
     return 0

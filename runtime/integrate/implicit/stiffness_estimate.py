@@ -18,16 +18,15 @@ _LONG = 30  # measured: steps at ease until the run returns to it
 def stiffness(context: Integers, h: float) -> float:
     """Largest row of h² |G_u| + h |G_u̇|, each entry relative to the sizes of its coordinates."""
     n, f = context[COORDINATES], method_integers_of(context)[mem.FREEDOMS]
-    unknown = mem.unknowns(context)
-    by_u, by_rate = mem.matrix(context, mem.BY_U), mem.matrix(context, mem.BY_RATE)
-    size = row_of(context, SIZE)
+    unknown, size = mem.unknowns(context), row_of(context, SIZE)
+    by_u, by_rate = mem.derivative(context, mem.BY_U), mem.derivative(context, mem.BY_RATE)
     largest = 0.0
     for i in range(f):
         total = 0.0
         for k in range(f):
-            at, row, column = i * f + k, unknown[i], unknown[k]
-            total += h * h * abs(by_u[at]) * size[column] / size[row]
-            total += h * abs(by_rate[at]) * size[n + column] / size[n + row]
+            row, column = unknown[i], unknown[k]
+            total += h * h * abs(by_u[i, k]) * size[column] / size[row]
+            total += h * abs(by_rate[i, k]) * size[n + column] / size[n + row]
         largest = max(largest, total)
     return float(largest)
 
@@ -40,10 +39,10 @@ def estimate_spectrum(context: Integers) -> None:
     and their sizes change in turn. Three iterates in a row give a and b in λ² = a λ + b.
     """
     memory, f = method_floats_of(context), method_integers_of(context)[mem.FREEDOMS]
-    by_u, by_rate = mem.matrix(context, mem.BY_U), mem.matrix(context, mem.BY_RATE)
-    x, y, z = mem.row(context, mem.IN), mem.row(context, mem.OUT), mem.row(context, mem.SLOPE)
-    memory[mem.STIFFNESS] = 0.0
-    memory[mem.DAMPING] = 1.0
+    by_u, by_rate = mem.derivative(context, mem.BY_U), mem.derivative(context, mem.BY_RATE)
+    rows = mem.rows(context)
+    x, y, z = rows[mem.IN], rows[mem.OUT], rows[mem.SLOPE]
+    memory[mem.STIFFNESS], memory[mem.DAMPING] = 0.0, 1.0
     for i in range(f):
         x[i] = 1.0 + 0.1 * i
         y[i] = 1.0 - 0.3 * i
@@ -55,15 +54,14 @@ def estimate_spectrum(context: Integers) -> None:
         for i in range(f):
             z[i] = 0.0
             for k in range(f):
-                z[i] += by_u[i * f + k] * x[k] + by_rate[i * f + k] * y[k]
+                z[i] += by_u[i, k] * x[k] + by_rate[i, k] * y[k]
         for i in range(f):
             xx += x[i] * x[i]
             xy += x[i] * y[i]
             yy += y[i] * y[i]
             xz += x[i] * z[i]
             yz += y[i] * z[i]
-            x[i] = y[i]
-            y[i] = z[i]
+            x[i], y[i] = y[i], z[i]
             largest = max(largest, abs(x[i]), abs(y[i]))
         if not (largest > 0.0 and np.isfinite(largest)):
             return
@@ -78,7 +76,7 @@ def estimate_spectrum(context: Integers) -> None:
         a = (xx * yz - xy * xz) / independent
         b = (yy * xz - xy * yz) / independent
     elif f == 1:
-        a, b = by_rate[0], by_u[0]
+        a, b = by_rate[0, 0], by_u[0, 0]
     else:
         return
     if a * a + 4.0 * b < 0.0:

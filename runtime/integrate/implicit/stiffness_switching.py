@@ -26,10 +26,8 @@ _EVERY = 10  # measured: steps between two estimates of the stiffness
 # measured: h ρ that the explicit method hardly exceeds at tight tolerances: the rest of a fast
 # motion is resolved then, far from the edge of the region of stability, at 6.
 _TURN = 0.3
-# measured: h ρ that no accuracy permits the explicit method; it is at its stability limit
-_EDGE = 4.0
-# measured: of the relative change of accelerations in a step of Radau IIA, about rtol^(1/5)
-_EASY = 0.5
+_EDGE = 4.0  # measured: h ρ that no accuracy permits; the method is at its stability limit
+_EASY = 0.5  # measured: of the relative change of accelerations in a Radau step, about rtol^(1/5)
 _SEEN = 30  # measured: such steps before the method changes
 _DOUBT = 2  # measured: of them are forgotten for one other
 

@@ -21,9 +21,7 @@ from runtime.core.workspace_rows import Y0, Y1, K
 from runtime.integrate.loop import WEAK_STATES
 from runtime.integrate.problem import Problem
 from runtime.integrate.run_state import RunState
-from runtime.integrate.singular_crossing.crossing_step import CrossingStep, CrossingSteps
-from runtime.integrate.singular_crossing.extrapolated_accelerations import extrapolate_accelerations
-from runtime.integrate.singular_crossing.temporary_method import MethodHandover
+from runtime.integrate.singular_crossing import crossing_step as cs
 from runtime.integrate.step import Signal, TrialStep
 from runtime.integrate.trajectory import Crossing
 from runtime.singularity.motion_polynomial import Motion, hermite, taylor
@@ -46,37 +44,28 @@ class Crossings:
     def __init__(self, state: RunState, problem: Problem) -> None:
         self.state, self.record, system = state, state.record, state.system
         self.scale = np.asarray(problem.scale, dtype=np.float64)
-        independent = system.independent
+        m, kernels = system.constraint_count, (system.constraints, system.jacobian)
+        places = np.asarray(system.jacobian_rows), np.asarray(system.jacobian_columns)
+        rows = np.array(system.independent or range(system.rank), np.int64)
         constraints = ScaledConstraints(
-            system.constraints,
-            system.jacobian,
-            system.velocity_rhs,
-            np.asarray(system.jacobian_rows),
-            np.asarray(system.jacobian_columns),
-            problem.p,
-            self.scale,
-            np.arange(system.rank) if independent is None else np.array(independent, np.int64),
-            system.constraint_count,
+            *kernels, system.velocity_rhs, *places, problem.p, self.scale, rows, m
         )
         self.positions = SingularPositions(constraints)
-        self.handover = MethodHandover(state)
-        self._steps = CrossingSteps(self.scale, float(self.record["rtol"]), state.method)
-        if system.constraints is find_stand_in("constraints") or system.constraint_count == 0:
+        self.handover = cs.MethodHandover(state)
+        if system.constraints is find_stand_in("constraints") or m == 0:
             self.record["quiet"] = np.inf  # nothing tells a position that is passed from one missed
         self.passed: list[Crossing] = []  # those that were crossed
         self.note = ""  # says why one was not
         self.position: Singularity | None = None
-        self.step = CrossingStep(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        self.step = cs.CrossingStep(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self.tries = 0
         self.began = float(self.record["t"])
-        self.before = (self.began, *(np.zeros(self.scale.size),) * 3)
+        self.before = self._start_state()
 
     @property
-    def steps(self) -> CrossingSteps:
+    def steps(self) -> cs.CrossingSteps:
         """The steps across that the present method can take."""
-        if self._steps.method is not self.state.method:
-            self._steps = self._steps._replace(method=self.state.method)
-        return self._steps
+        return cs.CrossingSteps(self.scale, float(self.record["rtol"]), self.state.method)
 
     # -- what the loop asks -------------------------------------------------------------------
 
@@ -95,7 +84,7 @@ class Crossings:
 
     def prepare_start(self) -> bool:
         """Prepare a start in a singular position; false where no motion leads out of it."""
-        if not np.isfinite(self.record["quiet"]) and self.record["quiet"] > 0.0:
+        if self.record["quiet"] == np.inf:
             return False
         q, v = self.state.y
         motion = taylor(float(self.record["t"]), q, v, np.zeros_like(v))
@@ -129,10 +118,10 @@ class Crossings:
         position = self.positions.find(motion, s)
         self.tries = 0
         usual = self._usual_length()
-        if (position is None or not position.rate > 0.0) and r["weak"] >= WEAK_STATES:
-            return _SINGULAR
-        r["weak"] = 0
+        weak, r["weak"] = r["weak"], 0
         if position is None or not position.rate > 0.0:
+            if weak >= WEAK_STATES:
+                return _SINGULAR
             # The step that was tried may be taken; the look at the next one is another.
             r["quiet"] = motion.t + max(0.5 * abs(s), 0.5 * usual, 1.001 * r["tried"])
             return _GOING
@@ -168,7 +157,7 @@ class Crossings:
                 return _GOING
             return self._plan_crossing(position.t - motion.t)
         self.position = position = again
-        step = self.steps.from_here(position, position.t - motion.t, usual)
+        step = self.steps.best(position, usual, position.t - motion.t)
         noisy = self.steps.noise(position) * step.h > abs(step.lead) ** 3
         close = abs(step.lead) < self.steps.reach(position)
         if noisy and close and not self._extrapolate(motion, position):
@@ -182,12 +171,11 @@ class Crossings:
 
     def _judge_step_across(self) -> int:
         """The step across was accepted, or not."""
-        r, position = self.record, self.position
+        r, position, step = self.record, self.position, self.step
+        error = float(r["error"])
         assert position is not None
         if r["t"] > position.t:
-            row = int(position.rows.argmax())
-            error = float(r["error"])
-            t = self._instant(position)
+            row, t = int(position.rows.argmax()), self._instant(position)
             # A position in which a run starts, or that lies before its start, is not passed in it.
             if t > self.began + self.steps.rounding(position.q) / position.speed:
                 self.passed.append(Crossing(t, row, position.lost, position.direction, error))
@@ -198,8 +186,6 @@ class Crossings:
             r["h"] = self._usual_length()
             return _GOING
         self.tries += 1
-        error = float(r["error"])
-        step = self.step
         rounded = r["reason"] == TrialStep.TOO_LARGE and step.rounding + step.start > step.method
         if rounded and error < _SLACK * r["permitted"]:
             r["permitted"] = 1.01 * error  # rounding again: another step would fare no better
@@ -243,27 +229,25 @@ class Crossings:
     def _extrapolate(self, motion: Motion, position: Singularity) -> bool:
         """Write the derivative at the step's start, by continuity; false where there is none."""
         reach = self.steps.reach(position)
-        a = extrapolate_accelerations(self.state, self.scale, motion, position.t, reach)
+        a = cs.extrapolate_accelerations(self.state, self.scale, motion, position.t, reach)
         if a is None:
             return False
         self.state.rows[K, 1] = a
         return True
 
-    def _start_state(self) -> tuple[float, Vector, Vector, Vector]:
-        """t, q, v and dv/dt from which the next step starts."""
-        rows = self.state.rows
-        return float(self.record["t"]), rows[Y0, 0].copy(), rows[Y0, 1].copy(), rows[K, 1].copy()
+    def _start_state(self) -> tuple[float, tuple[Vector, ...]]:
+        """t, and q, v and dv/dt, from which the next step starts."""
+        (q, v), a = self.state.rows[Y0].copy(), self.state.rows[K, 1].copy()
+        return float(self.record["t"]), (q, v, a)
 
     def _instant(self, position: Singularity) -> float:
         """When the step across passed the position: from both its ends, not as it was foreseen."""
-        t, q, v, a = self.before
-        after = self._start_state()
+        (t, start), (t_end, end) = self.before, self._start_state()
         if np.isfinite(position.due):
             return position.due
-        if not (np.isfinite(a).all() and np.isfinite(after[3]).all()):
+        if not np.isfinite([start[2], end[2]]).all():
             return position.t
-        motion = hermite(t, after[0] - t, (q, v, a), after[1:])
-        return self.positions.passing_time(motion, position)
+        return self.positions.passing_time(hermite(t, t_end - t, start, end), position)
 
     # -- what is known -----------------------------------------------------------------------
 

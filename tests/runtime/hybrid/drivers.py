@@ -9,22 +9,22 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import f8, i8, integers, none, vector
 from runtime.core.jit import compiled
 from runtime.hybrid import (
+    filippov_shares,
     mode_consistency,
-    mode_reactions,
     redundant_sliding,
     sliding_and_baumgarte_rhs,
 )
 from runtime.hybrid import switching_functions as switching
 
 
-@compiled(i8(integers, vector, vector, i8, vector, f8))
-def solve_least(context, matrix, right, count, reach, slack):
-    return redundant_sliding.solve_least(context, matrix, right, count, reach, slack)
+@compiled(i8(integers, f8))
+def solve_least(context, slack):
+    return redundant_sliding.solve_least(context, slack)
 
 
 @compiled(i8(integers, f8))
 def evaluate_accelerations(context, t):
-    modes, a = ft.modes_of(context), ws.first_half(context, ws.DELTA)
+    modes, a = context.modes, context.dq
     mode_consistency.count_sliding(context, modes)
     q, v = ws.positions(context, ws.Y0), ws.velocities(context, ws.Y0)
     return rhs.evaluate_accelerations(context, t, q, v, modes, a)
@@ -49,7 +49,7 @@ def compute_margin(context, t, k):
 @compiled(none(integers, f8))
 def mix_reactions(context, t):
     q, v = ws.positions(context, ws.Y0), ws.velocities(context, ws.Y0)
-    mode_reactions.mix_reactions(context, t, q, v, ft.multipliers_of(context))
+    filippov_shares.mix_reactions(context, t, q, v, context.multipliers)
 
 
 @compiled(i8(integers, f8, f8))

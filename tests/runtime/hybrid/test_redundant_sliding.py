@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from runtime.core import function_table as ft
 from runtime.integrate.wiring import wire
 from tests.runtime.hybrid.drivers import solve_least
 from tests.runtime.integrate.systems import relay
@@ -12,10 +13,11 @@ def solve(matrix, right, reach, slack=1e-11):
     count = len(right)
     system, p = relay(*[(0.0,) * 7] * count)
     wiring = wire(system, "dopri5", p, 1)
-    wiring.arrays["sliding_functions"][:] = np.arange(count)
-    x = np.array(right, float)
-    flat = np.array(matrix, float).ravel()
-    return solve_least(wiring.table, flat, x, count, np.array(reach, float), slack), x
+    arrays, wiring.table[ft.SLIDING_COUNT] = wiring.arrays, count
+    arrays["sliding_functions"][:] = np.arange(count)
+    arrays["response_copy"][:] = np.ravel(matrix)
+    arrays["right_side"][:], arrays["response_column"][:] = right, reach
+    return solve_least(wiring.table, slack), arrays["right_side"]
 
 
 def test_independent_functions_have_one_solution():

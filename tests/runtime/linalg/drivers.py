@@ -18,15 +18,15 @@ from runtime.linalg import (
 def solve_by_factors(a, f, b):
     """`lu.factor`, then `lu.solve`."""
     pivots = np.zeros(f, np.int64)
-    if lu.factor(a, f, pivots) != 0:
+    if lu.factor(a, f, pivots, 0.0) != 0:
         return 1
     lu.solve(a, f, pivots, b)
     return 0
 
 
-@compiled(i8(vector, vector, i8, f8))
+@allocating(i8(vector, vector, i8, f8))
 def solve_equilibrated(a, b, f, least):
-    return lu.solve_equilibrated(a, b, f, least)
+    return lu.solve_equilibrated(a, b, f, np.zeros(f, np.int64), least)
 
 
 @compiled(i8(matrix, matrix))

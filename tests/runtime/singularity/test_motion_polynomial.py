@@ -69,7 +69,7 @@ def test_position_and_velocity_after_a_time():
 def test_scaled_motions_have_time_as_a_coordinate():
     series = np.random.default_rng(2).normal(size=(4, 3))
     scale = np.array([1.0, 2.0, 0.5])
-    scaled = Motion(0.7, series).scaled(scale, 5.0)
+    scaled = Motion(0.7, series).scaled(scale, 5.0).series
     z, rate = np.empty((2, 4))
     evaluate(scaled, 0.2, z, rate)
     q, v = derivatives(series, 0.2, (0, 1))
@@ -79,7 +79,7 @@ def test_scaled_motions_have_time_as_a_coordinate():
 
 def test_a_motion_is_nearest_to_a_place_that_it_passes_when_it_passes_it():
     series = np.random.default_rng(1).normal(size=(6, 4))
-    passed = Motion(2.0, series).scaled(np.ones(4), 1.0)
+    passed = Motion(2.0, series).scaled(np.ones(4), 1.0).series
     z = np.append(derivatives(series, 0.1, (0,))[0], 0.0)
     s = nearest_time(passed, 0.11, z)
     assert s == pytest.approx(0.1, abs=1e-6)

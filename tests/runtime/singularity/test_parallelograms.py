@@ -87,7 +87,7 @@ def test_weak_rows_are_those_of_small_singular_values(
     for angle, weak in ((0.2, LOOPS), (0.02, LOOPS), (1.5, 0)):
         search = Search(scaled, PivotOrders(scaled), taylor(0.0, *parallel(machine, angle)), 5.0)
         entries = np.empty(scaled.places[0].size)
-        unit_jacobian_entries(search.table, search.series[0], entries)
+        unit_jacobian_entries(search.table, search.path.q, entries)
         values = np.linalg.svd(scaled.dense(entries), compute_uv=False)
         assert search.count_weak(0.0) == count_weak(values) == weak
 
@@ -103,6 +103,6 @@ def test_a_quintic_has_what_both_ends_have() -> None:
 
     made = hermite(t, h, state(0.0), state(h))
     np.testing.assert_allclose(made.series, series, rtol=1e-10, atol=1e-10)
-    passed = Motion(t, series).scaled(np.ones(4), 1.0)
+    passed = Motion(t, series).scaled(np.ones(4), 1.0).series
     z = np.append(state(0.1)[0], 0.0)
     assert nearest_time(passed, 0.11, z) == pytest.approx(0.1, abs=1e-6)

@@ -35,7 +35,7 @@ def test_the_position_is_met_when_the_motion_passes_it(x):
 
 def test_places_along_the_motion():
     along = search(on_branch(-0.2, speed=3.0))
-    z, rate = along.at(0.05)
+    z, rate = along.path.at(0.05)
     s = branch_slopes(0.5)[0]
     np.testing.assert_allclose(z[:2], [-0.05, -0.05 * s])
     np.testing.assert_allclose(rate[:2], [3.0, 3.0 * s])

@@ -3,11 +3,14 @@
 import numpy as np
 
 from runtime.core.array_types import f8, i8, integers, none, vector
+from runtime.core.function_table import COORDINATES, method_integers_of
 from runtime.core.jit import compiled
 from runtime.core.workspace_rows import ATOL, PARTITION, SIZE
 from runtime.core.workspace_rows import ROWS as WORKSPACE_ROWS
 from runtime.integrate.implicit import (
     bdf,
+    bdf_history,
+    bdf_newton,
     newton_matrices,
     radau5,
     radau5_stages,
@@ -54,14 +57,26 @@ class Arrays:
 @compiled(none(integers))
 def number_all(context):
     """Write its own number into each place of each row, matrix and pivot."""
-    count = 1.0
+    count, n = 1.0, context[COORDINATES]
+    rows = mem.rows(context)
     for index in range(mem.ROWS):
-        row = mem.row(context, index)
-        for i in range(row.size):
-            row[i] = count
-            count += 1.0
-    for index in range(4):
-        flat = mem.matrix(context, index)
+        for part in range(2):
+            half = mem.half(context, index, part)
+            for i in range(n):
+                half[i] += 1.0
+                rows[index, part * n + i] += count - 1.0
+                count += 1.0
+    notes = method_integers_of(context)
+    notes[mem.FREEDOMS] = n
+    for index in (mem.BY_U, mem.BY_RATE):
+        matrix = mem.derivative(context, index)
+        for i in range(n):
+            for k in range(n):
+                matrix[i, k] = count
+                count += 1.0
+    notes[mem.FREEDOMS] = 0
+    for index in (mem.REAL, mem.COMPLEX):
+        flat = mem.factors(context, index)
         for i in range(flat.size):
             flat[i] = count
             count += 1.0
@@ -87,21 +102,21 @@ def evaluate(context, t, state, derivative):
 @compiled(i8(integers, f8, vector))
 def solve_real(context, c, x):
     failed = newton_matrices.factor_real(context, c)
-    newton_matrices.solve_real(context, x)
+    newton_matrices.solve_factored(context, mem.REAL, x)
     return failed
 
 
 @compiled(i8(integers, f8, f8, vector))
 def solve_complex(context, c, d, x):
     failed = newton_matrices.factor_complex(context, c, d)
-    newton_matrices.solve_complex(context, x)
+    newton_matrices.solve_factored(context, mem.COMPLEX, x)
     return failed
 
 
-@compiled(f8(integers, f8))
-def filtered_error(context, c):
+@compiled(f8(integers, f8, vector))
+def filtered_error(context, c, raw):
     newton_matrices.factor_real(context, c)
-    return newton_matrices.filtered_error(context, 0.0, 0, c)
+    return newton_matrices.filtered_error(context, 0.0, 0, c, raw)
 
 
 @compiled(none(integers, f8, vector))
@@ -135,6 +150,33 @@ def radau5_step(context, t, h):
     return radau5.stages(context, t, h)
 
 
+@compiled(f8(integers, f8))
+def radau5_propose(context, h):
+    return radau5.propose(context, h)
+
+
 @compiled(i8(integers, f8, f8))
 def bdf_step(context, t, h):
     return bdf.stages(context, t, h)
+
+
+@compiled(i8(integers, f8, f8))
+def bdf_evaluate(context, t, c):
+    return bdf_newton.evaluate_end(context, t, c)
+
+
+@compiled(f8(integers, f8))
+def bdf_propose(context, h):
+    return bdf.propose(context, h)
+
+
+@compiled(none(integers, f8))
+def extrapolate_history(context, h):
+    bdf_history.rescale_history(context, h)
+    bdf_history.extrapolate(context)
+
+
+@compiled(none(integers, f8))
+def extend_history(context, h):
+    bdf_history.extend_history(context, h)
+    bdf_history.dense(context, 0.0, h)

@@ -7,20 +7,15 @@ import pytest
 from numba import njit
 
 from runtime.core.outcomes import Outcome
-from runtime.core.workspace_rows import ROWS, Y0, Y1, K
+from runtime.core.workspace_rows import ATOL, ROWS, Y0, Y1, K
 from runtime.integrate import loop as driver
+from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit.bdf import accepted
 from runtime.integrate.implicit.bdf_history import GAMMA, KAPPA, PAST
-from runtime.integrate.implicit.method_memory import (
-    H_BASE,
-    NEXT_ORDER,
-    NUMBERS,
-    STEP_ORDER,
-)
-from runtime.integrate.implicit.method_memory import ROWS as LINES
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import Run, integrate
 from runtime.integrate.step import Signal, take_trial_step
+from tests.runtime.integrate.implicit.drivers import Arrays, bdf_propose
 from tests.runtime.integrate.stiff import DRAWN, SMOOTH_PENDULUM, one, smooth_relay
 from tests.runtime.integrate.systems import pendulum_problem, run_relay
 
@@ -48,12 +43,12 @@ class Stepper:
         )
         self.run.start()
         arrays = self.run.state.wiring.arrays
-        lines = arrays["method_floats"][NUMBERS : NUMBERS + 2 * LINES].reshape(LINES, 2)
+        rows = arrays["method_floats"][mem.NUMBERS : mem.NUMBERS + 2 * mem.ROWS].reshape(-1, 2)
         past = np.array([oscillator(-i * h) for i in range(7)])
         for j in range(7):
-            lines[PAST + j] = sum((-1) ** i * comb(j, i) * past[i] for i in range(j + 1))
-        arrays["method_floats"][H_BASE] = h
-        arrays["method_integers"][STEP_ORDER] = arrays["method_integers"][NEXT_ORDER] = order
+            rows[PAST + j] = sum((-1) ** i * comb(j, i) * past[i] for i in range(j + 1))
+        arrays["method_floats"][mem.H_BASE] = h
+        arrays["method_integers"][[mem.STEP_ORDER, mem.NEXT_ORDER]] = order
         self.h, self.t = h, 0.0
 
     def step(self):
@@ -92,6 +87,59 @@ def test_step_satisfies_the_formula(order):
     np.testing.assert_allclose(left, stepper.h * slope, atol=2e-14)
 
 
+@pytest.mark.parametrize("order", [1, 2, 3, 4, 5])
+def test_errors_of_the_orders_beside(order):
+    # In units of a tolerance that stays: h^(k+1), and one power less and more.
+    counts, errors = np.array([20, 28, 40]), []
+    for count in counts:
+        stepper = Stepper(order, 2.0 / count)
+        stepper.run.state.record["rtol"], stepper.run.state.rows[ATOL] = 1e-6, 1e-6
+        for _ in range(count):
+            stepper.step()
+        numbers = stepper.run.state.wiring.arrays["method_floats"]
+        errors.append(numbers[[mem.LOWER, mem.STEP_ERROR, mem.HIGHER]])
+    powers = [-np.polyfit(np.log(counts), np.log(e), 1)[0] for e in np.transpose(errors) if e.all()]
+    expected = [order, order + 1, order + 2][order == 1 : 2 + (order < 5)]
+    assert powers == pytest.approx(expected, abs=0.4)
+
+
+@pytest.mark.parametrize(
+    ("order", "equal", "lower", "error", "higher", "damping", "expected", "ratio"),
+    [
+        (3, 2, 1e-9, 1e-9, 1e-9, 1.0, 3, 1.0),  # fewer than k + 1 steps of one length
+        (3, 3, 1.0, 1e-4, 1.0, 1.0, 3, 9.0),
+        (3, 3, 1e-6, 1e-4, 1.0, 1.0, 2, 90.0),
+        (3, 3, 1.0, 1e-4, 1e-10, 1.0, 4, 90.0),
+        (3, 3, 1.0, 0.5, 1.0, 1.0, 3, 1.0),  # a step that could hardly grow keeps its length
+        (3, 3, 1.0, 3.0, 2.0, 1.0, 2, 0.9),
+        (1, 1, 1e-9, 1e-4, 1.0, 1.0, 1, 90.0),  # there is no order below, nor one above five
+        (5, 5, 1.0, 1e-6, 1e-9, 1.0, 5, 9.0),
+        (3, 3, 1.0, 1e-4, 1e-10, 0.1, 2, 0.9),  # a vibration, 1 rad a step, that order 3 would feed
+        (2, 2, 1.0, 1 / 64, 1e-4, 0.1, 2, 3.6),  # and one that order 3 would feed, at 9 rad
+    ],
+)
+def test_choice_of_order(order, equal, lower, error, higher, damping, expected, ratio):
+    arrays = Arrays(*smooth_relay(), method="bdf")
+    arrays.record["error"], arrays.record["safety"] = error, 0.9
+    arrays.record["shrink"], arrays.record["grow"] = 1e-3, 1e3
+    arrays.notes[[mem.STEP_ORDER, mem.EQUAL, mem.ITERATIONS]] = order, equal, 1
+    arrays.numbers[[mem.LOWER, mem.HIGHER]] = lower, higher
+    arrays.numbers[[mem.STIFFNESS, mem.DAMPING]] = 1.0, damping
+    assert bdf_propose(arrays.table, 1.0) == pytest.approx(ratio)
+    assert arrays.notes[mem.NEXT_ORDER] == expected
+
+
+@pytest.mark.parametrize(("fixed", "following"), [(0, 2), (1, 4)])
+def test_an_accepted_step_changes_the_order(fixed, following):
+    arrays = Arrays(*smooth_relay(), method="bdf")
+    arrays.record["fixed"], arrays.record["rejected"], arrays.record["patience"] = fixed, 7, 1
+    arrays.notes[[mem.STEP_ORDER, mem.NEXT_ORDER, mem.EQUAL, mem.SETTLED]] = 3, 2, 3, 5
+    assert accepted(arrays.table, 0.0, 0.1) == 0
+    assert arrays.notes[[mem.STEP_ORDER, mem.EQUAL, mem.SETTLED]].tolist() == [following, 0, 6]
+    assert arrays.notes[mem.REJECTED] == 7
+    assert arrays.record["exponent"] == pytest.approx(1.0 / (following + 1))
+
+
 def test_past_at_another_distance_is_that_of_the_same_polynomial():
     # A shorter and a longer step: errors stay those of order 5.
     errors = []
@@ -123,7 +171,7 @@ def test_a_change_of_partition_costs_neither_order_nor_restart():
         run.recording.flush()
         if run.state.record["repartitions"] > before:
             before = int(run.state.record["repartitions"])
-            orders.append(int(notes[STEP_ORDER]))
+            orders.append(int(notes[mem.STEP_ORDER]))
     assert code == Outcome.OK
     assert len(orders) > 100
     # A restart would show as order 1; the order that the motion asks for is 5, at times 4.

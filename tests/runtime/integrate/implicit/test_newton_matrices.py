@@ -49,6 +49,14 @@ def test_filtered_error(arrays):
     arrays.rows[mem.SLOPE], arrays.rows[mem.TOLERANCE] = np.concatenate([y, x]), allowed
     J = np.block([[np.zeros((3, 3)), np.eye(3)], [A, B]])
     expected = np.linalg.solve(np.eye(6) - c * J, np.concatenate([x, y]))
-    size = filtered_error(arrays.table, c)
+    size = filtered_error(arrays.table, c, 1e9 * np.ones(3))
     np.testing.assert_allclose(arrays.rows[mem.IN], expected, rtol=1e-11)
     assert size == pytest.approx(np.sqrt(np.mean((expected / allowed) ** 2)))
+
+
+def test_dependent_coordinates_have_the_error_that_was_estimated(arrays):
+    allowed, raw = 10.0 ** -np.arange(1.0, 7.0), np.array([1.0, 2.0, 1e9])
+    arrays.rows[mem.TOLERANCE], arrays.notes[mem.PARTITIONED] = allowed, 1
+    arrays.set_independent(2)
+    size = filtered_error(arrays.table, 0.7, raw)
+    assert size == pytest.approx(np.sqrt(np.sum((raw[:2] / allowed[:2]) ** 2) / 6.0))

@@ -3,9 +3,13 @@
 import numpy as np
 import pytest
 
-from runtime.integrate.implicit import radau5_coefficients as c
+from runtime.core.workspace_rows import Y0, Y1, K
+from runtime.integrate.implicit import method_memory as mem
+from runtime.integrate.implicit import radau5_stages as c
+from runtime.integrate.implicit.radau5 import accepted, restart
 from runtime.integrate.problem import Options
 from runtime.integrate.run import integrate
+from tests.runtime.integrate.implicit.drivers import Arrays, radau5_propose, radau5_step
 from tests.runtime.integrate.stiff import (
     DRAWN,
     SMOOTH_PENDULUM,
@@ -35,6 +39,78 @@ def test_coefficients():
     assert 1.0 / complex(c.COMPLEX, c.IMAGINARY) == pytest.approx(
         complex(c.C_COMPLEX, c.C_IMAGINARY), rel=1e-15
     )
+
+
+def step(h, rtol=1e-6):
+    """Estimate, and true error, of a step of q̈ = -4 q; in units of 1."""
+    arrays = Arrays(*smooth_relay(stiffness=4.0), rtol=rtol)
+    q, v = np.cos(0.3), -2.0 * np.sin(0.3)
+    arrays.workspace[Y0], arrays.workspace[K] = (q, v), (v, -4.0 * q)
+    assert radau5_step(arrays.table, 0.0, h) >= 0
+    exact = np.cos(2.0 * h + 0.3), -2.0 * np.sin(2.0 * h + 0.3)
+    allowed = arrays.rows[mem.TOLERANCE]
+    size = arrays.numbers[mem.STEP_ERROR] * np.sqrt(np.mean(allowed**2))
+    return size, np.abs(arrays.workspace[Y1] - exact).max()
+
+
+def test_the_estimate_is_of_order_four_and_the_error_of_order_six():
+    lengths = np.array([0.05, 0.07, 0.1, 0.14])
+    estimates, errors = np.transpose([step(h, 1e-10) for h in lengths])
+    assert np.polyfit(np.log(lengths), np.log(estimates), 1)[0] == pytest.approx(4.0, abs=0.3)
+    assert np.polyfit(np.log(lengths), np.log(errors), 1)[0] == pytest.approx(6.0, abs=0.3)
+    assert np.all(estimates > errors)
+
+
+def test_a_stiff_error_is_filtered_twice_at_a_first_step():
+    # Off the equilibrium of a stiff, strongly damped spring: an estimate that goes with h k is not
+    # small, and means nothing.
+    sizes = []
+    for earlier_steps in (0, 1):
+        arrays = Arrays(*smooth_relay(stiffness=1e8, damping=2e4))
+        arrays.workspace[Y0], arrays.workspace[K] = (1e-3, 0.0), (0.0, -1e5)
+        arrays.notes[mem.EQUAL], arrays.numbers[mem.H_BASE] = earlier_steps, 1e-9
+        assert radau5_step(arrays.table, 0.0, 0.1) >= 0
+        sizes.append(arrays.numbers[mem.STEP_ERROR])
+    assert sizes[1] > 1.0
+    assert sizes[0] < 0.2 * sizes[1]
+
+
+@pytest.mark.parametrize(
+    ("equal", "error", "rejected", "ratio"),
+    [
+        (0, 1e-4, 0, 9.0),
+        (0, 1e-4, 1, 1.0),  # not at once after a rejection
+        (0, 0.5, 0, 1.0),  # a step that could hardly grow keeps its length
+        (0, 16.0, 0, 0.45),
+        (1, 1e-4, 0, 4.5),  # half as long as the last one, with the same error
+        (0, 1e-12, 0, 0.9 * 10**2.5),  # an error of 1e-10 counts for one that is smaller
+    ],
+)
+def test_ratio_of_two_lengths(equal, error, rejected, ratio):
+    arrays = Arrays(*smooth_relay())
+    arrays.record["error"], arrays.record["safety"] = error, 0.9
+    arrays.record["shrink"], arrays.record["grow"] = 1e-3, 1e3
+    arrays.record["rejected_before"] = rejected
+    arrays.notes[[mem.EQUAL, mem.ITERATIONS]] = equal, 1
+    arrays.numbers[[mem.H_BASE, mem.ERROR_BASE]] = 2.0, error
+    assert radau5_propose(arrays.table, 1.0) == pytest.approx(ratio)
+
+
+def test_what_is_kept_of_a_step_and_forgotten():
+    arrays, h = Arrays(*smooth_relay(constant=1.0)), 0.1
+    arrays.record["patience"] = 1
+    arrays.workspace[Y0], arrays.workspace[K] = (1e8, 1.0 / 3.0), (1.0 / 3.0, 1.0)
+    assert radau5_step(arrays.table, 0.0, h) >= 0
+    assert accepted(arrays.table, 0.0, h) == 0
+    # What rounding cut off the position, whose last digit is 1e-8.
+    moved = arrays.workspace[Y1, 0] - 1e8 + arrays.rows[mem.LOW, 0]
+    assert moved == pytest.approx(h / 3.0 + 0.5 * h * h, rel=1e-13)
+    assert abs(arrays.rows[mem.LOW, 0]) > 1e-12
+    assert (arrays.numbers[mem.H_BASE], arrays.numbers[mem.ERROR_BASE]) == (h, 0.01)
+    assert arrays.notes[mem.EQUAL] == arrays.notes[mem.CURRENT] == 1
+    restart(arrays.table, 0.0, h)
+    assert arrays.notes[mem.EQUAL] == arrays.notes[mem.CURRENT] == 0
+    assert not arrays.rows[mem.LOW].any()
 
 
 def test_order():

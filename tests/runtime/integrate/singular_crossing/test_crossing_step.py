@@ -1,13 +1,21 @@
-"""Steps across a singular position: errors balance, and nodes keep away from it."""
+"""Steps across a singular position: errors, nodes that keep away from it, their beginnings."""
 
 import numpy as np
 import pytest
 
 from runtime.integrate.method import find_method
-from runtime.integrate.singular_crossing.crossing_step import CrossingSteps
+from runtime.integrate.problem import Options
+from runtime.integrate.run_state import RunState
+from runtime.integrate.singular_crossing.crossing_step import (
+    CrossingSteps,
+    extrapolate_accelerations,
+)
+from runtime.singularity.motion_polynomial import taylor
 from runtime.singularity.singular_position_near_motion import Singularity
+from tests.runtime.integrate.systems import PENDULUM, pendulum_problem
 
 METHOD = find_method("dop853")
+SCALE = np.ones(3)
 
 
 def position(rate=1.0, speed=1.0, miss=0.0):
@@ -42,10 +50,10 @@ def test_where_rounding_rules_the_step_is_longer():
 def test_a_step_from_here_begins_here():
     across = steps()
     best = across.best(position(), 0.01)
-    from_there = across.from_here(position(), best.lead, 0.01)
+    from_there = across.best(position(), 0.01, best.lead)
     assert from_there.lead == best.lead
     assert from_there.total <= 2.0 * best.total
-    assert across.from_here(position(), -1e-6, 0.01).lead == -1e-6
+    assert across.best(position(), 0.01, -1e-6).lead == -1e-6
 
 
 def test_an_uncertain_instant_makes_an_error():
@@ -60,3 +68,25 @@ def test_noise_and_reach():
     assert steps().rounding(np.array([3.0, -8.0])) == pytest.approx(
         8.0 * steps().rounding(np.ones(2))
     )
+
+
+def pendulum(phi=-0.8, omega=3.0):
+    state = RunState(PENDULUM, pendulum_problem(phi, omega, 1.0), Options())
+    q, v = state.y
+    exact, lam = np.zeros(3), np.zeros(2)
+    PENDULUM.accelerations(0.0, q, v, state.p, state.modes, exact, lam)
+    return state, taylor(0.0, q, v, np.zeros(3)), exact
+
+
+@pytest.mark.parametrize("instant", [0.0, 1e-3, -1e-3])
+def test_accelerations_of_a_regular_motion(instant):
+    state, motion, exact = pendulum()
+    found = extrapolate_accelerations(state, SCALE, motion, instant, 4e-3)
+    # The fourth derivative is left out: 6 δ² of it, over the next ones.
+    np.testing.assert_allclose(found, exact, atol=2e-4 * np.abs(exact).max())
+
+
+def test_none_where_the_constraints_cannot_be_met():
+    state, motion, _ = pendulum()
+    motion.series[0, :] = np.nan
+    assert extrapolate_accelerations(state, SCALE, motion, 0.0, 4e-3) is None

@@ -13,9 +13,9 @@ from typer.testing import CliRunner
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
 from codegen.one_change_scenes import declared, variants
+from codegen.presentation import terminal_width
 from runtime import Result, load, matters
 from runtime.cli.app import app
-from runtime.show.terminal_table import width
 from runtime.studies.effect_ranking import Matters, Verdict
 from runtime.studies.effect_ranking import picture as matters_picture
 from runtime.studies.effect_ranking import terminal_table as matters_table
@@ -67,7 +67,7 @@ def test_work_counts_the_iterations_of_a_return_and_not_the_return() -> None:
     run = machine.simulate(0.1, rtol=1e-3, progress=False)
     assert run.stats["corrections"] > run.stats["returns"]
     operations = dict(machine.description.operations)
-    assert count_costs(machine, run).work == (
+    assert count_costs(run).work == (
         run.stats["rhs_evaluations"] * operations["accelerations"]
         + run.stats["corrections"] * operations["correction"]
     )
@@ -292,7 +292,7 @@ def test_table_fits_a_terminal(
     from rich.console import Console
 
     monkeypatch.setenv("COLUMNS", str(columns))
-    screen = Console(width=width(), highlight=False, record=True)
+    screen = Console(width=terminal_width(), highlight=False, record=True)
     with screen.capture() as capture:
         screen.print(matters_table.table(swing))
     lines = capture.get().splitlines()

@@ -1,0 +1,94 @@
+"""Terminals, figures and pages, for ledgers and results; matplotlib is loaded to draw alone."""
+
+import io
+import shutil
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from codegen.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+NARROW, WIDE, UNKNOWN = 80, 140, 120
+"""Least and largest width of a table in columns; width where the terminal does not report one."""
+STYLE = """
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem;
+       color: #1b1f24; }
+h1 { font-size: 1.5rem; margin-bottom: 0; } h2 { font-size: 1.1rem; margin-top: 2rem; }
+table { border-collapse: collapse; } td, th { padding: .15rem 1rem .15rem 0; text-align: left; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; }
+tr.out { color: #7a838c; } svg { width: 100%; height: auto; }
+.outcome { padding: .5rem 1rem; border-left: .3rem solid #2b8a3e; background: #f3faf4; }
+.failed { border-color: #c92a2a; background: #fdf3f3; }
+"""
+
+
+def terminal_width() -> int:
+    """Columns of the terminal, between the least and largest width of a table."""
+    return min(max(shutil.get_terminal_size((UNKNOWN, 24)).columns, NARROW), WIDE)
+
+
+def new_figure(purpose: str, width: float, height: float, **options: Any) -> "Figure":
+    """An empty figure for a "plot", "picture" or "report", sizes in inches."""
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise InputError(
+            f"A {purpose} needs matplotlib, which is not installed. Install linkwright[plot]."
+        ) from error
+    return Figure(figsize=(width, height), layout="constrained", **options)
+
+
+def finish_axes(axes: "Axes", **grid: Any) -> None:
+    """A left and a lower edge only, and a pale grid behind the curves."""
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(visible=True, **grid)
+    axes.set_axisbelow(True)
+
+
+def save_figure(figure: "Figure", target: Path | io.StringIO) -> None:
+    """Write .png or .svg; the .svg of one figure has the same bytes every time."""
+    import matplotlib as mpl
+
+    svg = isinstance(target, io.StringIO) or target.suffix == ".svg"
+    options: dict[str, Any] = {"format": "svg", "metadata": {"Date": None}} if svg else {}
+    with mpl.rc_context({"svg.hashsalt": "linkwright", "svg.fonttype": "none"}):
+        figure.savefig(target, **options)
+
+
+def html_figure(figure: "Figure") -> str:
+    """A figure as an element of a page."""
+    stream = io.StringIO()
+    save_figure(figure, stream)
+    text = stream.getvalue()
+    return text[text.index("<svg") :]
+
+
+def html_page(title: str, parts: Iterable[str]) -> str:
+    """A page that needs nothing else."""
+    body = "\n".join(parts)
+    return (
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        f"<title>{escape(title)}</title><style>{STYLE}</style></head>\n"
+        f"<body>\n{body}\n</body></html>\n"
+    )
+
+
+def check_parent(path: Path) -> None:
+    """Refuse a place for a picture whose folder does not exist."""
+    if not path.resolve().parent.is_dir():
+        raise InputError(f"--out {path}: the folder {path.resolve().parent} does not exist.")
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Say which place cannot be written, and why."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"--out {path}: {error.strerror or error}.") from error

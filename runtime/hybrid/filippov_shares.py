@@ -1,0 +1,207 @@
+"""Sliding modes: the shares of both vector fields that keep the motion on g = 0.
+
+A function g is in sliding mode where the motion stays on g = 0: both fields push onto the surface
+(A. F. Filippov, Differential Equations with Discontinuous Righthand Sides, 1988), friction sticks,
+or a rigid contact is closed. With accelerations a⁰ and a¹ of modes 0 and 1 the motion has
+
+    a = a⁰ + α (a¹ - a⁰),     dg/dt = 0,
+
+the share α between bounds: 0 and 1; wider by the ratio of the coefficients where friction sticks.
+A rigid contact has a¹ without its force and a⁰ with a unit of it; g̈ = 0 decides, and the reaction
+is 1 - α units, from 0 to infinity. Friction in a joint has a⁰ without its force and a¹ with a unit
+of it (`stiction_force`). Several functions slide by as many shares at once: forces of different
+effects add up, so that the accelerations of one changed mode each are enough.
+
+Reactions that depend on modes are the same convex combinations as accelerations, each mode with its
+own multipliers; the others follow from the combined multipliers.
+"""
+
+import numpy as np
+
+from runtime.core import function_table as ft
+from runtime.core import kernel_abi as abi
+from runtime.core.array_types import Context, Integers, Vector
+from runtime.core.jit import addressed, inner
+from runtime.core.modes import FREE, SLIDING
+from runtime.core.rounding import EPS
+from runtime.hybrid.redundant_sliding import solve_least
+from runtime.hybrid.stiction_force import choose_units, enlarge_unit, set_unit, write_forces
+from runtime.linalg.lu import solve_equilibrated
+from runtime.linalg.rank_policy import SAME_HOLD
+from runtime.linalg.vectors import axpy, copy_vector
+
+CANCELLED = 64.0 * EPS  # accuracy: of the largest of some terms; a sum below it is their rounding
+
+_UNITS = 3  # safety: changes of a unit of the stiction force
+
+
+@inner
+def evaluate_units(context: Context, t: float, q: Vector, v: Vector, modes: Integers) -> int:
+    """Fill the base, in which nothing slides, the change by each sliding function, and responses.
+
+    For friction with an unknown stiction force the change is that by a unit of this force. Counts
+    the sliding functions. Returns the weak pivot of the base, as `accelerations` does.
+    """
+    p, places, kernel_modes = context.parameters, context.stiction_place, context.kernel_modes
+    a, lam = context.base_accelerations, context.base_multipliers
+    count = 0
+    for k in range(context[ft.SWITCHES]):
+        kernel_modes[k] = SLIDING if modes[k] == FREE else modes[k]
+        if places[k] >= 0:
+            p[places[k]] = 0.0
+        if modes[k] == SLIDING:
+            kernel_modes[k] = SLIDING if places[k] >= 0 else 0
+            context.sliding_functions[count] = k
+            count += 1
+    context[ft.SLIDING_COUNT] = count
+    weak = int(abi.accelerations_of(context)(t, q, v, p, kernel_modes, a, lam))
+    evaluate_response(context, t, q, v, a, context.base_response)
+    choose_units(context, t, q, v)
+    for c in range(count):
+        evaluate_unit(context, t, q, v, c)
+    return weak
+
+
+@inner
+def evaluate_unit(context: Context, t: float, q: Vector, v: Vector, c: int) -> None:
+    """Fill the change of the motion by the `c`-th sliding function, and its response."""
+    k, count = context.sliding_functions[c], context[ft.SLIDING_COUNT]
+    a, lam = context.unit_accelerations[c], context.unit_multipliers[c]
+    set_unit(context, k, 1)
+    abi.accelerations_of(context)(t, q, v, context.parameters, context.kernel_modes, a, lam)
+    set_unit(context, k, 0)
+    evaluate_response(context, t, q, v, a, context.response_column)
+    for i in range(count):
+        context.response[i * count + c] = context.response_column[i] - context.base_response[i]
+    axpy(-1.0, context.base_accelerations, a)
+    axpy(-1.0, context.base_multipliers, lam)
+
+
+@inner
+def evaluate_response(
+    context: Context, t: float, q: Vector, v: Vector, a: Vector, out: Vector
+) -> None:
+    """Write dg/dt, for a rigid contact g̈, of the functions in sliding mode."""
+    rigid, rates, gaps = context.rigid, context.response_rates, context.response_gaps
+    abi.switching_rates_of(context)(t, q, v, a, context.parameters, rates)
+    if context[ft.RIGID_COUNT] > 0:
+        abi.gap_accelerations_of(context)(t, q, v, a, context.parameters, gaps)
+    for c in range(context[ft.SLIDING_COUNT]):
+        k = context.sliding_functions[c]
+        out[c] = gaps[rigid[k]] if rigid[k] >= 0 else rates[k]
+
+
+@inner
+def solve_shares(context: Context, t: float, q: Vector, v: Vector) -> None:
+    """Write the shares of the functions in sliding mode; NaN where there are none.
+
+    The matrix of responses changes only in the columns of units that prove too small.
+    """
+    for _ in range(_UNITS):
+        balance_shares(context)
+        grown = 0
+        for c in range(context[ft.SLIDING_COUNT]):
+            if enlarge_unit(context, context.sliding_functions[c]):
+                evaluate_unit(context, t, q, v, c)
+                grown += 1
+        if grown == 0:
+            return
+    balance_shares(context)
+
+
+@inner
+def balance_shares(context: Context) -> None:
+    """Solve for the shares with which dg/dt (of contacts g̈) of all sliding functions is zero."""
+    s, count = context[ft.SWITCHES], context[ft.SLIDING_COUNT]
+    matrix, right, copy = context.response, context.right_side, context.response_copy
+    high, middle, reach = context.share_high, context.response_rates, context.response_column
+    for i in range(count):
+        right[i] = -context.base_response[i]
+    for i in range(count * count):
+        copy[i] = matrix[i]
+    if solve_equilibrated(copy, right, count, context.response_pivots, SAME_HOLD) != 0:
+        for c in range(count):
+            k = context.sliding_functions[c]
+            # A contact without a force has its upper bound as its share, and no lower one.
+            middle[c] = high[k] if context.rigid[k] >= 0 else 0.5 * (context.share_low[k] + high[k])
+            reach[c] = 1.0 if context.rigid[k] >= 0 else 0.5 * (high[k] - context.share_low[k])
+            if context.stiction_place[k] >= 0:
+                middle[c], reach[c] = 0.0, context.stiction_units[s + k] / context.stiction_units[k]
+        for i in range(count):
+            right[i] = -context.base_response[i]
+            for c in range(count):
+                copy[i * count + c] = matrix[i * count + c]
+                right[i] -= matrix[i * count + c] * middle[c]
+        failed = solve_least(context, SAME_HOLD)
+        for i in range(count):
+            right[i] = right[i] + middle[i] if failed == 0 else np.nan
+    for c in range(count):
+        context.share[context.sliding_functions[c]] = right[c]
+
+
+@inner
+def add_units(context: Context, j: int, start: float) -> tuple[float, float]:
+    """`start` and the accelerations of coordinate j by all units times `right_side`; sum, maximum.
+
+    The maximum is that of the terms.
+    """
+    total, largest = start, abs(start)
+    for c in range(context[ft.SLIDING_COUNT]):
+        part = context.right_side[c] * context.unit_accelerations[c, j]
+        total += part
+        largest = max(largest, abs(part))
+    return total, largest
+
+
+@inner
+def combine_accelerations(context: Context, a: Vector) -> None:
+    """Write the base and the shares of the units into `a`, which may be the base itself.
+
+    The shares must just have been solved for.
+    """
+    for j in range(a.size):
+        total, largest = add_units(context, j, context.base_accelerations[j])
+        # Rounding that cancelling terms leave would make a machine at rest creep. NaN stays.
+        a[j] = 0.0 if abs(total) <= CANCELLED * largest else total
+
+
+@inner
+def mix_reactions(context: Context, t: float, q: Vector, v: Vector, lam: Vector) -> None:
+    """Fill REACTION for the combined multipliers `lam`, which must just have been evaluated."""
+    p, modes, sliding = context.parameters, context.kernel_modes, context.sliding_functions
+    base, other = context.base_reaction, context.unit_reaction
+    base_lam, mixed = context.base_multipliers, context.mixed_multipliers
+    count = context[ft.SLIDING_COUNT]
+    for c in range(count):
+        set_unit(context, sliding[c], 0)
+    abi.reactions_of(context)(t, q, v, p, lam, base)
+    abi.switched_reactions_of(context)(t, q, v, p, modes, base_lam, base)
+    copy_vector(base, context.reaction)
+    for c in range(count):
+        for i in range(base_lam.size):
+            mixed[i] = base_lam[i] + context.unit_multipliers[c, i]
+        set_unit(context, sliding[c], 1)
+        copy_vector(base, other)
+        abi.switched_reactions_of(context)(t, q, v, p, modes, mixed, other)
+        set_unit(context, sliding[c], 0)
+        for i in range(base.size):
+            context.reaction[i] += context.share[sliding[c]] * (other[i] - base[i])
+    write_forces(context)
+
+
+@addressed(ft.FRICTION_MARGIN)
+def compute_friction_margin(context: Context, t: float, q: Vector, v: Vector, k: int) -> float:
+    """1 - |S|/(μ_s N): the part of its limit that sticking friction `k` leaves; 1 without a limit.
+
+    Where the normal force depends on friction itself, bounds of the share do not show when it
+    breaks loose: the stiction force S must be compared with μ_s N. The accelerations must just
+    have been evaluated.
+    """
+    force, limit = context.limits[2 * k], context.limits[2 * k + 1]
+    if force < 0:
+        return 1.0
+    mix_reactions(context, t, q, v, context.multipliers)
+    reaction = context.reaction
+    if not reaction[limit] > 0.0:
+        return -1.0
+    return float(1.0 - abs(reaction[force]) / reaction[limit])
