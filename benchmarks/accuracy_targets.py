@@ -22,8 +22,8 @@ from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
     from runtime.machine import Machine
+    from runtime.results.reached_accuracy import ReachedAccuracy
     from runtime.results.result import Result
-    from runtime.studies.accuracy_target import ReachedAccuracy
     from runtime.studies.accuracy_target.run_difference import Quantities
 
 Array = npt.NDArray[np.float64]

@@ -116,7 +116,10 @@ def generate(model: Model | str, scene: str, kernels: Sequence[str], folder: Pat
         origin(GENERATOR, file, equations, path, {}),
     )
     write_if_changed(path, text)
-    counts = {k.name: (ledger.operations(program, k), ledger.cost(program, k)) for k in measured}
+    counts = {
+        k.name: (ledger.operations(program, k), ledger.weighted_operations(program, k))
+        for k in measured
+    }
     return Generated(import_generated(path), counts)
 
 

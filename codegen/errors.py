@@ -7,11 +7,7 @@ from collections.abc import Iterable
 
 
 class LinkwrightError(Exception):
-    """Base of every error that Linkwright raises on purpose."""
-
-
-class InputError(LinkwrightError):
-    """The user's input is wrong; the command line answers it with exit status 2.
+    """Base of every error that Linkwright raises on purpose.
 
     Parameters
     ----------
@@ -22,6 +18,10 @@ class InputError(LinkwrightError):
     def __init__(self, problems: str | Iterable[str]) -> None:
         self.problems = (problems,) if isinstance(problems, str) else tuple(problems)
         super().__init__("\n".join(self.problems))
+
+
+class InputError(LinkwrightError):
+    """The user's input is wrong; the command line answers it with exit status 2."""
 
 
 class ModelError(InputError):

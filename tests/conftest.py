@@ -1,24 +1,22 @@
 """What every test stands on: no display, reproducible examples, the project's own files."""
 
-import contextlib
 import gc
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
-import warnings
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
 from hypothesis import settings
-from numba.core.compiler_lock import global_compiler_lock
 
 from codegen import module_signature
+from tests.machine_code import compile_apart
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 
@@ -90,12 +88,7 @@ def pytest_collection_finish() -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def compilation_apart(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Generated files compile in a forked process; the tests load the machine code from the cache.
-
-    LLVM never frees what it compiled, 10 to 20 MB a machine, of which the tests load hundreds. The
-    same text in another folder, as tests with folders of their own build it, takes the machine code
-    of the first.
-    """
+    """Generated files compile in a forked process; the tests load machine code from the cache."""
     if sys.platform != "linux":  # elsewhere a fork of a process with threads is not safe
         yield
         return
@@ -104,63 +97,12 @@ def compilation_apart(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None
     kept = (folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) / "machine_code"
 
     def compile_and_execute(name: str, path: Path) -> ModuleType:
-        if not _has_fresh_cache(path) and not _copy_machine_code(kept / name, path):
-            _in_fork(lambda: execute(name, path))
-            _keep_machine_code(path, kept / name)
+        compile_apart(name, path, kept)
         return execute(name, path)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module_signature, "_execute", compile_and_execute)
         yield
-
-
-def _has_fresh_cache(path: Path) -> bool:
-    written = path.stat().st_mtime
-    indices = (path.parent / "__pycache__").glob(f"{path.stem}.*.nbi")
-    return any(index.stat().st_mtime >= written for index in indices)
-
-
-def _keep_machine_code(path: Path, kept: Path) -> None:
-    """Copy numba's cache of a file, and the file, whose time the cache names."""
-    if kept.exists():
-        return
-    partial = Path(tempfile.mkdtemp(dir=_make(kept.parent)))
-    for file in (path, *(path.parent / "__pycache__").glob(f"{path.stem}.*.nb[ic]")):
-        shutil.copy2(file, partial)
-    with contextlib.suppress(OSError):  # the other worker was first
-        partial.rename(kept)
-
-
-def _copy_machine_code(kept: Path, path: Path) -> bool:
-    if not kept.exists():
-        return False
-    cache = _make(path.parent / "__pycache__")
-    for file in kept.glob("*.nb[ic]"):
-        shutil.copy(file, cache)
-    time = (kept / path.name).stat().st_mtime_ns
-    os.utime(path, ns=(time, time))
-    return True
-
-
-def _make(folder: Path) -> Path:
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
-
-
-def _in_fork(work: Callable[[], object]) -> None:
-    """Do `work` in a copy of this process. Its failure is left to the caller, who does it again."""
-    # The thread that forks holds the lock, so its copy does; no other thread compiles meanwhile.
-    with global_compiler_lock, warnings.catch_warnings():
-        # Python 3.12 and later warn of threads: xdist's, which hold no lock that compiling takes.
-        warnings.simplefilter("ignore", DeprecationWarning)
-        child = os.fork()
-    if child == 0:
-        gc.freeze()  # what the collector leaves alone stays shared with the parent
-        try:
-            work()
-        finally:
-            os._exit(0)
-    os.waitpid(child, 0)
 
 
 @pytest.fixture(scope="session")

@@ -24,8 +24,12 @@ def by_element(program: Program, kernel: Kernel) -> Counter[str]:
 
 
 def cost(graph: Graph, kernel: Kernel) -> int:
-    """Operations weighted by their time, to compare two kernels for the same question."""
-    program = with_constants(graph, (kernel,), declared=0)
+    """Weighted operations of a kernel by itself, to compare two for the same question."""
+    return weighted_operations(with_constants(graph, (kernel,), declared=0), kernel)
+
+
+def weighted_operations(program: Program, kernel: Kernel) -> int:
+    """Operations of a program's kernel, weighted by their time."""
     ops = (program.values[number].op for number in _computed(program, kernel))
     slow = FUNCTIONS - {Op.SQRT}
     return sum(20 if op in slow else WEIGHTS.get(op, 1) for op in ops) + 2 * len(kernel.checks)

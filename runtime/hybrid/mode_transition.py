@@ -91,7 +91,7 @@ def resolve_impact(context: Context, crossing: int, t: float) -> float:
     """Impact of contact `crossing`, and the modes of all others after it; time until it closes.
 
     `run.flight` receives the time of the next flight, row STRUCK the closing rates of open contacts
-    that touch, and 0 of all others. All other modes follow from the values of g.
+    that touch, and 0 of all others. All other modes follow from the values of g, which stay in NOW.
     """
     r, modes = run_record(context), context.modes
     evaluate_now(context, t)
@@ -193,17 +193,16 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
     if impact:
         last = resolve_impact(context, crossing, t)
     set_preferences(context)
-    if not impact:
+    if impact:
+        approach, mode = context.struck[crossing], int(modes[crossing])
+        leaves = mode != SLIDING and context.rate_now[crossing] > _STILL * approach
+        context.preferred[crossing] = consistency.decided_entry(mode) if leaves else SLIDING
+    else:
         if modes[crossing] == SLIDING:
             evaluate_accelerations(context, t, context.q1, context.v1, modes, context.dq)
             prefer_release(context, t, crossing)
         prefer_released(context, crossing, t)
-    evaluate_now(context, t)
-    if impact:
-        approach = context.struck[crossing]
-        leaves = modes[crossing] != SLIDING and context.rate_now[crossing] > _STILL * approach
-        mode = int(modes[crossing])
-        context.preferred[crossing] = consistency.decided_entry(mode) if leaves else SLIDING
+        evaluate_now(context, t)
     mark_surfaces(context, t, h, crossing, impact)
     ahead = min(LOOK_AHEAD * h, 0.1 * r.flight)
     r.blamed = ft.select_modes_of(context)(context, crossing, t, ahead, ws.Y1)

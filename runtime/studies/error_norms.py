@@ -17,7 +17,6 @@ import numpy as np
 from runtime.mechanism.module_tables import Description
 from runtime.studies.series_by_name import FloatArray, magnitude
 
-MOTION = ("positions", "velocities")
 _RESTING = 1e-9  # accuracy: share of a typical size per second below which a velocity is at rest
 
 
@@ -50,7 +49,7 @@ class Errors:
 
 def scales(
     names: Sequence[str], units: Sequence[str], description: Description, sizes: FloatArray,
-    reference: FloatArray, whole: Sequence[float] | None = None,
+    reference: FloatArray, whole: Sequence[float] | float = 0.0,
 ) -> tuple[Scale, ...]:  # fmt: skip
     """The scale of each series (j,), by its values `reference` (k, j) and the typical `sizes` (n,).
 
@@ -59,9 +58,7 @@ def scales(
     components of a joint's force that of the whole force, energies that of all energies: `whole`
     (j,), by `runtime.studies.series_by_name.group_magnitude`.
     """
-    largest = np.array([magnitude(column) for column in reference.T])
-    if whole is not None:
-        largest = np.maximum(largest, whole)
+    largest = np.maximum([magnitude(column) for column in reference.T], whole)
     rows = description.coordinates
     size_of = {row.name: float(size) for row, size in zip(rows, sizes, strict=True)}
     rate_of = {row.velocity: size_of[row.name] for row in rows}
@@ -95,17 +92,14 @@ def errors(values: FloatArray, reference: FloatArray, by: Sequence[Scale]) -> Er
     e = scaled_errors(values, reference, size)
     r = np.where(np.isfinite(reference), np.abs(reference), 0.0)
     relative = e * (size + r) / np.maximum(size, r)
-    moving = np.array([scale.group in MOTION for scale in by])
+    moving = np.array([scale.group != "others" for scale in by])
     counts = moving if moving.any() else ~moving
     each = {scale.name: worst for scale, worst in zip(by, e.max(axis=0).tolist(), strict=True)}
     groups: dict[str, float] = {}
     for scale in by:
         groups[scale.group] = max(groups.get(scale.group, 0.0), each[scale.name])
     return Errors(
-        worst=float(e[:, counts].max()),
-        rms=float(np.sqrt(np.mean(e[:, counts] ** 2))),
-        end=float(e[-1, counts].max()),
+        worst=float(e[:, counts].max()), rms=float(np.sqrt(np.mean(e[:, counts] ** 2))),
+        end=float(e[-1, counts].max()), groups=groups, each=each,
         relative=float(np.sqrt(np.mean(relative[:, counts] ** 2))),
-        groups=groups,
-        each=each,
-    )
+    )  # fmt: skip

@@ -12,10 +12,8 @@ if TYPE_CHECKING:
     from codegen import Model, Scene
     from runtime.machine import Machine
 
-CACHE = ".linkwright_cache"
-"""Folder for the modules of undeclared scenes, inside the user's working folder."""
-LEFT_OUT = "none"
-"""The fidelity of an effect that is left out: `codegen.one_change_scenes.Variant.word`."""
+CACHE = ".linkwright_cache"  # folder for modules of undeclared scenes, in the user's folder
+LEFT_OUT = "none"  # fidelity of an effect left out: `codegen.one_change_scenes.Variant.word`
 
 
 class Source(NamedTuple):
@@ -41,10 +39,9 @@ class Source(NamedTuple):
 
 
 def read_source(
-    model: "str | os.PathLike[str] | Model",
-    scene: "str | Scene | None",
+    model: "str | os.PathLike[str] | Model", scene: "str | Scene | None",
     folder: str | os.PathLike[str] | None,
-) -> Source:
+) -> Source:  # fmt: skip
     """Read the model, and find the scene in it: the first unless one is named."""
     from codegen.one_change_scenes import declared
 

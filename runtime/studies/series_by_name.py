@@ -11,6 +11,7 @@ from runtime.results.result import Result
 from runtime.results.time_series import ENERGIES
 
 FloatArray = npt.NDArray[np.float64]
+OR = "|"  # between the names of a quantity of which a scene has one or another: ``a.x|b.x``
 _LISTED = 24  # names of a kind that a message lists
 
 
@@ -35,10 +36,40 @@ def unknown_series(name: str, known: dict[str, list[str]]) -> str:
         text = f"There is no series {name!r}."
     lists = []
     for kind, listed in known.items():
-        rest = len(listed) - _LISTED
-        more = f" and {rest} more" if rest > 0 else ""
+        more = f" and {len(listed) - _LISTED} more" if len(listed) > _LISTED else ""
         lists.append(f"{kind} {', '.join(listed[:_LISTED])}{more}")
     return f"{text} There are: {'; '.join(lists)}."
+
+
+def default_quantities(description: Description) -> tuple[str, ...]:
+    """The coordinates that the scene starts from and their velocities; all where it fixes none."""
+    fixed = {row.name for row in description.start if row.role == "fixed"}
+    rows = [row for row in description.coordinates if fixed & {row.name, row.velocity}]
+    rows = rows or list(description.coordinates)
+    return tuple(name for row in rows for name in (row.name, row.velocity))
+
+
+def series_of(description: Description, quantities: Sequence[str]) -> tuple[str, ...]:
+    """The series of the quantities: of names with ``|`` the first that exists, or InputError."""
+    known = series_names(description)
+    existing = {name for listed in known.values() for name in listed}
+    series, problems = [], []
+    for text in quantities:
+        choices = [name.strip() for name in text.split(OR)]
+        here = [name for name in choices if name in existing]
+        series += here[:1]
+        problems += [] if here else [f"{description.title}: {unknown_series(choices[0], known)}"]
+    if problems:
+        raise InputError(problems)
+    return tuple(series)
+
+
+def distinct_quantities(description: Description, quantities: Sequence[str]) -> tuple[str, ...]:
+    """The quantities as they are written; of those that are the same series, the first."""
+    texts: dict[str, str] = {}
+    for series, text in zip(series_of(description, quantities), quantities, strict=True):
+        texts.setdefault(series, text)
+    return tuple(texts.values())
 
 
 def series_values(result: Result, names: Sequence[str]) -> FloatArray:

@@ -37,13 +37,13 @@ class Stopwatch:
 
     @property
     def seconds(self) -> float:
-        """The least time."""
-        return min(self.times)
+        """The least time; nan before the first."""
+        return min(self.times, default=math.nan)
 
     @property
     def spread(self) -> float:
-        """The median time over the least."""
-        return statistics.median(self.times) / self.seconds
+        """The median time over the least; nan before the first."""
+        return statistics.median(self.times or [math.nan]) / self.seconds
 
 
 class TimeLimit:

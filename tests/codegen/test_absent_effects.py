@@ -55,12 +55,14 @@ def never_declared(model: Model, *effects: str) -> Model:
     return other
 
 
-def with_and_without(path: Path) -> Iterator[tuple[Model, Scene, str, Scene]]:
+def with_and_without(path: Path) -> Iterator[tuple[Model, Lowered, str, Scene]]:
+    """Each scene with all its effects, lowered, and without one of them."""
     model = read_model(path).model
     for scene in valid_scenes(model, None):
+        whole = lower(derive(model, scene))
         for effect in unlike(model, scene.effects):
             (bare,) = valid_scenes(model, scene.without(effect))
-            yield model, scene, effect, bare
+            yield model, whole, effect, bare
 
 
 def unlike(model: Model, effects: tuple[str, ...]) -> tuple[str, ...]:
@@ -97,17 +99,16 @@ MACHINES = [path.stem for path in library(Path(__file__).resolve().parents[2])]
 @pytest.mark.parametrize("machine", MACHINES)
 def test_every_effect_leaves_no_trace(machine: str, root: Path) -> None:
     (path,) = (p for p in library(root) if p.stem == machine)
-    for model, scene, effect, bare in with_and_without(path):
-        where = f"{scene.name}, {effect}"
+    for model, whole, effect, bare in with_and_without(path):
+        where = f"{bare.name}, {effect}"
         text, without = compiled_without_names(model, bare)
         never, _ = compiled_without_names(never_declared(model, effect), bare)
         assert text == never, where
         told = without.description
         assert effect not in {name for name, *_ in (*told.switches, *told.reactions, *told.powers)}
-        equations = derive(model, scene)
-        full, rest = counts(lower(equations)), counts(without)
+        full, rest = counts(whole), counts(without)
         difference = {name: count - rest.get(name, 0) for name, count in full.items()}
-        assert difference == marginal_operations(lower(equations), effect), where
+        assert difference == marginal_operations(whole, effect), where
         assert set(rest) <= set(full), where
 
 

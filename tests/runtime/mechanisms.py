@@ -108,6 +108,7 @@ class Mechanism:
             "MASS_ROWS": tuple(range(len(self.coordinates))),
             "MASS_COLUMNS": tuple(range(len(self.coordinates))),
             "OPERATIONS": (("accelerations", 1),),
+            "OPTIONS": {"cache": True, "error_model": "numpy"},
         }
         modes = [load[0] for load in switched]
         tables = {

@@ -7,10 +7,7 @@ from typing import Any
 from codegen.errors import InputError
 from runtime.integrate.problem import Formulation
 from runtime.mechanism.loaded_mechanism import Mechanism
-from runtime.results.reached_accuracy import Estimate, ReachedAccuracy, Trial
 from runtime.results.result import Result
-
-__all__ = ["Estimate", "ReachedAccuracy", "Trial", "accuracy_or_tolerances"]
 
 FINEST = 1e-12  # accuracy: tightest target; rounding shows below it
 COARSEST = 0.1  # accuracy: loosest target
@@ -20,10 +17,7 @@ def accuracy_or_tolerances(
     mechanism: Mechanism, accuracy: float | None, quantities: Sequence[str] | None,
     rtol: float | None, atol: float | None, method: str | None, formulation: Formulation | None,
 ) -> Callable[..., Result]:  # fmt: skip
-    """The simulation with these settings, to be called with times and options.
-
-    Raises InputError if both accuracy and a tolerance are given, or the accuracy is out of range.
-    """
+    """The simulation with these settings, to be called with times; InputError if they conflict."""
     settings: dict[str, Any] = {"rtol": rtol, "atol": atol}
     tolerances = {name: value for name, value in settings.items() if value is not None}
     chosen: dict[str, Any] = {"method": method, "formulation": formulation}

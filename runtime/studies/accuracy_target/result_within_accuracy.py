@@ -6,7 +6,7 @@ import numpy as np
 
 from codegen.errors import AnalysisError
 from runtime.core.outcomes import Outcome
-from runtime.results.reached_accuracy import Estimate, ReachedAccuracy, Trial
+from runtime.results.reached_accuracy import Estimate, ReachedAccuracy
 from runtime.results.result import Result
 from runtime.results.samples import Samples
 from runtime.studies.accuracy_target import run_difference
@@ -24,7 +24,7 @@ def with_accuracy(
     """
     difference, share = pair.difference, pair.share
     trials = tuple(run.record for run in runs)
-    delivered, other = (run.record for run in pair.by_merit)
+    delivered = pair.by_merit[0].record
     diverged = run_difference.DIVERGED
     of_all = share if difference.largest < diverged else 1.0
     count = difference.within(min(target / share, diverged))
@@ -33,23 +33,17 @@ def with_accuracy(
         reached = len(difference.t)  # both end by themselves, on either side of an instant
     whole = count >= min(reached, len(difference.t)) and len(difference.t) >= reached
     accuracy = result.accuracy = ReachedAccuracy(
-        asked=target,
-        estimated=of_all * difference.largest,
-        quantities=_estimates(quantities, difference, of_all),
-        method=delivered.method,
-        formulation=delivered.formulation,
-        rtol=delivered.rtol,
-        runs=trials,
+        asked=target, estimated=of_all * difference.largest,
+        quantities=tuple(_estimates(quantities, difference, of_all)), method=delivered.method,
+        formulation=delivered.formulation, rtol=delivered.rtol, runs=trials,
         horizon=None if whole else float(difference.t[count - 1] if count else result.t[0]),
         tenfold=run_difference.tenfold_time(difference),
-        means=_explanation(other, delivered, difference, share, reasons),
-        seconds=sum(trial.seconds for trial in trials),
-    )
+        means=_explanation(pair, reasons), seconds=sum(trial.seconds for trial in trials),
+    )  # fmt: skip
     if whole:
         result.message += f" {accuracy.sentences()[0]}"
         return result
-    least = 1 if difference.scaled[:1].any() else 2  # the start alone is no motion
-    if count < least:
+    if count < (1 if difference.scaled[:1].any() else 2):  # the start alone is no motion
         raise AnalysisError(_refusal(result, accuracy, difference))
     _cut(result, count)
     result.message = _message(accuracy, difference)
@@ -57,25 +51,21 @@ def with_accuracy(
     return result
 
 
-def _estimates(
-    quantities: Quantities, difference: Difference, share: float
-) -> tuple[Estimate, ...]:
+def _estimates(quantities: Quantities, difference: Difference, share: float) -> list[Estimate]:
     """The largest error of each quantity and its instant, the worst first."""
     t, scaled = difference.t, difference.scaled
     if not len(t):  # no common instant
         t, scaled = np.zeros(1), np.zeros((1, len(quantities.names)))
     worst = scaled.argmax(axis=0)
-    rows = zip(
-        quantities.names, difference.scales, share * scaled.max(axis=0), t[worst], strict=True
-    )
-    estimates = (Estimate(name, *map(float, numbers)) for name, *numbers in rows)
-    return tuple(sorted(estimates, key=lambda row: -row.error))
+    rows = np.stack([difference.scales, share * scaled.max(axis=0), t[worst]], axis=1).tolist()
+    estimates = [Estimate(name, *row) for name, row in zip(quantities.names, rows, strict=True)]
+    return sorted(estimates, key=lambda estimate: -estimate.error)
 
 
-def _explanation(
-    other: Trial, delivered: Trial, difference: Difference, share: float, reasons: Sequence[str]
-) -> str:
+def _explanation(pair: Pair, reasons: Sequence[str]) -> str:
     """The origin of the estimate."""
+    difference, share = pair.difference, pair.share
+    delivered, other = (run.record for run in pair.by_merit)
     text = (
         f"Estimated from the difference of two runs, {difference.largest:.1e} between rtol = "
         f"{other.rtol:.1e} and {delivered.rtol:.1e}"

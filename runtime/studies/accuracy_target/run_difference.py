@@ -60,8 +60,7 @@ def quantities_of(
 ) -> Quantities:
     """The quantities of these names: all coordinates and velocities without `names`.
 
-    The sizes, (n,), are those of the coordinates, and of their velocities per second. Names that do
-    not exist are refused by the result.
+    `sizes`, (n,): of coordinates, and of velocities per second. A result refuses unknown names.
     """
     if names is not None and (isinstance(names, str) or not len(names)):
         raise InputError(
@@ -103,7 +102,7 @@ class Difference:
 
 def difference(
     t: FloatArray, first: FloatArray, second: FloatArray, quantities: Quantities,
-    wholes: FloatArray | None = None,
+    wholes: FloatArray | float = 0.0,
 ) -> Difference:  # fmt: skip
     """Compare the values of two runs, (≥ k, c), at the instants of the shorter one, (k,).
 
@@ -111,8 +110,7 @@ def difference(
     """
     old, new = first[: len(t)], second[: len(t)]
     # Reactions are not numbers in a singular configuration, and have a size all the same.
-    largest = np.abs(np.where(np.isnan(new), 0.0, new)).max(axis=0, initial=0.0)
-    largest = largest if wholes is None else np.maximum(largest, wholes)
+    largest = np.maximum(np.abs(np.where(np.isnan(new), 0.0, new)).max(axis=0, initial=0.0), wholes)
     scales = np.where(np.isnan(quantities.scales), largest, quantities.scales)
     scaled = scaled_errors(old, new, scales)
     scaled[~np.isfinite(new) & ~(np.isnan(old) & np.isnan(new))] = np.inf
@@ -160,15 +158,10 @@ class Run:
     formulation: str
     options: Options
     path: Trajectory
-    values: FloatArray  # of the quantities, (k, c)
-    wholes: FloatArray  # magnitudes of the wholes that they are parts of, (c,)
+    values: FloatArray  # of the quantities, (≥ k, c)
+    wholes: FloatArray  # magnitudes of the wholes that they are parts of, (c,) or (1,)
     seconds: float  # processor time
     difference: float | None = None  # largest, from the run with which it was compared
-
-    @property
-    def t(self) -> FloatArray:
-        """Output instants that it reached, s, (k,)."""
-        return self.path.t
 
     @property
     def record(self) -> Trial:
@@ -197,12 +190,13 @@ class Pair:
     def tight_fails(self) -> bool:
         """Whether the tighter run fails before the end of the looser one."""
         failed = self.tight.path.outcome is not Outcome.OK
-        return failed and len(self.tight.t) < len(self.loose.t)
+        return failed and len(self.tight.path.t) < len(self.loose.path.t)
 
     @property
     def conclusive(self) -> bool:
         """Whether all of the tighter run was compared with a run that resolves all motions."""
-        return self.resolved and len(self.loose.t) >= len(self.tight.t) and not self.tight_fails
+        compared = len(self.loose.path.t) >= len(self.tight.path.t)
+        return self.resolved and compared and not self.tight_fails
 
     @property
     def share(self) -> float:

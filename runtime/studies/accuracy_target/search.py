@@ -14,27 +14,34 @@ its steps, so that a wide gap between the two runs costs little. In a long smoot
 more: there the second run is the looser one, and the first, if it is found accurate enough, the
 result; unless the user bounded the steps, which would make both runs alike. With an implicit
 method, where it costs much, the gap is narrow.
+
+Reduced coordinates are two to four times as fast, and contain the derivatives that implicit methods
+take; both are companion modules, whose first build takes seconds. They are taken only if they are
+built already.
 """
 
 import time as clock
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from codegen.errors import InputError
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.integration_coordinates import Coordinates, formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import finish_simulation
-from runtime.integrate.method import IMPLICIT, REGISTER
+from runtime.integrate.method import IMPLICIT, LEADING, REGISTER
 from runtime.integrate.problem import Correction, Formulation, Options
+from runtime.integrate.trajectory import Trajectory
 from runtime.integrate.wiring import function_table
 from runtime.mechanism.loaded_mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
 from runtime.studies.accuracy_target import run_difference as runs
-from runtime.studies.accuracy_target.method_choice import Choice, choose, revise
 from runtime.studies.accuracy_target.result_within_accuracy import with_accuracy
 from runtime.studies.accuracy_target.run_difference import Pair, Quantities, Run
 from runtime.studies.series_by_name import require_numbers
@@ -85,37 +92,80 @@ def simulate_to(
         first_step=first_step, h_max=max_step, max_steps=max_steps,
     )  # fmt: skip
     chosen = runs.quantities_of(mechanism.description, quantities, ready.sizes)
-    search = _Search(ready, accuracy, chosen, options, progress)
-    return search.result(choose(ready, method, formulation, correction), began)
+    settings = method, formulation, correction
+    return _Search(ready, *settings, accuracy, chosen, options, progress).result(began)
 
 
+class _Choice(NamedTuple):
+    """Method and coordinates of a run."""
+
+    method: str
+    formulation: Formulation
+    coordinates: Coordinates
+    reasons: tuple[str, ...] = ()  # for the choice, in clauses
+
+
+@dataclass
 class _Search:
     """The runs, each planned from those before."""
 
-    def __init__(
-        self, ready: PreparedSimulation, target: float, quantities: Quantities, options: Options,
-        progress: Progress,
-    ) -> None:  # fmt: skip
-        self.ready, self.target, self.options = ready, target, options
-        self.quantities, self.progress = quantities, progress
-        self.runs: list[Run] = []
+    ready: PreparedSimulation
+    method: str | None  # this and the formulation are chosen where they are None
+    formulation: Formulation | None
+    correction: Correction  # that of the coordinates may differ
+    target: float
+    quantities: Quantities
+    options: Options
+    progress: Progress
+    runs: list[Run] = field(default_factory=list)
 
-    def result(self, choice: Choice, began: float) -> Result:
+    def result(self, began: float) -> Result:
         """Run until the target is met, or cannot be met."""
+        choice = self._first_choice()
         rtol = min(max(_FIRST * (self.target / 1e-3) ** _SLOPE, _TIGHTEST / _WIDE), _LOOSEST)
         while True:  # until there is a run that can be compared with others
             first = self._run(choice, rtol)
-            previous, choice = choice, revise(choice, self.ready, first.path)
+            previous, choice = choice, self._revised(choice, first.path)
             if choice.formulation == previous.formulation:
                 break
         pair = self._compare(choice, self._second(first), first)
         while not self._is_final(pair):
             pair = self._compare(choice, self._tighter(pair), pair.tight)
         run, _ = pair.by_merit
-        result = finish_simulation(
-            self.ready, choice.coordinates, run.options, began, silent, run.path
-        )
+        ready, coordinates = self.ready, choice.coordinates
+        result = finish_simulation(ready, coordinates, run.options, began, silent, run.path)
         return with_accuracy(result, self.target, self.quantities, self.runs, pair, choice.reasons)
+
+    def _first_choice(self) -> _Choice:
+        """Method and coordinates of the first run."""
+        if self.formulation is not None:
+            return self._choice(self.formulation)
+        reason = "reduced coordinates are not built (python -m codegen build --reduced)"
+        if self.ready.mechanism.has_companion("reduced"):
+            try:
+                return self._choice("reduced")
+            except InputError as error:
+                reason = f"reduced coordinates are refused ({error.problems[0]})"
+        return self._choice("cartesian", reason)
+
+    def _revised(self, choice: _Choice, run: Trajectory) -> _Choice:
+        """The choice for the next run, given the first."""
+        if choice.formulation == "reduced" and run.outcome is not Outcome.OK:
+            if self.formulation is not None:
+                return choice
+            end = f"t = {run.final_t:.6g} s ({run.outcome.name})"
+            return self._choice("cartesian", f"in reduced coordinates the run ends at {end}")
+        if choice.method == "auto" and self.method is None and len(run.methods) == 1:
+            return choice._replace(method=LEADING)
+        return choice
+
+    def _choice(self, formulation: Formulation, *reasons: str) -> _Choice:
+        """With the method that detects stiffness, where its derivatives exist; else explicit."""
+        ready = self.ready
+        stiff = ready.mechanism.has_companion("tangents") and not ready.begin.redundant
+        method = self.method or ("auto" if formulation == "reduced" or stiff else LEADING)
+        coordinates = formulate(ready, formulation, method, self.correction)
+        return _Choice(method, formulation, coordinates, reasons)
 
     def _second(self, first: Run) -> float:
         """rtol of the second run."""
@@ -127,11 +177,11 @@ class _Search:
         stiff = any(method in IMPLICIT for _, method in first.path.methods)
         return rtol * (_STIFF if stiff else _WIDE)
 
-    def _compare(self, choice: Choice, rtol: float, before: Run) -> Pair:
+    def _compare(self, choice: _Choice, rtol: float, before: Run) -> Pair:
         """Another run, compared with an earlier one."""
         run = self._run(choice, rtol)
         loose, tight = (run, before) if rtol > before.options.rtol else (before, run)
-        t = min(loose.t, tight.t, key=len)
+        t = min(loose.path.t, tight.path.t, key=len)
         found = runs.difference(t, loose.values, tight.values, self.quantities, tight.wholes)
         run.difference = found.largest
         resolved = runs.is_resolved(found, tight.values[: len(t)], self.target)
@@ -153,35 +203,30 @@ class _Search:
         factor = (_MARGIN * self.target / error) ** (1.0 / runs.SAFE_POWER)
         return float(max(_TIGHTEST, rtol * min(_NEAR, max(_FAR, factor))))
 
-    def _run(self, choice: Choice, rtol: float) -> Run:
-        options = replace(
-            self.options, method=choice.method, rtol=rtol, h_max=self._longest_step(choice, rtol),
-            correction=choice.coordinates.correction,
-        )  # fmt: skip
-        if choice.method in REGISTER:  # the run refuses an unknown name
-            function_table(choice.method)  # loaded, or compiled, before time is measured
-        ready, chosen, names = self.ready, choice.coordinates, self.quantities.names
-        path, seconds = processor_time(lambda: ready.run(chosen, options, self.progress))
-        if self.quantities.are_states:
-            values = self.quantities.of_run(path.q, path.v)
-            wholes = np.zeros(values.shape[1])
-        else:
-            began = clock.perf_counter()
-            result = finish_simulation(ready, chosen, options, began, silent, path)
-            values = self.quantities.of_result(result)[: len(path.t)]
-            if path.outcome is Outcome.OK:  # else another run may go further
-                require_numbers(result.description, names, values)
-            wholes = self.quantities.wholes(result)
-        self.runs.append(Run(choice.formulation, options, path, values, wholes, seconds))
-        return self.runs[-1]
+    def _run(self, choice: _Choice, rtol: float) -> Run:
+        """A run; the longest step, where it bounds the error, decreases as tolerances do.
 
-    def _longest_step(self, choice: Choice, rtol: float) -> float | None:
-        """The longest step: where it bounds the error, it must decrease as tolerances do.
-
-        Otherwise all runs have the same steps, and their difference does not show their error.
+        Otherwise all runs would have the same steps, and their difference not show their error.
         """
         longest = self.options.h_max
-        if longest is None or not self.runs:
-            return longest
-        order = REGISTER[choice.method].order
-        return longest * float(min(rtol / self.runs[0].options.rtol, 1.0) ** (1.0 / order))
+        if choice.method in REGISTER:  # the run refuses an unknown name
+            function_table(choice.method)  # loaded, or compiled, before time is measured
+            if longest is not None and self.runs:
+                ratio = min(rtol / self.runs[0].options.rtol, 1.0)
+                longest *= float(ratio ** (1.0 / REGISTER[choice.method].order))
+        ready, coordinates, quantities = self.ready, choice.coordinates, self.quantities
+        options = replace(
+            self.options, method=choice.method, rtol=rtol, h_max=longest,
+            correction=coordinates.correction,
+        )  # fmt: skip
+        path, seconds = processor_time(lambda: ready.run(coordinates, options, self.progress))
+        if quantities.are_states:
+            values, wholes = quantities.of_run(path.q, path.v), np.zeros(1)
+        else:
+            began = clock.perf_counter()
+            result = finish_simulation(ready, coordinates, options, began, silent, path)
+            values, wholes = quantities.of_result(result), quantities.wholes(result)
+            if path.outcome is Outcome.OK:  # else another run may go further
+                require_numbers(result.description, quantities.names, values)
+        self.runs.append(Run(choice.formulation, options, path, values, wholes, seconds))
+        return self.runs[-1]

@@ -17,8 +17,6 @@ COLOURS = {
     Verdict.MATTERS: "#b23a48",
     Verdict.NEGLIGIBLE: "#1f6fb2",
     Verdict.NONE_SEEN: "#9aa4ae",
-    Verdict.NEEDED: "#59636e",
-    Verdict.IMPOSSIBLE: "#59636e",
 }
 
 
@@ -38,19 +36,15 @@ def save(ranking: Matters, path: Path) -> tuple[Path]:
 
 
 def figure(ranking: Matters) -> "Figure":
-    """Changes of the quantity on a logarithmic scale, and shares of the run's time, as bars.
-
-    A pale bar is the uncertainty, where the change is smaller.
-    """
+    """Changes on a logarithmic scale (pale: the uncertainty, where larger), and shares of time."""
     drawn = new_figure("picture", 9.0, 1.6 + 0.36 * len(ranking.rows), dpi=130)
     left, right = drawn.subplots(1, 2, sharey=True, width_ratios=(3, 2))
     _changes(left, ranking)
     _times(right, ranking)
     left.set_yticks(range(len(ranking.rows)), [row.title for row in ranking.rows], fontsize=9)
     left.set_ylim(len(ranking.rows) - 0.4, -0.6)
-    unit = f" {ranking.unit}" if ranking.unit else ""
-    title = f"{ranking.model}/{ranking.scene}: {ranking.quantity} = {ranking.value:.6g}{unit}"
-    drawn.suptitle(title, fontsize=11)
+    title = f"{ranking.model}/{ranking.scene}: {ranking.quantity} = {ranking.value:.6g}"
+    drawn.suptitle(f"{title} {ranking.unit}".rstrip(), fontsize=11)
     for axes in (left, right):
         finish_axes(axes, axis="x", alpha=0.3, linewidth=0.4)
         axes.tick_params(labelsize=8)

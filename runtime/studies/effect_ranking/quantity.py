@@ -97,23 +97,22 @@ def _crossing(t: FloatArray, x: FloatArray, k: int) -> float:
 
 
 class Reduction(NamedTuple):
-    """A reduction: its meaning in words, its function, its unit, whether one instant suffices."""
+    """A reduction of a series to a number."""
 
-    meaning: str
     reduce: Callable[[Series], float]
-    unit: str = "{}"
-    still: bool = True
+    meaning: str = ""  # in words, of one that takes more than one instant
+    unit: str = "{}"  # by that of the series
 
 
 REDUCTIONS = {
-    "end": Reduction("value at the end", Series.end),
-    "max": Reduction("largest value", Series.largest),
-    "min": Reduction("least value", Series.least),
-    "peak": Reduction("largest magnitude", Series.peak),
-    "range": Reduction("largest less least value", Series.range, still=False),
-    "mean": Reduction("mean over time", Series.mean, still=False),
-    "rate": Reduction("change over the run, a second", Series.rate, "{}/s", still=False),
-    "period": Reduction("time between crossings of its mean", Series.period, "s", still=False),
+    "end": Reduction(Series.end),
+    "max": Reduction(Series.largest),
+    "min": Reduction(Series.least),
+    "peak": Reduction(Series.peak),
+    "range": Reduction(Series.range, "largest less least value"),
+    "mean": Reduction(Series.mean, "mean over time"),
+    "rate": Reduction(Series.rate, "change over the run, a second", "{}/s"),
+    "period": Reduction(Series.period, "time between crossings of its mean", "s"),
 }
 
 
@@ -180,7 +179,7 @@ def _reduce(text: str, reduction: Reduction, name: str, result: Result) -> Quant
         if name in {*ENERGIES, *(one for listed in known.values() for one in listed)}:
             raise  # the scene has it, compiled without its output
         raise InputError(f"{where} {unknown_series(name, known)}") from error
-    if len(x) < 2 and not reduction.still:
+    if len(x) < 2 and reduction.meaning:
         raise InputError(f"{where} one instant has no {reduction.meaning}; ask for {name}.")
     if not np.isfinite(x).all():
         at = float(result.t[np.flatnonzero(~np.isfinite(x))[0]])

@@ -1,25 +1,25 @@
-"""Effect ranking: the scene in full, then without each effect in turn, compared and timed."""
+"""Effect ranking: the scene in full, then without each effect in turn, compared and timed.
 
+With a permitted error, the cheapest scene within it: without all effects that are negligible alone,
+and run before it is proposed.
+"""
+
+import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import reduce
 from time import perf_counter
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
-from codegen.errors import InputError, LinkwrightError
+from codegen.errors import InputError
 from runtime.machine import Machine
+from runtime.studies import scene_loading
 from runtime.studies.effect_ranking import scene_trial
-from runtime.studies.effect_ranking.comparison_and_proposal import Comparison, propose_scene
-from runtime.studies.effect_ranking.quantity import Function, Quantity, parse_quantity
+from runtime.studies.effect_ranking.quantity import Function, parse_quantity
 from runtime.studies.effect_ranking.ranking import Matters, Proposal, Row, Verdict
-from runtime.studies.effect_ranking.scene_trial import Plan, Trial, TrialError, run_trial
-from runtime.studies.scene_loading import (
-    LEFT_OUT,
-    Source,
-    cache_folder,
-    read_source,
-    require_time_span,
-)
+from runtime.studies.effect_ranking.scene_trial import Comparison, Plan, Trial
+from runtime.studies.scene_loading import LEFT_OUT
 from runtime.studies.timing import Stopwatch, take_turns
 
 if TYPE_CHECKING:
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
 LEAST_ROUNDS, MOST_ROUNDS = 5, 40  # measured: rounds of timed runs, however long or short these are
 SECONDS = 3.0  # measured: wall-clock time for all rounds
-
-Timed = TypeVar("Timed", Row, Proposal)
 
 
 def matters(
@@ -79,55 +77,38 @@ def matters(
     """
     quantity = parse_quantity(asked)
     _check(error, rtol, points, rounds, analysis)
-    source = read_source(model, scene, folder)
+    source = scene_loading.read_source(model, scene, folder)
     changes = _changes(source, fidelities)
-    cache_folder(folder)  # refused now if it cannot be written
+    scene_loading.cache_folder(folder)  # refused now if it cannot be written
     title = f"{source.model.name}/{source.scene.name}"
     progress(f"{title}: the full scene")
     machine = source.machine()
     machine.parameter_values(parameters)  # a name that the full scene does not know is a mistake
-    kind = analysis or _analysis_of(machine)
-    end = t_start if kind == "equilibrium" else require_time_span(machine, t_start, t_end)
+    kind, end = analysis or _analysis_of(machine), t_start
+    if kind != "equilibrium":
+        end = scene_loading.require_time_span(machine, t_start, t_end)
+    if guess:
+        machine.assemble(guess=guess, parameters=parameters, t=t_start)
     values = dict(parameters or {}), dict(guess or {})
-    plan = Plan(kind, float(t_start), float(end), points, rtol, method, *values)
-    full = _full_trial(machine, plan, quantity)
-    comparison = Comparison(source, plan, quantity, full, error, progress)
-    rows = [comparison.row(change) for change in changes]
-    proposal, best = None, None
-    if error is not None:
-        judged = [(row, change) for (row, _), change in zip(rows, changes, strict=True)]
-        proposal, best = propose_scene(comparison, judged)
+    plan = Plan(quantity, kind, float(t_start), float(end), points, rtol, method, *values)
+    full = plan.trial(machine)
+    comparison = Comparison(source, plan, full, error, progress)
+    found = [(change, comparison.trial(change.of(source.scene))) for change in changes]
+    ran = [(change, trial) for change, trial in found if isinstance(trial, Trial)]
+    proposal, best = (None, full) if error is None else _propose_scene(comparison, ran)
     progress(f"{title}: timing in turns")
-    trials = [trial for trial in (full, *(trial for _, trial in rows), best) if trial is not None]
-    seconds = _time([plan.stopwatch(trial.machine) for trial in trials], rounds)
-    return _answer(comparison, changes, [row for row, _ in rows], proposal, seconds)
-
-
-def _answer(
-    comparison: Comparison, changes: "tuple[Variant, ...]", rows: Sequence[Row],
-    proposal: Proposal | None, times: Sequence[float],
-) -> Matters:  # fmt: skip
-    """The ranking, with the times of the full scene, of the rows that ran and of the proposal."""
-    full, seconds = comparison.full, iter(times)
-    costs = replace(full.costs, seconds=next(seconds))
-
-    def timed(answer: Timed) -> Timed:
-        if answer.costs is None:
-            return answer
-        own = replace(answer.costs, seconds=next(seconds))
-        return replace(answer, costs=own, time_share=1.0 - own.seconds / costs.seconds)
-
+    trials = dict.fromkeys([full, *(trial for _, trial in ran), best])
+    _time([trial.watch for trial in trials], rounds)
+    proposal = proposal and replace(proposal, costs=best.costs, time_share=comparison.saving(best))
     return Matters(
-        model=comparison.source.model.name, scene=comparison.source.scene.name,
-        analysis=comparison.plan.analysis, quantity=comparison.quantity.text,
+        model=source.model.name, scene=source.scene.name, analysis=kind, quantity=quantity.text,
         value=full.quantity.value, unit=full.quantity.unit, size=comparison.size, doubt=full.doubt,
-        costs=costs, rows=tuple(sorted([timed(row) for row in rows], key=_rank)),
-        error=comparison.error, proposal=None if proposal is None else timed(proposal),
-        notes=tuple(_notes(changes, full, comparison.size, comparison.error)),
+        costs=full.costs, rows=tuple(sorted((comparison.row(*pair) for pair in found), key=_rank)),
+        error=error, proposal=proposal, notes=tuple(_notes(comparison, changes)),
     )  # fmt: skip
 
 
-def _changes(source: Source, fidelities: bool) -> "tuple[Variant, ...]":
+def _changes(source: scene_loading.Source, fidelities: bool) -> "tuple[Variant, ...]":
     """Everything that can be left out of the scene, or taken in another fidelity."""
     from codegen.one_change_scenes import variants
 
@@ -142,31 +123,69 @@ def _changes(source: Source, fidelities: bool) -> "tuple[Variant, ...]":
     return changes
 
 
-def _full_trial(machine: Machine, plan: Plan, quantity: Quantity) -> Trial:
-    """The trial of the full scene; a failure is the user's."""
-    if plan.guess:
-        machine.assemble(guess=plan.guess, parameters=plan.parameters, t=plan.t_start)
-    try:
-        return run_trial(machine, plan, quantity)
-    except TrialError as error:
-        cause = error.__cause__
-        raise (cause if isinstance(cause, InputError) else LinkwrightError(str(error))) from None
+def _propose_scene(
+    comparison: Comparison, trials: "Sequence[tuple[Variant, Trial]]"
+) -> tuple[Proposal, Trial]:
+    """The scene without all that is negligible, or as much of it as the error permits together.
+
+    While the scene is beyond the error, the effect that changes the quantity most is put back and
+    the scene run again; the proposed scene has therefore been run. It is not timed yet.
+    """
+    full = comparison.source.scene
+    scene, trial = full, comparison.full
+    left_out = _negligible(comparison, trials)
+    put_back: list[str] = []
+    tried: list[tuple[tuple[str, ...], float | None]] = []
+    while left_out:
+        titles = tuple(change.title for change in left_out)
+        comparison.progress(f"checking the scene without {', '.join(titles)}")
+        cheaper = reduce(lambda scene, change: change.of(scene), left_out, full)
+        found = comparison.trial(cheaper)
+        tried.append((titles, comparison.change(found)[2] if isinstance(found, Trial) else None))
+        if isinstance(found, Trial) and comparison.permits(found):
+            scene, trial = cheaper, found
+            break
+        put_back.append(left_out.pop().title)
+    _, doubt, relative = comparison.change(trial)
+    proposal = Proposal(
+        left_out=tuple(change.title for change in left_out), put_back=tuple(put_back),
+        scene=scene.name, spelled=scene.expression, value=trial.quantity.value, relative=relative,
+        doubt=comparison.relative(doubt), costs=trial.costs, time_share=math.nan,
+        tried=tuple(tried),
+    )  # fmt: skip
+    return proposal, trial
 
 
-def _time(watches: Sequence[Stopwatch], rounds: int | None) -> list[float]:
-    """Least processor time in s of each run, in `rounds` turns or as many as `SECONDS` allow."""
+def _negligible(
+    comparison: Comparison, trials: "Sequence[tuple[Variant, Trial]]"
+) -> "list[Variant]":
+    """Changes that the error permits alone and that make a run cheaper; the least first.
+
+    An element is left out if that is permitted; else it is taken in the fidelity that changes the
+    quantity least, if the run then takes less work.
+    """
+
+    def order(pair: "tuple[Variant, Trial]") -> tuple[float, str]:
+        change, trial = pair
+        return comparison.change(trial)[2], change.title
+
+    chosen: dict[str, tuple[Variant, Trial]] = {}
+    for change, trial in sorted(trials, key=lambda pair: (pair[0].word != LEFT_OUT, order(pair))):
+        cheaper = change.word == LEFT_OUT or trial.costs.work < comparison.full.costs.work
+        if cheaper and comparison.permits(trial):
+            chosen.setdefault(change.name, (change, trial))
+    return [change for change, _ in sorted(chosen.values(), key=order)]
+
+
+def _time(watches: Sequence[Stopwatch], rounds: int | None) -> None:
+    """Time each run in `rounds` turns, or as many as `SECONDS` allow."""
     started = perf_counter()
+    least, most = (LEAST_ROUNDS, MOST_ROUNDS) if rounds is None else (rounds, rounds)
 
     def finished(watch: Stopwatch) -> bool:
-        count = len(watch.times)
-        if rounds is not None:
-            return count >= rounds
-        return count >= MOST_ROUNDS or (
-            count >= LEAST_ROUNDS and perf_counter() - started > SECONDS
-        )
+        return len(watch.times) >= (least if perf_counter() - started > SECONDS else most)
 
     take_turns(watches, finished)
-    return [watch.seconds for watch in watches]
 
 
 def _rank(row: Row) -> tuple[bool, bool, float]:
@@ -174,30 +193,26 @@ def _rank(row: Row) -> tuple[bool, bool, float]:
     return row.change is not None, row.verdict is Verdict.NONE_SEEN, -(row.relative or 0.0)
 
 
-def _notes(
-    changes: "tuple[Variant, ...]", full: Trial, size: float, error: float | None
-) -> list[str]:
-    notes = []
+def _notes(comparison: Comparison, changes: "tuple[Variant, ...]") -> Iterator[str]:
+    full, size, error = comparison.full, comparison.size, comparison.error
     effects = [change for change in changes if change.word == LEFT_OUT]
     if len(effects) == 1:
-        notes.append(
-            f"{effects[0].name} is the only effect of the scene, so there is none to rank it with."
-        )
+        name = effects[0].name
+        yield f"{name} is the only effect of the scene, so there is none to rank it with."
     if not size:
-        notes.append("The quantity is zero throughout, so a relative change is not defined.")
+        yield "The quantity is zero throughout, so a relative change is not defined."
     elif size != abs(full.quantity.value):
-        unit = f" {full.quantity.unit}" if full.quantity.unit else ""
-        notes.append(
+        whole = f"{size:.4g} {full.quantity.unit}".rstrip()
+        yield (
             "The quantity is zero within its uncertainty, so changes are relative to "
-            f"{size:.4g}{unit}, the largest magnitude during the run."
+            f"{whole}, the largest magnitude during the run."
         )
     if error is not None and size and full.doubt > 0.1 * error * size:
-        notes.append(
+        yield (
             f"The quantity is known to {full.doubt / size:.1e} only, which is "
             f"{'more' if full.doubt > error * size else 'not much less'} than the permitted error "
             f"of {error:g}: lower rtol, give more points, or end the run earlier."
         )
-    return notes
 
 
 def _analysis_of(machine: Machine) -> str:
@@ -217,15 +232,14 @@ def _check(
     problems = []
     if error is not None and not 0.0 < error < 1.0:
         problems.append(f"error is {error:g}; it is a share of the quantity, between 0 and 1.")
-    if not scene_trial.LEAST_RTOL <= rtol <= 1e-4:
-        least = scene_trial.LEAST_RTOL
+    least, analyses = scene_trial.LEAST_RTOL, scene_trial.ANALYSES
+    if not least <= rtol <= 1e-4:
         problems.append(f"rtol is {rtol:g}; to compare runs it lies from {least:g} to 1e-4.")
     if points < 11:
         problems.append(f"points is {points}; a quantity is taken from at least 11 instants.")
     if rounds is not None and rounds < 1:
         problems.append(f"rounds is {rounds}; a time takes at least one run.")
-    if analysis is not None and analysis not in scene_trial.ANALYSES:
-        known = ", ".join(scene_trial.ANALYSES)
-        problems.append(f"There is no analysis {analysis!r}; there are: {known}.")
+    if analysis not in {None, *analyses}:
+        problems.append(f"There is no analysis {analysis!r}; there are: {', '.join(analyses)}.")
     if problems:
         raise InputError(problems)

@@ -10,16 +10,11 @@ from runtime.results.samples import plain
 class Verdict(StrEnum):
     """The influence on the quantity of an effect, or of another fidelity."""
 
-    MATTERS = "matters"
-    """The quantity changes, by more than the permitted error if one was given."""
-    NEGLIGIBLE = "negligible"
-    """It changes, and stays within the permitted error together with its uncertainty."""
-    NONE_SEEN = "none seen"
-    """It changes by less than its uncertainty."""
-    NEEDED = "needed"
-    """Without it the machine does not work, or has no such quantity."""
-    IMPOSSIBLE = "impossible"
-    """In this fidelity the machine does not work, or has no such quantity."""
+    MATTERS = "matters"  # the quantity changes, by more than the permitted error if one was given
+    NEGLIGIBLE = "negligible"  # it changes, and together with its uncertainty is within the error
+    NONE_SEEN = "none seen"  # it changes by less than its uncertainty
+    NEEDED = "needed"  # without it the machine does not work, or has no such quantity
+    IMPOSSIBLE = "impossible"  # in this fidelity the machine does not work, or has no such quantity
 
 
 @dataclass(frozen=True)
@@ -117,5 +112,4 @@ class Matters:
 
     def facts(self) -> dict[str, Any]:
         """All fields, as JSON; a number that is not finite is null."""
-        facts: dict[str, Any] = plain(asdict(self))
-        return facts
+        return dict(plain(asdict(self)))

@@ -1,4 +1,4 @@
-"""Two runs of a scene for one number: its value, its uncertainty and its cost.
+"""Two runs of a scene for one number, its uncertainty and its cost; compared with the full scene.
 
 The second run has tolerances a hundred times tighter and samples twice as dense. Quantities that
 jump at an event are sampled on both sides of it, nearer to it in the second run. A position of
@@ -7,25 +7,30 @@ answers is the uncertainty of the second.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from codegen.errors import InputError, LinkwrightError
+from codegen.errors import LinkwrightError
 from runtime.machine import Machine
 from runtime.results.result import Result
 from runtime.studies.effect_ranking.quantity import Quantity, QuantityValue
-from runtime.studies.effect_ranking.ranking import Costs
-from runtime.studies.scene_loading import known_values
+from runtime.studies.effect_ranking.ranking import Costs, Row, Verdict
+from runtime.studies.scene_loading import LEFT_OUT, Source, known_values
 from runtime.studies.series_by_name import FloatArray
 from runtime.studies.timing import Stopwatch, processor_time
+
+if TYPE_CHECKING:
+    from codegen import Scene
+    from codegen.one_change_scenes import Variant
 
 ANALYSES = ("simulate", "kinematics", "inverse", "equilibrium")
 COARSER = 100.0  # accuracy: ratio of the tolerances of the two runs
 LEAST_RTOL = 1e-13  # accuracy: tightest rtol of the second run
 NONE = np.zeros(0)
+STILL = 1e-9  # accuracy: share of the full scene's motion below which nothing moves
 _BESIDE_EVENT = 1e-7  # accuracy: share of the run between an event and the samples beside it
 _PERTURBATION = 1e-4  # accuracy: relative offset from which an equilibrium is searched for again
 _ROUNDING = 1e-12  # accuracy: least relative uncertainty, however well two runs agree
@@ -33,8 +38,9 @@ _ROUNDING = 1e-12  # accuracy: least relative uncertainty, however well two runs
 
 @dataclass(frozen=True)
 class Plan:
-    """The run that every scene of a ranking makes."""
+    """The run that every scene of a ranking makes, and the quantity that is taken from it."""
 
+    quantity: Quantity
     analysis: str  # one of `ANALYSES`
     t_start: float
     t_end: float
@@ -44,13 +50,10 @@ class Plan:
     parameters: Mapping[str, float]  # a scene gets those that it has
     guess: Mapping[str, float]  # the same
 
-    def values(self, machine: Machine) -> dict[str, dict[str, float]]:
-        """Those of the parameters and start values that a machine has."""
-        return known_values(machine, self.parameters, self.guess)
-
-    def run(self, machine: Machine, *, rtol: float, instants: FloatArray) -> Result:
+    def run(self, machine: Machine, rtol: float, instants: FloatArray) -> Result:
         """The analysis of a machine."""
-        values: dict[str, Any] = {**self.values(machine), "progress": False}
+        values: dict[str, Any] = known_values(machine, self.parameters, self.guess)
+        values["progress"] = False
         if self.analysis == "simulate":
             values |= {"t_start": self.t_start, "method": self.method, "rtol": rtol}
             return machine.simulate(self.t_end, instants, **values)
@@ -59,95 +62,148 @@ class Plan:
         driven = self.analysis == "kinematics"
         return (machine.kinematics if driven else machine.inverse_dynamics)(instants, **values)
 
-    def stopwatch(self, machine: Machine) -> Stopwatch:
-        """Repeats the run; its time is that from the call to the result."""
-        instants = self.instants(self.points)
-        return Stopwatch(
-            lambda: processor_time(lambda: self.run(machine, rtol=self.rtol, instants=instants))[1]
-        )
-
     def instants(self, count: int, events: FloatArray = NONE, beside: float = 0.0) -> FloatArray:
         """Equally spaced instants, and those before and after events by a share of the run."""
         even = np.linspace(self.t_start, self.t_end, count)
         step = beside * (self.t_end - self.t_start)
         more = np.concatenate([events - step, events + step])
         inside = more[(more > self.t_start) & (more < self.t_end)]
-        return np.unique(np.concatenate([even, inside])) if len(events) else even
+        return np.unique(np.concatenate([even, inside]))
+
+    def trial(self, machine: Machine) -> "Trial":
+        """Run a scene twice; LinkwrightError if it fails, or has no such quantity."""
+        freedom = 0  # of an equilibrium, whose start need not satisfy the constraints
+        if self.analysis != "equilibrium":
+            t = self.t_start if self.analysis == "simulate" else 0.0
+            values = known_values(machine, self.parameters, self.guess)
+            freedom = machine.assemble(**values, t=t).degrees_of_freedom
+        rough, fine = self._run_twice(machine)
+        for run in (rough, fine):
+            if run.failed:
+                raise LinkwrightError(f"{run.description.title}: {run.message}")
+        first, second = self.quantity.read(rough), self.quantity.read(fine)
+        least = max(_ROUNDING, self.rtol if self.analysis == "simulate" else 0.0)
+        doubt = abs(second.value - first.value) + least * max(abs(second.value), second.scale)
+        instants = self.instants(self.points)
+
+        def seconds() -> float:
+            return processor_time(lambda: self.run(machine, self.rtol, instants))[1]
+
+        return Trial(fine, second, doubt, freedom, Stopwatch(seconds))
+
+    def _run_twice(self, machine: Machine) -> tuple[Result, Result]:
+        """The run for comparison, and the run from which the quantity is taken."""
+        rtol, instants = min(COARSER * self.rtol, 1e-3), self.instants(self.points)
+        rough = self.run(machine, rtol, instants)
+        if rough.failed:
+            return rough, rough
+        if self.analysis == "equilibrium":
+            q = rough.samples.q[0] + _PERTURBATION * (1.0 + np.abs(rough.samples.q[0]))
+            near = dict(zip(machine.coordinates.names, q.tolist(), strict=True))
+            again = replace(self, guess={**self.guess, **near})
+            return rough, again.run(machine, rtol, instants)
+        events = NONE
+        if self.analysis == "simulate" and rough.events:
+            events = np.array([event.time for event in rough.events])
+            rough = self.run(machine, rtol, self.instants(self.points, events, 4.0 * _BESIDE_EVENT))
+        dense = self.instants(2 * self.points - 1, events, _BESIDE_EVENT)
+        return rough, self.run(machine, self.rtol, dense)
 
 
 @dataclass(frozen=True)
 class Trial:
     """A scene that was run."""
 
-    machine: Machine
+    result: Result  # of the second run
     quantity: QuantityValue
     doubt: float  # uncertainty of the quantity
     freedom: int  # degrees of freedom at the start
-    reach: dict[str, float]  # coordinate → largest less least value, in its unit
-    costs: Costs  # of the second run, its time not measured yet
+    watch: Stopwatch  # repeats the run, from the call to the result
+
+    @property
+    def reach(self) -> dict[str, float]:
+        """Coordinate → largest less least value, in its unit."""
+        spans = np.ptp(self.result.samples.q, axis=0).tolist()
+        return dict(zip(self.result.description.coordinates.names, spans, strict=True))
+
+    @property
+    def costs(self) -> Costs:
+        """Costs of the second run, and the least time measured."""
+        return count_costs(self.result, self.watch.seconds)
 
 
-class TrialError(LinkwrightError):
-    """A scene has no such quantity, or does not run; says why."""
-
-
-def run_trial(machine: Machine, plan: Plan, quantity: Quantity) -> Trial:
-    """Run a scene twice.
-
-    Raises TrialError if it does not run to its end, and InputError if it has no such quantity.
-    """
-    try:
-        freedom = _degrees_of_freedom(machine, plan)
-        rough, fine = _run_twice(machine, plan)
-    except InputError as error:
-        raise TrialError("; ".join(error.problems)) from error
-    for run in (rough, fine):
-        if run.failed:
-            raise TrialError(f"{run.description.title}: {run.message}")
-    first, second = quantity.read(rough), quantity.read(fine)
-    least = max(_ROUNDING, plan.rtol if plan.analysis == "simulate" else 0.0)
-    doubt = abs(second.value - first.value) + least * max(abs(second.value), second.scale)
-    spans = np.ptp(fine.samples.q, axis=0).tolist()
-    reach = dict(zip(machine.coordinates.names, spans, strict=True))
-    return Trial(machine, second, doubt, freedom, reach, count_costs(machine, fine))
-
-
-def _degrees_of_freedom(machine: Machine, plan: Plan) -> int:
-    """At the start; 0 of an equilibrium, whose start need not satisfy the constraints."""
-    if plan.analysis == "equilibrium":
-        return 0
-    t = plan.t_start if plan.analysis == "simulate" else 0.0
-    return machine.assemble(**plan.values(machine), t=t).degrees_of_freedom
-
-
-def _run_twice(machine: Machine, plan: Plan) -> tuple[Result, Result]:
-    """The run for comparison, and the run from which the quantity is taken."""
-    rtol, points = min(COARSER * plan.rtol, 1e-3), plan.points
-    rough = plan.run(machine, rtol=rtol, instants=plan.instants(points))
-    if rough.failed:
-        return rough, rough
-    if plan.analysis == "equilibrium":
-        q = rough.samples.q[0] + _PERTURBATION * (1.0 + np.abs(rough.samples.q[0]))
-        near = dict(zip(machine.coordinates.names, q.tolist(), strict=True))
-        again = replace(plan, guess={**plan.guess, **near})
-        return rough, again.run(machine, rtol=rtol, instants=plan.instants(points))
-    events = NONE
-    if plan.analysis == "simulate" and rough.events:
-        events = np.array([event.time for event in rough.events])
-        instants = plan.instants(points, events, 4.0 * _BESIDE_EVENT)
-        rough = plan.run(machine, rtol=rtol, instants=instants)
-    instants = plan.instants(2 * points - 1, events, _BESIDE_EVENT)
-    return rough, plan.run(machine, rtol=plan.rtol, instants=instants)
-
-
-def count_costs(machine: Machine, run: Result) -> Costs:
+def count_costs(run: Result, seconds: float = math.nan) -> Costs:
     """Costs of a run: operations of its accelerations and in all, evaluations, steps and events."""
-    operations = dict(machine.description.operations)
+    operations = dict(run.description.operations)
     evaluations, steps = (int(run.stats.get(name, 0)) for name in ("rhs_evaluations", "steps"))
     # Calls of `correction`: a simulation counts them by that name, kinematics as its iterations.
     corrections = int(run.stats.get("corrections", run.stats.get("newton_iterations", 0)))
     accelerations, total = operations.get("accelerations", 0), sum(operations.values())
     work = evaluations * accelerations + corrections * operations.get("correction", 0)
-    return Costs(
-        accelerations, total, evaluations, steps, len(run.events), work or total, seconds=math.nan
-    )
+    return Costs(accelerations, total, evaluations, steps, len(run.events), work or total, seconds)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Compares scenes with the full one, that of the source."""
+
+    source: Source
+    plan: Plan
+    full: Trial  # of the full scene
+    error: float | None  # the relative change that is permitted
+    progress: Callable[[str], None]  # receives a line before every step that takes time
+
+    @property
+    def size(self) -> float:
+        """Divisor of relative changes: see `Matters`."""
+        value = abs(self.full.quantity.value)
+        return value if value > 10.0 * self.full.doubt else max(self.full.quantity.scale, value)
+
+    def trial(self, scene: "Scene") -> Trial | LinkwrightError:
+        """Run a variant; an error where it does not work as the full scene does."""
+        self.progress(f"{self.source.model.name}/{scene.name}")
+        try:
+            trial = self.plan.trial(self.source.variant(scene))
+        except LinkwrightError as error:
+            return error
+        freedom, moved, reach = self.full.freedom, self.full.reach, trial.reach
+        if trial.freedom != freedom:
+            return LinkwrightError(
+                f"it has {trial.freedom} degrees of freedom, where the full scene has {freedom}"
+            )
+        common = [name for name in reach if moved.get(name, 0.0) > 0.0]
+        if common and all(reach[name] <= STILL * moved[name] for name in common):
+            return LinkwrightError("nothing moves without it")
+        return trial
+
+    def row(self, change: "Variant", trial: Trial | LinkwrightError) -> Row:
+        """The verdict on one change."""
+        about = (change.name, change.kind, change.word, change.of(self.source.scene).name)
+        if isinstance(trial, LinkwrightError):
+            verdict = Verdict.NEEDED if change.word == LEFT_OUT else Verdict.IMPOSSIBLE
+            reason = " ".join(trial.problems)
+            return Row(*about, None, None, None, 0.0, None, None, verdict, reason)
+        delta, doubt, relative = self.change(trial)
+        verdict = Verdict.NEGLIGIBLE if self.permits(trial) else Verdict.MATTERS
+        if abs(delta) <= doubt:
+            verdict = Verdict.NONE_SEEN
+        value, saving = trial.quantity.value, self.saving(trial)
+        return Row(*about, value, delta, relative, doubt, trial.costs, saving, verdict)
+
+    def change(self, trial: Trial) -> tuple[float, float, float]:
+        """Change of the quantity, the uncertainty of the change, and the relative change."""
+        delta = trial.quantity.value - self.full.quantity.value
+        return delta, trial.doubt + self.full.doubt, self.relative(abs(delta))
+
+    def relative(self, amount: float) -> float:
+        """An amount over the quantity's size; infinite if the quantity is zero throughout."""
+        return amount / self.size if self.size else (math.inf if amount else 0.0)
+
+    def permits(self, trial: Trial) -> bool:
+        """Whether the error permits the change together with its uncertainty."""
+        delta, doubt, _ = self.change(trial)
+        return self.error is not None and abs(delta) + doubt <= self.error * self.size
+
+    def saving(self, trial: Trial) -> float:
+        """Share of the full scene's time that a trial saves, once both are timed."""
+        return 1.0 - trial.watch.seconds / self.full.watch.seconds

@@ -13,15 +13,14 @@ _LONGEST_REASON = 200  # characters
 
 def table(ranking: Matters) -> Table:
     """The full scene, then the change and the saving without each effect."""
-    full, value = ranking.costs, f"{ranking.value:.7g}{_unit(ranking)}"
-    rows = new_table(
-        f"{ranking.model}/{ranking.scene}, {ranking.analysis}: {ranking.quantity} = {value}",
+    full, value = ranking.costs, f"{ranking.value:.7g} {ranking.unit}".rstrip()
+    title = f"{ranking.model}/{ranking.scene}, {ranking.analysis}: {ranking.quantity} = {value}"
+    caption = (
         "acc., all: operations of the kernel accelerations and of all kernels; the first row is "
-        "the full scene, the others the saving",
-        "without",
-        ("change", "relative", "acc.", "all", "time", "steps", "events"),
-        9,
+        "the full scene, the others the saving"
     )
+    columns = ("change", "relative", "acc.", "all", "time", "steps", "events")
+    rows = new_table(title, caption, "without", columns, 9)
     rows.add_column("verdict", no_wrap=True)
     accelerations, operations, steps, events = map(str, _counts(full))
     time = f"{1e3 * full.seconds:.3g} ms"
@@ -42,16 +41,13 @@ def table(ranking: Matters) -> Table:
 def sentences(ranking: Matters) -> Iterator[str]:
     """Uncertainty, influence and cost of each effect, the proposal, notes."""
     share = f" ({ranking.doubt / ranking.size:.1e} of its size)" if ranking.size else ""
-    yield f"{ranking.quantity} is known to {ranking.doubt:.1e}{_unit(ranking)}{share}."
+    doubt = f"{ranking.doubt:.1e} {ranking.unit}".rstrip()
+    yield f"{ranking.quantity} is known to {doubt}{share}."
     for row in ranking.rows:
         yield _sentence(ranking, row)
     if ranking.proposal is not None:
         yield from _proposal(ranking, ranking.proposal)
     yield from ranking.notes
-
-
-def _unit(ranking: Matters) -> str:
-    return f" {ranking.unit}" if ranking.unit else ""
 
 
 def _sentence(ranking: Matters, row: Row) -> str:

@@ -17,7 +17,6 @@ from codegen.errors import SceneError
 if TYPE_CHECKING:
     from codegen import Model, Scene
 
-WARM = "load, warm"
 _LOAD = """
 import sys, pathlib, time
 import numba
@@ -53,7 +52,7 @@ def build_costs(
                 stage if stage != "compile" else f"compile {companion.title}": time
                 for stage, time in companion.seconds.items()
             }
-        return seconds | {WARM: _warm_load(report.path)}
+        return seconds | {"load, warm": _warm_load(report.path)}
 
 
 def _warm_load(path: Path) -> float:

@@ -36,10 +36,7 @@ class Setting:
 
 
 def all_settings(methods: Sequence[str], formulations: Sequence[str]) -> tuple[Setting, ...]:
-    """Every method in every formulation; other returns onto the constraints with one of them.
-
-    Correction at every stage and projection are compared with "dop853" in all coordinates.
-    """
+    """Every method in every formulation; "dop853" in all coordinates in every correction."""
     settings = [Setting(method, formulation) for method in methods for formulation in formulations]
     if "dop853" in methods and "cartesian" in formulations:
         settings += [Setting("dop853", "cartesian", way) for way in ("stage", "projection")]

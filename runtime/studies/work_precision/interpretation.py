@@ -11,11 +11,10 @@ from runtime.show.terminal_table import milliseconds, shortened
 from runtime.studies.timing import time_to_error
 from runtime.studies.work_precision.diagram import Choice, Line, Point, Setting, WorkPrecision
 
+# Scaled errors at which times are given; the IFToMM benchmarks call the first precise.
 TARGETS = (1e-3, 1e-6, 1e-9)
-"""Scaled errors at which times are given; the IFToMM benchmarks call the first precise."""
 NOISY = 1.3  # spread from which on a time is doubtful
-LONG = 160
-"""Characters of a reason on a screen; a longer one is cut at a word there, not in the records."""
+LONG = 160  # characters of a reason on a screen; a longer one is cut there, not in the records
 
 
 class Best(NamedTuple):
@@ -31,11 +30,7 @@ def digits(error: float) -> str:
 
 
 def time_at(line: Line, error: float) -> float | None:
-    """Time in s in which a line reaches a scaled error, None if it does not.
-
-    A tighter run that is faster reaches it as well, so that no accuracy takes longer than a better
-    one.
-    """
+    """Time in s in which a line reaches a scaled error, as a tighter, faster run does too."""
     points = [(point.worst, point.seconds) for point in line.done]
     seconds = time_to_error(points, error)
     if seconds is None:
@@ -45,12 +40,9 @@ def time_at(line: Line, error: float) -> float | None:
 
 def fastest(lines: Sequence[Line], error: float) -> Best | None:
     """The fastest line at an accuracy."""
-    times = [(time_at(line, error), k) for k, line in enumerate(lines)]
-    reached = [(seconds, k) for seconds, k in times if seconds is not None]
-    if not reached:
-        return None
-    seconds, k = min(reached)
-    return Best(seconds, lines[k])
+    times = [(time_at(line, error), line) for line in lines]
+    reached = [Best(seconds, line) for seconds, line in times if seconds is not None]
+    return min(reached, key=lambda best: best.seconds, default=None)
 
 
 def best_at(study: WorkPrecision, error: float) -> Best | None:
@@ -58,16 +50,13 @@ def best_at(study: WorkPrecision, error: float) -> Best | None:
     return None if error < study.reference.floor else fastest(study.lines, error)
 
 
-def front(lines: Sequence[Line]) -> list[tuple[Setting, Point]]:
-    """The Pareto front, fastest first: runs than which none is both faster and more accurate.
-
-    Of the runs that are more accurate than the reference it has the fastest only.
-    """
-    runs = [(line.setting, point) for line in lines for point in line.done]
-    best: list[tuple[Setting, Point]] = []
-    for setting, point in sorted(runs, key=lambda run: run[1].seconds):
-        if point.worst < (best[-1][1].worst if best else math.inf):
-            best.append((setting, point))
+def front(lines: Sequence[Line]) -> list[Point]:
+    """The Pareto front, fastest first; of runs beyond the reference's accuracy the fastest only."""
+    best: list[Point] = []
+    runs = [point for line in lines for point in line.done]
+    for point in sorted(runs, key=lambda run: run.seconds):
+        if point.worst < (best[-1].worst if best else math.inf):
+            best.append(point)
         if point.beyond:
             break
     return best
@@ -106,7 +95,7 @@ def headline(study: WorkPrecision) -> str:
     """The cost of three more digits."""
     reached = [(target, best) for target in TARGETS if (best := best_at(study, target))]
     if len(reached) < 2:
-        most = max((point.digits for _, point in front(study.lines)), default=0.0)
+        most = max((point.digits for point in front(study.lines)), default=0.0)
         return f"No run has more than {most:.1f} digits that the reference can resolve."
     (loose, fast), (tight, slow) = reached[-2:]
     more = "three" if round(math.log10(loose / tight)) == 3 else digits(tight / loose)

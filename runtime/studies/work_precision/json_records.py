@@ -3,9 +3,8 @@
 import json
 import platform
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import asdict
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -15,20 +14,14 @@ from runtime.studies.work_precision.diagram import Point, Setting, WorkPrecision
 from runtime.studies.work_precision.interpretation import effectivity, slope
 
 LIBRARIES = ("numba", "llvmlite", "numpy", "scipy", "sympy")
+_COMMON = ("model", "scene", "model_sha256", "t_start", "t_end", "instants", "environment")
 
 
 def environment() -> dict[str, str]:
     """Processor, operating system and versions: name → text."""
-    facts = {
-        "machine": processor(),
-        "system": f"{platform.system()} {platform.machine()}",
-        "python": platform.python_version(),
-        "linkwright": __version__,
-    }
-    for name in LIBRARIES:
-        with suppress(PackageNotFoundError):
-            facts[name] = version(name)
-    return facts
+    system = f"{platform.system()} {platform.machine()}"
+    facts = {"machine": processor(), "system": system, "python": platform.python_version()}
+    return {**facts, "linkwright": __version__, **{name: version(name) for name in LIBRARIES}}
 
 
 def processor() -> str:
@@ -43,33 +36,26 @@ def processor() -> str:
 
 def records(study: WorkPrecision) -> Iterator[dict[str, Any]]:
     """One mapping per run, per refused setting, and per modelling choice that did not run."""
-    common = {
-        "model": study.model,
-        "scene": study.scene,
-        "model_sha256": study.model_sha256,
+    common = {name: getattr(study, name) for name in _COMMON} | {
         "artefact_sha256": study.artefact,
-        "t_start": study.t_start,
-        "t_end": study.t_end,
-        "instants": study.instants,
         "scales": {scale.name: scale.value for scale in study.quantities},
         "reference": study.reference.source,
         "independent": study.reference.independent,
         "floor": study.reference.floor,
         "energy_against": study.energy,
-        "environment": study.environment,
     }
     for line in study.lines:
         about = {**common, **asdict(line.setting), "choice": ""}
         of_line = {"slope": slope(line), "effectivity": effectivity(line)}
         if line.refused:
-            yield plain({**about, **_refusal(line.refused)})
+            yield plain({**about, "outcome": "REFUSED", "message": line.refused})
         for point in line.points:
             yield plain({**about, **_run(study, point), **of_line})
     for choice in study.choices:
         setting = asdict(choice.setting or Setting(""))
         about = {**common, "scene_run": choice.scene, **setting, "choice": choice.title}
-        run = _refusal(choice.reason) if choice.point is None else _run(study, choice.point)
-        yield plain({**about, **run})
+        refusal = {"outcome": "REFUSED", "message": choice.reason}
+        yield plain({**about, **(_run(study, choice.point) if choice.point else refusal)})
 
 
 def write_records(study: WorkPrecision, path: Path) -> Path:
@@ -77,10 +63,6 @@ def write_records(study: WorkPrecision, path: Path) -> Path:
     lines = (json.dumps(record, allow_nan=False) for record in records(study))
     path.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
     return path
-
-
-def _refusal(reason: str) -> dict[str, Any]:
-    return {"outcome": "REFUSED", "message": reason}
 
 
 def _run(study: WorkPrecision, point: Point) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """The work-precision diagram as a picture: digits against milliseconds, a line per setting."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from itertools import cycle
 from pathlib import Path
 from textwrap import fill
@@ -56,8 +56,7 @@ def figure(study: WorkPrecision) -> "Figure":
     drawn = new_figure("picture", 10.5, 6.4, dpi=130)
     axes = drawn.subplots()
     axes.set_yscale("log")
-    best = [point for _, point in front(study.lines)]
-    if best:
+    if best := front(study.lines):
         axes.plot(
             *_places(best), color=FRONT, linewidth=9.0, alpha=0.75, solid_capstyle="round",
             zorder=1, label="Pareto front",
@@ -71,8 +70,8 @@ def figure(study: WorkPrecision) -> "Figure":
     _failures(axes, study)
     _choices(axes, study)
     _floor(axes, study)
-    axes.set_xlabel("correct digits: -log10 of the largest scaled error", fontsize=10)
-    axes.set_ylabel("processor time of the integration, ms", fontsize=10)
+    axes.set_xlabel("correct digits: -log10 of the largest scaled error")
+    axes.set_ylabel("processor time of the integration, ms")
     finish_axes(axes, which="major", alpha=0.35, linewidth=0.5)
     _ticks(axes)
     axes.tick_params(labelsize=9)
@@ -95,10 +94,9 @@ def figure(study: WorkPrecision) -> "Figure":
     return drawn
 
 
-def _places(points: Iterable[Point]) -> tuple[list[float], list[float]]:
+def _places(points: Sequence[Point]) -> tuple[list[float], list[float]]:
     """Digits and milliseconds of runs."""
-    runs = [(point.digits, 1e3 * point.seconds) for point in points]
-    return [x for x, _ in runs], [y for _, y in runs]
+    return [point.digits for point in points], [1e3 * point.seconds for point in points]
 
 
 def _ticks(axes: "Axes") -> None:
@@ -118,7 +116,7 @@ def _line(axes: "Axes", line: Line) -> None:
     colour = COLOURS.get(setting.method, DARK)
     style, marker = LOOKS.get((setting.formulation, setting.correction), ("-", "o"))
     if line.done:
-        beyond = _places(point for point in line.done if point.beyond)
+        beyond = _places([point for point in line.done if point.beyond])
         axes.plot(*_places(line.done), color=GREY, linewidth=0.9, linestyle=style, zorder=2)
         axes.scatter(*beyond, s=12, color=GREY, marker=marker, zorder=2)
     if line.known:

@@ -1,4 +1,4 @@
-"""The reference: from a file, or a run of one method that runs of other methods confirm.
+"""The reference: from a file, or a run of one method; runs of other methods confirm it.
 
 A run alone proves nothing, however tight its tolerance. It is compared with runs of other methods,
 and the least difference is how far it is known: two methods of different order will hardly agree by
@@ -6,25 +6,23 @@ chance in the worst of hundreds of instants. A file is confirmed in the same way
 to another machine.
 """
 
+import csv
 from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from codegen.errors import LinkwrightError
-from runtime.core.outcomes import Outcome
+from codegen.errors import InputError, LinkwrightError
 from runtime.integrate.method import LEADING, MULTISTEP, REGISTER, SWITCHING
 from runtime.mechanism.dense_equations import Equations, magnitudes
 from runtime.results.result import Result
+from runtime.studies import series_by_name as by_name
 from runtime.studies.error_norms import Errors, Scale, errors, scaled_errors, scales
-from runtime.studies.series_by_name import (
-    FloatArray,
-    group_magnitude,
-    require_numbers,
-    series_values,
-)
-from runtime.studies.work_precision.compared_quantities import ReferenceFile, series_of
+from runtime.studies.series_by_name import FloatArray
 from runtime.studies.work_precision.diagram import Check, Reference, Setting
 from runtime.studies.work_precision.timed_runs import Runner, outcome_name
 
@@ -49,12 +47,66 @@ def _independent_methods() -> tuple[str, ...]:
 
 _OTHERS = tuple(Setting(name) for name in _independent_methods() if name != LEADING)
 # At the tightest tolerance a multistep method is the slowest. Implicit ones pass where it is stiff.
-_ONE_STEP = (setting for setting in _OTHERS if REGISTER[setting.method].family != MULTISTEP)
-_FIRST = (
-    Setting(LEADING, "reduced"),
-    Setting(LEADING),
-    *sorted(_ONE_STEP, key=lambda setting: not REGISTER[setting.method].implicit),
-)
+_ONE_STEP = [setting for setting in _OTHERS if REGISTER[setting.method].family != MULTISTEP]
+_ONE_STEP.sort(key=lambda setting: not REGISTER[setting.method].implicit)
+_FIRST = (Setting(LEADING, "reduced"), Setting(LEADING), *_ONE_STEP)
+
+
+class ReferenceFile(NamedTuple):
+    """A reference from a file: its quantities, instants in s, (k,), and values, (k, j)."""
+
+    path: Path
+    names: tuple[str, ...]
+    t: FloatArray
+    values: FloatArray
+
+
+def read_reference(
+    path: Path, quantities: Sequence[str], t_start: float, t_end: float | None
+) -> ReferenceFile:
+    """Read a file with a line of names, ``t`` among them, and a line of numbers per instant.
+
+    Without `quantities` all columns are read. Instants up to `t_start`, where nothing is
+    integrated, and after `t_end` are left out. Raises InputError if the file cannot be read, lacks
+    a column, holds a text that is no number, or ends before `t_end`.
+    """
+    where = f"--reference {path}:"
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            rows = [row for row in csv.reader(file) if row and not row[0].startswith("#")]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{where} cannot be read: {error}.") from error
+    head = [name.strip() for name in rows[0]] if rows else []
+    names = tuple(quantities) or tuple(name for name in dict.fromkeys(head) if name != "t")
+    columns, missing = [], []
+    for text in ("t", *names):
+        here = [head.index(name) for name in map(str.strip, text.split(by_name.OR)) if name in head]
+        columns += here[:1]
+        missing += [] if here else [text]
+    if missing or not names:
+        raise InputError(
+            f"{where} there is no column {', '.join(missing) or 'beside t'}; it has "
+            f"{', '.join(head) or 'none'}. Name the columns t, in s, and as the series are named."
+        )
+    table = np.full((len(rows) - 1, len(columns)), np.nan)
+    for k, row in enumerate(rows[1:]):
+        with suppress(IndexError, ValueError):
+            table[k] = [float(row[column]) for column in columns]
+        if not np.isfinite(table[k]).all():
+            raise InputError(
+                f"{where} the {k + 1}. line of numbers is {', '.join(row)}; not all "
+                "of the columns that are needed hold finite numbers."
+            )
+    table = table[table[:, 0] > t_start]
+    if len(table) < 2 or not (np.diff(table[:, 0]) > 0.0).all():
+        raise InputError(
+            f"{where} it takes two instants or more after t = {t_start:g} s, each "
+            "later than the one before it."
+        )
+    if t_end is not None and t_end > table[-1, 0]:
+        raise InputError(f"{where} it ends at t = {table[-1, 0]:g} s, before {t_end:g} s.")
+    table = table[table[:, 0] <= (np.inf if t_end is None else t_end)]
+    return ReferenceFile(path, names, table[:, 0].copy(), table[:, 1:].copy())
 
 
 @dataclass(frozen=True)
@@ -64,7 +116,7 @@ class ReferenceSolution:
     names: tuple[str, ...]  # of the quantities, as the user spelled them
     values: FloatArray  # at the instants of the study, (k, j)
     scales: tuple[Scale, ...]  # of their errors
-    total: FloatArray  # energy in J, (k,); nan where the scene has none
+    total: FloatArray  # energy in J, (k,)
     energy: str  # "start" where energy is conserved, "reference" where it changes, "" without any
     length: float  # divisor of the residuals of positions
     speed: float  # the same of velocities
@@ -107,7 +159,7 @@ def find_reference(
             f"reference: {'; '.join(failures)}."
         )
     computed = _values(best, names)
-    require_numbers(description, names, computed)
+    by_name.require_numbers(description, names, computed)
     source = f"{setting.title}, rtol {TIGHTEST:g}"
     others = [] if file is None else [(source, computed)]
     # Runs by other methods confirm it: two, but only one where a second would have to be built.
@@ -121,25 +173,23 @@ def find_reference(
             "reference. Ask for a shorter run, raise the limit, or give --reference."
         )
     values = computed if file is None else file.values
-    equations = Equations(
-        runner.machine.mechanism, runner.machine.parameter_values(runner.parameters)
-    )
-    sizes = magnitudes(equations, runner.begin.t, runner.begin.q)
-    series = series_of(description, names)
+    machine, begin = runner.machine, runner.begin
+    equations = Equations(machine.mechanism, machine.parameter_values(runner.parameters))
+    sizes = magnitudes(equations, begin.t, begin.q)
+    series = by_name.series_of(description, names)
     units = [best.series(name)[1] for name in series]
-    whole = [group_magnitude(best, name) for name in series]
+    whole = [by_name.group_magnitude(best, name) for name in series]
     by = scales(series, units, description, sizes, values, whole)
     differences = [errors(run, values, by).worst for _, run in others]
     nearest = int(np.argmin(differences))
     by_values = np.array([scale.value for scale in by])
     doubtful = scaled_errors(others[nearest][1], values, by_values).max(axis=1) > DOUBTFUL
     about = Reference(
-        source if file is None else str(file.path),
-        independent=file is not None,
+        source if file is None else str(file.path), independent=file is not None,
         checks=tuple(Check(run, e) for (run, _), e in zip(others, differences, strict=True)),
         floor=max(differences[nearest], _ROUNDING),
         horizon=float(runner.instants[int(np.argmax(doubtful))]) if doubtful.any() else None,
-    )
+    )  # fmt: skip
     length = float(sizes[description.is_length].max(initial=0.0)) or 1.0
     speed = float(np.abs(best.samples.v).max()) or 1.0
     return ReferenceSolution(tuple(names), values, by, *_energy(best), length, speed, about)
@@ -147,7 +197,7 @@ def find_reference(
 
 def _values(result: Result, names: Sequence[str]) -> FloatArray:
     """The quantities over time, (k, j)."""
-    return series_values(result, series_of(result.description, names))
+    return by_name.series_values(result, by_name.series_of(result.description, names))
 
 
 def _completed_runs(
@@ -162,10 +212,10 @@ def _completed_runs(
         except LinkwrightError as error:
             failures.append(f"{setting.title}: {error}")
             continue
-        if result.outcome is Outcome.OK:
-            yield setting, result
-        else:
+        if result.failed:
             failures.append(f"{setting.title}: {outcome_name(result)}")
+        else:
+            yield setting, result
 
 
 def _built_first(settings: Sequence[Setting], built: Collection[str]) -> list[Setting]:
@@ -180,6 +230,6 @@ def _energy(best: Result) -> tuple[FloatArray, str]:
     energy, drivers = best.samples.energy, best.description.drivers
     total = energy.sum(axis=1)
     if not np.isfinite(total).all() or not len(total):
-        return np.full(len(total), np.nan), ""
+        return total, ""
     conserved = float(np.ptp(total)) <= _CONSERVED * float(np.abs(energy).max())
     return total, "start" if conserved and not drivers else "reference"

@@ -10,19 +10,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from codegen.errors import AnalysisError, InputError
+from codegen.errors import InputError
 from runtime.integrate.method import METHODS
 from runtime.machine import Machine
 from runtime.mechanism.module_tables import unknown
-from runtime.studies import scene_loading
+from runtime.studies import scene_loading, series_by_name
 from runtime.studies.series_by_name import FloatArray
-from runtime.studies.work_precision import compared_quantities as compared
-from runtime.studies.work_precision import diagram
+from runtime.studies.work_precision import diagram, reference_solution
 from runtime.studies.work_precision.build_costs import build_costs
 from runtime.studies.work_precision.diagram import Choice, Line, Setting, WorkPrecision
 from runtime.studies.work_precision.interpretation import fastest
 from runtime.studies.work_precision.json_records import environment
-from runtime.studies.work_precision.reference_solution import LIMIT_FACTOR, TIGHTEST, find_reference
 from runtime.studies.work_precision.settings_measurement import Measurement
 from runtime.studies.work_precision.timed_runs import Runner
 from runtime.validation.scene_support import refuse_massless, require_motion
@@ -30,13 +28,11 @@ from runtime.validation.scene_support import refuse_massless, require_motion
 if TYPE_CHECKING:
     from codegen import Model, Scene
 
-
 RTOLS = tuple(10.0 ** -(2.0 + 0.5 * m) for m in range(17))  # 1e-2 to 1e-10, two a decade
+# To 1e-12, for settings that do not reach nine digits with the others:
 FURTHER = tuple(10.0 ** -(10.5 + 0.5 * m) for m in range(4))
-"""To 1e-12, for settings that do not reach nine digits with the others."""
 QUICK = (1e-3, 1e-5, 1e-7, 1e-9)
 LEAST_RTOL = 1e-12  # accuracy: tightest rtol of a compared run
-LEAST_POINTS = 2
 REPEATS = 5, 0.1  # measured: least number of timed runs of a setting, and their time in s
 QUICK_REPEATS = 3, 0.01  # measured: the same of a quick study
 
@@ -97,48 +93,48 @@ def accuracy(
     rtols = (QUICK if quick else RTOLS) if rtols is None else rtols
     _check(quantities, methods, formulations, beside, rtols, points, limit, steps)
     source = scene_loading.read_source(model, scene, folder)
-    machine, path = source.machine(), None if reference is None else Path(reference)
-    names, instants, file = _comparison(machine, quantities, path, t_start, t_end, points)
+    machine = source.machine()
+    names, instants, file = _comparison(machine, quantities, reference, t_start, t_end, points)
     others = _other_models(source, modelling, beside)
     begin = machine.assemble(guess, parameters, t_start)
-    if begin.degrees_of_freedom == 0:
-        raise AnalysisError(
-            f"{machine.description.title}: drivers leave no freedom, so nothing is integrated, and "
-            "accuracy is that of Newton's method. Choose a scene that forces move."
-        )
     runner = Runner(machine, begin, instants, dict(parameters or {}), float(limit), int(steps))
     progress(
         f"{runner.title}: at most {limit:g} s and {steps:g} steps per run, "
-        f"{LIMIT_FACTOR * limit:g} s for a reference"
+        f"{reference_solution.LIMIT_FACTOR * limit:g} s for a reference"
     )
     settings, costs = diagram.all_settings(methods, formulations), {}
     if building or (building is None and not quick):
         progress(f"{runner.title}: built anew")
         costs = build_costs(source.model, source.scene, {setting.companion for setting in settings})
-    solution = find_reference(runner, names, file, progress, settings)
+    solution = reference_solution.find_reference(runner, names, file, progress, settings)
     measurement = Measurement(runner, solution, *(QUICK_REPEATS if quick else REPEATS), progress)
     lines = measurement.lines(settings, rtols, further)
-    prepare = partial(_other_runner, source, runner, guess or {})
-    choices = measurement.choices(others, prepare, _settings_of_choices(lines))
-    return _answer(measurement, lines, choices, costs)
+    return WorkPrecision(
+        model=machine.model, scene=machine.scene, t_start=float(begin.t), t_end=float(instants[-1]),
+        instants=len(instants), quantities=solution.scales, energy=solution.energy,
+        limit=runner.limit, steps=runner.steps, lines=lines, build=costs, environment=environment(),
+        choices=_choices(others, source, guess or {}, measurement, lines), reference=solution.about,
+        model_sha256=machine.description.sources[0][1] if machine.description.sources else "",
+        artefact=hashlib.sha256(machine.path.read_bytes()).hexdigest(),
+    )  # fmt: skip
 
 
 def _comparison(
-    machine: Machine, quantities: Sequence[str], reference: Path | None, t_start: float,
-    t_end: float | None, points: int,
-) -> tuple[tuple[str, ...], FloatArray, compared.ReferenceFile | None]:  # fmt: skip
+    machine: Machine, quantities: Sequence[str], reference: str | os.PathLike[str] | None,
+    t_start: float, t_end: float | None, points: int,
+) -> tuple[tuple[str, ...], FloatArray, reference_solution.ReferenceFile | None]:  # fmt: skip
     """The quantities that are compared, the instants in s, and the reference from a file."""
     description = machine.description
     require_motion(machine.mechanism, "accuracy")
     if not description.has_masses:
         refuse_massless(machine.mechanism)
-    names = compared.distinct_quantities(description, quantities)
+    names = series_by_name.distinct_quantities(description, quantities)
     if reference is None:
         end = scene_loading.require_time_span(machine, t_start, t_end)
-        names = names or compared.default_quantities(description)
+        names = names or series_by_name.default_quantities(description)
         return names, np.linspace(t_start, end, points + 1)[1:], None
-    file = compared.read_reference(reference, names, t_start, t_end)
-    compared.series_of(description, file.names)
+    file = reference_solution.read_reference(Path(reference), names, t_start, t_end)
+    series_by_name.series_of(description, file.names)
     return file.names, file.t, file
 
 
@@ -157,39 +153,26 @@ def _other_models(
     return others + [(Choice(scene.name, "scene", scene.name), scene) for scene in named]
 
 
-def _other_runner(
-    source: scene_loading.Source, runner: Runner, guess: Mapping[str, float], scene: "Scene"
-) -> Runner:
-    """The runner of another model, with those parameters and start values that it has."""
-    machine = source.machine(scene)
-    values = scene_loading.known_values(machine, runner.parameters, guess)
-    begin = machine.assemble(**values, t=runner.begin.t)
-    return replace(runner, machine=machine, begin=begin, parameters=values["parameters"])
-
-
-def _settings_of_choices(lines: Sequence[Line]) -> tuple[Setting, ...]:
-    """Settings for other models: the fastest first, then those that most scenes can take."""
+def _choices(
+    others: "Sequence[tuple[Choice, Scene]]", source: scene_loading.Source,
+    guess: Mapping[str, float], measurement: Measurement, lines: Sequence[Line],
+) -> tuple[Choice, ...]:  # fmt: skip
+    """Other models, in the fastest setting of the declared one, or those that most scenes take."""
     once = [line for line in lines if line.setting.correction == "step"]
     best = fastest(once, 1e-6) or fastest(once, 1e-3)
     first = [best.line.setting] if best else []
-    return tuple(dict.fromkeys([*first, Setting("dop853"), Setting("auto")]))
+    settings = tuple(dict.fromkeys([*first, Setting("dop853"), Setting("auto")]))
+    runner = measurement.runner
 
+    def prepare(scene: "Scene") -> Runner:
+        machine = source.machine(scene)
+        values = scene_loading.known_values(machine, runner.parameters, guess)
+        begin = machine.assemble(**values, t=runner.begin.t)
+        return replace(runner, machine=machine, begin=begin, parameters=values["parameters"])
 
-def _answer(
-    measurement: Measurement, lines: tuple[Line, ...], choices: tuple[Choice, ...],
-    costs: dict[str, float],
-) -> WorkPrecision:  # fmt: skip
-    runner, solution = measurement.runner, measurement.reference
-    description = runner.machine.description
-    return WorkPrecision(
-        model=description.model, scene=description.scene, t_start=float(runner.begin.t),
-        t_end=float(runner.instants[-1]), instants=len(runner.instants),
-        quantities=solution.scales, energy=solution.energy, limit=runner.limit,
-        steps=runner.steps, reference=solution.about, lines=lines, choices=choices, build=costs,
-        environment=environment(),
-        model_sha256=description.sources[0][1] if description.sources else "",
-        artefact=hashlib.sha256(runner.machine.path.read_bytes()).hexdigest(),
-    )  # fmt: skip
+    return tuple(
+        measurement.choice(choice, partial(prepare, scene), settings) for choice, scene in others
+    )
 
 
 def _check(
@@ -197,32 +180,28 @@ def _check(
     beside: Sequence[object], rtols: Sequence[float], points: int, limit: float, steps: int,
 ) -> None:  # fmt: skip
     """Refuse arguments that make no study, all at once; texts where sequences belong before."""
-    sequences = {"quantities": quantities, "methods": methods, "formulations": formulations,
-                 "beside": beside}  # fmt: skip
-    if texts := [
+    sequences = {"quantities": quantities, "methods": methods, "formulations": formulations}
+    problems = [
         f"{argument} is {value!r}; it must be a sequence of names, such as ({value!r},)."
-        for argument, value in sequences.items()
+        for argument, value in {**sequences, "beside": beside}.items()
         if isinstance(value, str)
-    ]:
-        raise InputError(texts)
-    problems = []
-    for thing, names, known in (
-        ("method", methods, METHODS), ("formulation", formulations, diagram.FORMULATIONS),
-    ):  # fmt: skip
+    ]
+    if problems:
+        raise InputError(problems)
+    for thing, known in (("method", METHODS), ("formulation", diagram.FORMULATIONS)):
+        names = sequences[f"{thing}s"]
         problems += [unknown(thing, name, known) for name in names if name not in known]
     for thing, values in (("method", methods), ("formulation", formulations), ("rtol", rtols)):
         if not values:
             problems.append(f"There is no {thing} to try; name one, or leave the argument out.")
     problems += [
         f"rtol is {rtol:g}; it lies from {LEAST_RTOL:g} to 0.1, so that the reference, at "
-        f"{TIGHTEST:g}, is better."
+        f"{reference_solution.TIGHTEST:g}, is better."
         for rtol in rtols
         if not LEAST_RTOL <= rtol <= 0.1
     ]
-    if points < LEAST_POINTS:
-        problems.append(
-            f"points is {points}; runs are compared at {LEAST_POINTS} or more instants."
-        )
+    if points < 2:
+        problems.append(f"points is {points}; runs are compared at 2 or more instants.")
     if not limit > 0.0:
         problems.append(f"limit is {limit:g}; a run may take a positive time, in s.")
     if steps < 1:

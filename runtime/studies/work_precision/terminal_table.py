@@ -9,8 +9,7 @@ from runtime.studies.work_precision import interpretation
 from runtime.studies.work_precision.diagram import Choice, Line, Point, WorkPrecision
 from runtime.studies.work_precision.interpretation import TARGETS, digits
 
-COMPARED = 1e-6
-"""Scaled error at which the work of runs is compared."""
+COMPARED = 1e-6  # scaled error at which the work of runs is compared
 _COUNTS = (
     ("steps",), ("rejected",), ("rhs_evaluations",), ("corrections", "stage_iterations"),
     ("jacobians",), ("factorizations",),
@@ -30,11 +29,9 @@ def score(study: WorkPrecision) -> Table:
             continue
         cells = []
         for target, fastest in zip(TARGETS, best, strict=True):
-            seconds = (
-                interpretation.time_at(line, target) if target >= study.reference.floor else None
-            )
-            mark = "*" if fastest is not None and fastest.line is line else " "
-            cells.append("" if seconds is None else f"{_ms(seconds)}{mark}")
+            seconds = fastest and interpretation.time_at(line, target)
+            mark = "*" if fastest and fastest.line is line else " "
+            cells.append("" if seconds is None else f"{1e3 * seconds:.3g}{mark}")
         table.add_row(line.setting.title, *cells, *_summary(study, line))
     if study.choices:
         table.add_section()
@@ -61,16 +58,10 @@ def work(study: WorkPrecision) -> Table:
 
 
 def _work(point: Point) -> tuple[str, ...]:
-    def counted(*names: str) -> str:
-        return f"{sum(point.counts.get(name, 0.0) for name in names):.0f}"
-
-    return (
-        f"{point.rtol:.0e}",
-        *(counted(*names) for names in _COUNTS),
-        f"{point.position_residual:.0e}",
-        f"{point.velocity_residual:.0e}",
-        "" if point.energy is None else f"{point.energy:.0e}",
-    )
+    counts = [f"{sum(point.counts.get(name, 0.0) for name in names):.0f}" for names in _COUNTS]
+    residuals = f"{point.position_residual:.0e}", f"{point.velocity_residual:.0e}"
+    energy = "" if point.energy is None else f"{point.energy:.0e}"
+    return f"{point.rtol:.0e}", *counts, *residuals, energy
 
 
 def _summary(study: WorkPrecision, line: Line) -> tuple[str, ...]:
@@ -79,21 +70,14 @@ def _summary(study: WorkPrecision, line: Line) -> tuple[str, ...]:
     else:
         most = f"{max(point.digits for point in line.known):.1f}" if line.known else ""
     steep, ratio = interpretation.slope(line), interpretation.effectivity(line)
-    return (
-        most,
-        "" if steep is None else f"{steep:.2f}",
-        "" if ratio is None else f"{ratio:.2g}",
-        str(len(line.failed) or ""),
-    )
+    slope, factor = "" if steep is None else f"{steep:.2f}", "" if ratio is None else f"{ratio:.2g}"
+    return most, slope, factor, str(len(line.failed) or "")
 
 
 def _choice(choice: Choice) -> list[str]:
     point = choice.point
     if point is None:
         return [*[""] * 6, "not run"]
-    reached = [f"{_ms(point.seconds)} " if point.worst <= target else "" for target in TARGETS]
+    time = f"{1e3 * point.seconds:.3g} "
+    reached = [time if point.worst <= target else "" for target in TARGETS]
     return [*reached, f"{point.digits:.1f}", "", "", ""]
-
-
-def _ms(seconds: float) -> str:
-    return f"{1e3 * seconds:.3g}"

@@ -6,8 +6,8 @@ the motion: they do not count.
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
 
+from codegen.errors import AnalysisError
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.simulation import simulate
 from runtime.machine import Machine
@@ -17,13 +17,14 @@ from runtime.studies.series_by_name import FloatArray
 from runtime.studies.timing import Stopwatch, TimeLimit, take_turns
 from runtime.studies.work_precision.diagram import Setting
 
-DONE, TIMEOUT, NOT_TRIED = "OK", "TIMEOUT", "NOT_TRIED"
+TIMEOUT, NOT_TRIED = "TIMEOUT", "NOT_TRIED"
+TIME = "integration_seconds"  # entry of `Result.stats`
 MOST = 30  # safety: runs by which a time is taken, however short
 
 
 @dataclass(frozen=True)
 class Runner:
-    """A scene, assembled and ready to be run in any setting."""
+    """A scene, assembled and ready to be run in any setting; AnalysisError if drivers move it."""
 
     machine: Machine
     begin: Assembly
@@ -32,22 +33,26 @@ class Runner:
     limit: float  # time of a run, s
     steps: int  # trial steps of a run
 
+    def __post_init__(self) -> None:
+        """Refuse a scene without freedom."""
+        if self.begin.degrees_of_freedom == 0:
+            raise AnalysisError(
+                f"{self.title}: drivers leave no freedom, so nothing is integrated, and accuracy "
+                "is that of Newton's method. Choose a scene that forces move."
+            )
+
     @property
     def title(self) -> str:
         """MODEL/SCENE."""
         return self.machine.description.title
 
     def run(self, setting: Setting, rtol: float) -> Result:
-        """Run once; `Outcome.INTERRUPTED` is a run that the limit of time ended.
-
-        Raises LinkwrightError if the scene cannot be run in this setting.
-        """
+        """Run once; `Outcome.INTERRUPTED` is a run that the limit of time ended."""
         limit = TimeLimit(self.limit)
-        words: dict[str, Any] = asdict(setting)
         result = simulate(
             self.machine.mechanism, float(self.instants[-1]), self.instants, t_start=self.begin.t,
             rtol=rtol, parameters=self.parameters, start=self.begin, max_steps=self.steps,
-            progress=limit, **words,
+            progress=limit, **asdict(setting),
         )  # fmt: skip
         if result.outcome is Outcome.INTERRUPTED and not limit.exceeded:
             raise KeyboardInterrupt  # by the user
@@ -58,7 +63,7 @@ class Runner:
 
         def seconds() -> float | None:
             result = self.run(setting, rtol)
-            return integration_time(result) if result.outcome is Outcome.OK else None
+            return None if result.failed else result.stats[TIME]
 
         return Stopwatch(seconds, *times)
 
@@ -66,11 +71,6 @@ class Runner:
 def outcome_name(result: Result) -> str:
     """The name of the `Outcome`, or "TIMEOUT": the limit of time alone interrupts a run."""
     return TIMEOUT if result.outcome is Outcome.INTERRUPTED else str(result.outcome)
-
-
-def integration_time(result: Result) -> float:
-    """Processor time of the integration, s."""
-    return float(result.stats["integration_seconds"])
 
 
 def time_runs(watches: Sequence[Stopwatch], rounds: int, least: float) -> None:

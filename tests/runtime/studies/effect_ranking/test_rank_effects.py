@@ -67,7 +67,7 @@ def test_work_counts_the_iterations_of_a_return_and_not_the_return() -> None:
     run = machine.simulate(0.1, rtol=1e-3, progress=False)
     assert run.stats["corrections"] > run.stats["returns"]
     operations = dict(machine.description.operations)
-    assert count_costs(machine, run).work == (
+    assert count_costs(run).work == (
         run.stats["rhs_evaluations"] * operations["accelerations"]
         + run.stats["corrections"] * operations["correction"]
     )
