@@ -13,18 +13,8 @@ import sympy
 from codegen.check.expressions import all_problems, constraint_problems
 from codegen.check.outputs import output_problems
 from codegen.check.rigid_contact_and_stiction import contact_problems
-from codegen.declare import element as elements
+from codegen.declare import element as el
 from codegen.declare.body import Body
-from codegen.declare.element import (
-    ConjugateReaction,
-    Constraint,
-    Effect,
-    Element,
-    JointReaction,
-    Statement,
-    label,
-    own_coordinates,
-)
 from codegen.declare.names import nearest
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import SPEED, Coordinate, Given, Velocity, kinds, side, t
@@ -39,24 +29,19 @@ def check_model(model: Model) -> list[str]:
     problems = list(model.problems)
     if not model.bodies:
         problems.append(f"model '{model.name}' has no body; declare one with model.body(...).")
-    constraints = [*model.joints.values(), *model.drivers.values()]
-    effects = _all_effects(model)
-    for element in (*constraints, *effects):
-        problems += [*_bodies(model, element), *element.problems(), *_words(element)]
     masses = {body.name: list(_mass_problems(model, body)) for body in model.bodies.values()}
-    for constraint in (c for c in constraints if not c.problems()):
-        statement = constraint.statement()
-        if _is_no_tuple(statement.phi):  # `_words` says so
-            continue
-        expressions = (*statement.phi, *statement.bindings.values(), *_axes(statement))
-        problems += _unknown_symbols(model, constraint, expressions)
-        problems += [*constraint_problems(constraint), *_orientations(constraint)]
     sound = tuple(body for name, body in model.bodies.items() if not masses[name])
-    for effect in (e for e in effects if not e.problems()):
-        terms = _effect_expressions(effect, sound)
-        problems += _unknown_symbols(model, effect, terms)
-        problems += all_problems(label(effect), terms, may_switch=True)
-    problems += [sentence for sentences in masses.values() for sentence in sentences]
+    elements: list[el.Constraint | el.Effect] = [*model.joints.values(), *model.drivers.values()]
+    for element in (*elements, *_all_effects(model)):
+        faults = element.problems()
+        problems += [*_words_and_bodies(model, element), *faults]
+        if isinstance(element, el.Constraint):
+            problems += [] if faults else _statement_problems(model, element)
+        elif not faults:
+            terms = _effect_expressions(element, sound)
+            problems += _unknown_symbols(model, element, terms)
+            problems += all_problems(el.label(element), terms, may_switch=True)
+    problems += chain.from_iterable(masses.values())
     problems += filter(None, (p.problem(p.value) for p in model.parameters.values()))
     problems += _collisions(model)
     return list(dict.fromkeys(problems))
@@ -101,84 +86,69 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
     return problems + [f"{where}: {problem}" for problem in values if problem]
 
 
-def _all_effects(model: Model) -> list[Effect]:
+def _all_effects(model: Model) -> list[el.Effect]:
     """The effects in every fidelity that their declaration has the numbers for."""
-    effects = list(model.effects.values())
-    for name, forms in model.fidelities.items():
-        others = (form for form in forms.values() if form is not model.effects[name])
-        effects += [form for form in others if not isinstance(form, str)]
-    return effects
+    forms = ((name, form) for name, of in model.fidelities.items() for form in of.values())
+    others = [f for name, f in forms if not isinstance(f, str) and f is not model.effects[name]]
+    return [*model.effects.values(), *others]
 
 
-def _words(element: Element) -> Iterator[str]:
-    """Check the form of a user-defined element, and its texts in the generated module."""
-    where = label(element)
+def _words_and_bodies(model: Model, element: el.Element) -> Iterator[str]:
+    """Check the text of an element's kind, and whose its bodies are."""
+    where, bodies = el.label(element), element.bodies
     if not WORDS.fullmatch(str(element.kind)):
         kind = f"its kind {element.kind!r} must be a few words of ASCII letters"
         yield f"element {element.name!r}: {kind}."
-    if not isinstance(element, Constraint) or element.problems():
-        return
-    statement = element.statement()
-    if _is_no_tuple(statement.phi):
-        form = type(statement.phi).__name__
+    for body in bodies:
+        if body.model is not model.token:
+            advice = f"use a body of '{model.name}'."
+            yield f"{where}: body '{body.name}' belongs to another model; {advice}"
+        elif not body.fixed and model.bodies.get(body.name) is not body:
+            yield f"{where}: body '{body.name}' is not declared in '{model.name}'."
+    if isinstance(element, el.Constraint) and len(bodies) == 2 and bodies[0] is bodies[1]:
+        yield f"{where} connects body '{bodies[0].name}' with itself; give two different bodies."
+
+
+def _statement_problems(model: Model, constraint: el.Constraint) -> Iterator[str]:
+    """Check the form of a statement, its texts in the generated module, and its expressions."""
+    where, statement = el.label(constraint), constraint.statement()
+    phi: object = statement.phi
+    if not isinstance(phi, tuple):
+        form = type(phi).__name__
         yield f"{where}: its phi is of type {form}; give a tuple, of one equation (phi,)."
         return
-    rows, count = statement.rows, len(statement.phi)
+    rows, reaction, count = statement.rows, statement.reaction, len(phi)
+    axes: tuple[sympy.Expr, ...] = ()
     if len(rows) != count or not all(WORDS.fullmatch(str(row)) for row in rows):
         yield f"{where}: its rows {rows!r} must be {count} ASCII words, one an equation."
-    if isinstance(statement.reaction, ConjugateReaction):
-        parts = statement.reaction.components
+    if isinstance(reaction, el.ConjugateReaction):
+        parts = reaction.components
         texts = [text for pair in parts for text in pair if text]
         if len(parts) != count or not all(WORDS.fullmatch(str(text)) for text in texts):
             yield f"{where}: its reactions {parts!r} must be {count} pairs of a word and a unit."
-    elif isinstance(reaction := statement.reaction, JointReaction):
-        direction, arm = (tuple(v) for v in (reaction.direction, reaction.arm or (0, 0)))
-        if len(direction) != 2 or _is_not_unit(*direction):
+    elif isinstance(reaction, el.JointReaction):
+        arm = reaction.on.A * reaction.on.s if reaction.arm is None else reaction.arm
+        direction, arm = (tuple(map(sympy.sympify, v)) for v in (reaction.direction, arm))
+        size = sympy.Add(*(c**2 for c in direction))
+        if len(direction) != 2 or (size.is_number and abs(float(size) - 1) > 1e-9):
             yield (
                 f"{where}: the direction of its reaction is {direction}; give two components of a "
                 "unit vector in global axes."
             )
         if len(arm) != 2:
             yield f"{where}: the arm of its reaction is {arm}; give two components, in m."
+        axes = (*direction, *arm)
+    expressions = (*statement.phi, *statement.bindings.values(), *axes)
+    yield from _unknown_symbols(model, constraint, expressions)
+    yield from constraint_problems(constraint)
+    yield from _orientations(constraint)
 
 
-def _axes(statement: Statement) -> tuple[sympy.Expr, ...]:
-    """The components of a joint reaction's direction and arm."""
-    reaction = statement.reaction
-    if not isinstance(reaction, JointReaction):
-        return ()
-    arm = reaction.on.A * reaction.on.s if reaction.arm is None else reaction.arm
-    return tuple(map(sympy.sympify, (*reaction.direction, *arm)))
-
-
-def _is_no_tuple(value: object) -> bool:
-    return not isinstance(value, tuple)
-
-
-def _is_not_unit(x: sympy.Expr, y: sympy.Expr) -> bool:
-    """Whether a direction of numbers has another length than 1."""
-    square = sympy.sympify(x**2 + y**2)
-    return square.is_number and abs(float(square) - 1) > 1e-9
-
-
-def _bodies(model: Model, element: Element) -> Iterator[str]:
-    where = label(element)
-    for body in element.bodies:
-        if body.model is not model.token:
-            advice = f"use a body of '{model.name}'."
-            yield f"{where}: body '{body.name}' belongs to another model; {advice}"
-        elif not body.fixed and model.bodies.get(body.name) is not body:
-            yield f"{where}: body '{body.name}' is not declared in '{model.name}'."
-    pair = element.bodies if isinstance(element, Constraint) else ()
-    if len(pair) == 2 and pair[0] is pair[1]:
-        yield f"{where} connects body '{pair[0].name}' with itself; give two different bodies."
-
-
-def _orientations(constraint: Constraint) -> Iterator[str]:
+def _orientations(constraint: el.Constraint) -> Iterator[str]:
     """Joints that would turn a particle, or ask for an angle that a body has not."""
     statement = constraint.statement()
     phi = sympy.Tuple(*statement.phi)
-    for frame in (elements.I, elements.J):
+    for frame in (el.I, el.J):
         centred = phi.xreplace(dict.fromkeys(frame.s, sympy.S.Zero))
         if not centred.has(frame.phi):
             continue
@@ -187,22 +157,22 @@ def _orientations(constraint: Constraint) -> Iterator[str]:
         if body and body.angle is None and phi.xreplace(statement.bindings).has(frame.phi):
             letters = ", ".join(q.letter for q in body.coordinates)
             yield (
-                f"{label(constraint)} asks for the angle of '{body.name}', which "
+                f"{el.label(constraint)} asks for the angle of '{body.name}', which "
                 f"is oriented by {letters} and counts none; use joints that ask for points and "
                 "axes, such as revolute, point-on-line or distance, or model.constraint(...)."
             )
         if body and not body.turns:
             yield (
-                f"{label(constraint)} holds an angle of '{body.name}', which is "
+                f"{el.label(constraint)} holds an angle of '{body.name}', which is "
                 "a particle and has none; use a joint that leaves it free to turn, or a body."
             )
 
 
 def _needed(model: Model, scene: Scene, name: str) -> list[str]:
     """The bodies, and joints with coordinates, that an effect or driver acts on or looks at."""
-    element: Constraint | Effect = model.drivers.get(name) or model.acting(scene)[name]
+    element: el.Constraint | el.Effect = model.drivers.get(name) or model.acting(scene)[name]
     needed = [body.name for body in element.bodies if not body.fixed]
-    if isinstance(element, Effect):
+    if isinstance(element, el.Effect):
         if hasattr(element, "friction"):
             needed.append(element.friction().joint)
         bodies = tuple(model.bodies[b] for b in scene.bodies)
@@ -211,10 +181,10 @@ def _needed(model: Model, scene: Scene, name: str) -> list[str]:
     return list(dict.fromkeys(needed))
 
 
-def _effect_expressions(effect: Effect, bodies: tuple[Body, ...]) -> list[sympy.Basic]:
+def _effect_expressions(effect: el.Effect, bodies: tuple[Body, ...]) -> list[sympy.Basic]:
     forces = effect.forces(bodies)
     expressions: list[sympy.Basic | None] = [*forces, *forces.values(), effect.potential(bodies)]
-    law, hold, pulls, reported = elements.optional_answers(effect, bodies)
+    law, hold, pulls, reported = el.optional_answers(effect, bodies)
     expressions += chain.from_iterable(pulls)
     expressions += [value for _, _, value in reported]
     expressions += vars(hold).values() if hold else ()
@@ -223,20 +193,20 @@ def _effect_expressions(effect: Effect, bodies: tuple[Body, ...]) -> list[sympy.
 
 
 def _unknown_symbols(
-    model: Model, element: Constraint | Effect, expressions: Iterable[sympy.Basic]
+    model: Model, element: el.Constraint | el.Effect, expressions: Iterable[sympy.Basic]
 ) -> Iterator[str]:
     """Symbols that mean nothing in the model."""
     known: set[sympy.Symbol] = {*model.defaults, SPEED, side(element.name), t}
     coordinates = [
         q for body in (*model.bodies.values(), *element.bodies) for q in body.coordinates
     ]
-    coordinates += [q for joint in model.joints.values() for q in own_coordinates(joint)]
+    coordinates += [q for joint in model.joints.values() for q in el.own_coordinates(joint)]
     known |= {symbol for q in coordinates for symbol in (q, q.rate)}
     symbols = set().union(*(e.free_symbols for e in expressions)) - known
-    if isinstance(element, Constraint):
+    if isinstance(element, el.Constraint):
         symbols -= {s for place in element.statement().bindings for s in place.free_symbols}
     for symbol in sorted(symbols, key=lambda s: s.name):
-        yield _unknown(model, label(element), symbol)
+        yield _unknown(model, el.label(element), symbol)
 
 
 def _unknown(model: Model, where: str, symbol: sympy.Symbol) -> str:
@@ -290,7 +260,9 @@ def _collisions(model: Model) -> Iterator[str]:
     """Two things that would have one name in the generated text."""
     owners: dict[str, str] = {"t": "the time"}
     declared = [("body", body.name, body.coordinates) for body in model.bodies.values()]
-    declared += [("joint", joint.name, own_coordinates(joint)) for joint in model.joints.values()]
+    declared += [
+        ("joint", joint.name, el.own_coordinates(joint)) for joint in model.joints.values()
+    ]
     for kind, owner, coordinates in declared:
         for symbol in (s for q in coordinates for s in (q, q.rate)):
             owners[symbol.name] = f"a coordinate or velocity of {kind} '{owner}'"

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 import sympy
 
-from codegen.declare.symbols import Coordinate, Velocity, alpha, coordinate
+from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate
 from codegen.declare.units import is_quantity, plain_length
 
 
@@ -19,21 +19,9 @@ class Pose:
     """The coordinates x, y and φ that belong to a name."""
 
     name: str
-
-    @property
-    def x(self) -> Coordinate:
-        """Horizontal position of the origin, m."""
-        return coordinate(self.name, "x")
-
-    @property
-    def y(self) -> Coordinate:
-        """Vertical position of the origin, m."""
-        return coordinate(self.name, "y")
-
-    @property
-    def phi(self) -> Coordinate:
-        """Orientation φ, counter-clockwise from the global x axis, rad."""
-        return coordinate(self.name, "phi")
+    x = own_coordinate("x", "Horizontal position of the origin, m.")
+    y = own_coordinate("y", "Vertical position of the origin, m.")
+    phi = own_coordinate("phi", "Orientation φ, counter-clockwise from the global x axis, rad.")
 
 
 @dataclass(frozen=True, eq=False)

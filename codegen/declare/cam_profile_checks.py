@@ -17,6 +17,7 @@ ALPHAS = tuple(2 * math.pi * k / SAMPLES for k in range(SAMPLES + 1))
 TOLERANCE = 1e-9
 UNDEFINED = (ArithmeticError, ValueError, TypeError, NameError)
 """Errors that functions of numbers raise outside their domain."""
+Samples = npt.NDArray[np.float64]
 
 
 def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Iterator[str]:
@@ -43,33 +44,33 @@ def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Itera
     if not np.isfinite(points).all():
         yield f"the profile {tuple(profile)} is not finite everywhere from α = 0 to 2π."
         return
-    size = max(abs(c) for point in points for c in point[:2]) or 1.0
-    for fault, k in (("does not close", 0), ("has a corner where it closes", 2)):
-        gap = max(abs(points[-1][k + i] - points[0][k + i]) for i in (0, 1))
+    size = float(np.abs(points[:, :2]).max()) or 1.0
+    gaps = np.abs(points[-1] - points[0])
+    for fault, ends, gap in (
+        ("does not close", "ends", gaps[:2].max()),
+        ("has a corner where it closes", "tangents", gaps[2:4].max()),
+    ):
         if gap > TOLERANCE * size:
             yield (
-                f"the profile {fault}: its {'ends' if k == 0 else 'tangents'} at α = 0 and 2π "
-                f"are {gap:.3g} m apart; give functions of period 2π."
+                f"the profile {fault}: its {ends} at α = 0 and 2π are {gap:.3g} m apart; give "
+                "functions of period 2π."
             )
             return
-    speeds = [(dx * dx + dy * dy) ** 0.5 for _, _, dx, dy, _, _ in points]
-    slowest = min(range(len(points)), key=speeds.__getitem__)
+    dx, dy, x2, y2 = points.T[2:]
+    speeds, bends = np.hypot(dx, dy), dx * y2 - dy * x2
+    bends *= 1.0 if bends.sum() > 0 else -1.0
+    slowest, least = int(np.argmin(speeds)), int(np.argmin(bends))
     if speeds[slowest] <= TOLERANCE * size:
         yield (
             f"the profile has a cusp: at α = {ALPHAS[slowest]:.4g} rad its tangent is "
             f"{speeds[slowest]:.3g} m per rad; give a smooth profile."
         )
-    elif convex:
-        bends = [dx * y2 - dy * x2 for _, _, dx, dy, x2, y2 in points]
-        turn = 1.0 if sum(bends) > 0 else -1.0
-        least = min(range(len(points)), key=lambda k: turn * bends[k])
-        if turn * bends[least] <= TOLERANCE * size * size:
-            curvature = turn * bends[least] / speeds[least] ** 3
-            yield (
-                f"the profile is not convex: at α = {ALPHAS[least]:.4g} rad its curvature is "
-                f"{curvature:.3g} 1/m, and a flat face needs a positive one everywhere; enlarge "
-                "the base circle, or use a roller."
-            )
+    elif convex and bends[least] <= TOLERANCE * size * size:
+        yield (
+            f"the profile is not convex: at α = {ALPHAS[least]:.4g} rad its curvature is "
+            f"{bends[least] / speeds[least] ** 3:.3g} 1/m, and a flat face needs a positive one "
+            "everywhere; enlarge the base circle, or use a roller."
+        )
 
 
 def pace(profile: sympy.Matrix) -> float:
@@ -82,36 +83,34 @@ def pace(profile: sympy.Matrix) -> float:
     return float(f"{size:.3g}") if 0.0 < size < math.inf else 1.0
 
 
-def places(profile: sympy.Matrix) -> npt.NDArray[np.float64]:
+def places(profile: sympy.Matrix) -> Samples:
     """Points of a curve that is written in alpha and numbers, at `ALPHAS`, samples × 2."""
-    return np.array(_sampled(tuple(profile)))
+    return _sampled(tuple(profile))
 
 
-def in_ground(curve: Curve, numbers: Mapping[sympy.Symbol, float]) -> npt.NDArray[np.float64]:
+def in_ground(curve: Curve, numbers: Mapping[sympy.Symbol, float]) -> Samples:
     """Points of a curve in the global frame for coordinates and parameters, samples × 2."""
     x, y = (float(a.subs(numbers)) for a in curve.body.position)
     c, s = (float(a.subs(numbers)) for a in curve.body.rotation)
     rotated = places(curve.at(alpha).subs(numbers)) @ np.array([[c, s], [-s, c]])
-    points: npt.NDArray[np.float64] = rotated + np.array([x, y])
+    points: Samples = rotated + np.array([x, y])
     return points
 
 
-def outward(points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def outward(points: Samples) -> Samples:
     """Unit normals of a closed curve at its points, pointing out of it, samples × 2."""
     tangent = np.gradient(points, axis=0)
     tangent[0] = tangent[-1] = points[1] - points[-2]
     x, y = points.T
     turn = np.sign(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))
     normal = turn * np.stack([tangent[:, 1], -tangent[:, 0]], axis=1)
-    normals: npt.NDArray[np.float64] = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    normals: Samples = normal / np.linalg.norm(normal, axis=1, keepdims=True)
     return normals
 
 
-def _sampled(
-    expressions: tuple[sympy.Expr, ...], at: tuple[float, ...] = ALPHAS
-) -> list[tuple[float, ...]]:
-    """Values at parameters of the curve."""
+def _sampled(expressions: tuple[sympy.Expr, ...], at: tuple[float, ...] = ALPHAS) -> Samples:
+    """Values at parameters of the curve, samples × expressions."""
     tables = {str(a): a.table for e in expressions for a in e.atoms(TableAtom)}
     tables["Interpolant"] = lambda table, order, at: table(at, order)
     everything = sympy.lambdify(alpha, expressions, [tables, "math"])
-    return [tuple(map(float, everything(value))) for value in at]
+    return np.array([tuple(map(float, everything(value))) for value in at])

@@ -152,6 +152,11 @@ def coordinate(owner: str, letter: str) -> Coordinate:
     return Coordinate(f"{owner}_{letter}", real=True)
 
 
+def own_coordinate(letter: str, text: str) -> Coordinate:
+    """A property of bodies and joints: the coordinate of that letter; `text` describes it."""
+    return property(lambda owner: coordinate(owner.name, letter), doc=text)  # type: ignore[return-value]
+
+
 def side(name: str) -> Side:
     """The side on which the effect of that name acts, as its `Sticking` or `Rigid` says."""
     return Side(f"{name}_side", real=True)

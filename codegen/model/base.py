@@ -91,21 +91,15 @@ class Declarations:
 
     def _declare(self, element: Declared) -> Declared:
         """Declare an element among those of its role."""
-        tables: dict[str, dict[str, Any]] = {
-            "body": self.bodies,
-            "particle": self.bodies,
-            "joint": self.joints,
-            "driver": self.drivers,
-            "effect": self.effects,
-        }
+        word = "effect"
+        table: dict[str, Any] = self.effects
         if isinstance(element, Body):
-            word = "particle" if isinstance(element, Particle) else "body"
+            word, table = "particle" if isinstance(element, Particle) else "body", self.bodies
         elif isinstance(element, Constraint):
-            word = "driver" if role(element.kind) == "driver" else "joint"
-        else:
-            word = "effect"
+            is_driver = role(element.kind) == "driver"
+            word, table = ("driver", self.drivers) if is_driver else ("joint", self.joints)
         if self._claim(word, element.name):
-            tables[word][element.name] = element
+            table[element.name] = element
         return element
 
     def _point(self, name: str, place: Any) -> Point:

@@ -4,7 +4,7 @@ A coupler is a rod between two pins, taken as heavy as a question needs it (Haug
 a massless link, or as a link with its mass at the pins.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any, Literal
 
 import sympy
@@ -83,27 +83,20 @@ class Bodies(Joints):
         absent: list[str] = []
         for name, (rod, *halves) in self.couplers.items():
             form = forms.get(name, "body")
-            carried = self.joints.get(f"{name}_link")
-            ends = [] if carried is None else [body.name for body in carried.bodies]
+            link = self.joints.get(f"{name}_link")
+            ends = [body.name for body in link.bodies] if link else []
             if form != "body":
                 absent.append(rod.name)
-                read.problems += self._lost_joints(where, rod, form, without)
+                pins = (f"{name}_i", f"{name}_j")
+                read.problems += [  # joints that would come apart in silence
+                    f"{where}: joint '{joint.name}' holds '{name}', which is no body as '{form}'; "
+                    "take it as 'body', or leave the joint out."
+                    for joint in self.joints.values()
+                    if rod in joint.bodies and joint.name not in (*pins, *without)
+                ]
             if form != "lumped" or any(end in without for end in ends):
                 absent += [half.name for half in halves]
         return tuple(absent)
-
-    def _lost_joints(
-        self, where: str, rod: Body, form: str, without: tuple[str, ...]
-    ) -> Iterator[str]:
-        """Joints on a coupler that is no body: they would come apart in silence."""
-        for joint in self.joints.values():
-            its_own = joint.name in (f"{rod.name}_i", f"{rod.name}_j")
-            pinned = any(body is rod for body in joint.bodies)
-            if pinned and not its_own and joint.name not in without:
-                yield (
-                    f"{where}: joint '{joint.name}' holds '{rod.name}', which is no body as "
-                    f"'{form}'; take it as 'body', or leave the joint out."
-                )
 
     def _positive(self, value: Any, unit: str, where: str) -> sympy.Expr | None:
         """A mass or inertia, if given; a parameter that is one must be positive from now on."""

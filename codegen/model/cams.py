@@ -76,11 +76,10 @@ class Cams(Declarations):
         """
         where = f"curve '{name}'"
         before = len(self.problems)
-        pairs = [self._read.pair(p, "m", f"{where}, point {k}") for k, p in enumerate(points)]
-        rows = [
-            [self._read.finite(c, "m", f"{where}, point {k}") for c in pair]
-            for k, pair in enumerate(pairs)
-        ]
+        rows = []
+        for k, point in enumerate(points):
+            pair = self._read.pair(point, "m", f"{where}, point {k}")
+            rows.append([self._read.finite(c, "m", f"{where}, point {k}") for c in pair])
         if closed and len(rows) > 1:
             size = max(abs(c) for row in rows for c in row)
             if all(abs(a - b) <= ROUNDING * size for a, b in zip(rows[0], rows[-1], strict=True)):

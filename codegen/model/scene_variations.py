@@ -101,18 +101,15 @@ class Variations(Scenes):
             name += f"_without_{'_'.join(removed)}"
         if added:
             name += f"_with_{'_'.join(f'{n}_{new[n]}' if n in new else n for n in added)}"
-        keys, inherited = CHANGES[1:], self._inherited(root, request)
+        # the root's request with the same elements, against which other changes are told apart
+        names = ("effects", "drivers", "without", "fidelity")
+        same = replace(before, **{key: getattr(request, key) for key in names})
+        keys, inherited = CHANGES[1:], self._drop_unused_starts(same, Request())
         rest = [getattr(request, key) for key in keys]
         if rest != [getattr(inherited, key) for key in keys]:
             name += f"_{_hash(rest)}"
         name = name.replace("__", "_")
         return name if len(name) <= WIDEST else f"{name[: WIDEST - 9].rstrip('_')}_{_hash(name)}"
-
-    def _inherited(self, root: Scene, request: Request) -> Request:
-        """The request of the root with the same elements left out and taken in."""
-        names = ("effects", "drivers", "without", "fidelity")
-        same = replace(root.request, **{key: getattr(request, key) for key in names})
-        return self._drop_unused_starts(same, Request())
 
 
 def _hash(value: object) -> str:

@@ -47,12 +47,11 @@ def angle_problems(element: Element, *bodies: Body) -> list[str]:
     return [
         f"{label(element)} needs the angle of '{body.name}', which has none: it is oriented by "
         f"{', '.join(q.letter for q in body.coordinates)}. Use an element that asks for points."
+        if body.turns
+        else f"{label(element)} turns '{body.name}', which is a particle and has no angle; use a "
+        "body."
         for body in bodies
-        if body.angle is None
-    ] + [
-        f"{label(element)} turns '{body.name}', which is a particle and has no angle; use a body."
-        for body in bodies
-        if not body.turns
+        if body.angle is None or not body.turns
     ]
 
 

@@ -9,7 +9,7 @@ import sympy
 from codegen.declare.body import Curve, Point
 from codegen.declare.cam_profile_checks import ALPHAS, places
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
-from codegen.declare.symbols import Coordinate, alpha, coordinate, given
+from codegen.declare.symbols import Coordinate, alpha, coordinate, given, own_coordinate
 from codegen.elements.joints.body_line import Axis, axis_problems, bind_axis
 from codegen.elements.registry import element
 
@@ -35,11 +35,7 @@ class CamFlatFollower(Constraint):
     cam: Curve
     face: Point
     axis: Axis
-
-    @property
-    def alpha(self) -> Coordinate:
-        """The profile's parameter at the contact, rad."""
-        return coordinate(self.name, "alpha")
+    alpha = own_coordinate("alpha", "The profile's parameter at the contact, rad.")
 
     def statement(self) -> Statement:
         """The face's distance from the contact, and the profile's slope against the face."""

@@ -8,7 +8,7 @@ import sympy
 from codegen.declare.body import Curve
 from codegen.declare.cam_profile_checks import ALPHAS, in_ground, outward
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
-from codegen.declare.symbols import Coordinate, coordinate
+from codegen.declare.symbols import Coordinate, coordinate, own_coordinate
 from codegen.elements.registry import element
 
 AT_I, AT_J = coordinate("contact", "alpha"), coordinate("contact", "beta")
@@ -33,16 +33,8 @@ class CamFollower(Constraint):
     name: str
     cam: Curve
     follower: Curve
-
-    @property
-    def alpha(self) -> Coordinate:
-        """The parameter of the cam's profile at the contact, rad."""
-        return coordinate(self.name, "alpha")
-
-    @property
-    def beta(self) -> Coordinate:
-        """The parameter of the follower's profile at the contact, rad."""
-        return coordinate(self.name, "beta")
+    alpha = own_coordinate("alpha", "The parameter of the cam's profile at the contact, rad.")
+    beta = own_coordinate("beta", "The parameter of the follower's profile at the contact, rad.")
 
     def statement(self) -> Statement:
         """Three equations and two coordinates."""

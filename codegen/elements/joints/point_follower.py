@@ -8,7 +8,7 @@ import sympy
 from codegen.declare.body import Curve, Point
 from codegen.declare.cam_profile_checks import ALPHAS, in_ground
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
-from codegen.declare.symbols import Coordinate, coordinate
+from codegen.declare.symbols import Coordinate, coordinate, own_coordinate
 from codegen.elements.registry import element
 
 AT = coordinate("contact", "alpha")
@@ -29,11 +29,7 @@ class PointFollower(Constraint):
     name: str
     curve: Curve
     point: Point
-
-    @property
-    def alpha(self) -> Coordinate:
-        """The curve's parameter at the point, rad."""
-        return coordinate(self.name, "alpha")
+    alpha = own_coordinate("alpha", "The curve's parameter at the point, rad.")
 
     def statement(self) -> Statement:
         """Distance of the point from the curve's, along the tangent and across it."""
