@@ -1,7 +1,7 @@
 """The table by which compiled code reaches a machine, its method, the loop's parts and its arrays.
 
-`X_of(context)` takes a function or an array out of the table, ``context.x`` is an array of it, too,
-``context[X]`` a number. A part that needs something rare thus costs the others nothing.
+`x_of(context)` takes a function out of the table, ``context.x`` is an array of it, ``context[X]`` a
+number. A part that needs something rare thus costs the others nothing.
 """
 
 from runtime.core.array_types import f8, i8, integers, none, vector
@@ -95,20 +95,20 @@ guard_branches_of = TABLE.function("guard_branches", GUARD_BRANCHES)
 # The run: see `workspace_rows` for the rows of the first two.
 TABLE.floats("workspace", WORKSPACE_SIZE)
 TABLE.floats("switching_rows", SWITCHING_SIZE)
-parameters_of = TABLE.floats("parameters", PARAMETER_COUNT, allotted=False)
-modes_of = TABLE.integers("modes", SWITCHES)
-multipliers_of = TABLE.floats("multipliers", CONSTRAINT_COUNT)
+TABLE.floats("parameters", PARAMETER_COUNT, allotted=False)
+TABLE.integers("modes", SWITCHES)
+TABLE.floats("multipliers", CONSTRAINT_COUNT)
 RECORD = TABLE.number("record")  # address of the run's record, see `loop_record`
-settings_of = TABLE.floats("settings", (2, None))  # length of the step, Baumgarte's time, s
-method_floats_of = TABLE.floats("method_floats", METHOD_FLOATS_SIZE)  # of the method
-method_integers_of = TABLE.integers("method_integers", METHOD_INTEGERS_SIZE)  # of the method
+TABLE.floats("settings", (2, None))  # length of the step, Baumgarte's time, s
+TABLE.floats("method_floats", METHOD_FLOATS_SIZE)  # of the method
+TABLE.integers("method_integers", METHOD_INTEGERS_SIZE)  # of the method
 
 # The constraints: structure of the Jacobian, the partition, its changes.
 TABLE.integers("jacobian_rows jacobian_columns", NONZEROS, allotted=False)
 TABLE.floats("jacobian_values", NONZEROS)
 TABLE.matrix("dense_jacobian", CONSTRAINT_COUNT, COORDINATES)
 TABLE.flat("flat_jacobian", "dense_jacobian")
-row_order_of = TABLE.integers("row_order pivot_columns", CONSTRAINT_COUNT)
+TABLE.integers("row_order pivot_columns", CONSTRAINT_COUNT)
 TABLE.integers("column_order", COORDINATES)
 TABLE.floats("log_times", LOG_ROWS)
 TABLE.integer_matrix("log_sets", LOG_ROWS, COORDINATES)
@@ -120,8 +120,8 @@ TABLE.integers("loop_rows", LOOPS)
 TABLE.floats("loop_nearness", (6, LOOPS))
 
 # Switching functions.
-rigid_of = TABLE.integers("rigid", SWITCHES)  # number of the rigid contact, or -1
-spreads_of = TABLE.floats("spreads", SWITCHES)
+TABLE.integers("rigid", SWITCHES)  # number of the rigid contact, or -1
+TABLE.floats("spreads", SWITCHES)
 TABLE.floats("share share_low share_high", SWITCHES)
 TABLE.integers("sticks", SWITCHES)  # 1: friction that sticks
 TABLE.integers("limits", (2, SWITCHES))  # rows of a force and of its bound, or -1
@@ -144,14 +144,14 @@ TABLE.floats("reaction base_reaction unit_reaction", REACTION_ROWS)  # the first
 
 # The search for consistent modes; the function of the event that was located.
 TABLE.integers("candidate_modes members signs former_modes", SWITCHES)
-crossed_of = TABLE.integers("crossed", (1, None))
+TABLE.integers("crossed", (1, None))
 
 # Samples and events, made by `recording`.
-sample_times_of = TABLE.floats("sample_times", SAMPLE_TIMES, allotted=False)
-out_times_of = TABLE.floats("out_times", OUT_ROWS, allotted=False)
-out_states_of = TABLE.matrix("out_states", OUT_ROWS, (2, COORDINATES), allotted=False)
-out_modes_of = TABLE.integer_matrix("out_modes", OUT_ROWS, SWITCHES, allotted=False)
-recent_events_of = TABLE.floats("recent_events", (RECENT, None))
+TABLE.floats("sample_times", SAMPLE_TIMES, allotted=False)
+TABLE.floats("out_times", OUT_ROWS, allotted=False)
+TABLE.matrix("out_states", OUT_ROWS, (2, COORDINATES), allotted=False)
+TABLE.integer_matrix("out_modes", OUT_ROWS, SWITCHES, allotted=False)
+TABLE.floats("recent_events", (RECENT, None))
 TABLE.floats("event_times", EVENT_ROWS, allotted=False)
 TABLE.integer_matrix("event_kinds", EVENT_ROWS, (2, None), allotted=False)
 TABLE.matrix("event_states", EVENT_ROWS, (2, COORDINATES), allotted=False)

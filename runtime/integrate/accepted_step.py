@@ -3,8 +3,7 @@
 import numpy as np
 
 from runtime.core import function_table as ft
-from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers
+from runtime.core.array_types import Context
 from runtime.core.jit import addressed
 from runtime.core.loop_record import run_record
 from runtime.core.outcomes import Outcome
@@ -21,14 +20,14 @@ _LEAST_ERROR = 1e-4  # safety: a smaller error of the last step says nothing of 
 
 
 @addressed(ft.PART)
-def accept_step(context: Integers) -> int:
+def accept_step(context: Context) -> int:
     """Write the samples, change modes at an event, and make the step's end the next one's start.
 
     `run.changed` counts the events.
     """
-    r, modes = run_record(context), ft.modes_of(context)
-    g1, largest = ws.switch_row(context, ws.G1), ws.switch_row(context, ws.LARGEST)
-    band = ws.switch_row(context, ws.BAND)
+    r, modes = run_record(context), context.modes
+    g1, largest = context.g1, context.largest
+    band = context.band
     h, r.due, r.changed = r.length, 0, 0
     if h > 0.0:
         if ft.emit_of(context)(context, r.t, r.end, h, r.dense_ready) < 0:
@@ -52,12 +51,12 @@ def accept_step(context: Integers) -> int:
 
 
 @addressed(ft.PART)
-def judge_events(context: Integers) -> int:
+def judge_events(context: Context) -> int:
     """After events: whether modes agree and events come to an end; then start the method anew."""
     r = run_record(context)
     if r.changed == 0:
         return Signal.PROCEED
-    recent = ft.recent_events_of(context)
+    recent = context.recent_events
     span = r.t - recent[0]
     for i in range(ft.RECENT - 1):
         recent[i] = recent[i + 1]

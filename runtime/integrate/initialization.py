@@ -5,7 +5,7 @@ import numpy as np
 from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers, i8
+from runtime.core.array_types import Context, i8
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import switching_rates_of
 from runtime.core.loop_record import Plan, run_record
@@ -25,18 +25,18 @@ _ROUGH = 0.1  # accuracy: of a function's spread; |g| that is rounded in its las
 
 
 @inner
-def measure_spreads(context: Integers, t: float) -> None:
+def measure_spreads(context: Context, t: float) -> None:
     """Write into row TRIAL how far functions go when all is changed by its size: Σ |∂g| size.
 
     dg/dt is linear in velocities and accelerations; taken one at a time, each of its size, they
     give the derivatives.
     """
-    p, rates = ft.parameters_of(context), switching_rates_of(context)
+    p, rates = context.parameters, switching_rates_of(context)
     sample, size = row_of(context, ws.SAMPLE), row_of(context, ws.SIZE)
-    q, v = ws.positions(context, Y0), ws.positions(context, ws.SAMPLE)
-    a, known = ws.velocities(context, ws.SAMPLE), ft.spreads_of(context)
+    q, v = context.q0, ws.positions(context, ws.SAMPLE)
+    a, known = ws.velocities(context, ws.SAMPLE), context.spreads
     now, rest = switch_row(context, ws.SCAN), switch_row(context, ws.SCAN + 1)
-    spread = switch_row(context, ws.TRIAL)
+    spread = context.trial
     sample.fill(0.0)
     rates(t, q, v, a, p, rest)
     spread.fill(0.0)
@@ -52,13 +52,13 @@ def measure_spreads(context: Integers, t: float) -> None:
 
 
 @inner
-def place_on_constraints(context: Integers, t: float) -> int:
+def place_on_constraints(context: Context, t: float) -> int:
     """Choose the independent coordinates and return Y0 onto the constraints."""
     r = run_record(context)
     ft.repartition_of(context)(context, t, Y0)
     r.repartitions = 0
     if r.rank < context[ft.RANK]:
-        r.index = ft.row_order_of(context)[r.rank]
+        r.index = context.row_order[r.rank]
         return Outcome.SINGULAR
     result = ft.correct_of(context)(context, t, Y0, ws.PARTITION)
     r.returns += 1
@@ -69,16 +69,16 @@ def place_on_constraints(context: Integers, t: float) -> int:
 
 
 @inner
-def choose_modes(context: Integers, t: float) -> int:
+def choose_modes(context: Context, t: float) -> int:
     """Set the modes, and the sizes of switching functions by which their rounding is judged."""
-    r, modes, rigid = run_record(context), ft.modes_of(context), ft.rigid_of(context)
-    largest, spread = switch_row(context, ws.LARGEST), switch_row(context, ws.TRIAL)
-    band, reserve = switch_row(context, ws.BAND), switch_row(context, ws.RESERVE)
-    impact_at, size = switch_row(context, ws.IMPACT_AT), ws.first_half(context, ws.SIZE)
+    r, modes, rigid = run_record(context), context.modes, context.rigid
+    largest, spread = context.largest, context.trial
+    band, reserve = context.band, context.reserve
+    impact_at, size = context.impact_at, ws.first_half(context, ws.SIZE)
     # A run of no length has modes too; they are judged as if it went on for a second.
     longest = r.h_max if r.h_max > 0.0 else 1.0
     h = ft.first_step_of(context)(context, t, longest, r.rtol, r.estimate_order)
-    ft.settings_of(context)[STEP] = h
+    context.settings[STEP] = h
     measure_spreads(context, t)
     for k in range(modes.size):
         # The rounding of a function is that of what it is made of, however small itself.
@@ -103,10 +103,10 @@ def choose_modes(context: Integers, t: float) -> int:
 
 
 @inner
-def record_start(context: Integers, t: float) -> None:
+def record_start(context: Context, t: float) -> None:
     """Write the samples of the first instant."""
-    r, t_eval = run_record(context), ft.sample_times_of(context)
-    band, out_modes = switch_row(context, ws.BAND), ft.out_modes_of(context)
+    r, t_eval = run_record(context), context.sample_times
+    band, out_modes = context.band, context.out_modes
     if r.every_step != 0:
         record(context, t, Y0)
     while r.next_sample < context[ft.SAMPLE_TIMES] and t_eval[r.next_sample] <= t:
@@ -121,7 +121,7 @@ def record_start(context: Integers, t: float) -> None:
 
 
 @compiled(i8(ADDRESSES))
-def start(context: Integers) -> int:
+def start(context: Context) -> int:
     """Prepare a run whose state is in row Y0: everything that the first step needs.
 
     Returns the code of an outcome: OK, or why there is no first step (`run.index` says which
@@ -134,7 +134,7 @@ def start(context: Integers) -> int:
         outcome = place_on_constraints(context, t)
         if outcome != Outcome.OK:
             return outcome
-    q, v = ws.positions(context, Y0), ws.velocities(context, Y0)
+    q, v = context.q0, context.v0
     a = ws.velocity_rates(context, K)
     # Whether the constraints are independent is not for a joint to say that friction jams.
     suspend_friction(context)

@@ -4,7 +4,7 @@ import numpy as np
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table as ft
-from runtime.core.array_types import Integers
+from runtime.core.array_types import Context, Integers
 from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
@@ -18,12 +18,12 @@ INTERVAL = len(NODES) + 1  # samples of an interval in a quadrature: its Gauss n
 
 
 @inner
-def record(context: Integers, t: float, state: int) -> None:
+def record(context: Context, t: float, state: int) -> None:
     """Append the state in row `state` and the modes in force to the samples."""
     r = run_record(context)
-    ft.out_times_of(context)[r.samples] = t
-    copy_vector(row_of(context, state), ft.out_states_of(context)[r.samples])
-    copy_vector(ft.modes_of(context), ft.out_modes_of(context)[r.samples])
+    context.out_times[r.samples] = t
+    copy_vector(row_of(context, state), context.out_states[r.samples])
+    copy_vector(context.modes, context.out_modes[r.samples])
     r.samples += 1
 
 
@@ -51,12 +51,12 @@ def sample(context: Integers, t: float, h: float, at: float) -> int:
 
 
 @inner
-def sample_nodes(context: Integers, t: float, t1: float, h: float) -> int:
+def sample_nodes(context: Context, t: float, t1: float, h: float) -> int:
     """Append INTERVAL samples for each interval between the step's ends and the instants in it.
 
     These are Gauss' nodes and the interval's end. Returns FAILED, without samples, or 0.
     """
-    r, t_eval = run_record(context), ft.sample_times_of(context)
+    r, t_eval = run_record(context), context.sample_times
     samples, next_sample = r.samples, r.next_sample
     low, code = t, 0
     while low < t1 and code == 0:
@@ -79,9 +79,9 @@ def sample_nodes(context: Integers, t: float, t1: float, h: float) -> int:
 
 
 @addressed(ft.EMIT)
-def emit(context: Integers, t: float, t1: float, h: float, dense_ready: int) -> int:
+def emit(context: Context, t: float, t1: float, h: float, dense_ready: int) -> int:
     """Write the samples after `t` up to `t1`; negative where one could not be corrected, else 0."""
-    r, t_eval = run_record(context), ft.sample_times_of(context)
+    r, t_eval = run_record(context), context.sample_times
     if r.every_step == STEP_ENDS:
         record(context, t1, Y1)
         return 0

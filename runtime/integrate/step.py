@@ -8,7 +8,7 @@ from runtime.constraints.newton_return import FAILED
 from runtime.constraints.repartitioning import is_poorly_chosen
 from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers
+from runtime.core.array_types import Context, Integers
 from runtime.core.borrowed_arrays import view
 from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import constraints_of
@@ -53,11 +53,11 @@ def reject(context: Integers, reason: int, next_length: float) -> int:
 
 
 @inner
-def has_drifted(context: Integers, t: float, rtol: float) -> bool:
+def has_drifted(context: Context, t: float, rtol: float) -> bool:
     """Whether a constraint is off by more than a step's tolerance at Y1."""
     atol, size = ws.row_of(context, ws.ATOL), ws.row_of(context, ws.SIZE)
     phi = view(ws.row_of(context, ws.DELTA), 0, context[ft.CONSTRAINT_COUNT])
-    constraints_of(context)(t, ws.positions(context, ws.Y1), ft.parameters_of(context), phi)
+    constraints_of(context)(t, context.q1, context.parameters, phi)
     tolerance = np.inf
     for j in range(context[ft.COORDINATES]):
         tolerance = min(tolerance, atol[j] + rtol * size[j])
@@ -163,13 +163,13 @@ def estimate_error(context: Integers, t: float, h: float) -> bool:
 
 
 @addressed(ft.TRIAL_STEP)
-def take_trial_step(context: Integers, t: float, h: float) -> int:
+def take_trial_step(context: Context, t: float, h: float) -> int:
     """Step from Y0 over `h` to Y1, corrected, with its derivative and the error `run.error`.
 
     Returns `TrialStep.DONE`, or why the step cannot be accepted.
     """
     r = run_record(context)
-    ft.settings_of(context)[STEP] = h
+    context.settings[STEP] = h
     taken = ft.stages_of(context)(context, t, h)
     r.rhs += r.stage_calls
     if taken < 0:

@@ -5,7 +5,7 @@ Where a switching function crosses zero inside a trial step, the step is taken a
 
 from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers
+from runtime.core.array_types import Context, Integers
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
 from runtime.core.outcomes import Outcome
@@ -44,11 +44,11 @@ def stay(context: Integers) -> int:
 
 
 @addressed(ft.PART)
-def retake(context: Integers) -> int:
+def retake(context: Context) -> int:
     """Take the step again up to the event, by Newton's method on its switching function."""
     r = run_record(context)
-    g1, r1 = switch_row(context, ws.G1), switch_row(context, ws.R1)
-    largest, band = switch_row(context, ws.LARGEST), switch_row(context, ws.BAND)
+    g1, r1 = context.g1, context.r1
+    largest, band = context.largest, context.band
     crossing, t, h, reach = r.crossing, r.t, r.length, r.reach
     take_trial_step = ft.trial_step_of(context)
     code = 0
@@ -72,7 +72,7 @@ def retake(context: Integers) -> int:
     r.length = h
     if code != TrialStep.DONE:
         return reject(context, code, 0.5 * h)
-    side = 1.0 if ft.modes_of(context)[crossing] != 0 else -1.0
+    side = 1.0 if context.modes[crossing] != 0 else -1.0
     near = max(1e-11 * largest[crossing], 1e-12 * reach * abs(r1[crossing]), band[crossing])
     if side * g1[crossing] > near:
         r.crossing = -1  # it only came close
@@ -80,7 +80,7 @@ def retake(context: Integers) -> int:
 
 
 @addressed(ft.PART)
-def end_at_event(context: Integers) -> int:
+def end_at_event(context: Context) -> int:
     """End the step at the first event in it; `run.crossing` receives its function, or -1.
 
     `run.length` becomes the time to it, `run.reach` the step's own.
@@ -100,7 +100,7 @@ def end_at_event(context: Integers) -> int:
         r.rhs += r.dense_calls
         x = ft.locate_of(context)(context)
         if x <= 1.0:
-            r.crossing, r.length = ft.crossed_of(context)[0], x * h
+            r.crossing, r.length = context.crossed[0], x * h
     if r.crossing < 0 and r.end >= r.t_end:
         r.crossing = find_crossing_at_end(context, r.end)
     if r.crossing < 0:

@@ -21,7 +21,7 @@ _REGULAR = 1e-13  # accuracy: of the largest: squared singular values below this
 
 @inner
 def differentiate_complement(
-    context: Integers, z: Vector, left: Matrix, null: Matrix, row: int, out: Matrix
+    search: Integers, z: Vector, left: Matrix, null: Matrix, row: int, out: Matrix
 ) -> None:
     """Differentiate the complement at z along the direction in `step`: uᵀ J'(step) N.
 
@@ -29,15 +29,15 @@ def differentiate_complement(
     equal distances behind it.
     """
     (wide, free), (rows, weak) = null.shape, left.shape
-    ahead, behind = st.ahead_of(context), st.behind_of(context)
-    at_row, at_column = st.entry_rows_of(context), st.entry_columns_of(context)
-    lengths, displaced, sums = st.lengths_of(context), st.displaced_of(context), st.sums_of(context)
-    direction = st.step_of(context)
+    ahead, behind = st.ahead_of(search), st.behind_of(search)
+    at_row, at_column = st.entry_rows_of(search), st.entry_columns_of(search)
+    lengths, displaced, sums = st.lengths_of(search), st.displaced_of(search), st.sums_of(search)
+    direction = st.step_of(search)
     delta = _DIFFERENCE / max(np.sqrt(dot(direction, direction)), 1e-300)
     for sign, entries in ((1.0, ahead), (-1.0, behind)):
         for j in range(wide):
             displaced[j] = z[j] + sign * delta * direction[j]
-        st.jacobian_entries(context, displaced, entries)
+        st.jacobian_entries(search, displaced, entries)
     sums[:] = 0.0
     for e in range(ahead.size):
         i, j = at_row[e], at_column[e]
@@ -57,7 +57,7 @@ def differentiate_complement(
 
 @inner
 def factor_normal_equations(
-    context: Integers, z: Vector, left: Matrix, null: Matrix, form: Matrix, normal: Matrix
+    search: Integers, z: Vector, left: Matrix, null: Matrix, form: Matrix, normal: Matrix
 ) -> bool:
     """Fill `form`, (weak free, free), with the complement's derivatives, and factor formᵀ form.
 
@@ -65,10 +65,10 @@ def factor_normal_equations(
     Returns whether there are any derivatives.
     """
     wide, free = null.shape
-    direction = st.step_of(context)
+    direction = st.step_of(search)
     for g in range(free):
         copy_vector(null[:, g], direction)
-        differentiate_complement(context, z, left, null, g, form)
+        differentiate_complement(search, z, left, null, g, form)
     multiply_gram(form, normal)
     largest = 0.0
     for f in range(free):
@@ -113,7 +113,7 @@ def newton_step(slopes: Matrix, square: Matrix, missed: Vector, x: Vector) -> fl
 
 @allocating(i8(integers, vector, vector, matrix, matrix, matrix, vector))
 def find_branch(
-    context: Integers, z: Vector, rate: Vector, left: Matrix, null: Matrix, passing: Matrix,
+    search: Integers, z: Vector, rate: Vector, left: Matrix, null: Matrix, passing: Matrix,
     x: Vector,
 ) -> int:  # fmt: skip
     """Direction of the branch nearest to a motion, in a singular position; returns the iterations.
@@ -126,12 +126,12 @@ def find_branch(
     """
     wide, free = null.shape
     weak = left.shape[1]
-    direction, missed = st.step_of(context), view(st.residuals_of(context), 0, weak)
+    direction, missed = st.step_of(search), view(st.residuals_of(search), 0, weak)
     slopes, square = np.empty((weak, free)), np.empty((weak, weak))
     multiply(null.T, rate, x)
     for iteration in range(_ITERATIONS):
         multiply(null, x, direction)
-        differentiate_complement(context, z, left, null, 0, slopes)
+        differentiate_complement(search, z, left, null, 0, slopes)
         if iteration == 0:
             passing[:, :] = slopes
         if newton_step(slopes, square, missed, x) < _CONVERGED:

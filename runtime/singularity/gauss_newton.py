@@ -24,7 +24,7 @@ _FLAT = 1e-6  # accuracy: the largest entry of the complement at a singular posi
 
 
 @allocating(f8(integers, vector, matrix, matrix))
-def find_root(context: Integers, z: Vector, left: Matrix, null: Matrix) -> float:
+def find_root(search: Integers, z: Vector, left: Matrix, null: Matrix) -> float:
     """Bring z, (n + 1,), to a position in which as many rows are lost as `left` has columns.
 
     Returns the largest |uᵀ Φ|, or -1 where there is no such position. `left` (rows, weak) and
@@ -32,17 +32,17 @@ def find_root(context: Integers, z: Vector, left: Matrix, null: Matrix) -> float
     """
     (rows, weak), (wide, free) = left.shape, null.shape
     strong = rows - weak
-    order, origin = st.column_order_of(context), st.origin_of(context)
-    step, gaps = st.step_of(context), st.residuals_of(context)
+    order, origin = st.column_order_of(search), st.origin_of(search)
+    step, gaps = st.step_of(search), st.residuals_of(search)
     a, x, form = np.empty((rows, wide)), np.empty(free), np.empty((weak * free, free))
     square, normal = np.empty((weak, weak)), np.empty((free, free))
     copy_vector(z, origin)
     for iteration in range(_ITERATIONS):
-        if not schur.eliminate_strong_rows(context, z, strong, a, gaps):
+        if not schur.eliminate_strong_rows(search, z, strong, a, gaps):
             return -1.0
         if iteration % _KEEP == 0 or iteration == 1:
-            schur.find_vectors(context, a, strong, left, null)
-            if not factor_normal_equations(context, z, left, null, form, normal):
+            schur.find_vectors(search, a, strong, left, null)
+            if not factor_normal_equations(search, z, left, null, form, normal):
                 return -1.0
         x[:] = 0.0
         for w in range(weak):
@@ -64,9 +64,9 @@ def find_root(context: Integers, z: Vector, left: Matrix, null: Matrix) -> float
             return -1.0
         if moved < (_CONVERGED * (1.0 + np.sqrt(size))) ** 2:
             break
-    if not schur.eliminate_strong_rows(context, z, strong, a, gaps):
+    if not schur.eliminate_strong_rows(search, z, strong, a, gaps):
         return -1.0
-    schur.find_vectors(context, a, strong, left, null)
+    schur.find_vectors(search, a, strong, left, null)
     if not schur.normalise_complement(a, strong, left, null, square, normal):
         return -1.0
     for i in range(strong, rows):

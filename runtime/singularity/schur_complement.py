@@ -20,7 +20,7 @@ from runtime.singularity import search_function_table as st
 
 @inner
 def eliminate_strong_rows(
-    context: Integers, z: Vector, strong: int, a: Matrix, gaps: Vector
+    search: Integers, z: Vector, strong: int, a: Matrix, gaps: Vector
 ) -> bool:
     """Eliminate the strong rows of the Jacobian at z, and of the constraints' values.
 
@@ -28,11 +28,11 @@ def eliminate_strong_rows(
     the first `strong` ones the Schur complement; `gaps`, (rows,), the values of the rows, those of
     the strong ones eliminated. False where a pivot vanishes.
     """
-    values, lengths = st.values_of(context), st.lengths_of(context)
-    at_row, at_column = st.entry_rows_of(context), st.entry_columns_of(context)
-    row_place, column_place = st.row_place_of(context), st.column_place_of(context)
-    st.unit_residuals(context, z, gaps)
-    st.jacobian_entries(context, z, values)
+    values, lengths = st.values_of(search), st.lengths_of(search)
+    at_row, at_column = st.entry_rows_of(search), st.entry_columns_of(search)
+    row_place, column_place = st.row_place_of(search), st.column_place_of(search)
+    st.unit_residuals(search, z, gaps)
+    st.jacobian_entries(search, z, values)
     a[:, :] = 0.0
     for e in range(values.size):
         i = at_row[e]
@@ -42,10 +42,10 @@ def eliminate_strong_rows(
 
 
 @inner
-def find_vectors(context: Integers, a: Matrix, strong: int, left: Matrix, null: Matrix) -> None:
+def find_vectors(search: Integers, a: Matrix, strong: int, left: Matrix, null: Matrix) -> None:
     """Left vectors and null vectors after the elimination of the strong rows."""
-    left_vectors(a, strong, st.row_order_of(context), left)
-    null_vectors(a, strong, st.column_order_of(context), null)
+    left_vectors(a, strong, st.row_order_of(search), left)
+    null_vectors(a, strong, st.column_order_of(search), null)
 
 
 @inner
@@ -75,7 +75,7 @@ def largest_lost_gap(gaps: Vector, strong: int, lower: Matrix) -> float:
 
 
 @allocating(i8(integers, matrix, i8))
-def reduce_to_weak_part(context: Integers, a: Matrix, strong: int) -> int:
+def reduce_to_weak_part(search: Integers, a: Matrix, strong: int) -> int:
     """Turn the complement of a factored matrix into that of orthonormal vectors; 0 if it has none.
 
     Its singular values are then the small ones of the matrix, but for the square of their ratio to
@@ -85,5 +85,5 @@ def reduce_to_weak_part(context: Integers, a: Matrix, strong: int) -> int:
     weak, free = rows - strong, wide - strong
     left, null = np.empty((rows, weak)), np.empty((wide, free))
     square, normal = np.empty((weak, weak)), np.empty((free, free))
-    find_vectors(context, a, strong, left, null)
+    find_vectors(search, a, strong, left, null)
     return int(normalise_complement(a, strong, left, null, square, normal))

@@ -1,6 +1,7 @@
 """The table by which compiled searches reach a machine's constraints, and its first readers.
 
-It is laid out as that of a run (`runtime.core.function_table`). In scaled coordinates a position is
+It is laid out as that of a run (`runtime.core.function_table`), but is called `search` and has no
+attributes: ``context.x`` would read a run's slot. In scaled coordinates a position is
 z = (q / scale, t speed), of shape (n + 1,).
 """
 
@@ -45,52 +46,52 @@ sums_of = TABLE.floats("sums", UNKNOWNS, ROWS)  # uᵀ J' of the left vectors, f
 
 
 @inner
-def write_position(context: Integers, z: Vector) -> float:
+def write_position(search: Integers, z: Vector) -> float:
     """Write q at z into the array that kernels read; the instant, s."""
-    q, scale = position_of(context), scale_of(context)
+    q, scale = position_of(search), scale_of(search)
     for j in range(q.size):
         q[j] = z[j] * scale[j]
-    return float(z[q.size] / speed_of(context)[0])
+    return float(z[q.size] / speed_of(search)[0])
 
 
 @inner
-def jacobian_entries(context: Integers, z: Vector, values: Vector) -> None:
+def jacobian_entries(search: Integers, z: Vector, values: Vector) -> None:
     """Fill `values`, (nnz + m,), with the Jacobian by z: Φ_q, columns scaled, then Φ_t / speed."""
-    t = write_position(context, z)
-    m, nonzeros, speed = context[CONSTRAINT_COUNT], context[NONZEROS], speed_of(context)[0]
-    q, p = position_of(context), parameters_of(context)
-    scale, columns = scale_of(context), entry_columns_of(context)
+    t = write_position(search, z)
+    m, nonzeros, speed = search[CONSTRAINT_COUNT], search[NONZEROS], speed_of(search)[0]
+    q, p = position_of(search), parameters_of(search)
+    scale, columns = scale_of(search), entry_columns_of(search)
     rate = view(values, nonzeros, m)
-    jacobian_of(context)(t, q, p, view(values, 0, nonzeros))
+    jacobian_of(search)(t, q, p, view(values, 0, nonzeros))
     for e in range(nonzeros):
         values[e] *= scale[columns[e]]
     rate[:] = 0.0
-    velocity_rhs_of(context)(t, q, p, rate)
+    velocity_rhs_of(search)(t, q, p, rate)
     for i in range(m):
         rate[i] /= -speed
 
 
 @inner
-def unit_residuals(context: Integers, z: Vector, residuals: Vector) -> None:
+def unit_residuals(search: Integers, z: Vector, residuals: Vector) -> None:
     """Fill `residuals`, (rows,), with Φ at z over the rows' lengths, in the order of places."""
-    t = write_position(context, z)
-    phi = phi_of(context)
+    t = write_position(search, z)
+    phi = phi_of(search)
     phi[:] = 0.0
-    constraints_of(context)(t, position_of(context), parameters_of(context), phi)
-    lengths, place = lengths_of(context), row_place_of(context)
-    independent = independent_of(context)
+    constraints_of(search)(t, position_of(search), parameters_of(search), phi)
+    lengths, place = lengths_of(search), row_place_of(search)
+    independent = independent_of(search)
     for i in range(independent.size):
         residuals[place[i]] = phi[independent[i]] / lengths[i]
 
 
 @compiled(none(integers, f8, vector))
-def set_units(context: Integers, speed: float, z: Vector) -> None:
+def set_units(search: Integers, speed: float, z: Vector) -> None:
     """Set the unit of time, 1 / `speed` s, and the lengths of the rows of Φ_q to those at z."""
-    speed_of(context)[0] = speed
-    values, lengths, rows = values_of(context), lengths_of(context), entry_rows_of(context)
-    jacobian_entries(context, z, values)
+    speed_of(search)[0] = speed
+    values, lengths, rows = values_of(search), lengths_of(search), entry_rows_of(search)
+    jacobian_entries(search, z, values)
     lengths[:] = 0.0
-    for e in range(context[NONZEROS]):
+    for e in range(search[NONZEROS]):
         if rows[e] < lengths.size:
             lengths[rows[e]] += values[e] ** 2
     for i in range(lengths.size):
@@ -98,9 +99,9 @@ def set_units(context: Integers, speed: float, z: Vector) -> None:
 
 
 @compiled(none(integers, vector, vector))
-def unit_jacobian_entries(context: Integers, z: Vector, out: Vector) -> None:
+def unit_jacobian_entries(search: Integers, z: Vector, out: Vector) -> None:
     """Fill `out`, (nnz + m,), with the Jacobian of the unit rows at z; 0 in rows set aside."""
-    rows, lengths = entry_rows_of(context), lengths_of(context)
-    jacobian_entries(context, z, out)
+    rows, lengths = entry_rows_of(search), lengths_of(search)
+    jacobian_entries(search, z, out)
     for e in range(rows.size):
         out[e] = out[e] / lengths[rows[e]] if rows[e] < lengths.size else 0.0

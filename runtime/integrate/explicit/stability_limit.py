@@ -15,8 +15,8 @@ Ordinary Differential Equations II, section IV.2), who detect stiffness by them.
 
 import numpy as np
 
-from runtime.core.array_types import Integers, Vector
-from runtime.core.function_table import COORDINATES, HOOK, method_floats_of
+from runtime.core.array_types import Context, Integers, Vector
+from runtime.core.function_table import COORDINATES, HOOK
 from runtime.core.jit import compiled, inner
 from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import SIZE, STAGE, Y1, row_of
@@ -48,13 +48,13 @@ def permits_growth(rtol: float, length: int, edge: float) -> bool:
 
 
 @inner
-def observe(context: Integers, last: int) -> int:
+def observe(context: Context, last: int) -> int:
     """Take in the last stage and the result of a step, two states at one instant.
 
     `last` is the row of the result's derivative; that of the last stage's is the one before.
     """
     n = context[COORDINATES]
-    memory, sizes = method_floats_of(context), row_of(context, SIZE)
+    memory, sizes = context.method_floats, row_of(context, SIZE)
     y, z = row_of(context, Y1), row_of(context, STAGE)
     after, before = row_of(context, last), row_of(context, last - 1)
     for i in range(_GROWN):
@@ -79,9 +79,9 @@ def idle(context: Integers, t: float, h: float) -> int:
 
 
 @compiled(HOOK)
-def restart(context: Integers, t: float, h: float) -> int:
+def restart(context: Context, t: float, h: float) -> int:
     """Forget the vibration: the motion goes on under other equations."""
-    method_floats_of(context)[:FLOATS] = 0.0
+    context.method_floats[:FLOATS] = 0.0
     return 0
 
 
@@ -138,9 +138,9 @@ def stable_length(memory: Vector, powers: Vector, h: float) -> float:
 
 
 @inner
-def stable_ratio(context: Integers, h: float, powers: Vector, edge: float) -> float:
+def stable_ratio(context: Context, h: float, powers: Vector, edge: float) -> float:
     """Ratio of two steps' lengths by the error, or less where a vibration would grow too much."""
     ratio = propose(context, h)
     if not permits_growth(run_record(context).rtol, 2 * context[COORDINATES], edge):
         return float(ratio)
-    return float(stable_length(method_floats_of(context), powers, ratio * h) / h)
+    return float(stable_length(context.method_floats, powers, ratio * h) / h)

@@ -15,7 +15,7 @@ import numpy as np
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table as ft
-from runtime.core.array_types import Integers
+from runtime.core.array_types import Context, Integers
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import STAGE, Y1, K, row_of
@@ -69,9 +69,9 @@ solve_step = newton.step_solver(predict, linearize, factor_real, solve)
 
 
 @addressed(ft.STAGES)
-def stages(context: Integers, t: float, h: float) -> int:
+def stages(context: Context, t: float, h: float) -> int:
     """Take the step from Y0 to Y1, of which the dependent half is not yet corrected."""
-    memory, notes = ft.method_floats_of(context), ft.method_integers_of(context)
+    memory, notes = context.method_floats, context.method_integers
     list_unknowns(context)
     history.rescale_history(context, h)
     k, t1 = notes[mem.STEP_ORDER], t + h
@@ -89,26 +89,26 @@ def stages(context: Integers, t: float, h: float) -> int:
 
 
 @inner
-def is_stable(context: Integers, k: int, h: float) -> bool:
+def is_stable(context: Context, k: int, h: float) -> bool:
     """Whether the formula of order `k` damps the fastest vibration at steps of length `h`.
 
     The formulas of order 3 to 5 do so within an angle about the negative real axis, and outside it
     where the vibration is resolved, or else passes many times in a step.
     """
-    memory = ft.method_floats_of(context)
+    memory = context.method_floats
     turn = h * memory[mem.STIFFNESS]
     return bool(memory[mem.DAMPING] >= _DAMPED[k] or turn < _RESOLVED or turn > _PASSED)
 
 
 @addressed(ft.PROPOSE)
-def propose(context: Integers, h: float) -> float:
+def propose(context: Context, h: float) -> float:
     """Choose the next order; ratio of the next step's length to this accepted one's.
 
     Both stay until k + 1 steps of one length were taken at order k, as the differences of higher
     order mean nothing before.
     """
     r = run_record(context)
-    memory, notes = ft.method_floats_of(context), ft.method_integers_of(context)
+    memory, notes = context.method_floats, context.method_integers
     k = notes[mem.STEP_ORDER]
     notes[mem.NEXT_ORDER] = k
     if notes[mem.EQUAL] + 1 < k + 1:
@@ -133,9 +133,9 @@ def propose(context: Integers, h: float) -> float:
 
 
 @compiled(ft.HOOK)
-def accepted(context: Integers, t: float, h: float) -> int:
+def accepted(context: Context, t: float, h: float) -> int:
     """Take the step into the differences, and change to the order proposed."""
-    r, notes = run_record(context), ft.method_integers_of(context)
+    r, notes = run_record(context), context.method_integers
     k = notes[mem.STEP_ORDER]
     history.extend_history(context, h)
     notes[mem.EQUAL] += 1
@@ -151,9 +151,9 @@ def accepted(context: Integers, t: float, h: float) -> int:
 
 
 @compiled(ft.HOOK)
-def restart(context: Integers, t: float, h: float) -> int:
+def restart(context: Context, t: float, h: float) -> int:
     """Forget the past: the motion goes on under other equations."""
-    notes = ft.method_integers_of(context)
+    notes = context.method_integers
     history.start_history(context, h if h > 0.0 else 1.0, 2)
     notes[mem.CURRENT] = 0
     notes[mem.REJECTED] = run_record(context).rejected

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.core import function_table as ft
-from runtime.core.array_types import Integers
+from runtime.core.array_types import Context
 from runtime.core.borrowed_arrays import view
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
@@ -66,13 +66,13 @@ _WEIGHTS = _dense_weights()
 
 
 @inner
-def change_spacing(context: Integers, k: int, ratio: float) -> None:
+def change_spacing(context: Context, k: int, ratio: float) -> None:
     """Work out, at CHANGE, the matrix that takes differences 1 … k to another distance.
 
     It is R(ratio) R(1) of Shampine and Reichelt's section 2; column j belongs to the new ∇ʲ.
     """
-    scaled = view(ft.method_floats_of(context), mem.CHANGE, (6, 6))
-    result = view(ft.method_floats_of(context), mem.CHANGE + 36, (6, 6))
+    scaled = view(context.method_floats, mem.CHANGE, (6, 6))
+    result = view(context.method_floats, mem.CHANGE + 36, (6, 6))
     for j in range(1, k + 1):
         one, other = 1.0, 1.0
         for i in range(1, k + 1):
@@ -89,13 +89,13 @@ def change_spacing(context: Integers, k: int, ratio: float) -> None:
 
 
 @inner
-def start_history(context: Integers, h: float, order: int) -> None:
+def start_history(context: Context, h: float, order: int) -> None:
     """Make up a past for the state Y0 with derivative K: a straight line, at order 1.
 
     At order 2 positions have a parabola, as their second derivative is known, which leaves their
     tiny flights after an impact exact however coarse the tolerance is.
     """
-    notes, n, rows = ft.method_integers_of(context), context[ft.COORDINATES], mem.rows(context)
+    notes, n, rows = context.method_integers, context[ft.COORDINATES], mem.rows(context)
     k0, slope, bend = row_of(context, K), rows[PAST + 1], rows[PAST + 2]
     for j in range(2, 8):
         rows[PAST + j].fill(0.0)
@@ -107,7 +107,7 @@ def start_history(context: Integers, h: float, order: int) -> None:
         for i in range(n):
             bend[i] = h * h * k0[n + i]
             slope[i] -= 0.5 * bend[i]
-    ft.method_floats_of(context)[mem.H_BASE] = h
+    context.method_floats[mem.H_BASE] = h
     notes[mem.STEP_ORDER] = notes[mem.NEXT_ORDER] = order
     # What is made up is smooth: the next step may be another one at once.
     notes[mem.EQUAL] = order if order > 1 else 0
@@ -115,13 +115,13 @@ def start_history(context: Integers, h: float, order: int) -> None:
 
 
 @inner
-def rescale_history(context: Integers, h: float) -> None:
+def rescale_history(context: Context, h: float) -> None:
     """Fill the rows at NOW with the differences of the past at distance `h`.
 
     Where the past is of no use, that is the derivative alone, and the order one.
     """
-    notes, rows = ft.method_integers_of(context), mem.rows(context)
-    ratio = h / ft.method_floats_of(context)[mem.H_BASE]
+    notes, rows = context.method_integers, mem.rows(context)
+    ratio = h / context.method_floats[mem.H_BASE]
     failures = run_record(context).rejected - notes[mem.REJECTED]
     if notes[mem.STEP_ORDER] > 1 and (ratio > 1.01 * GROW or failures >= _FAILURES):
         start_history(context, h, 1)
@@ -130,7 +130,7 @@ def rescale_history(context: Integers, h: float) -> None:
     if ratio != 1.0:
         change_spacing(context, k, ratio)
         notes[mem.EQUAL] = 0
-    change = view(ft.method_floats_of(context), mem.CHANGE, (6, 6))
+    change = view(context.method_floats, mem.CHANGE, (6, 6))
     for j in range(k + 3):
         now = rows[NOW + j]
         if ratio == 1.0 or j == 0 or j > k:
@@ -142,10 +142,10 @@ def rescale_history(context: Integers, h: float) -> None:
 
 
 @inner
-def extrapolate(context: Integers) -> None:
+def extrapolate(context: Context) -> None:
     """Extrapolate the past to the end of the step: what it adds, AHEAD; the state, Y1; and PSI."""
     y1, rows = row_of(context, Y1), mem.rows(context)
-    k = ft.method_integers_of(context)[mem.STEP_ORDER]
+    k = context.method_integers[mem.STEP_ORDER]
     start, ahead, psi, low = rows[NOW], rows[AHEAD], rows[PSI], rows[mem.LOW]
     ahead.fill(0.0)
     psi.fill(0.0)
@@ -158,10 +158,10 @@ def extrapolate(context: Integers) -> None:
 
 
 @inner
-def extend_history(context: Integers, h: float) -> None:
+def extend_history(context: Context, h: float) -> None:
     """Take the step of length `h` to Y1 into the differences, and keep what rounding cut off it."""
     notes, n, unknown = (
-        ft.method_integers_of(context),
+        context.method_integers,
         context[ft.COORDINATES],
         mem.unknowns(context),
     )
@@ -183,18 +183,18 @@ def extend_history(context: Integers, h: float) -> None:
         for j in range(k, 0, -1):
             rows[PAST + j, i] = rows[NOW + j, i] + rows[PAST + j + 1, i]
     copy_vector(y1, rows[PAST])
-    ft.method_floats_of(context)[mem.H_BASE] = h
+    context.method_floats[mem.H_BASE] = h
 
 
 @addressed(ft.DENSE)
-def dense(context: Integers, t: float, h: float) -> int:
+def dense(context: Context, t: float, h: float) -> int:
     """Fill the coefficient rows with the polynomial of degree k through the last k + 1 states."""
     y1, rows = row_of(context, Y1), mem.rows(context)
     for row in range(mem.DENSE_ROWS):
         row_of(context, F + row).fill(0.0)
     for i in range(y1.size):
         summed = (y1[i] - rows[NOW, i]) - rows[AHEAD, i]
-        for j in range(ft.method_integers_of(context)[mem.STEP_ORDER], -1, -1):
+        for j in range(context.method_integers[mem.STEP_ORDER], -1, -1):
             summed += rows[NOW + j, i]
             value = summed if j > 0 else y1[i]
             for row in range(mem.DENSE_ROWS):

@@ -3,8 +3,8 @@
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED
-from runtime.core.array_types import Integers
-from runtime.core.function_table import COORDINATES, method_integers_of
+from runtime.core.array_types import Context, Integers
+from runtime.core.function_table import COORDINATES
 from runtime.core.jit import inlined, inner
 from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import Y1, K, row_of, velocity_rates
@@ -21,13 +21,13 @@ _SEEN = 0.01  # accuracy: of the tolerance; change of a velocity by the rounding
 
 
 @inner
-def add_rounding_effect(context: Integers, t: float, c: float) -> None:
+def add_rounding_effect(context: Context, t: float, c: float) -> None:
     """Add to the accelerations at Y1 their change up to what rounding cut off from it.
 
     Nothing is added where Newton's method would not see it. At an angle of a million turns the last
     digit is a force that no step gets smooth; so it is where a force is stiff.
     """
-    n, f = context[COORDINATES], method_integers_of(context)[mem.FREEDOMS]
+    n, f = context[COORDINATES], context.method_integers[mem.FREEDOMS]
     unknown, by_u = mem.unknowns(context), mem.derivative(context, mem.BY_U)
     y1, rows = row_of(context, Y1), mem.rows(context)
     start, ahead, difference = rows[NOW], rows[AHEAD], rows[DIFFERENCE]
@@ -67,9 +67,9 @@ def evaluate_end(context: Integers, t: float, c: float) -> int:
 
 
 @inner
-def improve_end(context: Integers, c: float) -> float:
+def improve_end(context: Context, c: float) -> float:
     """Change the unknowns of Y1 by a Newton step; its size over the tolerance."""
-    n, f = context[COORDINATES], method_integers_of(context)[mem.FREEDOMS]
+    n, f = context[COORDINATES], context.method_integers[mem.FREEDOMS]
     unknown, y1, a = (
         mem.unknowns(context),
         row_of(context, Y1),
@@ -96,17 +96,17 @@ iterate = newton_iteration(evaluate_end, improve_end, MOST_ITERATIONS, slowest=1
 
 
 @inner
-def solve(context: Integers, t: float, c: float) -> int:
+def solve(context: Context, t: float, c: float) -> int:
     """Solve for the state Y1 at time `t`, the end of the step; its dependent half is not final."""
     n, unknown = context[COORDINATES], mem.unknowns(context)
-    for i in range(method_integers_of(context)[mem.FREEDOMS]):
+    for i in range(context.method_integers[mem.FREEDOMS]):
         mem.rows(context)[DIFFERENCE, n + unknown[i]] = 0.0
         set_unknown(context, c, unknown[i])
     return iterate(context, t, c)
 
 
 @inner
-def estimate_error(context: Integers, t: float, c: float, other: int, share: float) -> float:
+def estimate_error(context: Context, t: float, c: float, other: int, share: float) -> float:
     """Size of the filtered difference of order k + 1 + `other` at the new state.
 
     At an order k it is ∇ᵏ⁺¹, what the step adds to what was foreseen, one lower it is that plus ∇ᵏ
@@ -117,7 +117,7 @@ def estimate_error(context: Integers, t: float, c: float, other: int, share: flo
     dependent coordinates' own differences are the error of the dense output, which is not carried
     on: it is held to what was asked, over which the tolerance of a step is `share`.
     """
-    n, notes, unknown = context[COORDINATES], method_integers_of(context), mem.unknowns(context)
+    n, notes, unknown = context[COORDINATES], context.method_integers, mem.unknowns(context)
     k, y1, rows = notes[mem.STEP_ORDER], row_of(context, Y1), mem.rows(context)
     start, ahead, difference = rows[NOW], rows[AHEAD], rows[DIFFERENCE]
     past = rows[NOW + (k if other < 0 else k + 1)]

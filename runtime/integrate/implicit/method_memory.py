@@ -26,9 +26,9 @@ LOWER, HIGHER, the numbers from CHANGE on, STEP_ORDER, NEXT_ORDER and REJECTED a
 another method may keep its own numbers there, as in rows 0 to 19.
 """
 
-from runtime.core.array_types import Integers, Matrix, Vector
+from runtime.core.array_types import Context, Integers, Matrix, Vector
 from runtime.core.borrowed_arrays import view
-from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
+from runtime.core.function_table import COORDINATES
 from runtime.core.jit import fetched
 
 # Rows of the workspace, in every implicit method.
@@ -75,47 +75,47 @@ def memory(n: int) -> tuple[int, int]:
 
 
 @fetched
-def rows(context: Integers) -> Matrix:
+def rows(context: Context) -> Matrix:
     """All rows of METHOD_FLOATS, (ROWS, 2 n)."""
-    found: Matrix = view(method_floats_of(context), NUMBERS, (ROWS, 2 * context[COORDINATES]))
+    found: Matrix = view(context.method_floats, NUMBERS, (ROWS, 2 * context[COORDINATES]))
     return found
 
 
 @fetched
-def half(context: Integers, index: int, second: int) -> Vector:
+def half(context: Context, index: int, second: int) -> Vector:
     """First (0) or second (1) half of row `index`, (n,): of positions or of velocities."""
     n = context[COORDINATES]
-    found: Vector = view(method_floats_of(context), NUMBERS + n * (2 * index + second), n)
+    found: Vector = view(context.method_floats, NUMBERS + n * (2 * index + second), n)
     return found
 
 
 @fetched
-def derivative(context: Integers, index: int) -> Matrix:
+def derivative(context: Context, index: int) -> Matrix:
     """The matrix `BY_U` or `BY_RATE`, (f, f)."""
-    n, f = context[COORDINATES], method_integers_of(context)[FREEDOMS]
-    found: Matrix = view(method_floats_of(context), NUMBERS + n * (2 * ROWS + index * n), (f, f))
+    n, f = context[COORDINATES], context.method_integers[FREEDOMS]
+    found: Matrix = view(context.method_floats, NUMBERS + n * (2 * ROWS + index * n), (f, f))
     return found
 
 
 @fetched
-def factors(context: Integers, index: int) -> Vector:
+def factors(context: Context, index: int) -> Vector:
     """The matrix `REAL` or `COMPLEX`, flat, in room for order n or 2 n."""
     n = context[COORDINATES]
     size = 4 * n * n if index == COMPLEX else n * n
-    found: Vector = view(method_floats_of(context), NUMBERS + n * (2 * ROWS + index * n), size)
+    found: Vector = view(context.method_floats, NUMBERS + n * (2 * ROWS + index * n), size)
     return found
 
 
 @fetched
-def pivots(context: Integers, index: int) -> Integers:
+def pivots(context: Context, index: int) -> Integers:
     """Pivots of the factored matrix `REAL` or `COMPLEX`."""
     n = context[COORDINATES]
-    found: Integers = view(method_integers_of(context), COUNTS + (index - 1) * n, (index - 1) * n)
+    found: Integers = view(context.method_integers, COUNTS + (index - 1) * n, (index - 1) * n)
     return found
 
 
 @fetched
-def unknowns(context: Integers) -> Integers:
+def unknowns(context: Context) -> Integers:
     """Coordinates that are unknowns of the step, of which the first f are valid, (n,)."""
-    found: Integers = view(method_integers_of(context), COUNTS, context[COORDINATES])
+    found: Integers = view(context.method_integers, COUNTS, context[COORDINATES])
     return found

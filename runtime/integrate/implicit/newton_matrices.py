@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from runtime.core.array_types import Integers, Vector
-from runtime.core.function_table import COORDINATES, method_integers_of
+from runtime.core.array_types import Context, Vector
+from runtime.core.function_table import COORDINATES
 from runtime.core.jit import inner
 from runtime.core.workspace_rows import PARTITION, row_of
 from runtime.integrate.implicit import method_memory as mem
@@ -12,9 +12,9 @@ from runtime.linalg.lu import factor, solve
 
 
 @inner
-def factor_real(context: Integers, c: float) -> int:
+def factor_real(context: Context, c: float) -> int:
     """Factor I - c G_u̇ - c² G_u; 1 where it is singular, else 0."""
-    f = method_integers_of(context)[mem.FREEDOMS]
+    f = context.method_integers[mem.FREEDOMS]
     by_u, by_rate = mem.derivative(context, mem.BY_U), mem.derivative(context, mem.BY_RATE)
     a = mem.factors(context, mem.REAL)
     for i in range(f):
@@ -24,9 +24,9 @@ def factor_real(context: Integers, c: float) -> int:
 
 
 @inner
-def factor_complex(context: Integers, c: float, d: float) -> int:
+def factor_complex(context: Context, c: float, d: float) -> int:
     """Factor I - (c + i d) G_u̇ - (c + i d)² G_u as a real matrix of order 2 f, real parts first."""
-    f = method_integers_of(context)[mem.FREEDOMS]
+    f = context.method_integers[mem.FREEDOMS]
     by_u, by_rate = mem.derivative(context, mem.BY_U), mem.derivative(context, mem.BY_RATE)
     a = mem.factors(context, mem.COMPLEX)
     for i in range(f):
@@ -40,17 +40,17 @@ def factor_complex(context: Integers, c: float, d: float) -> int:
 
 
 @inner
-def solve_factored(context: Integers, index: int, x: Vector) -> None:
+def solve_factored(context: Context, index: int, x: Vector) -> None:
     """Overwrite the right side `x` by the solution with the matrix `REAL` or `COMPLEX`.
 
     That is (f,), or (2 f,) with real parts first.
     """
-    order = (index - mem.REAL + 1) * method_integers_of(context)[mem.FREEDOMS]
+    order = (index - mem.REAL + 1) * context.method_integers[mem.FREEDOMS]
     solve(mem.factors(context, index), order, mem.pivots(context, index), x)
 
 
 @inner
-def filtered_error(context: Integers, t: float, state: int, c: float, raw: Vector) -> float:
+def filtered_error(context: Context, t: float, state: int, c: float, raw: Vector) -> float:
     """Size over the tolerance of (I - c J)⁻¹ (x, y), and of the dependent coordinates in `raw`.
 
     The larger of the two. x and y, changes of the unknowns and of their rates, are in the second
@@ -64,7 +64,7 @@ def filtered_error(context: Integers, t: float, state: int, c: float, raw: Vecto
     Newton's method for them might come to another way to assemble the machine. Velocities are left
     out: where a stiff force holds a position they are not smooth.
     """
-    n, notes = context[COORDINATES], method_integers_of(context)
+    n, notes = context[COORDINATES], context.method_integers
     f, unknown, rows = notes[mem.FREEDOMS], mem.unknowns(context), mem.rows(context)
     by_u, partition = mem.derivative(context, mem.BY_U), row_of(context, PARTITION)
     change, allowed = rows[mem.IN], rows[mem.TOLERANCE]

@@ -13,7 +13,7 @@ therefore mapped: what the estimate is held to is `share` times what was asked.
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table as ft
-from runtime.core.array_types import Integers, Vector
+from runtime.core.array_types import Context, Integers, Vector
 from runtime.core.borrowed_arrays import view
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed, compiled, inner
@@ -70,7 +70,7 @@ solve_step = newton.step_solver(predict, linearize, factor, iterate)
 
 
 @inner
-def embedded_error(context: Integers, t: float, h: float, k0: Vector) -> float:
+def embedded_error(context: Context, t: float, h: float, k0: Vector) -> float:
     """Size of the filtered error c (k0 + Σ e z / h) of the embedded formula of order 3.
 
     The error itself is left in row IN of METHOD_FLOATS.
@@ -80,7 +80,7 @@ def embedded_error(context: Integers, t: float, h: float, k0: Vector) -> float:
     s2, s3 = row_of(context, K + rs.STATES + 1), row_of(context, K + rs.STATES + 2)
     one, two, three = rows[rs.VELOCITIES], rows[rs.VELOCITIES + 1], rows[rs.VELOCITIES + 2]
     rates, raw, c = rows[mem.SLOPE], rows[rs.SIDES], h * rs.C_REAL
-    for i in range(ft.method_integers_of(context)[mem.FREEDOMS]):
+    for i in range(context.method_integers[mem.FREEDOMS]):
         # The changes of positions are h (c u̇ + A Δu̇), and Σ e c = -1: nothing large cancels.
         j = unknown[i]
         z = E_A[0] * one[i] + E_A[1] * two[i] + E_A[2] * three[i]
@@ -94,10 +94,10 @@ def embedded_error(context: Integers, t: float, h: float, k0: Vector) -> float:
 
 
 @inner
-def estimate_error(context: Integers, t: float, h: float) -> float:
+def estimate_error(context: Context, t: float, h: float) -> float:
     """Error over the tolerance; where it is too large at a first step or again, filtered twice."""
     r, n = run_record(context), context[ft.COORDINATES]
-    first = ft.method_integers_of(context)[mem.EQUAL] == 0
+    first = context.method_integers[mem.EQUAL] == 0
     size = embedded_error(context, t, h, row_of(context, K))
     if not (size >= 1.0 and (r.rejected_before != 0 or first)):
         return size
@@ -112,25 +112,25 @@ def estimate_error(context: Integers, t: float, h: float) -> float:
 
 
 @addressed(ft.STAGES)
-def stages(context: Integers, t: float, h: float) -> int:
+def stages(context: Context, t: float, h: float) -> int:
     """Take the step from Y0 to Y1, of which the dependent half is not yet corrected."""
     list_unknowns(context)
     taken = solve_step(context, t, h)
     if taken != FAILED:
         copy_vector(row_of(context, K + rs.STATES + 2), row_of(context, Y1))
-        ft.method_floats_of(context)[mem.STEP_ERROR] = estimate_error(context, t, h)
+        context.method_floats[mem.STEP_ERROR] = estimate_error(context, t, h)
     return taken
 
 
 @addressed(ft.PROPOSE)
-def propose(context: Integers, h: float) -> float:
+def propose(context: Context, h: float) -> float:
     """Ratio of the next step's length to this accepted one's.
 
     The predictive controller of K. Gustafsson; a step that could grow by little keeps its length,
     and with it the factored matrices.
     """
-    r, memory = run_record(context), ft.method_floats_of(context)
-    notes, now = ft.method_integers_of(context), max(r.error, 1e-10)
+    r, memory = run_record(context), context.method_floats
+    notes, now = context.method_integers, max(r.error, 1e-10)
     ratio = now**-0.25
     if notes[mem.EQUAL] > 0:
         predicted = h / memory[mem.H_BASE] * (memory[mem.ERROR_BASE] / now) ** 0.25 * ratio
@@ -145,24 +145,24 @@ def propose(context: Integers, h: float) -> float:
 
 
 @compiled(ft.HOOK)
-def accepted(context: Integers, t: float, h: float) -> int:
+def accepted(context: Context, t: float, h: float) -> int:
     """Keep the step's polynomial, from which the next one's stages are predicted."""
     y0, y1, rows = row_of(context, Y0), row_of(context, Y1), mem.rows(context)
-    memory = ft.method_floats_of(context)
+    memory = context.method_floats
     rs.keep_rounding(context, h)
     for i in range(y0.size):
         rows[rs.POLYNOMIAL, i] = y1[i] - y0[i]
     rs.write_polynomial(context, rows[rs.POLYNOMIAL + 1], rows[rs.POLYNOMIAL + 2])
     memory[mem.H_BASE] = h
     memory[mem.ERROR_BASE] = max(1e-2, run_record(context).error)
-    ft.method_integers_of(context)[mem.EQUAL] += 1
+    context.method_integers[mem.EQUAL] += 1
     return int(suits_explicit(context, h))
 
 
 @compiled(ft.HOOK)
-def restart(context: Integers, t: float, h: float) -> int:
+def restart(context: Context, t: float, h: float) -> int:
     """Forget the past: the motion goes on under other equations."""
-    notes = ft.method_integers_of(context)
+    notes = context.method_integers
     mem.rows(context)[mem.LOW].fill(0.0)
     notes[mem.EQUAL] = notes[mem.CURRENT] = 0
     return 0

@@ -7,8 +7,8 @@ sections IV.5 and IV.8, and, for the transformation, from Hairer's program RADAU
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED
-from runtime.core.array_types import Integers, Matrix, Vector
-from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
+from runtime.core.array_types import Context, Integers, Matrix, Vector
+from runtime.core.function_table import COORDINATES
 from runtime.core.jit import inlined, inner
 from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import Y0, Y1, K, row_of, velocity_rates
@@ -61,9 +61,9 @@ def combine(weights: Matrix, i: int, x: float, y: float, z: float) -> float:
 
 
 @inner
-def predict_stages(context: Integers, h: float) -> None:
+def predict_stages(context: Context, h: float) -> None:
     """Fill the states of the stages: the last step's polynomial continued, or a straight line."""
-    memory, notes, rows = method_floats_of(context), method_integers_of(context), mem.rows(context)
+    memory, notes, rows = context.method_floats, context.method_integers, mem.rows(context)
     y0, k0 = row_of(context, Y0), row_of(context, K)
     f1, f2, f3 = rows[POLYNOMIAL], rows[POLYNOMIAL + 1], rows[POLYNOMIAL + 2]
     ratio = h / memory[mem.H_BASE] if notes[mem.EQUAL] > 0 else np.inf
@@ -101,27 +101,27 @@ def mean_velocity(context: Integers, stage: int, i: int, v: float) -> float:
 
 
 @inner
-def set_stages(context: Integers, h: float) -> None:
+def set_stages(context: Context, h: float) -> None:
     """Set the unknowns of all stages from their changes of velocity."""
     n, unknown, rows = context[COORDINATES], mem.unknowns(context), mem.rows(context)
     y0, low = row_of(context, Y0), rows[mem.LOW]
     for stage in range(3):
         z, change = row_of(context, K + STATES + stage), rows[VELOCITIES + stage]
-        for i in range(method_integers_of(context)[mem.FREEDOMS]):
+        for i in range(context.method_integers[mem.FREEDOMS]):
             j = unknown[i]
             z[n + j] = y0[n + j] + (low[n + j] + change[i])
             z[j] = y0[j] + (low[j] + h * mean_velocity(context, stage, i, y0[n + j]))
 
 
 @inner
-def keep_rounding(context: Integers, h: float) -> None:
+def keep_rounding(context: Context, h: float) -> None:
     """Keep what rounding cut off the unknowns at Y1, where they are as the last stage left them."""
     n, unknown, rows = context[COORDINATES], mem.unknowns(context), mem.rows(context)
     y0, y1 = row_of(context, Y0), row_of(context, Y1)
     before, low, last = rows[SIDES], rows[mem.LOW], rows[VELOCITIES + 2]
     copy_vector(low, before)
     low.fill(0.0)
-    for i in range(method_integers_of(context)[mem.FREEDOMS]):
+    for i in range(context.method_integers[mem.FREEDOMS]):
         j = unknown[i]
         change = before[n + j] + last[i]
         if y1[n + j] == y0[n + j] + change:
@@ -132,12 +132,12 @@ def keep_rounding(context: Integers, h: float) -> None:
 
 
 @inner
-def start_stages(context: Integers, h: float) -> None:
+def start_stages(context: Context, h: float) -> None:
     """Take the changes of velocity from the predicted stages, and set their positions by them."""
     n, unknown, y0 = context[COORDINATES], mem.unknowns(context), row_of(context, Y0)
     for stage in range(3):
         z, change = row_of(context, K + STATES + stage), mem.rows(context)[VELOCITIES + stage]
-        for i in range(method_integers_of(context)[mem.FREEDOMS]):
+        for i in range(context.method_integers[mem.FREEDOMS]):
             j = n + unknown[i]
             change[i] = z[j] - y0[j]
     set_stages(context, h)
@@ -157,12 +157,12 @@ def evaluate_stages(context: Integers, t: float, h: float) -> int:
 
 
 @inner
-def improve_stages(context: Integers, h: float) -> float:
+def improve_stages(context: Context, h: float) -> float:
     """Change the stages by a Newton step; its size over the tolerance.
 
     T⁻¹ times their three equations leaves one of them alone, and two that are one complex equation.
     """
-    n, f = context[COORDINATES], method_integers_of(context)[mem.FREEDOMS]
+    n, f = context[COORDINATES], context.method_integers[mem.FREEDOMS]
     unknown, rows = mem.unknowns(context), mem.rows(context)
     one, two, three = rows[VELOCITIES], rows[VELOCITIES + 1], rows[VELOCITIES + 2]
     real, pair, allowed = rows[SIDES], rows[SIDES + 1], rows[mem.TOLERANCE]

@@ -10,8 +10,8 @@ from functools import partial
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED
-from runtime.core.array_types import Integers, Vector
-from runtime.core.function_table import COORDINATES, ERROR, method_floats_of, method_integers_of
+from runtime.core.array_types import Context, Integers, Vector
+from runtime.core.function_table import COORDINATES, ERROR
 from runtime.core.jit import addressed, closure, inner
 from runtime.core.loop_record import run_record
 from runtime.core.rounding import EPS
@@ -46,9 +46,9 @@ def step_solver(
     """
 
     @closure
-    def solve_step(context: Integers, t: float, scale: float) -> int:
+    def solve_step(context: Context, t: float, scale: float) -> int:
         r = run_record(context)
-        memory, notes = method_floats_of(context), method_integers_of(context)
+        memory, notes = context.method_floats, context.method_integers
         fresh = False
         while not fresh:
             predict(context, scale)
@@ -85,8 +85,8 @@ def newton_iteration(
     """
 
     @closure
-    def iterate(context: Integers, t: float, scale: float) -> int:
-        memory, notes = method_floats_of(context), method_integers_of(context)
+    def iterate(context: Context, t: float, scale: float) -> int:
+        memory, notes = context.method_floats, context.method_integers
         taken, before = 0, 0.0
         for iteration in range(most):
             result = evaluate(context, t, scale)
@@ -120,7 +120,7 @@ def newton_iteration(
 
 @inner
 def set_tolerance(
-    context: Integers, share: float, newton: float, remembered: int, c: float, ahead: Vector
+    context: Context, share: float, newton: float, remembered: int, c: float, ahead: Vector
 ) -> None:
     """Fill row TOLERANCE, what the error of the step may be, from its ends Y0 and `ahead`.
 
@@ -132,7 +132,7 @@ def set_tolerance(
     Where the matrix I - c G_u̇ - c² G_u is stiff, the last digit of a position is a force that the
     next velocity has to undo.
     """
-    notes, unknown = method_integers_of(context), mem.unknowns(context)
+    notes, unknown = context.method_integers, mem.unknowns(context)
     n, f = context[COORDINATES], notes[mem.FREEDOMS]
     asked = run_record(context).rtol
     relative = share * asked
@@ -164,13 +164,13 @@ def set_tolerance(
         allowed[n + j] += _STIFF * c * force * stiff / (1.0 + stiff) ** 2
     at_rounding = _SOLVED * moved / (relative + _ROUNDED * moved)
     enough = min(_LOOSEST, newton * asked / relative)
-    method_floats_of(context)[mem.ENOUGH] = max(at_rounding, enough)
+    context.method_floats[mem.ENOUGH] = max(at_rounding, enough)
 
 
 @addressed(ERROR)
-def error(context: Integers, h: float, rtol: float) -> float:
+def error(context: Context, h: float, rtol: float) -> float:
     """Estimated error of the step over its tolerance, which the step has left in METHOD_FLOATS."""
-    return float(method_floats_of(context)[mem.STEP_ERROR])
+    return float(context.method_floats[mem.STEP_ERROR])
 
 
 implicit_method = partial(

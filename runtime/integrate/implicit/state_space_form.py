@@ -12,7 +12,7 @@ from constraints, all coordinates are unknowns.
 from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers
+from runtime.core.array_types import Context
 from runtime.core.borrowed_arrays import view
 from runtime.core.jit import compiled, inner
 from runtime.core.kernel_abi import accelerations_tangent_of, correction_tangent_of
@@ -26,13 +26,13 @@ _DIFFERENCE = 1e-7  # accuracy: relative change that differences a right-hand si
 
 
 @inner
-def list_unknowns(context: Integers) -> int:
+def list_unknowns(context: Context) -> int:
     """List the unknowns in `notes`; returns f. Derivatives for others are no longer current.
 
     They are the independent coordinates. Where steps are not brought back by partitioning, and near
     singular positions, where no coordinates are independent, they are all.
     """
-    notes, unknown = ft.method_integers_of(context), mem.unknowns(context)
+    notes, unknown = context.method_integers, mem.unknowns(context)
     partition = ws.row_of(context, ws.PARTITION)
     constrained = context[ft.CONSTRAINT_COUNT] > 0 and not is_near_singularity(context)
     by_partition = context[ft.CORRECTING] == ConstraintReturn.BY_PARTITION
@@ -51,33 +51,33 @@ def list_unknowns(context: Integers) -> int:
 
 
 @inner
-def evaluate(context: Integers, t: float, state: int, derivative: int) -> int:
+def evaluate(context: Context, t: float, state: int, derivative: int) -> int:
     """Complete the state in row `state` by its dependent half, and write its accelerations.
 
     Returns the iterations that took, or `FAILED`.
     """
     taken = 0
-    if ft.method_integers_of(context)[mem.PARTITIONED] != 0:
+    if context.method_integers[mem.PARTITIONED] != 0:
         taken = ft.correct_of(context)(context, t, state, ws.PARTITION)
         if taken == FAILED:
             return FAILED
     q, v = ws.positions(context, state), ws.velocities(context, state)
     a = ws.velocity_rates(context, derivative)
-    evaluate_accelerations(context, t, q, v, ft.modes_of(context), a)
+    evaluate_accelerations(context, t, q, v, context.modes, a)
     return taken
 
 
 @inner
-def complete_direction(context: Integers, t: float, state: int) -> None:
+def complete_direction(context: Context, t: float, state: int) -> None:
     """Complete a change of independent coordinates and velocities by the dependent ones' change.
 
     Row IN holds the change, zero on the dependent coordinates on entry; row OUT is overwritten.
     """
-    if ft.method_integers_of(context)[mem.PARTITIONED] == 0:
+    if context.method_integers[mem.PARTITIONED] == 0:
         return
-    tangent, p = correction_tangent_of(context), ft.parameters_of(context)
+    tangent, p = correction_tangent_of(context), context.parameters
     q, v = ws.positions(context, state), ws.velocities(context, state)
-    weights = ws.first_half(context, ws.PARTITION)
+    weights = context.partition
     dq, dv = mem.half(context, mem.IN, 0), mem.half(context, mem.IN, 1)
     out_q, out_v = mem.half(context, mem.OUT, 0), mem.half(context, mem.OUT, 1)
     tangent(t, q, v, p, weights, dq, dv, out_q, out_v)
@@ -87,18 +87,18 @@ def complete_direction(context: Integers, t: float, state: int) -> None:
 
 
 @inner
-def differentiate_along(context: Integers, t: float, state: int) -> None:
+def differentiate_along(context: Context, t: float, state: int) -> None:
     """Derivative of the accelerations at row `state` along row IN, into the first half of SLOPE.
 
     Exact for the machine's own equations; along a surface of switching conditions, and with terms
     that stabilize, a difference.
     """
-    modes = ft.modes_of(context)
+    modes = context.modes
     q, v = ws.positions(context, state), ws.velocities(context, state)
     dq, dv = mem.half(context, mem.IN, 0), mem.half(context, mem.IN, 1)
     da, n = mem.half(context, mem.SLOPE, 0), context[ft.COORDINATES]
     if context[ft.MODIFIED] == 0:
-        p = ft.parameters_of(context)
+        p = context.parameters
         accelerations_tangent_of(context)(t, q, v, p, modes, dq, dv, da)
         return
     largest = largest_ratio(mem.rows(context)[mem.IN], ws.row_of(context, ws.SIZE))
@@ -122,13 +122,13 @@ def differentiate_along(context: Integers, t: float, state: int) -> None:
 
 
 @compiled(ft.DIFFERENTIATE)
-def differentiate(context: Integers, t: float, state: int) -> int:
+def differentiate(context: Context, t: float, state: int) -> int:
     """Write G_u and G_u̇ at the state in row `state`, which is on the constraints.
 
     With e_k the change of one unknown, δq = H e_k and the change of dependent velocities that it
     causes are tangents of the recovery of dependent coordinates.
     """
-    notes, unknown = ft.method_integers_of(context), mem.unknowns(context)
+    notes, unknown = context.method_integers, mem.unknowns(context)
     by_u, by_rate = mem.derivative(context, mem.BY_U), mem.derivative(context, mem.BY_RATE)
     dq, dv = mem.half(context, mem.IN, 0), mem.half(context, mem.IN, 1)
     da, f = mem.half(context, mem.SLOPE, 0), notes[mem.FREEDOMS]
@@ -146,7 +146,7 @@ def differentiate(context: Integers, t: float, state: int) -> int:
         for i in range(f):
             by_rate[i, k] = da[unknown[i]]
     notes[mem.CURRENT] = 1
-    ft.method_floats_of(context)[mem.FACTORED_FOR] = 0.0
+    context.method_floats[mem.FACTORED_FOR] = 0.0
     run_record(context).jacobians += 1
     estimate_spectrum(context)
     return 0

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from runtime.core.array_types import Integers
-from runtime.core.function_table import COORDINATES, method_floats_of, method_integers_of
+from runtime.core.array_types import Context
+from runtime.core.function_table import COORDINATES
 from runtime.core.jit import inner
 from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import SIZE, row_of
@@ -15,9 +15,9 @@ _LONG = 30  # measured: steps at ease until the run returns to it
 
 
 @inner
-def stiffness(context: Integers, h: float) -> float:
+def stiffness(context: Context, h: float) -> float:
     """Largest row of h² |G_u| + h |G_u̇|, each entry relative to the sizes of its coordinates."""
-    n, f = context[COORDINATES], method_integers_of(context)[mem.FREEDOMS]
+    n, f = context[COORDINATES], context.method_integers[mem.FREEDOMS]
     unknown, size = mem.unknowns(context), row_of(context, SIZE)
     by_u, by_rate = mem.derivative(context, mem.BY_U), mem.derivative(context, mem.BY_RATE)
     largest = 0.0
@@ -32,13 +32,13 @@ def stiffness(context: Integers, h: float) -> float:
 
 
 @inner
-def estimate_spectrum(context: Integers) -> None:
+def estimate_spectrum(context: Context) -> None:
     """Find the largest |λ| of u̇ = y, ẏ = G_u u + G_u̇ y, and the damping of what belongs to it.
 
     The power method: the mean growth of an even number of iterations, as u and y have other units
     and their sizes change in turn. Three iterates in a row give a and b in λ² = a λ + b.
     """
-    memory, f = method_floats_of(context), method_integers_of(context)[mem.FREEDOMS]
+    memory, f = context.method_floats, context.method_integers[mem.FREEDOMS]
     by_u, by_rate = mem.derivative(context, mem.BY_U), mem.derivative(context, mem.BY_RATE)
     rows = mem.rows(context)
     x, y, z = rows[mem.IN], rows[mem.OUT], rows[mem.SLOPE]
@@ -85,10 +85,10 @@ def estimate_spectrum(context: Integers) -> None:
 
 
 @inner
-def suits_explicit(context: Integers, h: float) -> int:
+def suits_explicit(context: Context, h: float) -> int:
     """1 where an explicit method could long have taken the same steps, and may be chosen."""
-    r, notes = run_record(context), method_integers_of(context)
-    quiet = r.automatic != 0 and h * method_floats_of(context)[mem.STIFFNESS] < _QUIET
+    r, notes = run_record(context), context.method_integers
+    quiet = r.automatic != 0 and h * context.method_floats[mem.STIFFNESS] < _QUIET
     notes[mem.CALM] = notes[mem.CALM] + 1 if quiet else 0
     if notes[mem.CALM] < _LONG * r.patience:
         return 0

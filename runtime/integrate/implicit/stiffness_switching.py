@@ -12,7 +12,7 @@ method is due, and the run changes over; see `successor`.
 from dataclasses import replace
 
 from runtime.core import function_table as ft
-from runtime.core.array_types import Integers
+from runtime.core.array_types import Context
 from runtime.core.jit import addressed, compiled
 from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import SIZE, Y0, K, row_of
@@ -47,18 +47,18 @@ def successor(name: str, freedoms: int, rtol: float) -> str:
 
 
 @addressed(ft.STAGES)
-def stages(context: Integers, t: float, h: float) -> int:
+def stages(context: Context, t: float, h: float) -> int:
     """Take the step from Y0 with derivative K to Y1, and look for stiffness at times."""
-    if ft.method_integers_of(context)[mem.EQUAL] % _EVERY == 0:
+    if context.method_integers[mem.EQUAL] % _EVERY == 0:
         list_unknowns(context)
         differentiate(context, t, Y0)
     return _stages(context, t, h)
 
 
 @compiled(ft.HOOK)
-def accepted(context: Integers, t: float, h: float) -> int:
+def accepted(context: Context, t: float, h: float) -> int:
     """Count the step; 1 where the steps have long been limited by stability."""
-    r, n, notes = run_record(context), context[ft.COORDINATES], ft.method_integers_of(context)
+    r, n, notes = run_record(context), context[ft.COORDINATES], context.method_integers
     notes[mem.EQUAL] += 1
     size, before, after = row_of(context, SIZE), row_of(context, K), row_of(context, K + _LAST)
     change, largest = 0.0, 0.0
@@ -66,7 +66,7 @@ def accepted(context: Integers, t: float, h: float) -> int:
         change = max(change, abs(after[j] - before[j]) / size[j])
         largest = max(largest, abs(after[j]) / size[j])
     easy = change < _EASY * r.rtol**0.2 * largest
-    turn = h * ft.method_floats_of(context)[mem.STIFFNESS]
+    turn = h * context.method_floats[mem.STIFFNESS]
     limited = turn > _EDGE or (easy and turn > _TURN)
     notes[mem.STIFF] = notes[mem.STIFF] + 1 if limited else max(0, notes[mem.STIFF] - _DOUBT)
     if notes[mem.STIFF] < _SEEN * r.patience:

@@ -26,7 +26,7 @@ def solve_least(context, slack):
 def evaluate_accelerations(context, t):
     modes, a = context.modes, context.dq
     mode_consistency.count_sliding(context, modes)
-    q, v = ws.positions(context, ws.Y0), ws.velocities(context, ws.Y0)
+    q, v = context.q0, context.v0
     return rhs.evaluate_accelerations(context, t, q, v, modes, a)
 
 
@@ -42,13 +42,13 @@ def evaluate_switching_and_rates(context, t):
 
 @compiled(f8(integers, f8, i8))
 def compute_margin(context, t, k):
-    q, v = ws.positions(context, ws.Y0), ws.velocities(context, ws.Y0)
+    q, v = context.q0, context.v0
     return switching.compute_margin(context, t, q, v, k)
 
 
 @compiled(none(integers, f8))
 def mix_reactions(context, t):
-    q, v = ws.positions(context, ws.Y0), ws.velocities(context, ws.Y0)
+    q, v = context.q0, context.v0
     filippov_shares.mix_reactions(context, t, q, v, context.multipliers)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.core.array_types import f8, i8, integers, none, vector
-from runtime.core.function_table import COORDINATES, method_integers_of
+from runtime.core.function_table import COORDINATES
 from runtime.core.jit import compiled
 from runtime.core.workspace_rows import ATOL, PARTITION, SIZE
 from runtime.core.workspace_rows import ROWS as WORKSPACE_ROWS
@@ -66,7 +66,7 @@ def number_all(context):
                 half[i] += 1.0
                 rows[index, part * n + i] += count - 1.0
                 count += 1.0
-    notes = method_integers_of(context)
+    notes = context.method_integers
     notes[mem.FREEDOMS] = n
     for index in (mem.BY_U, mem.BY_RATE):
         matrix = mem.derivative(context, index)

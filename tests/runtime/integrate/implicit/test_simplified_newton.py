@@ -5,7 +5,6 @@ import pytest
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core.array_types import f8, i8, integers
-from runtime.core.function_table import method_floats_of, method_integers_of
 from runtime.core.jit import compiled, inner
 from runtime.core.workspace_rows import Y0
 from runtime.integrate.implicit import method_memory as mem
@@ -26,7 +25,7 @@ def evaluate(context, t, c):
 @inner
 def improve(context, c):
     """A change whose size falls by the factor c."""
-    floats = method_floats_of(context)
+    floats = context.method_floats
     floats[SIZE] *= c
     return floats[SIZE]
 
@@ -36,14 +35,14 @@ iterate = newton_iteration(evaluate, improve, 5, 0.99)
 
 @inner
 def predict(context, c):
-    method_floats_of(context)[CALLS] += 1.0
+    context.method_floats[CALLS] += 1.0
     return 0
 
 
 @inner
 def linearize(context, t):
-    method_integers_of(context)[mem.CURRENT] = 1
-    method_floats_of(context)[mem.FACTORED_FOR] = 0.0
+    context.method_integers[mem.CURRENT] = 1
+    context.method_floats[mem.FACTORED_FOR] = 0.0
     return 0
 
 
@@ -55,7 +54,7 @@ def factor(context, c):
 @inner
 def solve(context, t, c):
     """It converges once derivatives are fresh, and never at t = 1."""
-    return 3 if method_floats_of(context)[CALLS] > 1.0 and t != 1.0 else FAILED
+    return 3 if context.method_floats[CALLS] > 1.0 and t != 1.0 else FAILED
 
 
 solver = step_solver(predict, linearize, factor, solve)
