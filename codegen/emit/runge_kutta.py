@@ -136,8 +136,7 @@ def _propose(tableau: Tableau) -> Iterator[str]:
 def _record(tableau: Tableau) -> Iterator[str]:
     nodes = ", ".join(repr(float(stage.c)) for stage in tableau.all_stages)
     yield from ("", "", "METHOD = Method(")
-    yield f"    estimate_order={tableau.order},"
-    yield f"    error_order={tableau.error_order},"
+    yield f"    estimate_order={tableau.error_order + 1},"
     yield f"    stage_calls={len(tableau.stages)},"
     yield f"    last={tableau.last},"
     yield f"    dense_rows={HERMITE + len(tableau.dense)},"

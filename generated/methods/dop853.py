@@ -224,7 +224,6 @@ def dense(context: Integers, t: float, h: float) -> int:
 
 METHOD = Method(
     estimate_order=8,
-    error_order=7,
     stage_calls=11,
     last=12,
     dense_rows=8,

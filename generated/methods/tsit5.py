@@ -133,7 +133,6 @@ def propose(context: Integers, h: float) -> float:
 
 METHOD = Method(
     estimate_order=5,
-    error_order=4,
     stage_calls=5,
     last=6,
     dense_rows=5,

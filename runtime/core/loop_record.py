@@ -55,7 +55,7 @@ _INTEGERS += ["steps", "rejected", "retakes", "events", "repartitions", "rhs", "
 _INTEGERS += ["jacobians", "factorizations"]
 _INTEGERS += [
     "last",  # row, after K, of the derivative at the end of a step
-    "estimate_order",  # power of a step's length in the error estimate of the first one
+    "estimate_order",  # power of a step's length in its estimated error
     "fixed",  # 1: no error control
     "corrections",  # calls of the kernel `correction`
     "returns",  # onto the constraints, begun at the ends of steps

@@ -77,10 +77,9 @@ class Method:
     output from F on.
     """
 
-    # Power of the step's length in the estimated error of the first step, by which its length is
-    # chosen; `Registration.order` is that in the errors of a run.
+    # Power of the step's length in its estimated error: lengths are chosen by the power
+    # 1 / estimate_order of it. `Registration.order` is that in the errors of a run.
     estimate_order: int
-    error_order: int  # steps are chosen by the power 1 / (error_order + 1) of the estimated error
     last: int  # row, after K, of the derivative at the end of the step
     dense_rows: int  # of the dense output's coefficients
     safety: float  # share of the length that the error permits

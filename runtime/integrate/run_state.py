@@ -110,7 +110,7 @@ class RunState:
         self.method = method
         for name in _METHOD_NUMBERS:
             self.record[name] = getattr(method, name)
-        self.record["exponent"] = 1.0 / (method.error_order + 1)
+        self.record["exponent"] = 1.0 / method.estimate_order
 
     def use_method(self, name: str) -> None:
         """Take the next steps with the method `name`, for which nothing is to be remembered."""

@@ -162,7 +162,6 @@ def restart(context: Context, t: float, h: float) -> int:
 
 METHOD = newton.implicit_method(
     estimate_order=2,  # at order 1, with which every start begins
-    error_order=1,
     grow=history.GROW,
     stages=stages,
     dense=history.dense,

@@ -202,7 +202,6 @@ def dense(context: Integers, t: float, h: float) -> int:
 
 METHOD = newton.implicit_method(
     estimate_order=4,
-    error_order=3,
     grow=8.0,  # measured: largest ratio of the lengths of two steps
     stages=stages,
     dense=dense,

@@ -134,7 +134,7 @@ class CrossingSteps(NamedTuple):
 
         `usual` is the length of a step elsewhere, s.
         """
-        order, out = float(self.method.error_order + 1), np.empty(6)
+        order, out = float(self.method.estimate_order), np.empty(6)
         noise, reach = self.noise(position), self.reach(position)
         known = np.array([noise, reach, position.speed, position.miss, order])
         _choose(_gaps(self.method.nodes), known, ahead, usual, out)
