@@ -15,8 +15,8 @@ from codegen import Model
 from codegen.driver import GENERATOR, Clock, origin, read_model, translate, valid_scenes
 from codegen.emit.module import module_text
 from codegen.generated_files.generated_file import write_if_changed
+from codegen.generated_module_import import import_generated
 from codegen.lower import operation_count as ledger
-from codegen.module_signature import import_generated
 
 Array = npt.NDArray[np.float64]
 Modes = npt.NDArray[np.int64]
