@@ -10,7 +10,7 @@ from numba.extending import intrinsic
 
 from runtime.core.array_types import Integers
 from runtime.core.borrowed_arrays import open_array, word
-from runtime.core.function_table import RECORD
+from runtime.core.function_table_slots import RECORD
 from runtime.core.jit import inlined
 
 _FLOATS = ["t_end", "h_min", "h_max", "rtol", "beta", "safety", "largest_dq"]

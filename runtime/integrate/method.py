@@ -11,7 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from codegen.module_signature import import_generated
+from codegen.generated_module_import import import_generated
 
 if TYPE_CHECKING:
     from runtime.core.array_types import Integers
@@ -71,8 +71,8 @@ def _no_memory(n: int) -> tuple[int, int]:
 class Method:
     """An integration method.
 
-    Its functions are compiled for the types that `runtime.core.function_table` names; the loop
-    calls them by their addresses. All but `memory` work on the rows of the workspace (see
+    Its functions are compiled for the types in `runtime.core.function_table_slots`; the loop calls
+    them by their addresses. All but `memory` work on the rows of the workspace (see
     `runtime.core.workspace_rows`): the state y = (q, v) at Y0 and Y1, derivatives from K on, dense
     output from F on.
     """

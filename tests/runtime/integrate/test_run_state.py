@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core.loop_record import RUN, ConstraintReturn
 from runtime.core.workspace_rows import ATOL, PARTITION, SIZE, Y0
 from runtime.integrate.method import find_method

@@ -6,7 +6,7 @@ import pytest
 from runtime.integrate.method import find_method
 from runtime.integrate.problem import Options
 from runtime.integrate.run_state import RunState
-from runtime.integrate.singular_crossing.crossing_step import (
+from runtime.integrate.singular_crossing.crossing_step_planning import (
     CrossingSteps,
     extrapolate_accelerations,
 )
