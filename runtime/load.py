@@ -82,7 +82,7 @@ def _locate(model: str, folder: Path) -> tuple[Path, Path]:
             f"There is no model {model!r}: looked for {' and '.join(map(str, tried))}."
             + _models_nearby(model, [path.parent for path in tried])
         )
-    of_library = generated.is_dir() and found.is_relative_to(models)
+    of_library = generated.is_dir() and found.is_relative_to(models.resolve())
     return found, generated if of_library else folder / "generated"
 
 
@@ -99,8 +99,7 @@ def _models_nearby(model: str, folders: list[Path]) -> str:
 def _fresh_module(model: Path, generated: Path, scene: "str | Scene | None") -> tuple[Path, str]:
     """A generated module that agrees with the model file, and its hash; built if there is none."""
     name = scene if scene is not None else _first_scene(model)
-    path = generated / f"{model.stem}__{name}.py"
-    if isinstance(name, str) and path.is_file():
+    if isinstance(name, str) and (path := generated / f"{model.stem}__{name}.py").is_file():
         text = path.read_text(encoding="utf-8")
         rebuild = f"python -m codegen build {model} --scene {name} --out {generated}"
         check_signature(path, text, rebuild)

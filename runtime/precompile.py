@@ -11,10 +11,13 @@ import sys
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from graphlib import TopologicalSorter
 from importlib import import_module
+from itertools import chain
 from multiprocessing import get_context
 from pathlib import Path
 
+from codegen.errors import InputError
 from runtime.core.jit import ROOMS
+from runtime.integrate import method as register
 from runtime.integrate.method import METHODS, REGISTER, find_method
 
 _PROCESSES = 4  # safety: each takes half a GB
@@ -25,7 +28,13 @@ _METHOD_OF = {registration.module: name for name, registration in REGISTER.items
 
 
 def precompile(*methods: str) -> None:
-    """Compile what runs with these methods need; without names, with any."""
+    """Compile what runs with these methods need; without names, with any.
+
+    Raises InputError if there is no such method.
+    """
+    if unknown := set(methods).difference(METHODS):
+        names = ", ".join(sorted(unknown))
+        raise InputError(f"no such method: {names}; there are {', '.join(METHODS)}")
     order = TopologicalSorter(import_graph(methods or METHODS))
     order.prepare()
     processes = min(_PROCESSES, os.cpu_count() or 1)
@@ -39,7 +48,10 @@ def precompile(*methods: str) -> None:
 
 
 def import_graph(methods: tuple[str, ...]) -> dict[str, set[str]]:
-    """Module → the modules that it imports, for all with compiled code that the methods need."""
+    """Module → the modules that it imports, for all with compiled code that the methods need.
+
+    Modules of the runtime that these import are in it, too, with compiled code or without.
+    """
     rest = [REGISTER[name].module for name in methods]
     rest += [
         ".".join(path.relative_to(_LIBRARY).with_suffix("").parts)
@@ -56,12 +68,22 @@ def import_graph(methods: tuple[str, ...]) -> dict[str, set[str]]:
 
 
 def _imports(module: str) -> set[str]:
-    """Modules of the runtime that a module imports."""
+    """Modules of the runtime that a module imports, and those of methods that it then loads."""
     tree = ast.parse(_path(module).read_bytes())
     lines = [line for line in tree.body if isinstance(line, ast.ImportFrom) and line.module]
     names = {f"{line.module}.{alias.name}" for line in lines for alias in line.names}
     names |= {str(line.module) for line in lines}
-    return {name for name in names if name.startswith("runtime.") and _path(name).is_file()}
+    imported = {name for name in names if name.startswith("runtime.") and _path(name).is_file()}
+    assigned = [ast.walk(line) for line in tree.body if isinstance(line, ast.Assign)]
+    for node in chain.from_iterable(assigned):
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == find_method.__name__:
+            (argument,) = node.args
+            if isinstance(argument, ast.Constant):
+                name = argument.value
+            else:  # a constant of the register
+                name = getattr(register, ast.unparse(argument))
+            imported.add(REGISTER[name].module)
+    return imported
 
 
 def _path(module: str) -> Path:
@@ -77,6 +99,7 @@ def _compile(module: str) -> None:
 
 
 if __name__ == "__main__":
-    if unknown := set(sys.argv[1:]).difference(METHODS):
-        sys.exit(f"no such method: {', '.join(sorted(unknown))}; there are {', '.join(METHODS)}")
-    precompile(*sys.argv[1:])
+    try:
+        precompile(*sys.argv[1:])
+    except InputError as error:
+        sys.exit(str(error))

@@ -32,10 +32,13 @@ def dependent_rows(matrix: FloatArray, order: list[int]) -> list[Dependency]:
 
     Rows are made unit length and reduced one by one against an orthonormal basis of the rows
     accepted so far, twice against loss of orthogonality. No remainder is shorter than the least
-    singular value of the rows: where that is long enough, nothing need be reduced.
+    singular value of the rows: where that is long enough, nothing need be reduced. A row that is
+    not finite is no combination of others.
     """
     lengths = np.linalg.norm(matrix, axis=1)
-    unit = matrix / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+    finite = np.isfinite(lengths)
+    order = [row for row in order if finite[row]]
+    unit = matrix / np.where(finite & (lengths > 0.0), lengths, 1.0)[:, None]
     rows = unit[order]
     if len(rows) <= rows.shape[1]:
         least = np.linalg.svd(rows, compute_uv=False).min(initial=np.inf)
@@ -94,6 +97,8 @@ def dependent_joints(task: Task, q: FloatArray, drivers: BoolArray) -> list[Depe
     """
     order = np.flatnonzero(~drivers).tolist()
     here = dependent_rows(_scaled(task, q), order)
+    if not here:
+        return []
     random = np.random.default_rng(2)
     others = [q + 0.3 * random.normal(size=len(q)) * task.scale for _ in range(2)]
     return _fewest(task, order, here, others) or (here if len(order) > len(q) else [])
@@ -102,8 +107,13 @@ def dependent_joints(task: Task, q: FloatArray, drivers: BoolArray) -> list[Depe
 def _fewest(
     task: Task, order: list[int], here: list[Dependency], others: list[FloatArray]
 ) -> list[Dependency]:
-    """The fewest dependencies at any position: those `here`, and at the `others`."""
-    return min([here, *(dependent_rows(_scaled(task, q), order) for q in others)], key=len)
+    """The fewest dependencies at any position: those `here`, and at the `others`.
+
+    A position at which the Jacobian is not finite says nothing.
+    """
+    matrices = [_scaled(task, q) for q in others]
+    defined = [matrix for matrix in matrices if np.isfinite(matrix).all()]
+    return min([here, *(dependent_rows(matrix, order) for matrix in defined)], key=len)
 
 
 def _scaled(task: Task, q: FloatArray) -> FloatArray:

@@ -65,7 +65,7 @@ def choose_independent(context: Context, t: float, q: Vector) -> int:
     rank = factor_over_largest(dense, context.row_order, column_order)
     for position in range(column_order.size):
         j = column_order[position]
-        context.partition[j] = scale[j] ** 2 if position < rank else 0.0
+        context.correction_weights[j] = scale[j] ** 2 if position < rank else 0.0
     return rank
 
 
@@ -79,7 +79,7 @@ def column_norm(context: Context, t: float, independent: int) -> float:
     velocities with the independent coordinates at rest.
     """
     correction, q, p = abi.correction_of(context), context.q1, context.parameters
-    weights, scale, dq, dv = context.partition, context.scale, context.dq, context.dv
+    weights, scale, dq, dv = context.correction_weights, context.scale, context.dq, context.dv
     probe, driven = ws.first_half(context, ws.UNIT), ws.second_half(context, ws.UNIT)
     probe[:] = 0.0
     correction(t, q, probe, p, weights, dq, driven)

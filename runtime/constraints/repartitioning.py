@@ -17,7 +17,7 @@ _CHECK_EVERY = 4  # measured: steps between probes of the independent coordinate
 @inner
 def log_partition(context: Context, t: float) -> None:
     """Append the time and the independent coordinates in force (1, others 0) to the log."""
-    r, weights = run_record(context), context.partition
+    r, weights = run_record(context), context.correction_weights
     at = r.logged_repartitions
     context.log_times[at] = t
     for j in range(weights.size):
@@ -34,7 +34,7 @@ def repartition(context: Context, t: float, state: int) -> int:
     doubled, so that the partition is not judged again at every step.
     """
     r = run_record(context)
-    weights, before = context.partition, context.dq
+    weights, before = context.correction_weights, context.first_scratch
     copy_vector(weights, before)
     r.rank = choose_independent(context, t, ws.positions(context, state))
     changed = 0
@@ -63,7 +63,7 @@ def is_poorly_chosen(context: Context, t: float) -> int:
     r, n = run_record(context), context[ft.COORDINATES]
     if r.rank >= n:
         return 0
-    v, weights, scale = context.v1, context.partition, context.scale
+    v, weights, scale = context.v1, context.correction_weights, context.scale
     fastest_independent, fastest_dependent = 0.0, 0.0
     for j in range(n):
         speed = abs(v[j]) / scale[j]

@@ -52,22 +52,28 @@ class TableLayout:
         self.arrays: dict[str, ArraySlot] = {}
 
     def number(self, name: str) -> int:
-        """Slot of a number, which compiled code reads as ``context[SLOT]``."""
+        """Slot of a number, which compiled code reads as ``context[SLOT]``.
+
+        Raises ValueError if the table, or its kernels, have the name.
+        """
+        if name in self.slots:
+            raise ValueError(f"a table has one slot of a name, and {name!r} is taken")
         slot = self.slots[name] = self.size
         self.size += 1
         return slot
 
     def function(self, name: str, signature: Any) -> Callable[[Integers], Callable[..., Any]]:
-        """Take the function `name` out of a table."""
+        """Declare the function `name`; answers with what takes it out of a table."""
         return at(types.FunctionType(signature), self.number(name))
 
     def floats(
         self, names: str, *lengths: Length, allotted: bool = True, flat: bool = True,
         item: Any = types.float64,
     ) -> Callable[[Integers], Vector]:  # fmt: skip
-        """Take an array of float64 out of a table: flat, or with `lengths` as its shape.
+        """Declare arrays of float64 by their `names`: flat, or with `lengths` as their shape.
 
-        One that is not `allotted` is made elsewhere. Of several `names` the first is taken.
+        Answers with what takes the first out of a table. One that is not `allotted` is made
+        elsewhere.
         """
         pairs = tuple(length if isinstance(length, tuple) else (1, length) for length in lengths)
         for name in names.split():
@@ -90,7 +96,7 @@ class TableLayout:
         return self.integers(names, *lengths, flat=False, **form)
 
     def flat(self, name: str, matrix: str) -> Callable[[Integers], Vector]:
-        """The array `matrix`, flat, by a name of its own."""
+        """Declare the array `matrix`, flat, by a name of its own; answers as `floats`."""
         return self._fetcher(name, self.arrays[matrix]._replace(flat=True))
 
     def _fetcher(self, name: str, array: ArraySlot) -> Callable[[Integers], Any]:
@@ -149,8 +155,11 @@ class _Attributes(_AttributeTemplate):  # type: ignore[misc]
 def declare_attribute(name: str, fetch: Any, *numbers: int) -> None:
     """Let ``context.name`` in compiled code be what the intrinsic of `fetch` takes out of a table.
 
-    `numbers` are the intrinsic's arguments behind the table.
+    `numbers` are the intrinsic's arguments behind the table. Raises ValueError if `name` is known,
+    or an attribute of every array, such as ``size``.
     """
+    if name in _Attributes.found or hasattr(np.ndarray, name):
+        raise ValueError(f"context.{name} is taken: choose another name")
     signature, codegen = fetch(None, ADDRESSES, *[types.intp] * len(numbers))
     _Attributes.found[name] = signature.return_type
 

@@ -27,7 +27,7 @@ SWITCHING_SIZE = TABLE.number("switching_size")
 METHOD_FLOATS_SIZE = TABLE.number("method_floats_size")  # floats that a method remembers
 METHOD_INTEGERS_SIZE = TABLE.number("method_integers_size")  # integers that a method remembers
 LOG_ROWS = TABLE.number("log_rows")  # room for changes of the partition
-SAMPLE_TIMES = TABLE.number("sample_times")  # instants of samples that are asked for
+SAMPLE_TIMES = TABLE.number("sample_time_count")  # instants of samples that are asked for
 OUT_ROWS = TABLE.number("out_rows")  # room for samples
 EVENT_ROWS = TABLE.number("event_rows")  # room for events
 MODIFIED = TABLE.number("modified")  # not 0: the right-hand side is not the kernel's alone
@@ -127,7 +127,7 @@ TABLE.integers("sticks", SWITCHES)  # 1: friction that sticks
 TABLE.integers("limits", (2, SWITCHES))  # rows of a force and of its bound, or -1
 TABLE.integers("stiction_place", SWITCHES)  # of its force in p, or -1
 TABLE.floats("stiction_units", (2, SWITCHES))  # unit of the force, its bound
-TABLE.floats("restitution", RIGID_COUNT)
+TABLE.floats("restitution_coefficients", RIGID_COUNT)
 
 # Sliding modes: the base, in which nothing slides, and the change by each function that does.
 # Responses are d(dg/dt) or d(g̈): those of the base, and of each change, by rows.

@@ -84,7 +84,9 @@ class _Locked(_Dispatcher):  # type: ignore[misc]
     def get_call_template(self, arguments: Any, named: Any) -> Any:
         """Compile once for all integers: numba would once more for each constant argument."""
         unliteral: Any = types.unliteral
-        return super().get_call_template([unliteral(kind) for kind in arguments], named)
+        positional = [unliteral(kind) for kind in arguments]
+        keywords = {name: unliteral(kind) for name, kind in dict(named).items()}
+        return super().get_call_template(positional, keywords)
 
 
 class _Addressed(_Locked):

@@ -54,7 +54,8 @@ def _undefined_gamma(t: Any, q: Any, v: Any, p: Any, gamma: Any) -> None:
     gamma[:] = np.nan
 
 
-def _undefined_pair(t: Any, q: Any, v: Any, p: Any, modes: Any, first: Any, second: Any) -> int:
+def _undefined_pair(t: Any, q: Any, v: Any, p: Any, choice: Any, first: Any, second: Any) -> int:
+    """Two results that nothing defines; `choice` is the modes, or the weights of a correction."""
     first[:] = np.nan
     second[:] = np.nan
     return 0

@@ -20,7 +20,7 @@ from runtime.core.function_table_slots import COORDINATES, SWITCHES, TABLE
 Y0 = 0  # state at the start of the step
 Y1 = 1  # state at its end
 STAGE = 2  # state at a stage
-DELTA = 3  # dq, dv of the last correction
+DELTA = 3  # dq, dv of the last correction; free for others between corrections
 SAMPLE = 4  # state off the steps: outputs, look-ahead
 ATOL = 5  # absolute tolerances of q and of v
 PARTITION = 6  # weights of the correction (n), then scale of each coordinate (n)
@@ -90,8 +90,13 @@ def _row(array: str, count: int, factor: int, part: int | None, **named: int) ->
 
 row_of = _row("workspace", COORDINATES, 2, None)  # row of the workspace, (2 n,)
 # The first and the second half of such a row, (n,).
-first_half = _row("workspace", COORDINATES, 2, 0, q0=Y0, q1=Y1, dq=DELTA, partition=PARTITION)
-second_half = _row("workspace", COORDINATES, 2, 1, v0=Y0, v1=Y1, dv=DELTA, scale=PARTITION)
+first_half = _row(
+    "workspace", COORDINATES, 2, 0, q0=Y0, q1=Y1, dq=DELTA, first_scratch=DELTA,
+    correction_weights=PARTITION,
+)  # fmt: skip
+second_half = _row(
+    "workspace", COORDINATES, 2, 1, v0=Y0, v1=Y1, dv=DELTA, second_scratch=DELTA, scale=PARTITION
+)
 positions, velocities = first_half, second_half  # q and v of a row that holds a state
 position_rates, velocity_rates = first_half, second_half  # of a row that holds a derivative
 # Row of the switching workspace, (s,).

@@ -67,7 +67,7 @@ def sweep_impulses(context: Context, t: float, q: Vector, v: Vector) -> None:
     for c in range(count):
         k = context.sliding_functions[c]
         impulse[c] = 0.0
-        target[c] = -context.restitution[context.rigid[k]] * min(rates[k], 0.0)
+        target[c] = -context.restitution_coefficients[context.rigid[k]] * min(rates[k], 0.0)
         fastest = max(fastest, abs(rates[k]))
     rounding = _ROUNDING * largest_magnitude(v)
     for sweep in range(2 * _SWEEPS):
@@ -126,7 +126,7 @@ def apply_impact(context: Context, first: int, t: float, state: int) -> float:
     if not fall < 0.0:
         return np.inf
     flight = -2.0 * leaving / fall
-    e = context.restitution[context.rigid[first]]
+    e = context.restitution_coefficients[context.rigid[first]]
     atol, finest = ws.first_half(context, ws.ATOL), np.inf
     for j in range(atol.size):
         finest = min(finest, atol[j])

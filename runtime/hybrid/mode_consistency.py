@@ -32,8 +32,8 @@ def preferred_mode(entry: float) -> int:
 
 @inner
 def look_ahead(context: Context, t: float, d: float, state: int) -> None:
-    """Write g after a time `d`, at the acceleration in row DELTA, into row TRIAL of `sw`."""
-    extrapolate(context, state, context.dv, d)
+    """Write g after a time `d`, at the acceleration in `second_scratch`, into row TRIAL."""
+    extrapolate(context, state, context.second_scratch, d)
     q, v = ws.positions(context, ws.SAMPLE), ws.velocities(context, ws.SAMPLE)
     abi.switching_of(context)(t + d, q, v, context.parameters, context.trial)
 
@@ -83,7 +83,7 @@ def find_contradiction(
     members, signs = context.members, context.signs
     q, v = ws.positions(context, state), ws.velocities(context, state)
     count_sliding(context, candidate)
-    evaluate_accelerations(context, t, q, v, candidate, context.dv)
+    evaluate_accelerations(context, t, q, v, candidate, context.second_scratch)
     if context[ft.SLIDING_COUNT] != 0:
         k = find_unsupported(context, t, q, v)
         if k != CONSISTENT:

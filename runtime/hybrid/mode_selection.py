@@ -85,7 +85,7 @@ def prefer_released(context: Context, crossing: int, t: float) -> None:
             tested += 1
     if tested > 0:
         consistency.count_sliding(context, modes)
-        evaluate_accelerations(context, t, q, v, modes, context.dv)
+        evaluate_accelerations(context, t, q, v, modes, context.second_scratch)
     for k in range(s):
         released = k != crossing and modes[k] == SLIDING and former[k] != SLIDING
         if released and compute_margin(context, t, q, v, k) <= consistency.MISSED:
@@ -102,7 +102,12 @@ def initialize_modes(context: Context, first: int, t: float, d: float, state: in
     Arguments and result as of `select_modes`; row G0 is filled here.
     """
     p, modes, g, rates = context.parameters, context.modes, context.g0, context.rate_now
-    largest, rigid, a, s = context.largest, context.rigid, context.dv, context[ft.SWITCHES]
+    largest, rigid, a, s = (
+        context.largest,
+        context.rigid,
+        context.second_scratch,
+        context[ft.SWITCHES],
+    )
     q, v = ws.positions(context, state), ws.velocities(context, state)
     abi.switching_of(context)(t, q, v, p, g)
     for k in range(s):

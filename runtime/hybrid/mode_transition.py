@@ -46,7 +46,7 @@ def evaluate_now(context: Context, t: float) -> None:
     """
     q, v, p = context.q1, context.v1, context.parameters
     abi.switching_of(context)(t, q, v, p, context.now)
-    abi.switching_rates_of(context)(t, q, v, context.dq, p, context.rate_now)
+    abi.switching_rates_of(context)(t, q, v, context.first_scratch, p, context.rate_now)
 
 
 @inner
@@ -56,7 +56,7 @@ def predict_flights(context: Context, k: int, t: float, free: float) -> float:
     It is `free`, T/(1 - e), where they are free; where friction or another contact interferes, each
     is shorter than the one before in the ratio of the last two.
     """
-    e, before = context.restitution[context.rigid[k]], context.flight[k]
+    e, before = context.restitution_coefficients[context.rigid[k]], context.flight[k]
     flight = t - context.impact_at[k]
     ratio = flight / before if before > 0.0 else e
     if abs(ratio - e) < _FREE * e or not 0.0 < ratio < 1.0:
@@ -199,7 +199,7 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
         context.preferred[crossing] = consistency.decided_entry(mode) if leaves else SLIDING
     else:
         if modes[crossing] == SLIDING:
-            evaluate_accelerations(context, t, context.q1, context.v1, modes, context.dq)
+            evaluate_accelerations(context, t, context.q1, context.v1, modes, context.first_scratch)
             prefer_release(context, t, crossing)
         prefer_released(context, crossing, t)
         evaluate_now(context, t)

@@ -48,7 +48,7 @@ def write_margins(context: Context, t: float, state: int, slot: int) -> None:
     """Write the margins of functions in sliding mode over their g in row `slot` of `sw`."""
     q, v = ws.positions(context, state), ws.velocities(context, state)
     margins = ws.switch_row(context, slot)
-    a, lam = context.dq, context.multipliers
+    a, lam = context.first_scratch, context.multipliers
     ft.modified_accelerations_of(context)(context, t, q, v, context.modes, a, lam)
     for k in range(context[ft.SWITCHES]):
         if context.modes[k] == SLIDING:

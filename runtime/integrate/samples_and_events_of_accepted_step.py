@@ -28,7 +28,8 @@ def accept_step(context: Context) -> int:
     r, modes = run_record(context), context.modes
     g1, largest = context.g1, context.largest
     band = context.band
-    h, r.due, r.changed = r.length, 0, 0
+    r.due = r.changed = 0
+    h = r.length
     if h > 0.0:
         if ft.emit_of(context)(context, r.t, r.end, h, r.dense_ready) < 0:
             return reject(context, _NEWTON_FAILED, 0.5 * h)

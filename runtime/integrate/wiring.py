@@ -144,4 +144,4 @@ def _describe_switches(system: System, p: Vector, arrays: dict[str, Any]) -> Non
         # Shares are of a force in units, from no force.
         reach = high[k] - low[k]
         low[k], high[k] = -reach, reach
-    system.restitution(p, arrays["restitution"])
+    system.restitution(p, arrays["restitution_coefficients"])

@@ -10,7 +10,7 @@ from runtime.core.jit import inner
 
 @inner
 def multiply_gram(vectors: Matrix, out: Matrix) -> None:
-    """Products of all pairs of columns, VᵀV: the lower half of `out`."""
+    """Write the products of pairs of columns, VᵀV, to the lower half of `out`; 0 above it."""
     count, width = vectors.shape
     out[:, :] = 0.0
     for s in range(count):

@@ -1,36 +1,65 @@
 """The tables of a mechanism as a user reads them."""
 
 from html import escape
+from pathlib import Path
 
+from runtime.core.kernel_abi import Kernels
+from runtime.mechanism import module_tables as tables
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 
 _SHOWN = 8  # layout: parameters that the text names
 
 
 class MechanismTables:
-    """Tables of a mechanism in one scene.
-
-    Attributes
-    ----------
-    mechanism, description, kernels, path
-        The data that the analyses take; of these the tables of the generated module, its compiled
-        functions, callable from any numba code, and its file.
-    model, scene
-        Names of the model and of the scene.
-    coordinates, constraints
-        Generalized coordinates with their velocities and units, in the order of q; scalar
-        constraints, in the order of Φ and of the multipliers λ.
-    parameters, effects
-        Declared parameters with their defaults and units, in the order of p; gravity, forces,
-        springs, contacts and frictions that act in this scene.
-    """
+    """Tables of a mechanism in one scene; `mechanism` is the data that the analyses take."""
 
     def __init__(self, mechanism: Mechanism) -> None:
-        self.mechanism, self.kernels, self.path = mechanism, mechanism.kernels, mechanism.path
-        self.description = description = mechanism.description
-        self.model, self.scene = description.model, description.scene
-        self.coordinates, self.constraints = description.coordinates, description.constraints
-        self.parameters, self.effects = description.parameters, description.effects
+        self.mechanism = mechanism
+
+    @property
+    def description(self) -> tables.Description:
+        """The tables of the generated module."""
+        return self.mechanism.description
+
+    @property
+    def kernels(self) -> Kernels:
+        """The compiled functions of the scene, callable from any numba code."""
+        return self.mechanism.kernels
+
+    @property
+    def path(self) -> Path:
+        """File of the generated module."""
+        return self.mechanism.path
+
+    @property
+    def model(self) -> str:
+        """Name of the model."""
+        return self.description.model
+
+    @property
+    def scene(self) -> str:
+        """Name of the scene."""
+        return self.description.scene
+
+    @property
+    def coordinates(self) -> tables.Table[tables.Coordinate]:
+        """Generalized coordinates with their velocities and units, in the order of q."""
+        return self.description.coordinates
+
+    @property
+    def constraints(self) -> tables.Table[tables.Constraint]:
+        """Scalar constraints, in the order of Φ and of the multipliers λ."""
+        return self.description.constraints
+
+    @property
+    def parameters(self) -> tables.Table[tables.Parameter]:
+        """Declared parameters with their defaults and units, in the order of p."""
+        return self.description.parameters
+
+    @property
+    def effects(self) -> tables.Table[tables.Effect]:
+        """Gravity, forces, springs, contacts and frictions that act in this scene."""
+        return self.description.effects
 
     def __repr__(self) -> str:
         """Sizes, bodies, effects and the first parameters."""

@@ -46,10 +46,13 @@ class ScaledConstraints:
         table[st.ROWS], table[st.PARAMETER_COUNT] = self.independent.size, self.p.size
         table[st.NONZEROS], table[st.ENTRIES] = self.rows.size, at_row.size
         arrays = layout.allot(table)
-        given = {"parameters": self.p, "scale": self.scale, "independent": self.independent}
-        for name, array in {**given, "entry_rows": at_row, "entry_columns": at_column}.items():
-            arrays[name] = np.ascontiguousarray(array)
-            table[layout.slots[name]] = arrays[name].ctypes.data
+        reals = {"parameters": self.p, "scale": self.scale}
+        numbers = {"independent": self.independent}
+        numbers |= {"entry_rows": at_row, "entry_columns": at_column}
+        for kind, given in ((np.float64, reals), (np.int64, numbers)):
+            for name, array in given.items():
+                arrays[name] = np.ascontiguousarray(array, dtype=kind)
+                table[layout.slots[name]] = arrays[name].ctypes.data
         arrays["lengths"][:], arrays["speed"][:] = 1.0, 1.0
         for name in ("row_order", "row_place", "column_order", "column_place"):
             arrays[name][:] = np.arange(arrays[name].size)

@@ -2,11 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+import sympy
 
+from codegen import Model
 from codegen.errors import AssemblyError, RedundancyError
+from runtime import load
+from runtime.assembly.redundancy import Dependency, dependent_rows
 from runtime.machine import Machine
 from runtime.mechanism.module_tables import StartValue, Table
 
@@ -87,6 +92,22 @@ def test_fixed_positions_that_contradict_the_joints(free: Machine) -> None:
     assert "joint C misses by" in text
     assert 'role "guess"' in text
     assert machine.assemble({"slider.x": 5.5})["slider.x"] == 5.5
+
+
+def test_joints_that_are_undefined_elsewhere_are_named(tmp_path: Path) -> None:
+    """A track y = √x has no slope at the negative x that a search for redundancy may try."""
+    model = Model("root")
+    b = model.body("b", mass=1.0, inertia=1.0)
+    model.constraint("track", sympy.sqrt(b.x) - b.y)
+    machine = load(model, model.scene("fall", start={"b.x": 0.05, "b.y": 5.0, "b.phi": 0.0}),
+                   folder=tmp_path)  # fmt: skip
+    with pytest.raises(AssemblyError, match=r"contradict the joints .* track misses by 4\.776 m"):
+        machine.assemble()
+
+
+def test_rows_that_are_not_finite_depend_on_nothing() -> None:
+    matrix = np.array([[1.0, 0.0], [np.nan, 1.0], [2.0, 0.0], [np.inf, 0.0]])
+    assert dependent_rows(matrix, [0, 1, 2, 3]) == [Dependency(2, (0,))]
 
 
 def test_fixed_velocities_that_contradict_the_joints(free: Machine) -> None:

@@ -11,6 +11,8 @@ from filelock import FileLock
 from numba import types
 
 import runtime.core.jit
+from runtime.core import workspace_rows
+from runtime.core.function_table_layout import TableLayout
 from runtime.core.jit import ADDRESSES, addressed, addresses, at, compiled, inner
 
 F8 = types.float64
@@ -95,3 +97,31 @@ def test_the_cache_of_a_function_goes_stale_with_the_stamp() -> None:
     finally:
         index._source_stamp = (own, stamp)
     assert index._load_index() != {}
+
+
+def test_constants_by_keyword_compile_once() -> None:
+    def scaled(a: float, factor: int) -> float:
+        return a * factor
+
+    function: Any = inner(scaled)
+
+    def twice(a: float) -> float:
+        return float(function(a, factor=2) + function(a, factor=3))
+
+    assert compiled(F8(F8))(twice)(1.0) == 5.0
+    assert len(function.overloads) == 1
+
+
+@pytest.mark.parametrize("name", ["modes", "q0", "size", "constraints"])
+def test_a_name_of_a_table_is_given_once(name: str) -> None:
+    """Taken are arrays and rows of the run's table, attributes of all arrays, and kernels."""
+    assert workspace_rows.Y0 == 0  # declares its rows
+    with pytest.raises(ValueError, match=name):
+        TableLayout(attributes=True).floats(name, 1)
+
+
+def test_a_slot_of_a_table_has_one_name() -> None:
+    layout = TableLayout()
+    layout.number("count")
+    with pytest.raises(ValueError, match="'count' is taken"):
+        layout.floats("count", 1)

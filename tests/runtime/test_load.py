@@ -132,6 +132,20 @@ def test_model_of_the_running_program(tmp_path: Path) -> None:
     assert result.q("stone.x")[1] == pytest.approx(1.0, abs=1e-12)
 
 
+def test_models_of_the_library_may_be_a_link(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    library = tmp_path / "library"
+    (library / "generated").mkdir(parents=True)
+    (tmp_path / "elsewhere").mkdir()
+    (library / "models").symlink_to(tmp_path / "elsewhere")
+    (library / "models" / "stone.py").touch()
+    loading = sys.modules["runtime.load"]
+    monkeypatch.setattr(loading, "_LIBRARY", library)
+    found = tmp_path / "elsewhere" / "stone.py", library / "generated"
+    assert loading._locate("stone", tmp_path / "work") == found
+
+
 def test_user_model_builds_into_the_folder_one_works_in(tmp_path: Path) -> None:
     path = tmp_path / "models" / "stone.py"
     path.parent.mkdir()

@@ -91,3 +91,13 @@ def test_kernels_are_callable(driven: Machine) -> None:
     )
     assert weak == 0
     assert abs(a[2]) < 1e-10
+
+
+def test_tables_are_read_and_not_replaced(driven: Machine) -> None:
+    for name in ("description", "kernels", "path", "model", "scene"):
+        with pytest.raises(AttributeError):
+            setattr(driven, name, None)
+    for name in ("coordinates", "constraints", "parameters", "effects"):
+        with pytest.raises(AttributeError):
+            setattr(driven, name, {})
+        assert getattr(Machine, name).__doc__

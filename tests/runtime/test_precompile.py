@@ -3,9 +3,12 @@
 from graphlib import TopologicalSorter
 from pathlib import Path
 
+import pytest
+
+from codegen.errors import InputError
 from runtime.core.jit import ROOMS
-from runtime.integrate.method import EXPLICIT, METHODS, REGISTER
-from runtime.precompile import import_graph
+from runtime.integrate.method import EXPLICIT, LEADING, METHODS, REGISTER
+from runtime.precompile import import_graph, precompile
 
 RUNTIME = Path(__file__).parents[2] / "runtime"
 
@@ -31,3 +34,15 @@ def test_explicit_methods_compile_nothing_of_implicit_ones():
     assert REGISTER["bdf"].module not in graph
     assert REGISTER[EXPLICIT[0]].module in graph
     assert REGISTER[EXPLICIT[1]].module not in import_graph(EXPLICIT[:1])
+
+
+def test_a_method_that_another_loads_is_compiled_before_it():
+    auto, leading = REGISTER["auto"].module, REGISTER[LEADING].module
+    graph = import_graph(("auto",))
+    assert leading in graph[auto]
+    assert "runtime.core.jit" in graph[leading]
+
+
+def test_unknown_method_is_refused_by_name():
+    with pytest.raises(InputError, match="no such method: dop85; there are dop853, dopri5"):
+        precompile("dop853", "dop85")

@@ -160,11 +160,7 @@ def extrapolate(context: Context) -> None:
 @inner
 def extend_history(context: Context, h: float) -> None:
     """Take the step of length `h` to Y1 into the differences, and keep what rounding cut off it."""
-    notes, n, unknown = (
-        context.method_integers,
-        context[ft.COORDINATES],
-        mem.unknowns(context),
-    )
+    n, notes, unknown = context[ft.COORDINATES], context.method_integers, mem.unknowns(context)
     k, y1, rows = notes[mem.STEP_ORDER], row_of(context, Y1), mem.rows(context)
     start, ahead, low, difference = rows[NOW], rows[AHEAD], rows[mem.LOW], rows[DIFFERENCE]
     newest, higher, last = rows[PAST + k + 1], rows[PAST + k + 2], rows[NOW + k + 1]

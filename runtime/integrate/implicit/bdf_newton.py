@@ -70,12 +70,8 @@ def evaluate_end(context: Integers, t: float, c: float) -> int:
 def improve_end(context: Context, c: float) -> float:
     """Change the unknowns of Y1 by a Newton step; its size over the tolerance."""
     n, f = context[COORDINATES], context.method_integers[mem.FREEDOMS]
-    unknown, y1, a = (
-        mem.unknowns(context),
-        row_of(context, Y1),
-        velocity_rates(context, K + mem.LAST),
-    )
-    rows = mem.rows(context)
+    unknown, y1, rows = mem.unknowns(context), row_of(context, Y1), mem.rows(context)
+    a = velocity_rates(context, K + mem.LAST)
     start, ahead, psi, difference = rows[NOW], rows[AHEAD], rows[PSI], rows[DIFFERENCE]
     delta, allowed = rows[_RESIDUAL], rows[mem.TOLERANCE]
     for i in range(f):

@@ -77,7 +77,7 @@ def complete_direction(context: Context, t: float, state: int) -> None:
         return
     tangent, p = correction_tangent_of(context), context.parameters
     q, v = ws.positions(context, state), ws.velocities(context, state)
-    weights = context.partition
+    weights = context.correction_weights
     dq, dv = mem.half(context, mem.IN, 0), mem.half(context, mem.IN, 1)
     out_q, out_v = mem.half(context, mem.OUT, 0), mem.half(context, mem.OUT, 1)
     tangent(t, q, v, p, weights, dq, dv, out_q, out_v)

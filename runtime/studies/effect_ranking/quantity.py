@@ -100,19 +100,20 @@ class Reduction(NamedTuple):
     """A reduction of a series to a number."""
 
     reduce: Callable[[Series], float]
-    meaning: str = ""  # in words, of one that takes more than one instant
+    meaning: str  # in words
     unit: str = "{}"  # by that of the series
+    needs_span: bool = False  # whether one instant is not enough
 
 
 REDUCTIONS = {
-    "end": Reduction(Series.end),
-    "max": Reduction(Series.largest),
-    "min": Reduction(Series.least),
-    "peak": Reduction(Series.peak),
-    "range": Reduction(Series.range, "largest less least value"),
-    "mean": Reduction(Series.mean, "mean over time"),
-    "rate": Reduction(Series.rate, "change over the run, a second", "{}/s"),
-    "period": Reduction(Series.period, "time between crossings of its mean", "s"),
+    "end": Reduction(Series.end, "last value"),
+    "max": Reduction(Series.largest, "largest value"),
+    "min": Reduction(Series.least, "least value"),
+    "peak": Reduction(Series.peak, "largest magnitude"),
+    "range": Reduction(Series.range, "largest less least value", needs_span=True),
+    "mean": Reduction(Series.mean, "mean over time", needs_span=True),
+    "rate": Reduction(Series.rate, "change over the run, a second", "{}/s", needs_span=True),
+    "period": Reduction(Series.period, "time between crossings of its mean", "s", needs_span=True),
 }
 
 
@@ -179,7 +180,7 @@ def _reduce(text: str, reduction: Reduction, name: str, result: Result) -> Quant
         if name in {*ENERGIES, *(one for listed in known.values() for one in listed)}:
             raise  # the scene has it, compiled without its output
         raise InputError(f"{where} {unknown_series(name, known)}") from error
-    if len(x) < 2 and reduction.meaning:
+    if len(x) < 2 and reduction.needs_span:
         raise InputError(f"{where} one instant has no {reduction.meaning}; ask for {name}.")
     if not np.isfinite(x).all():
         at = float(result.t[np.flatnonzero(~np.isfinite(x))[0]])

@@ -181,7 +181,7 @@ class Comparison:
         about = (change.name, change.kind, change.word, change.of(self.source.scene).name)
         if isinstance(trial, LinkwrightError):
             verdict = Verdict.NEEDED if change.word == LEFT_OUT else Verdict.IMPOSSIBLE
-            reason = " ".join(trial.problems)
+            reason = "; ".join(trial.problems)
             return Row(*about, None, None, None, 0.0, None, None, verdict, reason)
         delta, doubt, relative = self.change(trial)
         verdict = Verdict.NEGLIGIBLE if self.permits(trial) else Verdict.MATTERS

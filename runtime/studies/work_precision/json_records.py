@@ -3,8 +3,9 @@
 import json
 import platform
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import asdict
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +20,16 @@ _COMMON = ("model", "scene", "model_sha256", "t_start", "t_end", "instants", "en
 
 def environment() -> dict[str, str]:
     """Processor, operating system and versions: name → text."""
-    system = f"{platform.system()} {platform.machine()}"
-    facts = {"machine": processor(), "system": system, "python": platform.python_version()}
-    return {**facts, "linkwright": __version__, **{name: version(name) for name in LIBRARIES}}
+    facts = {
+        "machine": processor(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "python": platform.python_version(),
+        "linkwright": __version__,
+    }
+    for name in LIBRARIES:
+        with suppress(PackageNotFoundError):  # a library in a bundle may come without metadata
+            facts[name] = version(name)
+    return facts
 
 
 def processor() -> str:

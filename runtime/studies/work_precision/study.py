@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from codegen.errors import InputError
+from codegen.errors import AnalysisError, InputError
 from runtime.integrate.method import METHODS
 from runtime.machine import Machine
 from runtime.mechanism.module_tables import unknown
@@ -97,6 +97,11 @@ def accuracy(
     names, instants, file = _comparison(machine, quantities, reference, t_start, t_end, points)
     others = _other_models(source, modelling, beside)
     begin = machine.assemble(guess, parameters, t_start)
+    if begin.degrees_of_freedom == 0:
+        raise AnalysisError(
+            f"{machine.description.title}: drivers leave no freedom, so nothing is integrated, and "
+            "accuracy is that of Newton's method. Choose a scene that forces move."
+        )
     runner = Runner(machine, begin, instants, dict(parameters or {}), float(limit), int(steps))
     progress(
         f"{runner.title}: at most {limit:g} s and {steps:g} steps per run, "

@@ -29,7 +29,7 @@ def score(study: WorkPrecision) -> Table:
             continue
         cells = []
         for target, fastest in zip(TARGETS, best, strict=True):
-            seconds = fastest and interpretation.time_at(line, target)
+            seconds = interpretation.time_at(line, target) if fastest else None
             mark = "*" if fastest and fastest.line is line else " "
             cells.append("" if seconds is None else f"{1e3 * seconds:.3g}{mark}")
         table.add_row(line.setting.title, *cells, *_summary(study, line))

@@ -7,7 +7,6 @@ the motion: they do not count.
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
-from codegen.errors import AnalysisError
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.simulation import simulate
 from runtime.machine import Machine
@@ -24,7 +23,7 @@ MOST = 30  # safety: runs by which a time is taken, however short
 
 @dataclass(frozen=True)
 class Runner:
-    """A scene, assembled and ready to be run in any setting; AnalysisError if drivers move it."""
+    """A scene, assembled and ready to be run in any setting."""
 
     machine: Machine
     begin: Assembly
@@ -32,14 +31,6 @@ class Runner:
     parameters: dict[str, float]  # over the scene's defaults
     limit: float  # time of a run, s
     steps: int  # trial steps of a run
-
-    def __post_init__(self) -> None:
-        """Refuse a scene without freedom."""
-        if self.begin.degrees_of_freedom == 0:
-            raise AnalysisError(
-                f"{self.title}: drivers leave no freedom, so nothing is integrated, and accuracy "
-                "is that of Newton's method. Choose a scene that forces move."
-            )
 
     @property
     def title(self) -> str:

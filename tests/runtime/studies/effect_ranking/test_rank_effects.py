@@ -4,6 +4,7 @@ import dataclasses
 import json
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from runtime.studies.effect_ranking import Matters, Verdict
 from runtime.studies.effect_ranking import picture as matters_picture
 from runtime.studies.effect_ranking import terminal_table as matters_table
 from runtime.studies.effect_ranking.quantity import parse_quantity
-from runtime.studies.effect_ranking.scene_trial import count_costs
+from runtime.studies.effect_ranking.scene_trial import Comparison, count_costs
 
 MACHINES = {
     "compressor": ("slider_crank", "compressor", "max:crank.omega", 0.5),
@@ -271,6 +272,14 @@ def test_a_full_scene_that_fails_says_how(folder: Path) -> None:
     model.scene("grow", ["blow", "still"], start={ball.x: 1.0, ball.vx: 1.0})
     with pytest.raises(LinkwrightError, match=r"burst/grow: Stopped at t = "):
         matters(model, "grow", asked="ball.x", t_end=100.0, folder=folder)
+
+
+def test_problems_of_a_variant_are_told_apart() -> None:
+    change = SimpleNamespace(name="m", kind="", word="soft", of=lambda scene: scene)
+    source = SimpleNamespace(scene=SimpleNamespace(name="run"))
+    comparison = Comparison(source, None, None, None, print)  # type: ignore[arg-type]
+    row = comparison.row(change, LinkwrightError(["m is unknown", "k is negative"]))  # type: ignore[arg-type]
+    assert row.reason == "m is unknown; k is negative"
 
 
 def test_an_effect_without_which_the_run_fails_is_needed(folder: Path) -> None:

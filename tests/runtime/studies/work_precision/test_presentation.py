@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import Result
 from numpy.testing import assert_allclose
@@ -12,11 +13,18 @@ from typer.testing import CliRunner
 
 from runtime.cli.app import app
 from runtime.integrate.method import METHODS
-from runtime.studies.work_precision import WorkPrecision
+from runtime.studies.work_precision import WorkPrecision, json_records
 from runtime.studies.work_precision import picture as accuracy_picture
 from runtime.studies.work_precision import terminal_table as accuracy_table
 from runtime.studies.work_precision.interpretation import sentences
 from runtime.studies.work_precision.json_records import records
+
+
+def test_a_library_without_metadata_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(json_records, "LIBRARIES", ("numpy", "no-such-library"))
+    facts = json_records.environment()
+    assert facts["numpy"] == np.__version__
+    assert "no-such-library" not in facts
 
 
 def test_a_row_is_written_for_every_run(swing: WorkPrecision, tmp_path: Path) -> None:

@@ -182,6 +182,16 @@ def test_failures_are_points(rig: str, folder: Path, few: dict[str, Any]) -> Non
         accuracy(rig, "swing", folder=folder, steps=1, modelling=False, **few)
 
 
+def test_a_scene_beside_whose_drivers_leave_no_freedom_is_tried(
+    rig: str, folder: Path, few: dict[str, Any]
+) -> None:
+    found = accuracy(rig, "swing", folder=folder, beside=("driven",), modelling=False, **few)
+    (driven,) = found.choices
+    assert driven.point is not None
+    assert driven.point.outcome == "OK"
+    assert not driven.reason
+
+
 def test_tolerances_go_on_until_nine_digits(rig: str, folder: Path) -> None:
     machine = load(rig, "swing", folder=folder)
     runner = Runner(machine, machine.assemble(), np.array([1.0, 2.0]), {}, 60.0, 10**6)
